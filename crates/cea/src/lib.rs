@@ -1,0 +1,12 @@
+//! Complex eigenvalue analysis of second-order systems.
+//!
+//! Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so `Re lambda > 0` grows and `f = Im lambda / 2 pi`.
+//! This crate never sees a lattice, a friction law or a random number.
+
+mod error;
+mod solver;
+mod spectrum;
+
+pub use error::CeaError;
+pub use solver::{Counters, EigenSolver, Workspace};
+pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};

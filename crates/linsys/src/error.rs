@@ -1,0 +1,87 @@
+//! What can be wrong with a system or a constraint.
+
+use std::fmt;
+
+/// Names a matrix of a [`SecondOrder`](crate::SecondOrder) in an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Matrix {
+    /// M, n x n.
+    Mass,
+    /// C, n x n.
+    Damping,
+    /// K, n x n.
+    Stiffness,
+    /// a, the decay rates of the internal states, length s.
+    Decay,
+    /// E, s x n: velocities into internal states.
+    Drive,
+    /// F, n x s: internal states into forces.
+    Force,
+}
+
+impl fmt::Display for Matrix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mass => "mass",
+            Self::Damping => "damping",
+            Self::Stiffness => "stiffness",
+            Self::Decay => "decay",
+            Self::Drive => "drive",
+            Self::Force => "force",
+        })
+    }
+}
+
+/// Errors of this crate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LinsysError {
+    /// A matrix does not have the shape that the others imply.
+    #[error("the {matrix} matrix is {rows} x {columns}; expected {expected_rows} x {expected_columns}")]
+    Shape {
+        /// Which one.
+        matrix: Matrix,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// What fits.
+        expected_rows: usize,
+        /// What fits.
+        expected_columns: usize,
+    },
+    /// The system has no degrees of freedom.
+    #[error("the system has no degrees of freedom")]
+    Empty,
+    /// An entry is NaN or infinite.
+    #[error("the {matrix} matrix has {value} in row {row}, column {column}; every entry must be finite")]
+    NotFinite {
+        /// Which matrix.
+        matrix: Matrix,
+        /// Row, from 1.
+        row: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What stands there.
+        value: f64,
+    },
+    /// A constraint names a degree of freedom that is not there.
+    #[error("constraint on degree of freedom {dof}; there are {total}, numbered from 0")]
+    UnknownDof {
+        /// The index asked for, from 0.
+        dof: usize,
+        /// How many there are.
+        total: usize,
+    },
+    /// A degree of freedom is constrained twice.
+    #[error("degree of freedom {dof} is constrained twice")]
+    ConstrainedTwice {
+        /// The index, from 0.
+        dof: usize,
+    },
+    /// Nothing is left to move.
+    #[error("all {total} degrees of freedom are constrained")]
+    AllConstrained {
+        /// How many there are.
+        total: usize,
+    },
+}

@@ -1,0 +1,180 @@
+//! The system itself.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::{LinsysError, Matrix};
+
+/// `M u'' + C u' + K u = F z`, `z' = -a z + E u'`.
+///
+/// The fields are public so that a model can refill a system in place, sample after sample, without
+/// allocating; [`SecondOrder::check`] says whether what stands in them is a system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondOrder {
+    /// M, n x n.
+    pub m: DMatrix<f64>,
+    /// C, n x n.
+    pub c: DMatrix<f64>,
+    /// K, n x n.
+    pub k: DMatrix<f64>,
+    /// The first-order states, none for most systems (s = 0).
+    pub internal: Internal,
+}
+
+/// First-order states driven by velocities: `z' = -a z + E u'`, with the force `F z` on the right-hand side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Internal {
+    /// a, decay rates in 1/s, length s.
+    pub decay: DVector<f64>,
+    /// E, s x n.
+    pub drive: DMatrix<f64>,
+    /// F, n x s.
+    pub force: DMatrix<f64>,
+}
+
+impl Internal {
+    /// `states` internal states on `order` degrees of freedom, all zero.
+    pub fn zeros(order: usize, states: usize) -> Self {
+        Self {
+            decay: DVector::zeros(states),
+            drive: DMatrix::zeros(states, order),
+            force: DMatrix::zeros(order, states),
+        }
+    }
+}
+
+impl SecondOrder {
+    /// A system without internal states.
+    ///
+    /// # Errors
+    /// No degrees of freedom, shapes that differ, an entry that is not finite.
+    pub fn new(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Self, LinsysError> {
+        let internal = Internal::zeros(m.nrows(), 0);
+        Self::with_internal(m, c, k, internal)
+    }
+
+    /// A system with internal states.
+    ///
+    /// # Errors
+    /// As [`SecondOrder::new`].
+    pub fn with_internal(
+        m: DMatrix<f64>,
+        c: DMatrix<f64>,
+        k: DMatrix<f64>,
+        internal: Internal,
+    ) -> Result<Self, LinsysError> {
+        let system = Self { m, c, k, internal };
+        system.check()?;
+        Ok(system)
+    }
+
+    /// A buffer to be filled: all matrices zero.
+    pub fn zeros(order: usize, states: usize) -> Self {
+        let zero = || DMatrix::zeros(order, order);
+        Self { m: zero(), c: zero(), k: zero(), internal: Internal::zeros(order, states) }
+    }
+
+    /// n, the number of degrees of freedom.
+    pub fn order(&self) -> usize {
+        self.m.nrows()
+    }
+
+    /// s, the number of internal states.
+    pub fn states(&self) -> usize {
+        self.internal.decay.len()
+    }
+
+    /// 2 n + s, the number of eigenvalues where M is regular.
+    pub fn dimension(&self) -> usize {
+        2 * self.order() + self.states()
+    }
+
+    /// Shapes agree and every entry is finite.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self) -> Result<(), LinsysError> {
+        let (n, s) = (self.order(), self.states());
+        if n == 0 {
+            return Err(LinsysError::Empty);
+        }
+        let parts = [
+            (Matrix::Mass, &self.m, n, n),
+            (Matrix::Damping, &self.c, n, n),
+            (Matrix::Stiffness, &self.k, n, n),
+            (Matrix::Drive, &self.internal.drive, s, n),
+            (Matrix::Force, &self.internal.force, n, s),
+        ];
+        for (name, matrix, rows, columns) in parts {
+            if matrix.shape() != (rows, columns) {
+                return Err(LinsysError::Shape {
+                    matrix: name,
+                    rows: matrix.nrows(),
+                    columns: matrix.ncols(),
+                    expected_rows: rows,
+                    expected_columns: columns,
+                });
+            }
+            if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
+                let (row, column) = (at % rows, at / rows);
+                return Err(not_finite(name, row, column, matrix[(row, column)]));
+            }
+        }
+        match self.internal.decay.iter().position(|x| !x.is_finite()) {
+            Some(row) => Err(not_finite(Matrix::Decay, row, 0, self.internal.decay[row])),
+            None => Ok(()),
+        }
+    }
+
+    /// `Q(lambda) = lambda^2 M + lambda C + K - lambda F diag(1 / (lambda + a)) E`, n x n.
+    ///
+    /// `lambda` is an eigenvalue exactly where Q is singular, unless it equals `-a` of a state.
+    pub fn dynamic_stiffness(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let n = self.order();
+        let square = lambda * lambda;
+        let mut q = DMatrix::from_fn(n, n, |i, j| square * self.m[(i, j)] + lambda * self.c[(i, j)] + self.k[(i, j)]);
+        for state in 0..self.states() {
+            let gain = lambda / (lambda + self.internal.decay[state]);
+            for (j, &drive) in self.internal.drive.row(state).iter().enumerate() {
+                if drive == 0.0 {
+                    continue;
+                }
+                for (i, &force) in self.internal.force.column(state).iter().enumerate() {
+                    q[(i, j)] -= gain * (force * drive);
+                }
+            }
+        }
+        q
+    }
+}
+
+fn not_finite(matrix: Matrix, row: usize, column: usize, value: f64) -> LinsysError {
+    LinsysError::NotFinite { matrix, row: row + 1, column: column + 1, value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{dmatrix, dvector};
+
+    #[test]
+    fn internal_state_acts_as_its_complex_slope() {
+        // m u'' + k u = f z, z' = -a z + e u'  =>  lambda^2 m + k - f e lambda / (lambda + a) = 0.
+        let internal = Internal { decay: dvector![3.0], drive: dmatrix![2.0], force: dmatrix![-5.0] };
+        let system = SecondOrder::with_internal(dmatrix![1.5], dmatrix![0.0], dmatrix![7.0], internal).unwrap();
+        let lambda = Complex::new(0.3, 1.1);
+        let expected = lambda * lambda * 1.5 + 7.0 + lambda * 10.0 / (lambda + 3.0);
+        assert!((system.dynamic_stiffness(lambda)[(0, 0)] - expected).norm() < 1e-14);
+        assert_eq!(system.dimension(), 3);
+    }
+
+    #[test]
+    fn says_what_is_wrong() {
+        let one = || dmatrix![1.0];
+        let error = SecondOrder::new(one(), dmatrix![1.0, 2.0], one()).unwrap_err();
+        assert_eq!(error.to_string(), "the damping matrix is 1 x 2; expected 1 x 1");
+        let error = SecondOrder::new(one(), one(), dmatrix![f64::NAN]).unwrap_err();
+        assert!(error.to_string().contains("stiffness matrix has NaN in row 1, column 1"));
+        assert_eq!(SecondOrder::new(DMatrix::zeros(0, 0), one(), one()), Err(LinsysError::Empty));
+    }
+}
