@@ -9,13 +9,11 @@ pub enum CeaError {
     /// The system itself is malformed.
     #[error(transparent)]
     System(#[from] LinsysError),
-    /// The mass matrix is singular to working precision, so the standard form does not exist.
-    #[error(
-        "the mass matrix is singular (reciprocal condition number {reciprocal_condition:.1e}); the standard form needs its inverse"
-    )]
-    SingularMass {
-        /// An estimate of 1 / cond(M).
-        reciprocal_condition: f64,
+    /// The standard form needs a symmetric positive definite mass matrix.
+    #[error("the mass matrix is not symmetric positive definite (row {row}); the standard form needs one that is")]
+    MassNotPositiveDefinite {
+        /// The row, from 1, where this shows first.
+        row: usize,
     },
     /// The QR iteration stopped at its cap.
     #[error("the QR iteration did not converge within {iterations} steps for {dimension} eigenvalues")]

@@ -4,9 +4,15 @@
 //! This crate never sees a lattice, a friction law or a random number.
 
 mod error;
+mod scaling;
+mod schur;
 mod solver;
 mod spectrum;
+mod vectors;
 
 pub use error::CeaError;
+pub use scaling::StandardForm;
+pub use schur::SchurSolver;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
+pub use vectors::{backward_error, left_vector, right_vector, right_vectors};

@@ -1,0 +1,207 @@
+//! Chosen eigenvectors by inverse iteration on the n x n matrix `Q(lambda)`.
+//!
+//! A Schur form with vectors costs twice one without, and most scenes want none or a few. One factorisation of
+//! `Q(lambda)`, internal states eliminated, gives the right or the left vector of one eigenvalue (Ipsen, SIAM
+//! Review 39, 1997).
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::{CeaError, Workspace};
+
+/// Largest normwise backward error of an accepted pair (lambda, phi).
+const LARGEST_RESIDUAL: f64 = 1e-9;
+/// Solves with one factorisation; one nearly always does.
+const MOST_STEPS: usize = 4;
+
+/// phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
+///
+/// # Errors
+/// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
+pub fn right_vector(
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    let q = regular_dynamic_stiffness(system, lambda);
+    null_vector(&q, lambda, size(system, lambda), &[], work)
+}
+
+/// psi with `psi^H Q(lambda) = 0`, length n, normalised as [`right_vector`].
+///
+/// # Errors
+/// As [`right_vector`].
+pub fn left_vector(
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    let q = regular_dynamic_stiffness(system, lambda).adjoint();
+    null_vector(&q, lambda, size(system, lambda), &[], work)
+}
+
+/// The right vector of each eigenvalue, in order; those of a semisimple multiple eigenvalue are independent.
+///
+/// Inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector comes
+/// out parallel to that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to it; where
+/// this leaves no vector (a defective pair) the parallel one stands, as it should.
+///
+/// # Errors
+/// As [`right_vector`].
+pub fn right_vectors(
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    work: &mut Workspace,
+) -> Result<Vec<DVector<Complex<f64>>>, CeaError> {
+    let mut vectors: Vec<DVector<Complex<f64>>> = Vec::with_capacity(lambdas.len());
+    for (i, &lambda) in lambdas.iter().enumerate() {
+        let q = regular_dynamic_stiffness(system, lambda);
+        let size = size(system, lambda);
+        let mut vector = null_vector(&q, lambda, size, &[], work)?;
+        let near: Vec<_> = (0..i).filter(|&j| (lambdas[j] - lambda).norm() <= 1e-6 * lambda.norm()).collect();
+        if near.iter().any(|&j| vectors[j].dotc(&vector).norm() > 1.0 - 1e-6) {
+            let others: Vec<_> = near.iter().map(|&j| vectors[j].clone()).collect();
+            if let Ok(independent) = null_vector(&q, lambda, size, &others, work) {
+                vector = independent;
+            }
+        }
+        vectors.push(vector);
+    }
+    Ok(vectors)
+}
+
+/// Normwise backward error of (lambda, phi): `|Q(lambda) phi| / ((sum |lambda|^j |A_j|) |phi|)`, Frobenius norms
+/// (Tisseur, Linear Algebra Appl. 309, 2000).
+pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<Complex<f64>>) -> f64 {
+    (system.dynamic_stiffness(lambda) * phi).norm() / (size(system, lambda) * phi.norm())
+}
+
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share, the size of a perturbation of order one.
+pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+    let l = lambda.norm();
+    let states = (0..system.states()).map(|s| {
+        let gain = (lambda / (lambda + system.internal.decay[s])).norm();
+        gain.min(1.0 / f64::EPSILON) * system.internal.drive.row(s).norm() * system.internal.force.column(s).norm()
+    });
+    l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states.sum::<f64>()
+}
+
+/// `Q(lambda)`, moved by a rounding error where lambda sits exactly on the pole of an internal state.
+fn regular_dynamic_stiffness(system: &SecondOrder, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+    let on_pole = system.internal.decay.iter().any(|&a| lambda == Complex::from(-a));
+    system.dynamic_stiffness(if on_pole { lambda * (1.0 + 4.0 * f64::EPSILON) } else { lambda })
+}
+
+fn null_vector(
+    q: &DMatrix<Complex<f64>>,
+    lambda: Complex<f64>,
+    size: f64,
+    orthogonal_to: &[DVector<Complex<f64>>],
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    work.counters.factorisations += 1;
+    work.counters.eigenvectors += 1;
+    let n = q.nrows();
+    let project = |x: &mut DVector<Complex<f64>>| {
+        for other in orthogonal_to {
+            let overlap = other.dotc(x);
+            x.axpy(-overlap, other, Complex::from(1.0));
+        }
+    };
+    let factor = q.clone().lu();
+    // An exactly singular Q has a zero pivot; a pivot of rounding size gives the same vector.
+    let factor = if factor.is_invertible() {
+        factor
+    } else {
+        (q + DMatrix::identity(n, n) * Complex::from(f64::EPSILON * size.max(f64::MIN_POSITIVE))).lu()
+    };
+    // Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and
+    // differs from the start that found the vectors to avoid.
+    let mut x = DVector::from_fn(n, |i, _| {
+        let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + orthogonal_to.len()) as f64;
+        Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle)
+    });
+    let mut residual = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        project(&mut x);
+        if !factor.solve_mut(&mut x) {
+            break;
+        }
+        project(&mut x);
+        let norm = x.norm();
+        if !(norm.is_finite() && norm > 0.0) {
+            break;
+        }
+        x.unscale_mut(norm);
+        let now = (q * &x).norm() / size.max(f64::MIN_POSITIVE);
+        if now <= 1e-14 || (now <= LARGEST_RESIDUAL && now >= 0.5 * residual) {
+            residual = now;
+            break;
+        }
+        residual = now;
+    }
+    if residual.is_nan() || residual > LARGEST_RESIDUAL {
+        return Err(CeaError::NoEigenvector { lambda, residual });
+    }
+    fix_phase(&mut x);
+    Ok(x)
+}
+
+fn fix_phase(x: &mut DVector<Complex<f64>>) {
+    let largest =
+        x.iter().fold(Complex::from(0.0), |m: Complex<f64>, &v| if v.norm() > m.norm() * (1.0 + 1e-9) { v } else { m });
+    let turn = largest.conj() / largest.norm();
+    x.apply(|v| *v *= turn);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EigenSolver, SchurSolver};
+    use nalgebra::dmatrix;
+
+    fn flutter() -> SecondOrder {
+        SecondOrder::new(dmatrix![2.0, 0.0; 0.0, 3.0], dmatrix![0.3, 0.1; 0.0, 0.2], dmatrix![40.0, -30.0; 30.0, 70.0])
+            .unwrap()
+    }
+
+    #[test]
+    fn right_and_left_vectors_annihilate_q() {
+        let (system, mut work) = (flutter(), Workspace::default());
+        for lambda in SchurSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues {
+            let phi = right_vector(&system, lambda, &mut work).unwrap();
+            let psi = left_vector(&system, lambda, &mut work).unwrap();
+            let q = system.dynamic_stiffness(lambda);
+            assert!((&q * &phi).norm() < 1e-12);
+            assert!((psi.adjoint() * &q).norm() < 1e-12);
+            assert!(backward_error(&system, lambda, &phi) < 1e-14);
+        }
+        assert_eq!((work.counters.eigenvalue_solves, work.counters.eigenvectors), (1, 8));
+    }
+
+    #[test]
+    fn a_double_eigenvalue_gets_two_independent_vectors() {
+        let system =
+            SecondOrder::new(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), DMatrix::identity(3, 3) * 4.0).unwrap();
+        let two_i = Complex::new(0.0, 2.0);
+        let vectors = right_vectors(&system, &[two_i; 3], &mut Workspace::default()).unwrap();
+        let gram = DMatrix::from_fn(3, 3, |i, j| vectors[i].dotc(&vectors[j]).norm());
+        assert!((gram - DMatrix::identity(3, 3)).norm() < 1e-10);
+    }
+
+    #[test]
+    fn a_defective_pair_keeps_its_one_vector() {
+        // K is a Jordan block: lambda = 2i twice, one eigenvector.
+        let system =
+            SecondOrder::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![4.0, 1.0; 0.0, 4.0]).unwrap();
+        let vectors = right_vectors(&system, &[Complex::new(0.0, 2.0); 2], &mut Workspace::default()).unwrap();
+        assert!(vectors.iter().all(|v| (v[0].re - 1.0).abs() < 1e-7));
+    }
+
+    #[test]
+    fn what_is_no_eigenvalue_has_no_eigenvector() {
+        let wrong = right_vector(&flutter(), Complex::new(0.0, 1.0), &mut Workspace::default());
+        assert!(matches!(wrong, Err(CeaError::NoEigenvector { .. })));
+    }
+}
