@@ -4,15 +4,21 @@
 //! This crate never sees a lattice, a friction law or a random number.
 
 mod error;
+mod mac;
+mod modes;
 mod scaling;
 mod schur;
 mod solver;
 mod spectrum;
+mod track;
 mod vectors;
 
 pub use error::CeaError;
+pub use mac::{Mode, mac};
+pub use modes::{Modes, mass_norm_squared, pair_numbers};
 pub use scaling::StandardForm;
 pub use schur::SchurSolver;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
+pub use track::{follow, with_idle_states};
 pub use vectors::{backward_error, left_vector, right_vector, right_vectors};

@@ -24,6 +24,8 @@ pub struct StandardForm {
     pub state: DMatrix<f64>,
     /// gamma, rad/s: `lambda = gamma sigma`.
     pub gamma: f64,
+    /// d, the unit of each internal state: `z = d z_scaled`, length s.
+    pub state_weights: Vec<f64>,
 }
 
 impl StandardForm {
@@ -52,6 +54,7 @@ impl StandardForm {
                 state[(n + i, n + j)] = -damping[(i, j)] / gamma;
             }
         }
+        let mut state_weights = Vec::with_capacity(s);
         for state_index in 0..s {
             let at = 2 * n + state_index;
             let (into, out_of) = (drive.row(state_index).norm(), force.column(state_index).norm() / square);
@@ -61,13 +64,14 @@ impl StandardForm {
                 (false, true) => 1.0 / out_of,
                 (false, false) => 1.0,
             };
+            state_weights.push(weight);
             for i in 0..n {
                 state[(at, n + i)] = drive[(state_index, i)] / weight;
                 state[(n + i, at)] = force[(i, state_index)] * weight / square;
             }
             state[(at, at)] = -system.internal.decay[state_index] / gamma;
         }
-        Ok(Self { state, gamma })
+        Ok(Self { state, gamma, state_weights })
     }
 }
 

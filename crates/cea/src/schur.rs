@@ -29,7 +29,7 @@ pub struct SchurSolver;
 
 impl EigenSolver for SchurSolver {
     fn eigenvalues(&self, system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError> {
-        let StandardForm { state, gamma } = StandardForm::new(system)?;
+        let StandardForm { state, gamma, .. } = StandardForm::new(system)?;
         let dimension = state.nrows();
         let scale = gamma * state.norm();
         let cap = STEPS_PER_EIGENVALUE * dimension;
