@@ -87,11 +87,16 @@ impl Walk {
     /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
     fn advance(&mut self, new: &[Mode], mass: &DMatrix<f64>, last_try: bool) -> bool {
         let matches = match_modes(&self.modes, new, mass);
-        let hopeless = |f: usize| {
-            let to = matches[f].to;
-            to.is_some_and(|to| matches[f].rivals.iter().all(|&r| r != to && is_multiple(&new[to], &new[r])))
+        // A pair that is multiple before and after the step; one that only crosses is told apart by a longer step.
+        let is_inseparable = |f: usize, r: usize| {
+            let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));
+            let before = other.is_some_and(|g| is_multiple(&self.modes[f], &self.modes[g]));
+            before && matches[f].to.is_some_and(|to| is_multiple(&new[to], &new[r]))
         };
-        if !last_try && (0..matches.len()).any(|f| !matches[f].is_clear() && !hopeless(f)) {
+        let is_settled = |f: usize| {
+            matches[f].is_clear() || matches[f].to.is_some() && matches[f].rivals.iter().all(|&r| is_inseparable(f, r))
+        };
+        if !last_try && !(0..matches.len()).all(is_settled) {
             return false;
         }
         // Who ends where: first the assigned ones, then rivals that nobody else became.
