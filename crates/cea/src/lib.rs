@@ -10,6 +10,7 @@ mod scaling;
 mod schur;
 mod solver;
 mod spectrum;
+mod stability;
 mod track;
 mod vectors;
 
@@ -20,5 +21,6 @@ pub use scaling::StandardForm;
 pub use schur::SchurSolver;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
+pub use stability::verdict;
 pub use track::{follow, with_idle_states};
 pub use vectors::{backward_error, left_vector, right_vector, right_vectors};

@@ -146,6 +146,23 @@ impl SecondOrder {
         }
         q
     }
+
+    /// `Q'(lambda) = 2 lambda M + C - F diag(a / (lambda + a)^2) E`, n x n.
+    pub fn dynamic_stiffness_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let n = self.order();
+        let mut q = DMatrix::from_fn(n, n, |i, j| lambda * (2.0 * self.m[(i, j)]) + self.c[(i, j)]);
+        for state in 0..self.states() {
+            let decay = self.internal.decay[state];
+            let gain = decay / ((lambda + decay) * (lambda + decay));
+            let (drive, force) = (self.internal.drive.row(state), self.internal.force.column(state));
+            for j in (0..n).filter(|&j| drive[j] != 0.0) {
+                for i in 0..n {
+                    q[(i, j)] -= gain * (force[i] * drive[j]);
+                }
+            }
+        }
+        q
+    }
 }
 
 fn not_finite(matrix: Matrix, row: usize, column: usize, value: f64) -> LinsysError {
@@ -166,6 +183,18 @@ mod tests {
         let expected = lambda * lambda * 1.5 + 7.0 + lambda * 10.0 / (lambda + 3.0);
         assert!((system.dynamic_stiffness(lambda)[(0, 0)] - expected).norm() < 1e-14);
         assert_eq!(system.dimension(), 3);
+    }
+
+    #[test]
+    fn the_derivative_is_the_limit_of_differences() {
+        let internal = Internal { decay: dvector![3.0], drive: dmatrix![2.0, 0.0], force: dmatrix![-5.0; 1.0] };
+        let (m, c, k) = (dmatrix![1.5, 0.1; 0.1, 2.0], dmatrix![0.2, 0.0; 0.3, 0.1], dmatrix![7.0, -1.0; 2.0, 9.0]);
+        let system = SecondOrder::with_internal(m, c, k, internal).unwrap();
+        let (lambda, step) = (Complex::new(-0.3, 1.1), 1e-5);
+        let ahead = system.dynamic_stiffness(lambda + step);
+        let behind = system.dynamic_stiffness(lambda - step);
+        let difference = (ahead - behind) / Complex::from(2.0 * step);
+        assert!((difference - system.dynamic_stiffness_derivative(lambda)).norm() < 1e-8);
     }
 
     #[test]
