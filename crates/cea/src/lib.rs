@@ -22,5 +22,5 @@ pub use schur::SchurSolver;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;
-pub use track::{follow, with_idle_states};
+pub use track::{follow, identify, with_idle_states};
 pub use vectors::{backward_error, left_vector, right_vector, right_vectors};

@@ -60,6 +60,30 @@ pub fn follow(
     Ok(walk.candidates.into_iter().map(|set| set.into_iter().map(|f| walk.indices[f]).collect()).collect())
 }
 
+/// Which of the known modes `end` of `to` the modes `start` of `from` are: by MAC where that is beyond doubt, by
+/// [`follow`]ing those where it is not. The result is as that of [`follow`].
+///
+/// # Errors
+/// As [`follow`].
+pub fn identify(
+    solver: &dyn EigenSolver,
+    (from, start): (&SecondOrder, &[Mode]),
+    (to, end): (&SecondOrder, &[Mode]),
+    work: &mut Workspace,
+) -> Result<Vec<Vec<usize>>, CeaError> {
+    let matches = match_modes(start, end, &from.m);
+    let far: Vec<usize> = (0..start.len()).filter(|&i| !matches[i].is_clear()).collect();
+    let mut found: Vec<Vec<usize>> = matches.iter().map(|m| m.to.into_iter().collect()).collect();
+    if !far.is_empty() {
+        work.counters.continuations += far.len() as u64;
+        let modes: Vec<Mode> = far.iter().map(|&i| start[i].clone()).collect();
+        for (&i, candidates) in far.iter().zip(follow(solver, (from, &modes), (to, end), work)?) {
+            found[i] = candidates;
+        }
+    }
+    Ok(found)
+}
+
 /// `system` with the internal states of `like`, which do not act back on it: the same modes, a common shape.
 ///
 /// `like` must have as many degrees of freedom, and `system` no states of its own.

@@ -1,0 +1,48 @@
+//! What can be wrong with a case file, each in one line.
+
+use std::path::PathBuf;
+
+/// Errors of reading a case.
+#[derive(Debug, thiserror::Error)]
+pub enum CaseError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Not TOML, an unknown or missing field, a wrong type.
+    #[error("{}: line {line}: {message}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What the parser says, in one line.
+        message: String,
+    },
+    /// A value that is well-formed and not allowed.
+    #[error("{}: {field} = {value}; allowed: {allowed}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The field, as `table.key`.
+        field: String,
+        /// What stands there.
+        value: String,
+        /// What may stand there.
+        allowed: String,
+    },
+    /// The lattice refuses its parameters, an arrangement or a constraint.
+    #[error("{}: {table}: {source}", path.display())]
+    Lattice {
+        /// The file.
+        path: PathBuf,
+        /// The table of the case file.
+        table: String,
+        /// What is wrong.
+        source: osc_model::OscModelError,
+    },
+}

@@ -1,0 +1,187 @@
+//! The fields of a case file, as they stand in it. docs/case-files.md is their description for people.
+
+use serde::{Deserialize, Serialize};
+
+use super::Distribution;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct File {
+    pub study: Study,
+    pub lattice: Lattice,
+    pub contact: Contact,
+    #[serde(default)]
+    pub constraints: Vec<Constraints>,
+    pub speeds: Vec<Speeds>,
+    pub readings: Readings,
+    pub friction: Friction,
+    pub paper: Option<super::Paper>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Study {
+    pub name: String,
+    pub laws: Vec<Law>,
+    pub samples: u64,
+    pub seed: u64,
+}
+
+/// A friction law by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Constant coefficient.
+    AmontonsCoulomb,
+    /// Coefficient that falls exponentially with speed.
+    VelocityDependent,
+    /// Bristles: one internal state per contact.
+    #[serde(rename = "lugre")]
+    LuGre,
+    /// LuGre's steady curve without its bristles.
+    Stribeck,
+}
+
+/// One value for all, a value each, or walls and inner springs of each chain.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
+pub(super) enum Values {
+    All(f64),
+    Each(Vec<f64>),
+    Chain(Chain),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Chain {
+    pub wall: f64,
+    pub inner: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Lattice {
+    pub rows: usize,
+    pub columns: usize,
+    pub oscillator_mass: Values,
+    pub x_stiffness: Values,
+    pub y_stiffness: Values,
+    pub x_damping: Values,
+    pub y_damping: Values,
+    pub z_damping: Values,
+    pub inclined_stiffness: Values,
+    pub theta: f64,
+    pub phi: f64,
+    pub contact_stiffness: Values,
+    pub plate: Plate,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Plate {
+    pub mass: f64,
+    pub stiffness: [f64; 3],
+    pub damping: [f64; 3],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Contact {
+    #[serde(default)]
+    pub in_contact: Vec<usize>,
+    #[serde(default)]
+    pub arrangements: Vec<Vec<usize>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Constraints {
+    pub name: String,
+    pub fixed: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Speeds {
+    pub name: String,
+    pub from: f64,
+    pub to: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Readings {
+    pub lean: Lean,
+    pub lateral: Lateral,
+    pub draws: Draws,
+    pub labels: Labels,
+    pub preload: Preload,
+    pub bristle_damping: BristleDamping,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Lean {
+    Against,
+    Along,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Lateral {
+    None,
+    Coupled,
+    CoupledMinus,
+    Vector,
+}
+
+/// Friction parameters of the oscillators in one sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Draws {
+    /// One draw, the same for all: the lattice keeps its symmetry.
+    Shared,
+    /// A draw for each oscillator.
+    Each,
+}
+
+/// How modes are named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Labels {
+    /// By shape: the frequency rank of the mode it continues, all in contact at median parameters.
+    Tracked,
+    /// By frequency rank in its own sample, 1 to n.
+    Rank,
+    /// By place among all 2 n eigenvalues in its own sample: rank r is named 2 r - 1.
+    Pair,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Preload {
+    PerContact(f64),
+    Clamp(f64),
+    Equilibrium(f64),
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum BristleDamping {
+    Constant,
+    Decaying,
+    None,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Friction {
+    pub mu: Distribution,
+    pub mu_s: Distribution,
+    pub mu_k: Distribution,
+    pub alpha: Distribution,
+    pub v_s: Distribution,
+    pub sigma0: Distribution,
+    pub sigma1: Distribution,
+    pub sigma2: Distribution,
+}

@@ -1,0 +1,131 @@
+//! One draw of the uncertain parameters, and the friction law that it makes.
+
+use friction::{
+    AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
+    Tangent, VelocityDependent, VelocityDependentParameters,
+};
+use rand::Rng;
+use rand_distr::{Distribution as _, StandardUniform};
+
+use crate::case::{Case, Draws, FrictionDistributions, Law};
+
+/// Friction parameters of one contact, those of every law: scenes of different laws see the same draw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionDraw {
+    /// Amontons-Coulomb's coefficient.
+    pub mu: f64,
+    /// Coefficient across the sliding for the laws that are not Amontons-Coulomb's.
+    pub lateral_mu: f64,
+    /// Static coefficient, raised to `mu_k` where it was drawn below.
+    pub mu_s: f64,
+    /// Kinetic coefficient.
+    pub mu_k: f64,
+    /// Decay over speed, s/m.
+    pub alpha: f64,
+    /// Stribeck speed, m/s.
+    pub v_s: f64,
+    /// Bristle stiffness, 1/m.
+    pub sigma0: f64,
+    /// Bristle damping, s/m.
+    pub sigma1: f64,
+    /// Viscous coefficient, s/m.
+    pub sigma2: f64,
+}
+
+impl FrictionDraw {
+    fn draw(from: &FrictionDistributions, rng: &mut impl Rng) -> Self {
+        let mut next = |distribution: crate::case::Distribution| distribution.draw(rng);
+        let (mu, lateral_mu, mu_s, mu_k) = (next(from.mu), next(from.mu), next(from.mu_s), next(from.mu_k));
+        Self {
+            mu,
+            lateral_mu,
+            mu_s: mu_s.max(mu_k),
+            mu_k,
+            alpha: next(from.alpha),
+            v_s: next(from.v_s),
+            sigma0: next(from.sigma0),
+            sigma1: next(from.sigma1),
+            sigma2: next(from.sigma2),
+        }
+    }
+
+    fn median(from: &FrictionDistributions) -> Self {
+        Self {
+            mu: from.mu.median(),
+            lateral_mu: from.mu.median(),
+            mu_s: from.mu_s.median(),
+            mu_k: from.mu_k.median(),
+            alpha: from.alpha.median(),
+            v_s: from.v_s.median(),
+            sigma0: from.sigma0.median(),
+            sigma1: from.sigma1.median(),
+            sigma2: from.sigma2.median(),
+        }
+    }
+
+    /// The tangent of `law` at `speed`, m/s. `bristle_damping` is reading R9; `None` sets sigma1 to 0.
+    ///
+    /// # Errors
+    /// Parameters that the law refuses.
+    pub fn tangent(
+        &self,
+        law: Law,
+        speed: f64,
+        bristle_damping: Option<BristleDamping>,
+    ) -> Result<Tangent, FrictionError> {
+        let Self { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2, .. } = *self;
+        match law {
+            Law::AmontonsCoulomb => AmontonsCoulomb::new(mu)?.tangent_at(speed),
+            Law::VelocityDependent => {
+                VelocityDependent::new(VelocityDependentParameters { mu_s, mu_k, alpha })?.tangent_at(speed)
+            }
+            Law::Stribeck => Stribeck::new(StribeckParameters { mu_s, mu_k, v_s, sigma2 })?.tangent_at(speed),
+            Law::LuGre => LuGre::new(LuGreParameters {
+                mu_s,
+                mu_k,
+                v_s,
+                sigma0,
+                sigma1: if bristle_damping.is_some() { sigma1 } else { 0.0 },
+                sigma2,
+                bristle_damping: bristle_damping.unwrap_or(BristleDamping::Constant),
+            })?
+            .tangent_at(speed),
+        }
+    }
+
+    /// mu_y: Amontons-Coulomb has one coefficient in all directions, the other laws draw that across on its own.
+    pub fn lateral(&self, law: Law) -> f64 {
+        if law == Law::AmontonsCoulomb { self.mu } else { self.lateral_mu }
+    }
+}
+
+/// One sample: all that is uncertain in one CEA.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// One draw shared by all oscillators, or one for each.
+    contacts: Vec<FrictionDraw>,
+    /// Where in a speed range the speed lies, uniform in 0..1.
+    pub speed_quantile: f64,
+}
+
+impl Sample {
+    /// Draws a sample of `case`.
+    pub fn draw(case: &Case, rng: &mut impl Rng) -> Self {
+        let speed_quantile = StandardUniform.sample(rng);
+        let count = match case.readings.draws {
+            Draws::Shared => 1,
+            Draws::Each => case.lattice.grid.oscillators(),
+        };
+        Self { contacts: (0..count).map(|_| FrictionDraw::draw(&case.friction, rng)).collect(), speed_quantile }
+    }
+
+    /// The medians of all distributions.
+    pub fn median(case: &Case) -> Self {
+        Self { contacts: vec![FrictionDraw::median(&case.friction)], speed_quantile: 0.5 }
+    }
+
+    /// The draw of an oscillator, by index from 0.
+    pub fn contact(&self, oscillator: usize) -> &FrictionDraw {
+        &self.contacts[oscillator % self.contacts.len()]
+    }
+}

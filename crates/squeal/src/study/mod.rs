@@ -1,0 +1,20 @@
+//! The study of a case: every draw of the friction parameters in every scene.
+//!
+//! A *scene* is a constraint set, a friction law, a contact arrangement and a speed range. The hierarchy of the paper
+//! (law, number in contact, arrangement, speed range, samples) is the hierarchy of the report; the run goes through it
+//! the other way round, one draw in all scenes, so that scenes are compared on the same draws and memory does not grow
+//! with the number of samples.
+
+mod compare;
+mod draw;
+mod evaluate;
+mod reference;
+mod scene;
+mod tally;
+
+pub use compare::{Comparison, Panel, comparisons};
+pub use draw::{FrictionDraw, Sample};
+pub use evaluate::{Outcome, Study, UnstableMode};
+pub use reference::Reference;
+pub use scene::{Plan, Scene, SceneKey};
+pub use tally::{Hits, SceneTally, Tally};
