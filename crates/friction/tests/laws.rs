@@ -1,6 +1,7 @@
 //! Laws checked against differences, limits, each other and a time integration of the bristle equation.
 
 #![allow(clippy::unwrap_used)]
+
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
     VelocityDependent, VelocityDependentParameters,
