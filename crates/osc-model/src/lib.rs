@@ -1,1 +1,69 @@
-//! Placeholder of the layout; replaced by the first real commit of this crate.
+//! A lattice of friction oscillators on a sliding plate, linearised about steady sliding.
+//!
+//! Rows x columns of masses stand for the pad. Chains of springs and dashpots join them in x along the rows and in y
+//! along the columns, inclined springs hold them to a foundation, and contact springs press them on a plate that slides
+//! in +x: the brake disc. The degrees of freedom are `u = [x1 y1 z1 x2 ... xp yp zp]`, metres; oscillators are numbered
+//! by rows; raising the plate (+z) compresses the contacts.
+//!
+//! ```text
+//! M u'' + C u' + K u = F z,   z' = -a z + E u'      (z: bristles of LuGre contacts)
+//! ```
+//!
+//! One way through: [`LatticeParameters`] -> [`LatticeModel`] -> [`BrakeModel::prepare`] once per
+//! [`ContactArrangement`] -> [`Linearise::linearise`] once per sample, which refills a [`linsys::SecondOrder`] in place.
+//!
+//! ```
+//! use friction::{AmontonsCoulomb, FrictionLaw};
+//! use osc_model::{
+//!     BrakeModel, ContactArrangement, ContactPoint, Grid, LatticeModel, LatticeParameters, Lateral, Lean, Linearise,
+//!     PlateParameters, Sliding,
+//! };
+//!
+//! let grid = Grid::new(1, 1)?;
+//! let parameters = LatticeParameters {
+//!     grid,
+//!     x_stiffness: grid.x_chains(2.5e7, 1.0e7),
+//!     y_stiffness: grid.y_chains(3.0e7, 3.0e7),
+//!     x_damping: vec![0.0; grid.x_springs()],
+//!     y_damping: vec![0.0; grid.y_springs()],
+//!     z_damping: vec![0.0],
+//!     inclined_stiffness: vec![3.0e7],
+//!     theta: 60_f64.to_radians(),
+//!     phi: 60_f64.to_radians(),
+//!     lean: Lean::Against,
+//!     contact_stiffness: vec![3.5e7],
+//!     oscillator_mass: vec![0.4],
+//!     plate: PlateParameters { mass: 9.0, stiffness: [5.0e8; 3], damping: [0.0; 3] },
+//! };
+//! let model = LatticeModel::new(parameters, Lateral::None, &["yp".parse()?])?;
+//! let lattice = model.prepare(&ContactArrangement::full(1))?;
+//!
+//! let tangent = AmontonsCoulomb::new(0.5)?.tangent_at(1.0)?;
+//! let contact = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 600.0, stiffness_factor: 1.0 };
+//! let system = lattice.linearised(&Sliding { speed: 1.0, contacts: vec![contact] })?;
+//! assert_eq!(system.order(), 5); // six degrees of freedom, yp constrained
+//! assert_eq!(system.k[(0, 2)] - system.k[(2, 0)], 0.5 * 3.5e7); // friction makes K unsymmetric
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod arrangement;
+mod assembly;
+mod dof;
+mod error;
+mod lattice;
+mod model;
+mod parameters;
+mod preload;
+mod prepared;
+mod readings;
+mod symmetry;
+
+pub use arrangement::ContactArrangement;
+pub use dof::{Axis, Body, Dof};
+pub use error::{Allowed, OscModelError};
+pub use lattice::LatticeModel;
+pub use model::{BrakeModel, Linearise};
+pub use parameters::{Grid, LatticeParameters, PlateParameters};
+pub use prepared::{ContactPoint, PreparedLattice, Sliding};
+pub use readings::{Lateral, Lean, Preload, Sign};
+pub use symmetry::{Member, Reversal, SymmetryClass};

@@ -1,0 +1,91 @@
+//! LuGre friction: bristles that deflect, so that the coefficient lags behind the speed.
+
+use crate::error::{non_negative, positive};
+use crate::{FrictionError, FrictionLaw, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent};
+
+/// How the bristles' damping sigma1 depends on speed. No bristle damping is `sigma1 = 0`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BristleDamping {
+    /// sigma1 at every speed.
+    Constant,
+    /// `sigma1 e^{-(v / v_s)^2}`: it vanishes in fast sliding.
+    Decaying,
+}
+
+/// Parameters of [`LuGre`]; the sigmas are per unit normal force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuGreParameters {
+    /// Static coefficient, the limit at speed 0; >= `mu_k`.
+    pub mu_s: f64,
+    /// Kinetic coefficient, the limit of g at high speed; > 0.
+    pub mu_k: f64,
+    /// Stribeck speed v_s, m/s; > 0.
+    pub v_s: f64,
+    /// Bristle stiffness sigma0, 1/m; > 0.
+    pub sigma0: f64,
+    /// Bristle damping sigma1, s/m; >= 0.
+    pub sigma1: f64,
+    /// Viscous coefficient sigma2, s/m; >= 0.
+    pub sigma2: f64,
+    /// Whether sigma1 depends on speed.
+    pub bristle_damping: BristleDamping,
+}
+
+/// The LuGre law (Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995), per unit normal force:
+///
+/// ```text
+/// z' = v - sigma0 |v| z / g(v),    mu = sigma0 z + sigma1 z' + sigma2 v,
+/// g(v) = mu_k + (mu_s - mu_k) e^{-(v / v_s)^2}
+/// ```
+///
+/// Steady sliding has `z = g / sigma0`, so `mu = g + sigma2 v`. About it `dz' = -a dz + b dv` with `a = sigma0 v / g`,
+/// `b = v g' / g`, and `dmu = (sigma0 - sigma1 a) dz + (sigma1 b + sigma2) dv`. Eliminating the bristle gives
+/// `h(lambda) = sigma2 + (sigma0 + sigma1 lambda) b / (lambda + a)`, see [`Tangent::complex_slope`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuGre {
+    curve: Stribeck,
+    sigma0: f64,
+    sigma1: f64,
+    bristle_damping: BristleDamping,
+}
+
+impl LuGre {
+    /// The law with these parameters.
+    ///
+    /// # Errors
+    /// A parameter out of the range that its field states.
+    pub fn new(parameters: LuGreParameters) -> Result<Self, FrictionError> {
+        let LuGreParameters { mu_s, mu_k, v_s, sigma0, sigma1, sigma2, bristle_damping } = parameters;
+        let curve = Stribeck::new(StribeckParameters { mu_s, mu_k, v_s, sigma2 })?;
+        positive("sigma0", sigma0)?;
+        non_negative("sigma1", sigma1)?;
+        Ok(Self { curve, sigma0, sigma1, bristle_damping })
+    }
+
+    /// sigma1 at a speed. Its own derivative never enters the tangent: it multiplies z', which is 0 in steady sliding.
+    fn sigma1_at(&self, speed: f64) -> f64 {
+        match self.bristle_damping {
+            BristleDamping::Constant => self.sigma1,
+            BristleDamping::Decaying => self.sigma1 * self.curve.decay(speed),
+        }
+    }
+}
+
+impl FrictionLaw for LuGre {
+    fn steady(&self, speed: f64) -> Result<Steady, FrictionError> {
+        self.curve.steady(speed)
+    }
+
+    fn tangent(&self, at: &Steady) -> Tangent {
+        let speed = at.speed();
+        let g = self.curve.g(speed);
+        let sigma1 = self.sigma1_at(speed);
+        let decay = self.sigma0 * speed / g;
+        let drive = speed * self.curve.g_slope(speed) / g;
+        Tangent {
+            mu: at.mu(),
+            slope: sigma1 * drive + self.curve.sigma2(),
+            internal: Some(InternalTangent { decay, drive, force: self.sigma0 - sigma1 * decay }),
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What can be wrong with a lattice, an arrangement, a constraint or a sliding state.
+
+use std::fmt;
+
+use linsys::LinsysError;
+
+use crate::Dof;
+
+/// The range that a value must lie in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Allowed {
+    /// Finite.
+    Finite,
+    /// Finite and > 0.
+    Positive,
+    /// Finite and >= 0.
+    NonNegative,
+}
+
+impl Allowed {
+    pub(crate) fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => value > 0.0,
+                Self::NonNegative => value >= 0.0,
+            }
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Finite => "finite",
+            Self::Positive => "finite and > 0",
+            Self::NonNegative => "finite and >= 0",
+        })
+    }
+}
+
+/// Errors of this crate. Oscillators are numbered from 1 in messages.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OscModelError {
+    /// A parameter of the lattice, or the preload, is out of its range.
+    #[error("{field} = {value}; allowed: {allowed}")]
+    Value {
+        /// The field as it is called, with the place in a list from 1: `contact_stiffness[3]`.
+        field: String,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        allowed: Allowed,
+    },
+    /// A list does not have one entry for each spring, dashpot or oscillator.
+    #[error("{field} has {found} entries; the lattice of {rows} x {columns} needs {expected}")]
+    Length {
+        /// The list.
+        field: &'static str,
+        /// Entries given.
+        found: usize,
+        /// Entries needed.
+        expected: usize,
+        /// Rows of the lattice.
+        rows: usize,
+        /// Columns of the lattice.
+        columns: usize,
+    },
+    /// A grid without oscillators or with too many.
+    #[error("the lattice is {rows} x {columns}; allowed: 1 to {most} oscillators")]
+    GridSize {
+        /// Rows given.
+        rows: usize,
+        /// Columns given.
+        columns: usize,
+        /// The most oscillators allowed.
+        most: usize,
+    },
+    /// An oscillator that is not there.
+    #[error("oscillator {number} is not there; allowed: 1 to {oscillators}")]
+    UnknownOscillator {
+        /// The number asked for, from 1.
+        number: usize,
+        /// How many there are.
+        oscillators: usize,
+    },
+    /// An arrangement names an oscillator twice.
+    #[error("oscillator {number} is named twice in the contact arrangement")]
+    RepeatedOscillator {
+        /// Its number, from 1.
+        number: usize,
+    },
+    /// More contacts asked for than there are oscillators.
+    #[error("{in_contact} oscillators in contact; allowed: 0 to {oscillators}")]
+    TooManyInContact {
+        /// Contacts asked for.
+        in_contact: usize,
+        /// How many there are.
+        oscillators: usize,
+    },
+    /// An arrangement of a lattice of another size.
+    #[error("the contact arrangement is for {arrangement} oscillators, the lattice has {oscillators}")]
+    OtherLattice {
+        /// Oscillators that the arrangement was made for.
+        arrangement: usize,
+        /// Oscillators of the lattice.
+        oscillators: usize,
+    },
+    /// Text that names no degree of freedom.
+    #[error(
+        "`{text}` names no degree of freedom; allowed: x, y or z and an oscillator's number or p, as in x1, z9, xp"
+    )]
+    DofSyntax {
+        /// The text.
+        text: String,
+    },
+    /// A degree of freedom of an oscillator that is not there.
+    #[error("{dof} is not there; the oscillators are 1 to {oscillators}")]
+    UnknownDof {
+        /// The degree of freedom.
+        dof: Dof,
+        /// How many oscillators there are.
+        oscillators: usize,
+    },
+    /// A degree of freedom is constrained twice.
+    #[error("{dof} is constrained twice")]
+    ConstrainedTwice {
+        /// Which one.
+        dof: Dof,
+    },
+    /// Nothing is left to move.
+    #[error(transparent)]
+    Constraints(#[from] LinsysError),
+    /// A sliding state does not have one entry per oscillator in contact.
+    #[error("the sliding state has {found} contacts; the arrangement has {expected}")]
+    ContactCount {
+        /// Entries given.
+        found: usize,
+        /// Oscillators in contact.
+        expected: usize,
+    },
+    /// A value of one contact of a sliding state is out of its range.
+    #[error("{field} of oscillator {oscillator} = {value}; allowed: {allowed}")]
+    Contact {
+        /// The oscillator, from 1.
+        oscillator: usize,
+        /// The field of the contact.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        allowed: Allowed,
+    },
+    /// In static equilibrium with friction drag an oscillator in contact is not pressed on the plate.
+    #[error("oscillator {oscillator} lifts off in static equilibrium: normal load {load} N; allowed: > 0")]
+    LostContact {
+        /// The oscillator, from 1.
+        oscillator: usize,
+        /// Its load, N.
+        load: f64,
+    },
+    /// Static equilibrium does not exist: elastic stiffness and friction coupling together are singular.
+    #[error("static equilibrium does not exist: the stiffness with friction coupling is singular")]
+    NoEquilibrium,
+}

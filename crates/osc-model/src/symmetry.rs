@@ -1,0 +1,118 @@
+//! Arrangements that differ only in how the oscillators are labelled.
+//!
+//! Reversing the order of the rows, of the columns, or of both *as labels*, without any change of sign, leaves a lattice
+//! of equal springs and equal contacts as it was. Arrangements that such a relabelling carries into each other have the
+//! same eigenvalues, and one of them stands for all.
+
+use nalgebra::DMatrix;
+
+use crate::assembly::assemble;
+use crate::{ContactArrangement, Grid, LatticeModel, OscModelError};
+
+/// A relabelling of the oscillators; the four form Klein's group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reversal {
+    /// Every oscillator keeps its label.
+    None,
+    /// The first row becomes the last.
+    Rows,
+    /// The first column becomes the last.
+    Columns,
+    /// Rows and columns.
+    Both,
+}
+
+impl Reversal {
+    /// All four, the identity first.
+    pub const ALL: [Self; 4] = [Self::None, Self::Rows, Self::Columns, Self::Both];
+
+    /// The label, from 0, that oscillator `i < grid.oscillators()` takes. Applied twice it gives `i` again.
+    pub fn oscillator(self, grid: Grid, i: usize) -> usize {
+        let (row, column) = (i / grid.columns(), i % grid.columns());
+        let row = if matches!(self, Self::Rows | Self::Both) { grid.rows() - 1 - row } else { row };
+        let column = if matches!(self, Self::Columns | Self::Both) { grid.columns() - 1 - column } else { column };
+        row * grid.columns() + column
+    }
+
+    /// The index, from 0, that degree of freedom `i` of the unconstrained lattice takes; the plate keeps its own.
+    pub fn dof(self, grid: Grid, i: usize) -> usize {
+        if i >= 3 * grid.oscillators() { i } else { 3 * self.oscillator(grid, i / 3) + i % 3 }
+    }
+}
+
+/// Arrangements with equal eigenvalues.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SymmetryClass {
+    /// Place in the list of the arrangement that stands for all: the first of the class.
+    pub representative: usize,
+    /// Every arrangement of the class, the representative first.
+    pub members: Vec<Member>,
+}
+
+/// An arrangement of a [`SymmetryClass`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Member {
+    /// Its place in the list of arrangements.
+    pub arrangement: usize,
+    /// Carries the representative into this member: what oscillator i does there, oscillator `reversal.oscillator(i)`
+    /// does here.
+    pub reversal: Reversal,
+}
+
+impl LatticeModel {
+    /// The relabellings that leave this lattice unchanged: its matrices with every oscillator in contact, to the last
+    /// bit, and its set of constraints.
+    pub fn symmetries(&self) -> Vec<Reversal> {
+        let p = self.parameters();
+        let structure = assemble(p, &ContactArrangement::full(p.grid.oscillators()));
+        let keeps = |reversal: Reversal| {
+            let to = |i: usize| reversal.dof(p.grid, i);
+            let same =
+                |a: &DMatrix<f64>| (0..a.nrows()).all(|i| (0..a.ncols()).all(|j| a[(i, j)] == a[(to(i), to(j))]));
+            let dofs = self.dof_map();
+            same(&structure.m)
+                && same(&structure.c)
+                && same(&structure.k)
+                && dofs.free().iter().all(|&i| dofs.position(to(i)).is_some())
+        };
+        Reversal::ALL.into_iter().filter(|&reversal| keeps(reversal)).collect()
+    }
+
+    /// Sorts arrangements into classes of equal eigenvalues, in the order in which their first members come.
+    ///
+    /// Exact where all contacts of a state of sliding are equal, as they are when one draw of the friction parameters is
+    /// shared by all and the preload follows the symmetry. With a draw for each contact a relabelling also moves the
+    /// draws: the classes then hold for distributions, not for single samples.
+    ///
+    /// # Errors
+    /// An arrangement of a lattice of another size.
+    pub fn symmetry_classes(&self, arrangements: &[ContactArrangement]) -> Result<Vec<SymmetryClass>, OscModelError> {
+        let oscillators = self.parameters().grid.oscillators();
+        if let Some(other) = arrangements.iter().find(|a| a.oscillators() != oscillators) {
+            return Err(OscModelError::OtherLattice { arrangement: other.oscillators(), oscillators });
+        }
+        let symmetries = self.symmetries();
+        let mut classes: Vec<SymmetryClass> = Vec::new();
+        for (place, arrangement) in arrangements.iter().enumerate() {
+            let joined = classes.iter_mut().find_map(|class| {
+                let representative = &arrangements[class.representative];
+                let carries = |reversal: &Reversal| self.carries(*reversal, representative, arrangement);
+                symmetries.iter().copied().find(carries).map(|reversal| (class, reversal))
+            });
+            match joined {
+                Some((class, reversal)) => class.members.push(Member { arrangement: place, reversal }),
+                None => classes.push(SymmetryClass {
+                    representative: place,
+                    members: vec![Member { arrangement: place, reversal: Reversal::None }],
+                }),
+            }
+        }
+        Ok(classes)
+    }
+
+    fn carries(&self, reversal: Reversal, from: &ContactArrangement, to: &ContactArrangement) -> bool {
+        let grid = self.parameters().grid;
+        from.in_contact().len() == to.in_contact().len()
+            && from.in_contact().iter().all(|&i| to.contains(reversal.oscillator(grid, i)))
+    }
+}

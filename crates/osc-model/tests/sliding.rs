@@ -1,0 +1,132 @@
+//! Sliding states: refilling in place, the parts of a system, preloads, contacts that fade, and what is refused.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{contact, coulomb, eigenvalues, held, lugre, model, set_distance, shared, table_1};
+use linsys::SecondOrder;
+use osc_model::{
+    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, LatticeParameters, Linearise, Preload, Sign,
+    Sliding,
+};
+
+#[test]
+fn a_used_buffer_gives_what_a_fresh_one_gives() {
+    let lattice = model(Lateral::Vector, "x5").prepare(&ContactArrangement::full(9)).unwrap();
+    let mut mixed = shared(lugre(0.3), 9);
+    mixed.contacts[4].tangent = coulomb(0.4);
+    let states = [shared(lugre(0.7), 9), shared(coulomb(0.6), 9), mixed, shared(lugre(0.2), 9)];
+    let mut buffer = SecondOrder::zeros(1, 3);
+    for (state, bristles) in states.iter().zip([9, 0, 8, 9]) {
+        lattice.linearise(state, &mut buffer).unwrap();
+        assert_eq!(buffer, lattice.linearised(state).unwrap());
+        assert_eq!(buffer.states(), bristles);
+        buffer.check().unwrap();
+    }
+}
+
+#[test]
+fn structure_and_friction_make_the_whole() {
+    let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 4, 5, 8]).unwrap();
+    let lattice = model(Lateral::Coupled { sign: Sign::Minus }, "x1 z4").prepare(&arrangement).unwrap();
+    let sliding = shared(lugre(0.3), 5);
+    let mut friction = SecondOrder::zeros(28, 5);
+    lattice.linearise_friction(&sliding, &mut friction).unwrap();
+    let (whole, structure) = (lattice.linearised(&sliding).unwrap(), lattice.structural());
+    assert_eq!(structure.k, structure.k.transpose());
+    assert_eq!(whole.m, structure.m);
+    assert!((whole.c - &structure.c - &friction.c).amax() < 1e-12 * structure.c.amax());
+    assert!((whole.k - &structure.k - &friction.k).amax() < 1e-12 * structure.k.amax());
+    assert_eq!(whole.internal, friction.internal);
+    assert_eq!(friction.m.amax(), 0.0);
+}
+
+#[test]
+fn a_contact_fades_into_an_open_one() {
+    let faded = |factor: f64| {
+        let mut sliding = shared(coulomb(0.5), 9);
+        sliding.contacts[3].stiffness_factor = factor;
+        let lattice = model(Lateral::Vector, "").prepare(&ContactArrangement::full(9)).unwrap();
+        let loads = lattice.normal_loads(Preload::Equilibrium(600.0), &sliding.contacts).unwrap();
+        for (point, load) in sliding.contacts.iter_mut().zip(loads) {
+            point.normal_load = load;
+        }
+        eigenvalues(&lattice.linearised(&sliding).unwrap())
+    };
+    let open = {
+        let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 3, 5, 6, 7, 8, 9]).unwrap();
+        let lattice = model(Lateral::Vector, "").prepare(&arrangement).unwrap();
+        let mut sliding = shared(coulomb(0.5), 8);
+        let loads = lattice.normal_loads(Preload::Equilibrium(600.0), &sliding.contacts).unwrap();
+        for (point, load) in sliding.contacts.iter_mut().zip(loads) {
+            point.normal_load = load;
+        }
+        eigenvalues(&lattice.linearised(&sliding).unwrap())
+    };
+    assert!(set_distance(&open, &faded(0.0)) < 1e-10);
+    let near = set_distance(&open, &faded(1e-6));
+    assert!(near > 1e-12 && near < 1e-5, "{near:e}");
+}
+
+#[test]
+fn preloads_add_up() {
+    let lattice = model(Lateral::None, "").prepare(&ContactArrangement::full(9)).unwrap();
+    let mut contacts = vec![contact(coulomb(0.5)); 9];
+    assert_eq!(lattice.normal_loads(Preload::PerContact(600.0), &contacts).unwrap(), [600.0; 9]);
+    assert_eq!(lattice.normal_loads(Preload::Clamp(5400.0), &contacts).unwrap(), [600.0; 9]);
+    contacts[0].stiffness_factor = 0.0;
+    let loads = lattice.normal_loads(Preload::Clamp(5400.0), &contacts).unwrap();
+    assert_eq!((loads[0], loads[1]), (0.0, 675.0));
+
+    let six = lattice_of(&[1, 2, 3, 4, 5, 6]);
+    assert_eq!(six.normal_loads(Preload::Clamp(5400.0), &contacts[3..]).unwrap(), [900.0; 6]);
+    let message = |preload: Preload| lattice.normal_loads(preload, &contacts).unwrap_err().to_string();
+    for bad in [Preload::PerContact(-1.0), Preload::Clamp(-1.0), Preload::Equilibrium(-1.0)] {
+        assert_eq!(message(bad), "preload = -1; allowed: finite and > 0");
+    }
+}
+
+fn lattice_of(numbers: &[usize]) -> osc_model::PreparedLattice {
+    model(Lateral::None, "").prepare(&ContactArrangement::from_numbers(9, numbers).unwrap()).unwrap()
+}
+
+#[test]
+fn names_what_it_refuses_in_a_sliding_state() {
+    let lattice = lattice_of(&[2, 5, 7]);
+    let message = |sliding: Sliding| lattice.linearised(&sliding).unwrap_err().to_string();
+    assert_eq!(message(shared(coulomb(0.5), 2)), "the sliding state has 2 contacts; the arrangement has 3");
+    assert_eq!(message(Sliding { speed: 0.0, ..shared(coulomb(0.5), 3) }), "speed = 0; allowed: finite and > 0");
+    let changed = |change: &dyn Fn(&mut ContactPoint)| {
+        let mut sliding = shared(coulomb(0.5), 3);
+        change(&mut sliding.contacts[1]);
+        message(sliding)
+    };
+    assert_eq!(changed(&|p| p.normal_load = -5.0), "normal_load of oscillator 5 = -5; allowed: finite and >= 0");
+    assert_eq!(changed(&|p| p.tangent.mu = f64::NAN), "tangent.mu of oscillator 5 = NaN; allowed: finite and >= 0");
+    assert_eq!(changed(&|p| p.tangent.slope = f64::INFINITY), "tangent.slope of oscillator 5 = inf; allowed: finite");
+    assert_eq!(changed(&|p| p.lateral_mu = -0.1), "lateral_mu of oscillator 5 = -0.1; allowed: finite and >= 0");
+}
+
+#[test]
+fn names_what_it_refuses_in_a_lattice() {
+    let refused = |change: &dyn Fn(&mut LatticeParameters)| {
+        let mut p = table_1();
+        change(&mut p);
+        LatticeModel::new(p, Lateral::None, &[]).unwrap_err().to_string()
+    };
+    assert_eq!(refused(&|p| p.contact_stiffness[2] = 0.0), "contact_stiffness[3] = 0; allowed: finite and > 0");
+    assert_eq!(refused(&|p| p.oscillator_mass[8] = -0.39), "oscillator_mass[9] = -0.39; allowed: finite and > 0");
+    assert_eq!(refused(&|p| p.x_stiffness[0] = -1.0), "x_stiffness[1] = -1; allowed: finite and >= 0");
+    assert_eq!(refused(&|p| p.y_damping[11] = f64::NAN), "y_damping[12] = NaN; allowed: finite and >= 0");
+    assert_eq!(refused(&|p| p.theta = f64::INFINITY), "theta = inf; allowed: finite");
+    assert_eq!(refused(&|p| p.plate.mass = 0.0), "plate.mass = 0; allowed: finite and > 0");
+    assert_eq!(refused(&|p| p.plate.damping[1] = -1.0), "plate.damping[2] = -1; allowed: finite and >= 0");
+    assert_eq!(refused(&|p| p.z_damping.truncate(8)), "z_damping has 8 entries; the lattice of 3 x 3 needs 9");
+
+    let constrained = |names: &str| LatticeModel::new(table_1(), Lateral::None, &held(names)).unwrap_err().to_string();
+    assert_eq!(constrained("x1 x10"), "x10 is not there; the oscillators are 1 to 9");
+    assert_eq!(constrained("x1 yp x1"), "x1 is constrained twice");
+    let other = model(Lateral::None, "").prepare(&ContactArrangement::full(4)).unwrap_err().to_string();
+    assert_eq!(other, "the contact arrangement is for 4 oscillators, the lattice has 9");
+}

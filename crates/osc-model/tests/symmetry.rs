@@ -1,0 +1,131 @@
+//! Relabelling: classes of arrangements, sectors of the whole lattice.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{coulomb, eigenvalues, lugre, model, set_distance, shared, spectrum, table_1};
+use linsys::{Internal, SecondOrder};
+use nalgebra::DMatrix;
+use osc_model::{BrakeModel, ContactArrangement, Lateral, LatticeModel, Linearise, Reversal, Sign};
+
+fn nine_to_six() -> Vec<ContactArrangement> {
+    [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect()
+}
+
+#[test]
+fn arrangements_of_nine_to_six_fall_into_45_classes() {
+    for constraints in ["", "x1 x3 x7 x9", "x1 x3 x4 x6 x7 x9"] {
+        let model = model(Lateral::None, constraints);
+        assert_eq!(model.symmetries(), Reversal::ALL);
+        let counts = [9, 8, 7, 6].map(|k| {
+            let all = ContactArrangement::all(9, k).unwrap();
+            let classes = model.symmetry_classes(&all).unwrap();
+            assert_eq!(classes.iter().map(|class| class.members.len()).sum::<usize>(), all.len());
+            classes.len()
+        });
+        assert_eq!(counts, [1, 4, 13, 27]);
+        assert_eq!(model.symmetry_classes(&nine_to_six()).unwrap().len(), 45);
+    }
+}
+
+#[test]
+fn a_class_has_one_spectrum() {
+    let arrangements = nine_to_six();
+    for (lateral, tangent) in [(Lateral::Coupled { sign: Sign::Plus }, coulomb(0.5)), (Lateral::Vector, lugre(0.4))] {
+        let model = model(lateral, "x1 x3 x7 x9");
+        for class in model.symmetry_classes(&arrangements).unwrap() {
+            let of = |place: usize| {
+                let arrangement: &ContactArrangement = &arrangements[place];
+                spectrum(&model, arrangement, &shared(tangent, arrangement.in_contact().len()))
+            };
+            let representative = of(class.representative);
+            for member in &class.members[1..] {
+                let distance = set_distance(&representative, &of(member.arrangement));
+                assert!(distance < 1e-10, "{}: {distance:e}", arrangements[member.arrangement]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_reversal_of_a_member_carries_the_matrices() {
+    let model = model(Lateral::Coupled { sign: Sign::Minus }, "");
+    let arrangements = nine_to_six();
+    let grid = model.parameters().grid;
+    for class in model.symmetry_classes(&arrangements).unwrap() {
+        let of = |place: usize| {
+            let arrangement = &arrangements[place];
+            let lattice = model.prepare(arrangement).unwrap();
+            lattice.linearised(&shared(lugre(0.4), arrangement.in_contact().len())).unwrap()
+        };
+        let (from, n) = (of(class.representative), 30);
+        for member in &class.members {
+            let to = of(member.arrangement);
+            let carried =
+                DMatrix::from_fn(n, n, |i, j| to.k[(member.reversal.dof(grid, i), member.reversal.dof(grid, j))]);
+            assert!((carried - &from.k).amax() <= 1e-12 * from.k.amax());
+        }
+    }
+}
+
+#[test]
+fn what_breaks_the_symmetry_is_noticed() {
+    let reversals = |change: &dyn Fn(&mut osc_model::LatticeParameters), constraints: &str| {
+        let mut p = table_1();
+        change(&mut p);
+        LatticeModel::new(p, Lateral::None, &common::held(constraints)).unwrap().symmetries()
+    };
+    assert_eq!(reversals(&|_| (), "x1"), [Reversal::None]);
+    assert_eq!(reversals(&|_| (), "x1 x3"), [Reversal::None, Reversal::Columns]);
+    assert_eq!(reversals(&|_| (), "x2 yp"), [Reversal::None, Reversal::Columns]);
+    assert_eq!(reversals(&|p| p.contact_stiffness[5] *= 1.0 + 1e-15, ""), [Reversal::None, Reversal::Rows]);
+    assert_eq!(reversals(&|p| p.x_damping[4] += 1.0, ""), [Reversal::None, Reversal::Rows]);
+    assert_eq!(reversals(&|p| p.oscillator_mass[4] *= 2.0, ""), Reversal::ALL);
+}
+
+/// Orthonormal vectors over u with parity `rows` under the reversal of rows and `columns` under that of columns.
+fn sector(rows: f64, columns: f64) -> DMatrix<f64> {
+    let grid = table_1().grid;
+    let mut basis = Vec::new();
+    for dof in 0..30 {
+        let orbit = Reversal::ALL.map(|reversal| reversal.dof(grid, dof));
+        if orbit.iter().any(|&image| image < dof) {
+            continue;
+        }
+        let mut vector = nalgebra::DVector::zeros(30);
+        for (image, parity) in orbit.into_iter().zip([1.0, rows, columns, rows * columns]) {
+            vector[image] += parity;
+        }
+        if vector.norm() > 0.5 {
+            basis.push(vector.normalize());
+        }
+    }
+    DMatrix::from_columns(&basis)
+}
+
+#[test]
+fn four_sectors_equal_the_whole() {
+    let lattice = model(Lateral::Vector, "").prepare(&ContactArrangement::full(9)).unwrap();
+    let whole = lattice.linearised(&shared(lugre(0.4), 9)).unwrap();
+    let mut parts = Vec::new();
+    for (rows, columns, order) in [(1.0, 1.0, 15), (1.0, -1.0, 6), (-1.0, 1.0, 6), (-1.0, -1.0, 3)] {
+        let q = sector(rows, columns);
+        assert_eq!(q.ncols(), order);
+        let part = |a: &DMatrix<f64>| q.transpose() * a * &q;
+        // Bristles have parities as the oscillators have: take those combinations that the sector drives.
+        let drive = &whole.internal.drive * &q;
+        let bristles = drive.clone().svd(true, false);
+        let rank = bristles.rank(1e-9 * drive.amax());
+        let u = bristles.u.unwrap().columns(0, rank).into_owned();
+        let internal = Internal {
+            decay: whole.internal.decay.rows(0, rank).into_owned(),
+            drive: u.transpose() * drive,
+            force: q.transpose() * &whole.internal.force * &u,
+        };
+        let system = SecondOrder::with_internal(part(&whole.m), part(&whole.c), part(&whole.k), internal).unwrap();
+        parts.extend(eigenvalues(&system));
+    }
+    let distance = set_distance(&eigenvalues(&whole), &parts);
+    assert!(distance < 1e-10, "{distance:e}");
+}
