@@ -1,0 +1,62 @@
+//! Errors of the program, each one line for its user.
+
+use std::path::PathBuf;
+
+/// What can go wrong between a case file and its results.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The case file.
+    #[error(transparent)]
+    Case(#[from] crate::case::CaseError),
+    /// The lattice.
+    #[error(transparent)]
+    Model(#[from] osc_model::OscModelError),
+    /// A friction law.
+    #[error(transparent)]
+    Friction(#[from] friction::FrictionError),
+    /// An eigenvalue analysis.
+    #[error(transparent)]
+    Cea(#[from] cea::CeaError),
+    /// The Monte Carlo run.
+    #[error(transparent)]
+    MonteCarlo(#[from] montecarlo::MonteCarloError),
+    /// A figure.
+    #[error(transparent)]
+    Figure(#[from] crate::figures::FigureError),
+    /// An option of the command line that does not fit the case.
+    #[error("{option} = {value}; allowed: {allowed}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A folder that belongs to another study.
+    #[error("{}: holds {found}, not {wanted}; allowed: a new or empty folder, or that of the same study", path.display())]
+    OtherStudy {
+        /// The folder.
+        path: PathBuf,
+        /// The study that it holds.
+        found: String,
+        /// The study to be run.
+        wanted: String,
+    },
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}

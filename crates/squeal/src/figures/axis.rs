@@ -1,0 +1,180 @@
+//! Scales and axes.
+
+use super::canvas::{Anchor, Area, Canvas, Color, Label, Paint, SMALL};
+
+/// Maps values onto an axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Scale {
+    Linear {
+        low: f64,
+        high: f64,
+        /// Between two ticks.
+        step: f64,
+    },
+    /// Between two powers of ten.
+    Log { low: i32, high: i32 },
+}
+
+/// A mark on an axis.
+#[derive(Debug, Clone)]
+pub(super) struct Tick {
+    /// 0 at the start of the axis, 1 at its end.
+    pub at: f64,
+    /// Empty for a minor tick.
+    pub label: String,
+}
+
+impl Scale {
+    pub const PERCENT: Scale = Scale::Linear { low: 0.0, high: 100.0, step: 25.0 };
+
+    /// Covers all values with round ends and at most `intervals + 2` steps of 1, 2 or 5 times a power of ten.
+    pub fn linear(values: impl Iterator<Item = f64>, intervals: f64) -> Self {
+        let (least, most) = range(values, (0.0, 0.0));
+        let span = if most > least { most - least } else { 1.0 };
+        let decade = 10f64.powf((span / intervals).log10().floor());
+        let step = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| span / s <= intervals);
+        let step = step.unwrap_or(10.0 * decade);
+        let (low, high) = ((least / step).floor() * step, (most / step).ceil() * step);
+        Scale::Linear { low, high: if high > low { high } else { low + step }, step }
+    }
+
+    /// Covers all (positive) values with whole decades, two at least.
+    pub fn log(values: impl Iterator<Item = f64>) -> Self {
+        let (least, most) = range(values.map(f64::log10), (f64::INFINITY, f64::NEG_INFINITY));
+        let (low, high) = if least <= most { (least.floor() as i32, most.ceil() as i32) } else { (0, 2) };
+        Scale::Log { low, high: high.max(low + 2) }
+    }
+
+    /// Position of a value: 0 at the start of the axis, 1 at its end.
+    pub fn at(&self, value: f64) -> f64 {
+        match *self {
+            Scale::Linear { low, high, .. } => (value - low) / (high - low),
+            Scale::Log { low, high } => (value.log10() - f64::from(low)) / f64::from(high - low),
+        }
+    }
+
+    /// Marks, at most `labels` of them labelled if the scale is logarithmic.
+    pub fn ticks(&self, labels: i32) -> Vec<Tick> {
+        match *self {
+            Scale::Linear { low, high, step } => {
+                let decimals = (-step.log10().floor()).max(0.0) as usize;
+                let count = ((high - low) / step).round() as i32;
+                (0..=count)
+                    .map(|k| low + f64::from(k) * step)
+                    .map(|value| Tick { at: self.at(value), label: signed(value, decimals) })
+                    .collect()
+            }
+            Scale::Log { low, high } => {
+                let stride = (high - low).div_euclid(labels) + 1;
+                (low..=high)
+                    .map(|exponent| Tick {
+                        at: f64::from(exponent - low) / f64::from(high - low),
+                        label: if (exponent - low) % stride == 0 { power_of_ten(exponent) } else { String::new() },
+                    })
+                    .collect()
+            }
+        }
+    }
+}
+
+fn range(values: impl Iterator<Item = f64>, start: (f64, f64)) -> (f64, f64) {
+    values.fold(start, |(least, most), v| (least.min(v), most.max(v)))
+}
+
+/// A number with a proper minus sign and no minus before a zero.
+pub(super) fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let is_zero = text.chars().all(|c| c == '0' || c == '.');
+    if value < 0.0 && !is_zero { format!("\u{2212}{text}") } else { text }
+}
+
+fn power_of_ten(exponent: i32) -> String {
+    let digits = exponent.to_string();
+    let raised = digits.chars().map(|c| match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '4' => '⁴',
+        '5' => '⁵',
+        '6' => '⁶',
+        '7' => '⁷',
+        '8' => '⁸',
+        '9' => '⁹',
+        _ => '⁰',
+    });
+    format!("10{}", raised.collect::<String>())
+}
+
+/// Length of a tick.
+const TICK: f64 = 2.5;
+
+/// The box around a plot.
+pub(super) fn frame(canvas: &mut Canvas, area: Area) {
+    canvas.rect(area, Paint::stroke(Color::BLACK, 0.6));
+}
+
+/// Horizontal grid lines, and ticks on the left; their labels too where this panel carries them for its row.
+pub(super) fn y_axis(canvas: &mut Canvas, area: Area, ticks: &[Tick], labelled: bool) {
+    for tick in ticks {
+        let y = area.bottom() - tick.at * area.height;
+        if tick.at > 0.0 && tick.at < 1.0 && !tick.label.is_empty() {
+            canvas.line((area.x, y), (area.right(), y), Paint::stroke(Color::LIGHT_GREY, 0.5));
+        }
+        canvas.line((area.x - TICK, y), (area.x, y), Paint::stroke(Color::BLACK, 0.6));
+        if labelled && !tick.label.is_empty() {
+            canvas.text(Label::new(area.x - TICK - 2.0, y + 2.9, tick.label.clone()).anchor(Anchor::End));
+        }
+    }
+}
+
+/// Ticks at the bottom; their labels too where this panel carries them for its column. `grid` adds vertical lines.
+pub(super) fn x_axis(canvas: &mut Canvas, area: Area, ticks: &[Tick], labelled: bool, grid: bool) {
+    for tick in ticks {
+        let x = area.x + tick.at * area.width;
+        if grid && tick.at > 0.0 && tick.at < 1.0 && !tick.label.is_empty() {
+            canvas.line((x, area.y), (x, area.bottom()), Paint::stroke(Color::LIGHT_GREY, 0.5));
+        }
+        canvas.line((x, area.bottom()), (x, area.bottom() + TICK), Paint::stroke(Color::BLACK, 0.6));
+        if labelled && !tick.label.is_empty() {
+            canvas.text(Label::new(x, area.bottom() + TICK + SMALL, tick.label.clone()).middle());
+        }
+    }
+}
+
+/// Width of the widest label.
+pub(super) fn widest(canvas: &Canvas, ticks: &[Tick]) -> f64 {
+    ticks.iter().map(|tick| canvas.fonts.width(&tick.label, SMALL, false)).fold(0.0, f64::max)
+}
+
+/// The title of a vertical axis, read upwards, centred on the panel; broken into lines where the panel is short.
+/// Returns nothing; it takes [`y_title_width`] to the left of `right`.
+pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
+    let lines = canvas.fonts.wrap(text, SMALL, false, area.height + 10.0);
+    for (i, line) in lines.iter().rev().enumerate() {
+        let x = right - LINE * i as f64 - 2.5;
+        canvas.text(Label::new(x, area.middle_y(), line.clone()).middle().upward());
+    }
+}
+
+/// Width that [`y_title`] takes.
+pub(super) fn y_title_width(canvas: &Canvas, height: f64, text: &str) -> f64 {
+    LINE * canvas.fonts.wrap(text, SMALL, false, height + 10.0).len() as f64
+}
+
+/// Distance of two lines of small text.
+pub(super) const LINE: f64 = 10.0;
+
+/// Bold lines at the top of the page, broken at its width. Returns the y below them.
+pub(super) fn title(canvas: &mut Canvas, text: &str) -> f64 {
+    let mut y = MARGIN;
+    for line in canvas.fonts.wrap(text, 10.0, true, canvas.width - 2.0 * MARGIN) {
+        y += 9.0;
+        canvas.text(Label::new(MARGIN, y, line).size(10.0).bold());
+        y += 4.0;
+    }
+    y
+}
+
+/// White space around the page.
+pub(super) const MARGIN: f64 = 4.0;

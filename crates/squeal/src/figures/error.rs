@@ -1,0 +1,82 @@
+//! What can be wrong with the data of a figure, or with the folder it goes to.
+
+use std::path::PathBuf;
+
+/// Errors of the figures.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// A value is NaN or infinite.
+    #[error("the figure's {what} is {value}; it must be finite")]
+    NotFinite {
+        /// Which value.
+        what: String,
+        /// What stands there.
+        value: f64,
+    },
+    /// A value lies outside of its axis: a percentage below 0 or above 100, a negative number on a logarithmic axis.
+    #[error("the figure's {what} is {value}; allowed is {allowed}")]
+    OutOfRange {
+        /// Which value.
+        what: String,
+        /// What stands there.
+        value: f64,
+        /// What may stand there.
+        allowed: &'static str,
+    },
+    /// Two lists that belong together differ in length.
+    #[error("the figure has {found} {what}; expected {expected}")]
+    Length {
+        /// What is counted.
+        what: String,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// An index points beyond its list.
+    #[error("the figure's {what} is {index}; there are {count}")]
+    Index {
+        /// Which index.
+        what: String,
+        /// The index, from 0.
+        index: usize,
+        /// The length of the list.
+        count: usize,
+    },
+    /// There is nothing to draw.
+    #[error("the figure has no {what}")]
+    Empty {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// The font in the program cannot be read.
+    #[error("the font of the figures cannot be read: {0}")]
+    Font(#[from] ttf_parser::FaceParsingError),
+    /// The picture is too large to be rasterised.
+    #[error("a picture of {width} x {height} pixels cannot be drawn")]
+    PictureSize {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+    },
+    /// The picture cannot be written as PNG.
+    #[error("the picture cannot be written as PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// The numbers of the figure cannot be written as CSV.
+    #[error("the table of the figure cannot be written as CSV: {0}")]
+    Csv(#[from] csv::Error),
+    /// A file cannot be written.
+    #[error("{}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+/// `value`, if it is finite.
+pub(super) fn finite(value: f64, what: impl FnOnce() -> String) -> Result<f64, FigureError> {
+    if value.is_finite() { Ok(value) } else { Err(FigureError::NotFinite { what: what(), value }) }
+}

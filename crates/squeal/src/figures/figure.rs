@@ -1,0 +1,75 @@
+//! A finished figure: its picture and the table behind it.
+
+use std::fs;
+use std::path::Path;
+
+use super::canvas::Canvas;
+use super::error::FigureError;
+use super::{raster, vector};
+
+/// The numbers of a figure, one observation per row.
+pub(super) struct Table {
+    pub header: &'static [&'static str],
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A figure, ready to be written in three formats.
+pub struct Figure {
+    pub(super) canvas: Canvas,
+    pub(super) table: Table,
+}
+
+impl Figure {
+    /// The picture as an SVG document, with its printed size in millimetres and its text as text.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        vector::to_svg(&self.canvas)
+    }
+
+    /// The picture as PNG, 300 dots per inch.
+    ///
+    /// # Errors
+    /// [`FigureError::PictureSize`] if it has more pixels than fit into memory, [`FigureError::Png`] if it cannot be
+    /// encoded.
+    pub fn png(&self) -> Result<Vec<u8>, FigureError> {
+        raster::to_png(&self.canvas)
+    }
+
+    /// The numbers behind the picture as CSV with a header: one observation per row, floats in their shortest form that
+    /// reads back to the same value.
+    ///
+    /// # Errors
+    /// [`FigureError::Csv`] if the table cannot be encoded.
+    pub fn csv(&self) -> Result<Vec<u8>, FigureError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(self.table.header)?;
+        for row in &self.table.rows {
+            writer.write_record(row)?;
+        }
+        writer.into_inner().map_err(|e| FigureError::Csv(e.into_error().into()))
+    }
+
+    /// Writes `stem.svg`, `stem.png` and `stem.csv` into the existing folder `dir`. Each file is written under another
+    /// name first and renamed when whole, so that no reader ever sees half of one.
+    ///
+    /// # Errors
+    /// [`FigureError::Write`] with the path of the file that cannot be written; also those of [`png`](Self::png) and
+    /// [`csv`](Self::csv), in which case nothing is written.
+    pub fn save(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
+        let files = [("svg", self.svg().into_bytes()), ("png", self.png()?), ("csv", self.csv()?)];
+        for (extension, bytes) in files {
+            write_whole(&dir.join(format!("{stem}.{extension}")), &bytes)?;
+        }
+        Ok(())
+    }
+}
+
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FigureError> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|source| {
+        // The first error is the one to report; the left-over may not even exist.
+        let _ = fs::remove_file(&partial);
+        FigureError::Write { path: path.to_owned(), source }
+    })
+}

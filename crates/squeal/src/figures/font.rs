@@ -1,0 +1,112 @@
+//! The font of the figures: Arimo, whose letters are as wide as those of Arial and Helvetica. The layout measures with it,
+//! the PNG is drawn with it, and the SVG names it with its equals as substitutes.
+
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
+
+use super::error::FigureError;
+
+/// Families for the SVG, best first; all but the last have the same widths.
+pub(super) const FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', sans-serif";
+
+/// Both weights.
+pub(super) struct Fonts {
+    regular: Face<'static>,
+    bold: Face<'static>,
+}
+
+impl Fonts {
+    pub fn load() -> Result<Self, FigureError> {
+        Ok(Self {
+            regular: Face::parse(include_bytes!("fonts/arimo-regular.ttf"), 0)?,
+            bold: Face::parse(include_bytes!("fonts/arimo-bold.ttf"), 0)?,
+        })
+    }
+
+    fn face(&self, bold: bool) -> &Face<'static> {
+        if bold { &self.bold } else { &self.regular }
+    }
+
+    /// Width of one line of text in points.
+    pub fn width(&self, text: &str, size: f64, bold: bool) -> f64 {
+        let face = self.face(bold);
+        let units: u64 = text.chars().map(|c| u64::from(advance(face, glyph(face, c)))).sum();
+        units as f64 * size / f64::from(face.units_per_em())
+    }
+
+    /// Breaks text at its (breaking) spaces into lines no wider than `limit`; a single word that is wider stands alone.
+    pub fn wrap(&self, text: &str, size: f64, bold: bool, limit: f64) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        for word in text.split(' ').filter(|word| !word.is_empty()) {
+            match lines.last_mut() {
+                Some(line) if self.width(&format!("{line} {word}"), size, bold) <= limit => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
+
+    /// Sends the outlines of a text to `pen`, one glyph after the other. `place` maps (x, y), in points from the start of
+    /// the baseline with y upwards, onto the page.
+    pub fn outline(
+        &self,
+        text: &str,
+        size: f64,
+        bold: bool,
+        place: impl Fn(f32, f32) -> (f32, f32),
+        pen: &mut impl OutlineBuilder,
+    ) {
+        let face = self.face(bold);
+        let scale = size as f32 / f32::from(face.units_per_em());
+        let mut start = 0.0;
+        for c in text.chars() {
+            let id = glyph(face, c);
+            let to_page = |x: f32, y: f32| place(start + x * scale, y * scale);
+            face.outline_glyph(id, &mut Placed { pen, to_page });
+            start += f32::from(advance(face, id)) * scale;
+        }
+    }
+}
+
+/// The glyph of a character; one that the font lacks becomes the box of glyph 0, as browsers show it.
+fn glyph(face: &Face, c: char) -> GlyphId {
+    face.glyph_index(c).unwrap_or_default()
+}
+
+fn advance(face: &Face, id: GlyphId) -> u16 {
+    face.glyph_hor_advance(id).unwrap_or_default()
+}
+
+/// Moves an outline to its place on the page.
+struct Placed<'a, P, F> {
+    pen: &'a mut P,
+    to_page: F,
+}
+
+impl<P: OutlineBuilder, F: Fn(f32, f32) -> (f32, f32)> OutlineBuilder for Placed<'_, P, F> {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = (self.to_page)(x, y);
+        self.pen.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = (self.to_page)(x, y);
+        self.pen.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ((x1, y1), (x, y)) = ((self.to_page)(x1, y1), (self.to_page)(x, y));
+        self.pen.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ((x1, y1), (x2, y2), (x, y)) = ((self.to_page)(x1, y1), (self.to_page)(x2, y2), (self.to_page)(x, y));
+        self.pen.curve_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.pen.close();
+    }
+}

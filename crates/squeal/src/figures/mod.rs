@@ -1,0 +1,33 @@
+//! Figures for print: plain data in, SVG, PNG and CSV out.
+//!
+//! Each function takes one struct of numbers and labels and returns a [`Figure`], 180 mm wide (A4 less its margins), with
+//! no text below 8 pt. [`Figure::save`] writes the picture twice, from one display list, and its numbers as one table in
+//! long format. The bytes depend on the data alone: no clock, no system font, no randomness.
+//!
+//! Colours are from the palette of Okabe and Ito (<https://jfly.uni-koeln.de/color/>), which colour-blind readers can
+//! tell apart; lightness, hatching and marker shapes say the same in grey print.
+//!
+//! Pixels come from tiny-skia, outlines of letters from ttf-parser, the document from the svg crate. A plotting library
+//! would add little here (axes) and lack the rest (shared scales over rows of panels, hatched boxes side by side, mode
+//! shapes on a lattice), at three to five times the compile time.
+
+mod axis;
+mod canvas;
+mod error;
+mod figure;
+mod font;
+mod lattice;
+mod legend;
+mod loglog;
+mod mode_work;
+mod occurrence;
+mod raster;
+mod style;
+mod tukey;
+mod vector;
+
+pub use error::FigureError;
+pub use figure::Figure;
+pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+pub use mode_work::{Body, LawMode, ModeWorkFigure, NetWork, mode_and_work};
+pub use occurrence::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};

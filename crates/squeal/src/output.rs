@@ -1,0 +1,54 @@
+//! Writing files so that a reader finds the whole file or none.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use crate::Error;
+
+/// Writes `contents` under a temporary name beside `path`, then renames it.
+///
+/// # Errors
+/// [`Error::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
+    let failed = |source| Error::Write { path: path.to_owned(), source };
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".partial");
+    let temporary = path.with_file_name(name);
+    let written = (|| {
+        let mut file = fs::File::create(&temporary)?;
+        file.write_all(contents)?;
+        file.sync_all()?;
+        fs::rename(&temporary, path)
+    })();
+    written.map_err(|source| {
+        // The error to report is the first one; a temporary file that cannot be removed either is beside the point.
+        let _ = fs::remove_file(&temporary);
+        failed(source)
+    })
+}
+
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn make_folder(path: &Path) -> Result<(), Error> {
+    fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// Writes a table as CSV.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
+    let failed = |error: csv::Error| Error::Write { path: path.to_owned(), source: error.into() };
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(header).map_err(failed)?;
+    for row in rows {
+        table.write_record(row).map_err(failed)?;
+    }
+    let bytes = table
+        .into_inner()
+        .map_err(|error| Error::Write { path: path.to_owned(), source: error.into_error() })?;
+    write(path, &bytes)
+}

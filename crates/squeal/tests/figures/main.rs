@@ -1,0 +1,265 @@
+//! The figures, drawn from made-up data; the pictures stay in the target folder to be looked at.
+
+mod made_up;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use made_up::{convergence, countermeasure, hard_occurrence, one_law, shapes};
+use proptest::prelude::*;
+use squeal::figures::{
+    Figure, FigureError, LogLogFigure, ModeWorkFigure, OccurrenceFigure, OccurrencePanel, OccurrenceRow, loglog,
+    mode_and_work, occurrence_boxes,
+};
+
+fn pictures() -> PathBuf {
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures");
+    fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+/// What a document shows.
+struct Picture {
+    classes: Vec<String>,
+    texts: Vec<String>,
+}
+
+impl Picture {
+    /// Number of objects of a class.
+    fn count(&self, class: &str) -> usize {
+        self.classes.iter().filter(|c| *c == class).count()
+    }
+
+    fn says(&self, text: &str) -> bool {
+        self.texts.iter().any(|t| t == text)
+    }
+}
+
+fn read(svg: &str) -> Picture {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|n| n.has_tag_name("text"));
+    Picture {
+        classes: document.descendants().filter_map(|n| n.attribute("class").map(str::to_owned)).collect(),
+        texts: texts.filter_map(|n| n.text().map(str::to_owned)).collect(),
+    }
+}
+
+/// Writes the picture and checks what holds for every figure.
+fn check(figure: &Figure, stem: &str) -> Picture {
+    let dir = pictures();
+    figure.save(&dir, stem).unwrap();
+    let svg = fs::read_to_string(dir.join(format!("{stem}.svg"))).unwrap();
+    assert_eq!(svg, figure.svg());
+    let png = fs::read(dir.join(format!("{stem}.png"))).unwrap();
+    assert_eq!(png, figure.png().unwrap());
+    let header = png::Decoder::new(std::io::Cursor::new(&png)).read_info().unwrap();
+    assert_eq!(header.info().width, 2126, "180 mm at 300 dots per inch");
+    texts_stay_on_the_page(&svg);
+    read(&svg)
+}
+
+/// No text leaves the page and none covers another, by the lengths that the document itself states.
+fn texts_stay_on_the_page(svg: &str) {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let view: Vec<f64> =
+        document.root_element().attribute("viewBox").unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
+    let boxes: Vec<(String, [f64; 4])> =
+        document.descendants().filter(|n| n.has_tag_name("text")).map(extent).collect();
+    for (text, [left, top, right, bottom]) in &boxes {
+        assert!(*left >= 0.0 && *top >= 0.0 && *right <= view[2] && *bottom <= view[3], "{text} is cut");
+    }
+    for (i, (a, ea)) in boxes.iter().enumerate() {
+        for (b, eb) in &boxes[i + 1..] {
+            let apart = ea[2] <= eb[0] || eb[2] <= ea[0] || ea[3] <= eb[1] || eb[3] <= ea[1];
+            assert!(apart, "{a} covers {b}");
+        }
+    }
+}
+
+/// Left, top, right, bottom of a text: capitals reach 0.72 of the size above the baseline, few letters 0.2 below.
+fn extent(node: roxmltree::Node) -> (String, [f64; 4]) {
+    let number = |name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
+    let (x, y, size, length) = (number("x"), number("y"), number("font-size"), number("textLength"));
+    assert!(size >= 8.0, "text of {size} pt is too small for print");
+    let before = match node.attribute("text-anchor").unwrap() {
+        "start" => 0.0,
+        "middle" => length / 2.0,
+        _ => length,
+    };
+    let (from, to, above, below) = (-before, length - before, 0.72 * size, 0.2 * size);
+    let extent = if node.attribute("transform").is_some() {
+        [x - above, y - to, x + below, y - from]
+    } else {
+        [x + from, y - above, x + to, y + below]
+    };
+    (node.text().unwrap().to_owned(), extent)
+}
+
+#[test]
+fn a_law_has_its_four_panels_in_two_rows() {
+    let data = one_law();
+    let picture = check(&occurrence_boxes(&data).unwrap(), "fig05");
+    assert_eq!(picture.count("box"), 4 * 5 * 2, "panels, modes that are ever unstable, speed ranges");
+    assert!(!picture.says("never"));
+    for text in
+        ["(a) nine in contact, n\u{a0}=\u{a0}1", "(d) six in contact, n\u{a0}=\u{a0}84", "15", "0.1–1 m/s", "100"]
+    {
+        assert!(picture.says(text), "{text} is missing from {:?}", picture.texts);
+    }
+}
+
+#[test]
+fn three_laws_stand_in_rows_and_quiet_panels_say_so() {
+    let picture = check(&occurrence_boxes(&countermeasure()).unwrap(), "fig09");
+    assert!(picture.count("box") > 0);
+    assert_eq!(picture.texts.iter().filter(|t| *t == "no instability").count(), 3);
+    for law in ["Amontons–Coulomb", "velocity-dependent", "LuGre"] {
+        assert!(picture.says(law));
+    }
+}
+
+#[test]
+fn hard_cases_stay_readable() {
+    for (stem, data) in hard_occurrence() {
+        let picture = check(&occurrence_boxes(&data).unwrap(), stem);
+        let unstable = |b: &&squeal::figures::OccurrenceBox| {
+            data.rows
+                .iter()
+                .flat_map(|r| &r.panels)
+                .flat_map(|p| &p.boxes)
+                .any(|other| other.mode == b.mode && other.percent.iter().any(|&p| p > 0.0))
+        };
+        let quiet = |p: &&OccurrencePanel| p.boxes.iter().any(|b| b.percent.iter().any(|&v| v > 0.0));
+        let panels = data.rows.iter().flat_map(|r| &r.panels).filter(quiet);
+        assert_eq!(picture.count("box"), panels.flat_map(|p| &p.boxes).filter(unstable).count(), "{stem}");
+    }
+}
+
+#[test]
+fn nothing_unstable_anywhere_is_still_a_figure() {
+    let panel =
+        OccurrencePanel { title: "(a) nine in contact".into(), arrangements: vec!["1-9".into()], boxes: vec![] };
+    let rows = vec![OccurrenceRow { law: "LuGre".into(), panels: vec![panel] }];
+    let data = OccurrenceFigure { title: "Quiet".into(), mode_axis: "mode".into(), rows, ..Default::default() };
+    let picture = check(&occurrence_boxes(&data).unwrap(), "quiet");
+    assert_eq!(picture.count("box"), 0);
+    assert!(picture.says("no instability"));
+}
+
+#[test]
+fn every_body_has_its_shape_and_its_bar() {
+    for (stem, data) in shapes() {
+        let picture = check(&mode_and_work(&data).unwrap(), stem);
+        let bodies = data.laws.len() * (data.rows * data.columns + 1);
+        assert_eq!((picture.count("body"), picture.count("bar")), (bodies, bodies), "{stem}");
+        for law in &data.laws {
+            assert!(picture.texts.iter().any(|t| t.contains(law.law.split(' ').next().unwrap())), "{}", law.law);
+        }
+    }
+}
+
+#[test]
+fn every_series_has_a_name_and_a_zero_has_its_place() {
+    for (stem, data) in convergence() {
+        let picture = check(&loglog(&data).unwrap(), stem);
+        assert_eq!(picture.count("series"), data.panels.iter().map(|p| p.series.len()).sum::<usize>());
+        for series in data.panels.iter().flat_map(|p| &p.series) {
+            assert!(picture.says(&series.name), "{} is not named", series.name);
+        }
+        let zero = data.panels.iter().flat_map(|p| &p.series).flat_map(|s| &s.points).any(|p| p[1] == 0.0);
+        assert_eq!(picture.says("0"), zero);
+    }
+}
+
+#[test]
+fn the_same_data_give_the_same_bytes() {
+    let (a, b) = (occurrence_boxes(&countermeasure()).unwrap(), occurrence_boxes(&countermeasure()).unwrap());
+    assert_eq!(a.svg(), b.svg());
+    assert_eq!(a.png().unwrap(), b.png().unwrap());
+    assert_eq!(a.csv().unwrap(), b.csv().unwrap());
+}
+
+#[test]
+fn the_table_holds_every_value_exactly() {
+    let data = one_law();
+    let csv = occurrence_boxes(&data).unwrap().csv().unwrap();
+    let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(csv.as_slice()).records().map(Result::unwrap).collect();
+    let values = data.rows.iter().flat_map(|r| &r.panels).flat_map(|p| &p.boxes).flat_map(|b| &b.percent);
+    assert_eq!(
+        rows.iter().map(|r| r[5].parse::<f64>().unwrap()).collect::<Vec<_>>(),
+        values.copied().collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn a_bad_folder_is_an_error_that_names_the_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let missing = dir.path().join("not there");
+    let figure = occurrence_boxes(&one_law()).unwrap();
+    let error = figure.save(&missing, "fig05").unwrap_err();
+    assert!(matches!(&error, FigureError::Write { path, .. } if *path == missing.join("fig05.svg")), "{error:?}");
+    assert!(error.to_string().contains("not there"), "{error}");
+    // A folder in the way of the second file: the first stands, whole, and nothing half-written stays.
+    fs::create_dir(dir.path().join("fig05.png")).unwrap();
+    assert!(
+        matches!(figure.save(dir.path(), "fig05"), Err(FigureError::Write { path, .. }) if path.ends_with("fig05.png"))
+    );
+    let names: Vec<_> = fs::read_dir(dir.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+}
+
+#[test]
+fn bad_numbers_are_errors_that_name_them() {
+    let mut data = one_law();
+    data.rows[0].panels[1].boxes[0].percent[3] = f64::NAN;
+    let error = occurrence_boxes(&data).err().unwrap();
+    assert!(matches!(error, FigureError::NotFinite { .. }));
+    assert!(error.to_string().contains("(b) eight in contact"), "{error}");
+
+    let mut data = one_law();
+    data.rows[0].panels[1].boxes[0].percent[3] = 100.5;
+    assert!(matches!(occurrence_boxes(&data), Err(FigureError::OutOfRange { value: 100.5, .. })));
+    data.rows[0].panels[1].boxes[0].percent.pop();
+    assert!(matches!(occurrence_boxes(&data), Err(FigureError::Length { found: 8, expected: 9, .. })));
+    data.rows[0].panels[0].boxes[0].mode = 99;
+    assert!(matches!(occurrence_boxes(&data), Err(FigureError::Index { index: 99, .. })));
+    assert!(matches!(occurrence_boxes(&OccurrenceFigure::default()), Err(FigureError::Empty { .. })));
+
+    let (_, mut data) = shapes().remove(0);
+    data.laws[1].bodies[4].displacement[2].im = f64::INFINITY;
+    assert!(mode_and_work(&data).err().unwrap().to_string().contains("z_im of 5"));
+    data.laws[1].bodies.pop();
+    assert!(matches!(mode_and_work(&data), Err(FigureError::NotFinite { .. } | FigureError::Length { .. })));
+    assert!(matches!(mode_and_work(&ModeWorkFigure::default()), Err(FigureError::Empty { .. })));
+
+    let (_, mut data) = convergence().remove(0);
+    data.panels[0].series[0].points[0] = [0.0, 1.0];
+    assert!(matches!(loglog(&data), Err(FigureError::OutOfRange { allowed: "x > 0", .. })));
+    data.panels[0].series[0].points[0] = [1.0, f64::NAN];
+    assert!(matches!(loglog(&data), Err(FigureError::NotFinite { .. })));
+    assert!(matches!(loglog(&LogLogFigure::default()), Err(FigureError::Empty { .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever the percentages: a well-formed picture, one object per value set, no text cut or covered.
+    #[test]
+    fn any_percentages_can_be_drawn(values in prop::collection::vec(prop::collection::vec(0.0..=100.0f64, 4), 1..14)) {
+        let boxes: Vec<_> = values.iter().enumerate().map(|(mode, percent)| {
+            squeal::figures::OccurrenceBox { mode, series: 0, percent: percent.clone() }
+        }).collect();
+        let arrangements = (0..4).map(|a| a.to_string()).collect();
+        let panel = OccurrencePanel { title: "(a) some in contact".into(), arrangements, boxes };
+        let data = OccurrenceFigure {
+            modes: (0..values.len()).map(|m| (m + 20).to_string()).collect(),
+            series: vec!["all speeds".into()],
+            rows: vec![OccurrenceRow { law: "law".into(), panels: vec![panel] }],
+            ..Default::default()
+        };
+        let svg = occurrence_boxes(&data).unwrap().svg();
+        texts_stay_on_the_page(&svg);
+        let drawn = values.iter().filter(|v| v.iter().any(|&p| p > 0.0)).count();
+        prop_assert_eq!(read(&svg).count("box"), drawn);
+    }
+}
