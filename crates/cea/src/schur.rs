@@ -2,11 +2,14 @@
 
 use linsys::SecondOrder;
 use nalgebra::linalg::Schur;
+use nalgebra::{DMatrix, DVector};
 
 use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, sort};
 
 /// QR steps allowed per eigenvalue; a healthy matrix takes 2 to 4.
 const STEPS_PER_EIGENVALUE: usize = 40;
+/// Starts from which the iteration is tried.
+const ATTEMPTS: usize = 4;
 
 /// One system at a time by nalgebra's QR iteration on the [`StandardForm`], with a cap on its steps.
 ///
@@ -34,15 +37,27 @@ impl EigenSolver for SchurSolver {
         let scale = gamma * state.norm();
         let cap = STEPS_PER_EIGENVALUE * dimension;
         work.counters.eigenvalue_solves += 1;
-        let failed = || CeaError::NoConvergence { iterations: cap, dimension };
-        let schur = Schur::try_new(state, f64::EPSILON, cap).ok_or_else(failed)?;
-        let mut eigenvalues: Vec<_> = schur.complex_eigenvalues().iter().map(|sigma| sigma * gamma).collect();
-        if eigenvalues.iter().any(|l| !(l.re.is_finite() && l.im.is_finite())) {
-            return Err(failed());
+        for attempt in 0..ATTEMPTS {
+            let start = if attempt == 0 { state.clone() } else { reflected(&state, attempt) };
+            let Some(schur) = Schur::try_new(start, f64::EPSILON, cap) else { continue };
+            let mut eigenvalues: Vec<_> = schur.complex_eigenvalues().iter().map(|sigma| sigma * gamma).collect();
+            if eigenvalues.iter().all(|l| l.re.is_finite() && l.im.is_finite()) {
+                sort(&mut eigenvalues);
+                return Ok(Spectrum { eigenvalues, scale });
+            }
         }
-        sort(&mut eigenvalues);
-        Ok(Spectrum { eigenvalues, scale })
+        Err(CeaError::NoConvergence { iterations: ATTEMPTS * cap, dimension })
     }
+}
+
+/// `H A H` with a Householder reflection H: the same eigenvalues from another start.
+///
+/// nalgebra's iteration has no exceptional shifts, and on symmetric structures it can run in circles.
+fn reflected(state: &DMatrix<f64>, attempt: usize) -> DMatrix<f64> {
+    let n = state.nrows();
+    let axis = DVector::from_fn(n, |i, _| (1.3 * (i + 1) as f64 * (attempt + 1) as f64).sin()).normalize();
+    let left = state - &axis * (axis.transpose() * state) * 2.0;
+    &left - (&left * &axis) * axis.transpose() * 2.0
 }
 
 #[cfg(test)]
@@ -74,6 +89,19 @@ mod tests {
         let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
         for l in eigenvalues(&system) {
             assert!(((l * l + 4.0) * (l + 3.0) + l * 5.0).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn another_start_has_the_same_eigenvalues() {
+        let state = DMatrix::from_fn(7, 7, |i, j| ((3 * i + 5 * j) % 7) as f64 - 2.5);
+        let sorted = |m: &DMatrix<f64>| {
+            let mut values: Vec<_> = m.complex_eigenvalues().iter().copied().collect();
+            sort(&mut values);
+            values
+        };
+        for (a, b) in sorted(&state).into_iter().zip(sorted(&reflected(&state, 1))) {
+            assert!((a - b).norm() < 1e-12, "{a} {b}");
         }
     }
 

@@ -17,6 +17,9 @@ pub enum Error {
     /// An eigenvalue analysis.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
+    /// Work in a mode.
+    #[error(transparent)]
+    Work(#[from] work::WorkError),
     /// The Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),

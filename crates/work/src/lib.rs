@@ -1,1 +1,24 @@
-//! Placeholder of the layout; replaced by the first real commit of this crate.
+//! Work per cycle of friction and damping in a complex mode.
+//!
+//! In a mode `u(t) = Re(phi e^{lambda t})` a force `Re(f e^{lambda t})` on degree of freedom j does, in one period at
+//! frozen amplitude, the work
+//!
+//! ```text
+//! W_j = pi Im(conj(phi_j) f_j),    f = -(lambda C + K) phi + F z,    z = lambda E phi / (lambda + a)
+//! ```
+//!
+//! with C, K, F, E and a of one family of forces. `W > 0` feeds the mode, `W < 0` drains it. All results are divided by
+//! `phi^H M phi`, so they do not depend on how phi is scaled: J/(kg m^2) = 1/s^2.
+//!
+//! There are two families: *friction*, all of a system that friction makes, and *damping*, the dashpots of the structure.
+//! The elastic forces are symmetric and do no net work, which leaves the identity
+//! `sum W = 2 pi Re(lambda) Im(lambda) phi^H M phi`: a mode grows exactly as fast as the net work feeds it.
+//! [`ModeWork::identity_residual`] says how well it holds.
+//!
+//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver.
+
+mod error;
+mod mode_work;
+
+pub use error::WorkError;
+pub use mode_work::{ModeWork, mode_work};

@@ -5,7 +5,7 @@ use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use num_complex::Complex;
 use osc_model::Linearise;
-use work::WorkPerCycle;
+use work::mode_work;
 
 use super::reference::{Reference, references};
 use super::{Plan, Sample, Scene};
@@ -106,8 +106,7 @@ impl<'a> Study<'a> {
         let lattice = self.plan.lattice(scene);
         let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
         lattice.linearise_friction(&self.plan.sliding(scene, sample)?, &mut friction)?;
-        let work = WorkPerCycle::of(&friction, lattice.structural(), lattice.bodies(), mode.lambda, &mode.shape);
-        Ok(work.net())
+        Ok(mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?.net())
     }
 }
 

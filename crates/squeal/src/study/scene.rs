@@ -65,7 +65,7 @@ impl Plan {
         for (constraints, set) in plan.case.constraints.iter().enumerate() {
             let model = LatticeModel::new(plan.case.lattice.clone(), plan.case.readings.lateral, &set.fixed)?;
             for (panel, (_, arrangements)) in plan.case.panels.iter().enumerate() {
-                for class in classes(&plan.case, &model, arrangements) {
+                for class in classes(&plan.case, &model, arrangements)? {
                     let arrangement = &arrangements[class.representative];
                     let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
                     let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
@@ -148,16 +148,20 @@ pub(super) fn sliding(
     Ok(Sliding { speed, contacts })
 }
 
-fn classes(case: &Case, model: &LatticeModel, arrangements: &[ContactArrangement]) -> Vec<SymmetryClass> {
-    match case.readings.draws {
-        Draws::Shared => model.symmetry_classes(arrangements),
+fn classes(
+    case: &Case,
+    model: &LatticeModel,
+    arrangements: &[ContactArrangement],
+) -> Result<Vec<SymmetryClass>, Error> {
+    Ok(match case.readings.draws {
+        Draws::Shared => model.symmetry_classes(arrangements)?,
         Draws::Each => (0..arrangements.len())
             .map(|arrangement| SymmetryClass {
                 representative: arrangement,
                 members: vec![Member { arrangement, reversal: Reversal::None }],
             })
             .collect(),
-    }
+    })
 }
 
 fn speeds_of(case: &Case, law: Law) -> Vec<Option<usize>> {
