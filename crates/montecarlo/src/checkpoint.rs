@@ -1,0 +1,177 @@
+//! The state of a run on disk.
+//!
+//! ```text
+//! montecarlo-checkpoint 1 <bytes below> <their CRC-32, hexadecimal>
+//! {"fingerprint": ..., "seed": ..., ...}     the identity of the run
+//! {"seed": ..., "samples": ..., ...}         its summary so far
+//! ```
+//!
+//! JSON with exact floats rather than a format without field names: a tally whose type has changed is then refused, not
+//! misread. A new checkpoint is written beside the old one, forced to disk and renamed over it, so a file with this name
+//! is complete whenever the process or the machine stops.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Damage, MonteCarloError};
+use crate::plan::Plan;
+use crate::summary::Summary;
+
+const MAGIC: &str = "montecarlo-checkpoint";
+const VERSION: u32 = 1;
+
+/// Where and how often the state of a run is saved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Checkpoint {
+    /// The file. While it is being written, a file of this name with `.partial` appended stands beside it.
+    pub path: PathBuf,
+    /// Time between two writes; zero writes after every block.
+    pub every: Duration,
+    /// Whatever tells this study from others, and this version of its tally from others: a hash of the case, say.
+    pub fingerprint: String,
+}
+
+/// What must agree before a checkpoint is continued.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Identity {
+    fingerprint: String,
+    seed: u64,
+    first: u64,
+    samples: u64,
+    block: u64,
+    scenes: usize,
+}
+
+/// A checkpoint in use by one run.
+pub(crate) struct Store<'a> {
+    checkpoint: &'a Checkpoint,
+    identity: Identity,
+    saved: Instant,
+}
+
+impl<'a> Store<'a> {
+    pub(crate) fn new(checkpoint: &'a Checkpoint, plan: &Plan, scenes: usize) -> Self {
+        let Plan { seed, first, samples, block, .. } = *plan;
+        let identity = Identity { fingerprint: checkpoint.fingerprint.clone(), seed, first, samples, block, scenes };
+        Self { checkpoint, identity, saved: Instant::now() }
+    }
+
+    /// The state in the file, or `None` if there is no file.
+    pub(crate) fn load<T: DeserializeOwned>(&self) -> Result<Option<Summary<T>>, MonteCarloError> {
+        let path = &self.checkpoint.path;
+        let bytes = match fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(MonteCarloError::CheckpointIo { action: "read", path: path.clone(), source }),
+        };
+        let damaged = |damage| MonteCarloError::CheckpointDamaged { path: path.clone(), damage };
+        let body = intact_body(&bytes).map_err(damaged)?;
+        let cut = body.iter().position(|&byte| byte == b'\n').unwrap_or(body.len());
+        let content = |error| damaged(Damage::Content(error));
+        self.check_identity(&serde_json::from_slice(&body[..cut]).map_err(content)?)?;
+        serde_json::from_slice(&body[cut..]).map(Some).map_err(content)
+    }
+
+    fn check_identity(&self, found: &Identity) -> Result<(), MonteCarloError> {
+        let expected = &self.identity;
+        for (field, expected, found) in [
+            ("study", expected.fingerprint.clone(), found.fingerprint.clone()),
+            ("seed", expected.seed.to_string(), found.seed.to_string()),
+            ("first sample", expected.first.to_string(), found.first.to_string()),
+            ("number of samples", expected.samples.to_string(), found.samples.to_string()),
+            ("number of samples per block", expected.block.to_string(), found.block.to_string()),
+            ("number of scenes", expected.scenes.to_string(), found.scenes.to_string()),
+        ] {
+            if expected != found {
+                let path = self.checkpoint.path.clone();
+                return Err(MonteCarloError::CheckpointMismatch { path, field, expected, found });
+            }
+        }
+        Ok(())
+    }
+
+    /// Saves a state that is complete or whose turn has come.
+    pub(crate) fn save_when_due<T: Serialize + DeserializeOwned>(
+        &mut self,
+        state: &Summary<T>,
+        end: u64,
+    ) -> Result<(), MonteCarloError> {
+        if state.first + state.samples == end || self.saved.elapsed() >= self.checkpoint.every {
+            self.save(state)?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn save<T: Serialize + DeserializeOwned>(&mut self, state: &Summary<T>) -> Result<(), MonteCarloError> {
+        let path = &self.checkpoint.path;
+        let not_storable = |source| MonteCarloError::NotStorable { path: path.clone(), source };
+        let mut body = serde_json::to_vec(&self.identity).map_err(not_storable)?;
+        body.push(b'\n');
+        let cut = body.len();
+        serde_json::to_writer(&mut body, state).map_err(not_storable)?;
+        // A state that cannot be read back must not replace one that can.
+        serde_json::from_slice::<Summary<T>>(&body[cut..]).map_err(not_storable)?;
+        body.push(b'\n');
+
+        let mut name = OsString::from(path);
+        name.push(".partial");
+        let partial = PathBuf::from(name);
+        let written = write_to_disk(&partial, &body).map_err(|source| (partial.clone(), source));
+        let replaced = written.and_then(|()| replace(&partial, path).map_err(|source| (path.clone(), source)));
+        if let Err((path, source)) = replaced {
+            // The run ends with the first error; that the leftover cannot be removed either adds nothing.
+            let _ = fs::remove_file(&partial);
+            return Err(MonteCarloError::CheckpointIo { action: "write", path, source });
+        }
+        self.saved = Instant::now();
+        Ok(())
+    }
+}
+
+fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
+    let mut file = File::create(path)?;
+    writeln!(file, "{MAGIC} {VERSION} {} {:08x}", body.len(), crc32fast::hash(body))?;
+    file.write_all(body)?;
+    file.sync_all()
+}
+
+fn replace(partial: &Path, path: &Path) -> io::Result<()> {
+    fs::rename(partial, path)?;
+    // The new name is on disk only once its folder is. Folders can be opened as files on Unix alone.
+    #[cfg(unix)]
+    {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        File::open(folder)?.sync_all()?;
+    }
+    Ok(())
+}
+
+/// What follows the header, if it is what the header announces.
+fn intact_body(bytes: &[u8]) -> Result<&[u8], Damage> {
+    let cut = bytes.iter().position(|&byte| byte == b'\n').ok_or(Damage::Header)?;
+    let header = str::from_utf8(&bytes[..cut]).map_err(|_| Damage::Header)?;
+    let [MAGIC, version, length, checksum] = header.split(' ').collect::<Vec<_>>()[..] else {
+        return Err(Damage::Header);
+    };
+    let found = version.parse().map_err(|_| Damage::Header)?;
+    if found != VERSION {
+        return Err(Damage::Version { found, expected: VERSION });
+    }
+    let expected = length.parse().map_err(|_| Damage::Header)?;
+    let body = &bytes[cut + 1..];
+    if body.len() != expected {
+        return Err(Damage::Length { expected, found: body.len() });
+    }
+    let expected = u32::from_str_radix(checksum, 16).map_err(|_| Damage::Header)?;
+    let found = crc32fast::hash(body);
+    if found != expected {
+        return Err(Damage::Checksum { expected, found });
+    }
+    Ok(body)
+}

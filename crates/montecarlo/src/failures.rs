@@ -1,0 +1,107 @@
+//! Failed draws and evaluations: counted always, listed as far as there is room.
+
+use serde::{Deserialize, Serialize};
+
+use crate::study::Merge;
+
+/// How many failures are listed in full.
+const LISTED: usize = 1_000;
+
+/// One failed draw or evaluation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Global index of the sample.
+    pub index: u64,
+    /// The scene, or `None` where the draw itself failed and so every scene lacks the sample.
+    pub scene: Option<usize>,
+    /// The study's error as text.
+    pub message: String,
+}
+
+/// All failures of a run: counts per scene, and the first 1,000 by sample and scene in full.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failures {
+    draws: u64,
+    scenes: Vec<u64>,
+    listed: Vec<Failure>,
+}
+
+impl Failures {
+    pub(crate) fn new(scenes: usize) -> Self {
+        Self { draws: 0, scenes: vec![0; scenes], listed: Vec::new() }
+    }
+
+    pub(crate) fn record(&mut self, failure: Failure) {
+        match failure.scene {
+            None => self.draws += 1,
+            Some(scene) => self.scenes[scene] += 1,
+        }
+        if self.listed.len() < LISTED {
+            self.listed.push(failure);
+        }
+    }
+
+    /// Failed draws; each is missing from every scene.
+    pub fn draws(&self) -> u64 {
+        self.draws
+    }
+
+    /// Failed evaluations per scene, failed draws not included.
+    pub fn by_scene(&self) -> &[u64] {
+        &self.scenes
+    }
+
+    /// Failed draws and failed evaluations together.
+    pub fn total(&self) -> u64 {
+        self.draws + self.scenes.iter().sum::<u64>()
+    }
+
+    /// The first failures, at most 1,000, by sample and scene.
+    pub fn listed(&self) -> &[Failure] {
+        &self.listed
+    }
+
+    /// How many failures are counted but not listed.
+    pub fn unlisted(&self) -> u64 {
+        self.total() - self.listed.len() as u64
+    }
+}
+
+impl Merge for Failures {
+    fn merge(&mut self, later: Self) {
+        self.draws += later.draws;
+        for (mine, more) in self.scenes.iter_mut().zip(&later.scenes) {
+            *mine += more;
+        }
+        let room = LISTED - self.listed.len();
+        self.listed.extend(later.listed.into_iter().take(room));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failures(indices: std::ops::Range<u64>) -> Failures {
+        let mut failures = Failures::new(2);
+        for index in indices {
+            let scene = (index % 3 != 0).then_some((index % 2) as usize);
+            failures.record(Failure { index, scene, message: format!("sample {index}") });
+        }
+        failures
+    }
+
+    #[test]
+    fn parts_merge_to_the_whole_and_only_the_list_is_bounded() {
+        for cut in [0, 1, 400, 999, 1_000, 1_001, 1_500] {
+            let mut merged = failures(0..cut);
+            merged.merge(failures(cut..1_500));
+            assert_eq!(merged, failures(0..1_500));
+        }
+        let whole = failures(0..1_500);
+        assert_eq!(whole.total(), 1_500);
+        assert_eq!((whole.draws(), whole.by_scene()), (500, &[500, 500][..]));
+        assert_eq!((whole.listed().len(), whole.unlisted()), (1_000, 500));
+        assert_eq!(whole.listed()[999].index, 999);
+    }
+}

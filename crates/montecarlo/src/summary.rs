@@ -1,0 +1,55 @@
+//! The result of a run, or of a part of one.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::MonteCarloError;
+use crate::failures::Failures;
+use crate::study::Merge;
+
+/// What a stretch of samples gave. Also the state that a checkpoint holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary<T> {
+    /// The plan's seed.
+    pub seed: u64,
+    /// Global index of the first sample.
+    pub first: u64,
+    /// How many samples from there.
+    pub samples: u64,
+    /// Failed draws and evaluations.
+    pub failures: Failures,
+    /// What was kept of the others.
+    pub tally: T,
+}
+
+impl<T: Merge> Summary<T> {
+    /// Global index after the last sample.
+    pub fn next(&self) -> u64 {
+        self.first + self.samples
+    }
+
+    /// Puts two parts of one study together: the later one must begin where this one ends.
+    ///
+    /// Whether both belong to the same *study* is for the caller to know.
+    ///
+    /// # Errors
+    /// Another seed, another number of scenes, or a gap or overlap between the two.
+    pub fn merge(mut self, later: Self) -> Result<Self, MonteCarloError> {
+        for (field, expected, found) in [
+            ("the seed", self.seed, later.seed),
+            ("the number of scenes", self.failures.by_scene().len() as u64, later.failures.by_scene().len() as u64),
+            ("the first sample", self.next(), later.first),
+        ] {
+            if expected != found {
+                return Err(MonteCarloError::NotMergeable { field, expected, found });
+            }
+        }
+        self.append(later);
+        Ok(self)
+    }
+
+    pub(crate) fn append(&mut self, later: Self) {
+        self.samples += later.samples;
+        self.failures.merge(later.failures);
+        self.tally.merge(later.tally);
+    }
+}
