@@ -32,7 +32,7 @@ impl Progress for Bar {
     fn begin(&self, total: u64, done: u64) {
         let target =
             if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let template = "{bar:30} {human_pos} of {human_len} evaluations, {per_sec:.0}, {eta} left";
+        let template = "{bar:30} {human_pos} of {human_len} evaluations, {eta} left";
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = self.bar.get_or_init(|| ProgressBar::with_draw_target(None, target).with_style(style));
         bar.set_length(total);
