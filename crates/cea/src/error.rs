@@ -16,9 +16,9 @@ pub enum CeaError {
         row: usize,
     },
     /// The QR iteration stopped at its cap.
-    #[error("the QR iteration did not converge within {iterations} steps for {dimension} eigenvalues")]
+    #[error("the QR iteration did not settle on an eigenvalue within {iterations} steps ({dimension} eigenvalues)")]
     NoConvergence {
-        /// Iterations done.
+        /// The cap, per eigenvalue.
         iterations: usize,
         /// Size of the state matrix.
         dimension: usize,

@@ -4,10 +4,11 @@
 //! This crate never sees a lattice, a friction law or a random number.
 
 mod error;
+mod francis;
 mod mac;
 mod modes;
+mod qr;
 mod scaling;
-mod schur;
 mod solver;
 mod spectrum;
 mod stability;
@@ -17,8 +18,8 @@ mod vectors;
 pub use error::CeaError;
 pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers};
+pub use qr::QrSolver;
 pub use scaling::StandardForm;
-pub use schur::SchurSolver;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;

@@ -8,6 +8,8 @@ use crate::{CeaError, Spectrum, StandardForm, Workspace, right_vector};
 
 /// How far an eigenvalue may lie from the decay rate of its internal state to be told by it alone.
 const NEAR_DECAY: f64 = 0.5;
+/// |Im lambda| / |lambda| of a real eigenvalue in a cluster that rounding has spread.
+const NEARLY_REAL: f64 = 1e-4;
 
 /// A spectrum sorted into modes of the structure and internal states.
 ///
@@ -19,7 +21,7 @@ pub struct Modes {
     pub oscillatory: Vec<Complex<f64>>,
     /// Real eigenvalues of the structure, ascending: overdamped modes (two each), or divergence where positive.
     pub real: Vec<f64>,
-    /// Eigenvalues of internal states; a complex pair is listed once.
+    /// Eigenvalues of internal states; one or both of a complex pair.
     pub internal: Vec<Complex<f64>>,
 }
 
@@ -32,17 +34,20 @@ impl Modes {
     /// # Errors
     /// Those of [`right_vector`].
     pub fn classify(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
-        let oscillatory: Vec<_> = spectrum.oscillatory().collect();
-        let real: Vec<_> = spectrum.real().collect();
         if system.states() == 0 {
+            let (oscillatory, real) = (spectrum.oscillatory().collect(), spectrum.real().collect());
             return Ok(Self { oscillatory, real, internal: Vec::new() });
         }
-        if real.len() == system.states() && all_near_decay(&real, system) {
-            return Ok(Self { oscillatory, real: Vec::new(), internal: real.into_iter().map(Complex::from).collect() });
+        // Equal bristles make a multiple real eigenvalue, which rounding may turn into pairs just off the axis.
+        let (near_real, far): (Vec<_>, Vec<_>) =
+            spectrum.eigenvalues.iter().partition(|l| l.im.abs() <= NEARLY_REAL * l.norm());
+        if near_real.len() == system.states() && all_near_decay(&near_real, system) {
+            let oscillatory = far.into_iter().filter(|l| l.im > 0.0).collect();
+            return Ok(Self { oscillatory, real: Vec::new(), internal: near_real });
         }
         let form = StandardForm::new(system)?;
         let mut modes = Self { oscillatory: Vec::new(), real: Vec::new(), internal: Vec::new() };
-        for lambda in real.into_iter().map(Complex::from).chain(oscillatory) {
+        for lambda in spectrum.eigenvalues.iter().copied().filter(|l| l.im >= 0.0) {
             match (is_internal(system, &form, lambda, work)?, lambda.im > 0.0) {
                 (true, _) => modes.internal.push(lambda),
                 (false, true) => modes.oscillatory.push(lambda),
@@ -75,9 +80,11 @@ pub fn pair_numbers(rank: usize) -> (usize, usize) {
     (2 * rank - 1, 2 * rank)
 }
 
-fn all_near_decay(real: &[f64], system: &SecondOrder) -> bool {
+fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
     let mut decay: Vec<f64> = system.internal.decay.iter().map(|a| -a).collect();
     decay.sort_by(f64::total_cmp);
+    let mut real: Vec<f64> = near_real.iter().map(|l| l.re).collect();
+    real.sort_by(f64::total_cmp);
     real.iter().zip(&decay).all(|(l, a)| (l - a).abs() <= NEAR_DECAY * a.abs())
 }
 
@@ -113,13 +120,13 @@ pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EigenSolver, SchurSolver};
+    use crate::{EigenSolver, QrSolver};
     use linsys::Internal;
     use nalgebra::{dmatrix, dvector};
 
     fn classify(system: &SecondOrder) -> Modes {
         let mut work = Workspace::default();
-        let spectrum = SchurSolver.eigenvalues(system, &mut work).unwrap();
+        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
         Modes::classify(system, &spectrum, &mut work).unwrap()
     }
 

@@ -45,12 +45,12 @@ pub fn verdict(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EigenSolver, SchurSolver};
+    use crate::{EigenSolver, QrSolver};
     use nalgebra::{DMatrix, dmatrix};
 
     fn verdicts(system: &SecondOrder) -> Vec<Verdict> {
         let mut work = Workspace::default();
-        let spectrum = SchurSolver.eigenvalues(system, &mut work).unwrap();
+        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
         spectrum.oscillatory().map(|l| verdict(system, l, spectrum.scale, &mut work).unwrap()).collect()
     }
 

@@ -190,12 +190,12 @@ fn modes_near(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SchurSolver;
+    use crate::QrSolver;
     use nalgebra::{DVector, dmatrix};
 
     fn modes(system: &SecondOrder) -> Vec<Mode> {
         let mut work = Workspace::default();
-        let spectrum = SchurSolver.eigenvalues(system, &mut work).unwrap();
+        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
         Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
     }
 
@@ -206,7 +206,7 @@ mod tests {
     }
 
     fn linked(from: &SecondOrder, to: &SecondOrder) -> Vec<Vec<usize>> {
-        follow(&SchurSolver, (from, &modes(from)), (to, &modes(to)), &mut Workspace::default()).unwrap()
+        follow(&QrSolver, (from, &modes(from)), (to, &modes(to)), &mut Workspace::default()).unwrap()
     }
 
     #[test]
@@ -238,7 +238,7 @@ mod tests {
     fn a_double_eigenvalue_is_one_group_and_costs_no_small_steps() {
         let (from, to) = (diagonal(&[4.0, 4.0, 9.0]), diagonal(&[4.1, 4.1, 9.0]));
         let mut work = Workspace::default();
-        let links = follow(&SchurSolver, (&from, &modes(&from)), (&to, &modes(&to)), &mut work).unwrap();
+        let links = follow(&QrSolver, (&from, &modes(&from)), (&to, &modes(&to)), &mut work).unwrap();
         assert_eq!(links[2], [2]);
         assert_eq!(work.counters.eigenvalue_solves, 3);
     }

@@ -158,7 +158,7 @@ fn fix_phase(x: &mut DVector<Complex<f64>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EigenSolver, SchurSolver};
+    use crate::{EigenSolver, QrSolver};
     use nalgebra::dmatrix;
 
     fn flutter() -> SecondOrder {
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn right_and_left_vectors_annihilate_q() {
         let (system, mut work) = (flutter(), Workspace::default());
-        for lambda in SchurSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues {
+        for lambda in QrSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues {
             let phi = right_vector(&system, lambda, &mut work).unwrap();
             let psi = left_vector(&system, lambda, &mut work).unwrap();
             let q = system.dynamic_stiffness(lambda);

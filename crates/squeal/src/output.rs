@@ -47,8 +47,7 @@ pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Ve
     for row in rows {
         table.write_record(row).map_err(failed)?;
     }
-    let bytes = table
-        .into_inner()
-        .map_err(|error| Error::Write { path: path.to_owned(), source: error.into_error() })?;
+    let bytes =
+        table.into_inner().map_err(|error| Error::Write { path: path.to_owned(), source: error.into_error() })?;
     write(path, &bytes)
 }

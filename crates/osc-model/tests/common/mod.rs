@@ -1,7 +1,7 @@
 //! What the tests of this crate share: the lattice of the published case, and spectra compared as sets.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use cea::{EigenSolver, SchurSolver, Workspace};
+use cea::{EigenSolver, QrSolver, Workspace};
 use friction::{AmontonsCoulomb, BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent};
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -70,7 +70,7 @@ pub fn shared(tangent: Tangent, count: usize) -> Sliding {
 }
 
 pub fn eigenvalues(system: &SecondOrder) -> Vec<Complex<f64>> {
-    SchurSolver.eigenvalues(system, &mut Workspace::default()).unwrap().eigenvalues
+    QrSolver.eigenvalues(system, &mut Workspace::default()).unwrap().eigenvalues
 }
 
 pub fn spectrum(model: &LatticeModel, arrangement: &ContactArrangement, sliding: &Sliding) -> Vec<Complex<f64>> {

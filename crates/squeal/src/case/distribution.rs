@@ -90,7 +90,8 @@ impl Distribution {
 
     /// What is wrong with the parameters, if anything: (key, value, allowed).
     pub(super) fn fault(&self) -> Option<(&'static str, f64, String)> {
-        let positive = |key, value: f64| (!(value > 0.0 && value.is_finite())).then(|| (key, value, "a number > 0".into()));
+        let positive =
+            |key, value: f64| (!(value > 0.0 && value.is_finite())).then(|| (key, value, "a number > 0".into()));
         let finite = |key, value: f64| (!value.is_finite()).then(|| (key, value, "a finite number".into()));
         match *self {
             Self::Constant { value } => finite("value", value),

@@ -124,8 +124,7 @@ impl Case {
     /// # Errors
     /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 
@@ -309,7 +308,11 @@ fn panels(
     let mut panels: Vec<(usize, Vec<ContactArrangement>)> = Vec::new();
     match (contact.in_contact.as_slice(), contact.arrangements.as_slice()) {
         ([], []) => {
-            return Err(check.value("contact", "empty", "in_contact = [numbers] or arrangements = [[oscillators], ..]"));
+            return Err(check.value(
+                "contact",
+                "empty",
+                "in_contact = [numbers] or arrangements = [[oscillators], ..]",
+            ));
         }
         (numbers, []) => {
             check.no_repeats("contact.in_contact", numbers.iter().map(usize::to_string))?;
@@ -317,8 +320,7 @@ fn panels(
                 if number == 0 {
                     return Err(check.value("contact.in_contact", 0, &format!("1 to {oscillators}")));
                 }
-                let all =
-                    ContactArrangement::all(oscillators, number).map_err(check.lattice("contact.in_contact"))?;
+                let all = ContactArrangement::all(oscillators, number).map_err(check.lattice("contact.in_contact"))?;
                 panels.push((number, all));
             }
         }

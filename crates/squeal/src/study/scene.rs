@@ -2,8 +2,8 @@
 
 use linsys::SecondOrder;
 use osc_model::{
-    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, Linearise, Member, PreparedLattice, Reversal, Sliding,
-    SymmetryClass,
+    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, Linearise, Member, PreparedLattice, Reversal,
+    Sliding, SymmetryClass,
 };
 
 use super::Sample;
