@@ -5,6 +5,7 @@
 mod common;
 
 use common::{contact, coulomb, eigenvalues, held, lugre, model, set_distance, shared, table_1};
+use friction::{BristleDamping, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters, Tangent};
 use linsys::SecondOrder;
 use osc_model::{
     BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, LatticeParameters, Linearise, Preload, Sign,
@@ -129,4 +130,31 @@ fn names_what_it_refuses_in_a_lattice() {
     assert_eq!(constrained("x1 yp x1"), "x1 is constrained twice");
     let other = model(Lateral::None, "").prepare(&ContactArrangement::full(4)).unwrap_err().to_string();
     assert_eq!(other, "the contact arrangement is for 4 oscillators, the lattice has 9");
+}
+
+/// `h(lambda) - h(0)` is of order |lambda| / a: a hundred times stiffer bristles, a hundred times closer spectra.
+#[test]
+fn stiff_bristles_follow_the_stribeck_curve() {
+    let curve = StribeckParameters { mu_s: 0.55, mu_k: 0.45, v_s: 0.6, sigma2: 0.004 };
+    let lattice = model(Lateral::None, "x1 x3").prepare(&ContactArrangement::full(9)).unwrap();
+    // A different load on each contact keeps the modes apart.
+    let spectrum = |tangent: Tangent| -> Vec<_> {
+        let mut sliding = shared(tangent, 9);
+        for (i, point) in sliding.contacts.iter_mut().enumerate() {
+            point.normal_load += 20.0 * i as f64;
+        }
+        eigenvalues(&lattice.linearised(&sliding).unwrap()).into_iter().filter(|l| l.im > 0.0).collect()
+    };
+    let stribeck = spectrum(Stribeck::new(curve).unwrap().tangent_at(0.4).unwrap());
+    let with_bristles = |sigma0: f64| {
+        let StribeckParameters { mu_s, mu_k, v_s, sigma2 } = curve;
+        let bristle_damping = BristleDamping::Constant;
+        let parameters = LuGreParameters { mu_s, mu_k, v_s, sigma0, sigma1: 0.0, sigma2, bristle_damping };
+        let distance = set_distance(&stribeck, &spectrum(LuGre::new(parameters).unwrap().tangent_at(0.4).unwrap()));
+        println!("sigma0 {sigma0:e}: {distance:e}");
+        distance
+    };
+    let (soft, stiff) = (with_bristles(1e7), with_bristles(1e9));
+    assert!(soft < 1e-3 && stiff > 1e-9, "{soft:e}, {stiff:e}");
+    assert!((soft / stiff / 100.0 - 1.0).abs() < 0.05, "{soft:e}, {stiff:e}");
 }
