@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use cea::{EigenSolver, SchurSolver, Workspace, right_vector};
+use cea::{EigenSolver, QrSolver, Workspace, right_vector};
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent,
     VelocityDependentParameters,
@@ -139,7 +139,7 @@ fn eigenvalues_are_the_golden_ones() {
     let mut worst = 0.0_f64;
     for (number, golden) in golden().iter().enumerate() {
         let system: SecondOrder = golden.case.lattice().linearised(&golden.case.sliding()).unwrap();
-        let spectrum = SchurSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+        let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
         let mut ours: Vec<Complex<f64>> = spectrum.oscillatory().collect();
         assert_eq!(ours.len(), golden.eigenvalues_upper.len(), "case {number}");
         for &[re, im] in &golden.eigenvalues_upper {

@@ -207,7 +207,7 @@ mod tests {
         }
 
         #[test]
-        fn a_known_spectrum_is_found(real in prop::collection::vec(-3.0..3.0, 5), im in 0.1..4.0, mix in prop::collection::vec(-0.3..0.3, 49)) {
+        fn a_known_spectrum_is_found(real in prop::collection::vec(-3.0..3.0, 5), im in 0.1..4.0_f64, mix in prop::collection::vec(-0.3..0.3, 49)) {
             let mut d: DMatrix<f64> = DMatrix::zeros(7, 7);
             for i in 0..5 { d[(i, i)] = real[i]; }
             d.view_mut((5, 5), (2, 2)).copy_from(&dmatrix![0.5, im; -im, 0.5]);

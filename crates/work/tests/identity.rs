@@ -4,7 +4,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use cea::{EigenSolver, SchurSolver, Workspace, right_vector};
+use cea::{EigenSolver, QrSolver, Workspace, right_vector};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use num_complex::Complex;
@@ -53,7 +53,7 @@ proptest! {
     fn net_work_is_what_the_mode_gains((structure, friction) in systems(), scale in 0.1..10.0, angle in 0.0..TAU) {
         let (system, work) = (sum(&structure, &friction), &mut Workspace::default());
         let bodies = [vec![0, 1], vec![2], vec![3, 4]];
-        for lambda in SchurSolver.eigenvalues(&system, work).unwrap().oscillatory() {
+        for lambda in QrSolver.eigenvalues(&system, work).unwrap().oscillatory() {
             let phi = right_vector(&system, lambda, work).unwrap();
             let found = mode_work(&structure, &friction, lambda, &phi, &bodies).unwrap();
             prop_assert!(found.identity_residual() < 1e-9, "{lambda}: {:e}", found.identity_residual());
