@@ -42,6 +42,37 @@ pub enum Law {
     Stribeck,
 }
 
+impl Law {
+    /// All laws.
+    pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
+
+    /// Its name, as in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AmontonsCoulomb => "amontons-coulomb",
+            Self::VelocityDependent => "velocity-dependent",
+            Self::LuGre => "lugre",
+            Self::Stribeck => "stribeck",
+        }
+    }
+
+    /// Its name, as in a heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::AmontonsCoulomb => "Amontons-Coulomb",
+            Self::VelocityDependent => "Velocity-dependent",
+            Self::LuGre => "LuGre",
+            Self::Stribeck => "Stribeck",
+        }
+    }
+}
+
+impl std::fmt::Display for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 /// One value for all, a value each, or walls and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]

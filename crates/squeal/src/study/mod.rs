@@ -12,7 +12,7 @@ mod reference;
 mod scene;
 mod tally;
 
-pub use compare::{Comparison, Panel, comparisons};
+pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use draw::{FrictionDraw, Sample};
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use reference::Reference;

@@ -1,0 +1,13 @@
+//! What a study found: tables, figures, the scorecard of a paper's claims, and a manifest.
+
+mod claims;
+mod manifest;
+mod pictures;
+mod results;
+mod tables;
+
+pub use claims::{Claim, Holds, claims, claims_markdown};
+pub use manifest::{Manifest, Times};
+pub use pictures::{draw_occurrence, draw_paper};
+pub use results::{Estimate, Occurrence, Results};
+pub use tables::write_tables;

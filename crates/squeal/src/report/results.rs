@@ -1,0 +1,177 @@
+//! Counts turned into occurrences, means and intervals.
+
+use std::collections::BTreeMap;
+
+use montecarlo::{Confidence, IntegerMean, Interval, Summary, quantile, wilson};
+
+use crate::Error;
+use crate::case::{Labels, Law};
+use crate::study::{Comparison, Hits, Panel, Plan, Study, Tally};
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Lower limit.
+    pub lower: f64,
+    /// Upper limit.
+    pub upper: f64,
+}
+
+/// How often one mode is unstable in one arrangement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Occurrence {
+    /// Place of the arrangement in its panel's list.
+    pub arrangement: usize,
+    /// Samples in which it is unstable.
+    pub hits: Hits,
+    /// Samples solved.
+    pub solved: u64,
+}
+
+impl Occurrence {
+    /// Part of the samples in which it surely is unstable, with Wilson's 95 % interval; samples in which it is open
+    /// which mode is unstable widen the interval upwards.
+    ///
+    /// # Errors
+    /// None for counts of a tally.
+    pub fn estimate(&self) -> Result<Estimate, Error> {
+        let value = if self.solved == 0 { 0.0 } else { self.hits.sure as f64 / self.solved as f64 };
+        let lower = wilson(self.hits.sure, self.solved, Confidence::P95)?.lower;
+        let upper = wilson((self.hits.sure + self.hits.open).min(self.solved), self.solved, Confidence::P95)?.upper;
+        Ok(Estimate { value, lower, upper })
+    }
+}
+
+/// The results of a study.
+pub struct Results<'a> {
+    /// The study.
+    pub study: &'a Study<'a>,
+    /// Its counts.
+    pub summary: Summary<Tally>,
+    /// How modes are named in the report.
+    pub labels: Labels,
+    panels: Vec<Panel>,
+    comparisons: Vec<Comparison>,
+}
+
+impl<'a> Results<'a> {
+    /// The results of a finished run.
+    pub fn new(study: &'a Study<'a>, summary: Summary<Tally>) -> Self {
+        let panels = crate::study::panels(study.plan());
+        let comparisons = crate::study::comparisons(study.plan(), &panels);
+        Self { labels: study.plan().case.readings.labels, study, summary, panels, comparisons }
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        self.study.plan()
+    }
+
+    /// All panels, in the order of their keys.
+    pub fn panels(&self) -> &[Panel] {
+        &self.panels
+    }
+
+    /// The panel of a scene key; that for all speeds where the law has no speed in it.
+    pub fn panel(&self, constraints: usize, law: Law, panel: usize, speed: Option<usize>) -> Option<&Panel> {
+        let is_it = |p: &&Panel| {
+            let key = p.key;
+            let same_speed = key.speed == speed || key.speed.is_none();
+            key.constraints == constraints && key.law == law && key.panel == panel && same_speed
+        };
+        self.panels.iter().find(is_it)
+    }
+
+    /// Panels of a law under a constraint set, by speed range and number in contact.
+    pub fn panels_of(&self, constraints: usize, law: Law) -> impl Iterator<Item = &Panel> {
+        self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
+    }
+
+    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
+    pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<Occurrence>> {
+        let mut names: BTreeMap<u16, Vec<Occurrence>> = BTreeMap::new();
+        for &scene in &panel.scenes {
+            for &name in self.counts(scene).keys() {
+                names.entry(self.name(name)).or_default();
+            }
+        }
+        for (&name, list) in &mut names {
+            for &scene in &panel.scenes {
+                let hits = self.counts(scene).get(&self.key(name)).copied().unwrap_or_default();
+                let solved = self.summary.tally.scenes[scene].solved;
+                for &arrangement in &self.plan().scenes[scene].members {
+                    list.push(Occurrence { arrangement, hits, solved });
+                }
+            }
+            list.sort_by_key(|occurrence| occurrence.arrangement);
+        }
+        names
+    }
+
+    fn counts(&self, scene: usize) -> &BTreeMap<u16, Hits> {
+        let tally = &self.summary.tally.scenes[scene];
+        if self.labels == Labels::Tracked { &tally.tracked } else { &tally.ranked }
+    }
+
+    fn name(&self, key: u16) -> u16 {
+        if self.labels == Labels::Pair { 2 * key - 1 } else { key }
+    }
+
+    fn key(&self, name: u16) -> u16 {
+        if self.labels == Labels::Pair { name.div_ceil(2) } else { name }
+    }
+
+    /// The frequency rank behind a mode's name, whichever way it is named.
+    pub fn rank_of(&self, name: u16) -> u16 {
+        self.key(name)
+    }
+
+    /// Median over the arrangements of a panel; its limits are the medians of the arrangements' limits.
+    ///
+    /// # Errors
+    /// None for a panel that has arrangements.
+    pub fn median(&self, occurrences: &[Occurrence]) -> Result<Estimate, Error> {
+        let estimates = occurrences.iter().map(Occurrence::estimate).collect::<Result<Vec<_>, _>>()?;
+        let median = |of: fn(&Estimate) -> f64| {
+            let mut values: Vec<f64> = estimates.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            quantile(&values, 0.5)
+        };
+        Ok(Estimate { value: median(|e| e.value)?, lower: median(|e| e.lower)?, upper: median(|e| e.upper)? })
+    }
+
+    /// Mean number of unstable modes in one CEA of a panel.
+    pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
+        let at = self.panels.iter().position(|p| p.key == panel.key)?;
+        scaled(&self.summary.tally.panels[at], panel.arrangements as f64)
+    }
+
+    /// Comparisons of one kind with the difference of the two means: positive where it is as expected.
+    pub fn differences(
+        &self,
+        kind: crate::study::Kind,
+    ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
+        let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
+        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(|(comparison, mean)| {
+            let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
+            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64))
+        })
+    }
+
+    /// What a panel is called in tables and claims.
+    pub fn describe(&self, panel: &Panel) -> String {
+        let case = &self.plan().case;
+        let speed = panel.key.speed.map_or("all speeds", |range| &case.speeds[range].name);
+        let (number, _) = case.panels[panel.key.panel];
+        format!("{}, {}, {number} in contact, {speed}", case.constraints[panel.key.constraints].name, panel.key.law)
+    }
+}
+
+fn scaled(mean: &IntegerMean, by: f64) -> Option<Estimate> {
+    let value = mean.mean()? / by;
+    // One sample has a mean and no interval: then anything is possible.
+    let interval = mean.interval(Confidence::P95).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
+    Some(Estimate { value, lower: interval.lower / by, upper: interval.upper / by })
+}

@@ -1,0 +1,134 @@
+//! The numbers of a study as CSV, one observation per row.
+
+use std::path::Path;
+
+use super::Results;
+use crate::Error;
+use crate::output::write_csv;
+
+/// Writes `occurrence.csv`, `panels.csv`, `net_work.csv` and `failures.csv` into `dir`.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    write_occurrence(results, dir)?;
+    write_panels(results, dir)?;
+    write_net_work(results, dir)?;
+    write_failures(results, dir)
+}
+
+fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let case = &results.plan().case;
+    let header = [
+        "constraints", "law", "speed", "in_contact", "arrangement", "mode", "samples", "unstable", "open",
+        "occurrence", "lower", "upper",
+    ];
+    let mut rows = Vec::new();
+    for panel in results.panels() {
+        let key = panel.key;
+        let (number, arrangements) = &case.panels[key.panel];
+        for (name, occurrences) in results.occurrences(panel) {
+            for occurrence in occurrences {
+                let estimate = occurrence.estimate()?;
+                rows.push(vec![
+                    case.constraints[key.constraints].name.clone(),
+                    key.law.to_string(),
+                    key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
+                    number.to_string(),
+                    arrangements[occurrence.arrangement].to_string(),
+                    name.to_string(),
+                    occurrence.solved.to_string(),
+                    occurrence.hits.sure.to_string(),
+                    occurrence.hits.open.to_string(),
+                    estimate.value.to_string(),
+                    estimate.lower.to_string(),
+                    estimate.upper.to_string(),
+                ]);
+            }
+        }
+    }
+    write_csv(&dir.join("occurrence.csv"), &header, rows)
+}
+
+fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let case = &results.plan().case;
+    let header = [
+        "constraints", "law", "speed", "in_contact", "arrangements", "solved", "mean_unstable_modes", "lower",
+        "upper", "any_unstable", "ambiguous_modes", "undecided", "divergent",
+    ];
+    let rows = results.panels().iter().map(|panel| {
+        let key = panel.key;
+        let sum = |of: fn(&crate::study::SceneTally) -> u64| -> u64 {
+            let weight = |&scene: &usize| {
+                of(&results.summary.tally.scenes[scene]) * results.plan().scenes[scene].members.len() as u64
+            };
+            panel.scenes.iter().map(weight).sum()
+        };
+        let mean = results.mean_unstable(panel);
+        let number = |of: fn(&super::Estimate) -> f64| {
+            mean.as_ref().map(of).filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string())
+        };
+        vec![
+            case.constraints[key.constraints].name.clone(),
+            key.law.to_string(),
+            key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
+            case.panels[key.panel].0.to_string(),
+            panel.arrangements.to_string(),
+            sum(|t| t.solved).to_string(),
+            number(|e| e.value),
+            number(|e| e.lower),
+            number(|e| e.upper),
+            sum(|t| t.any_unstable).to_string(),
+            sum(|t| t.ambiguous_modes).to_string(),
+            sum(|t| t.undecided).to_string(),
+            sum(|t| t.divergent).to_string(),
+        ]
+    });
+    write_csv(&dir.join("panels.csv"), &header, rows)
+}
+
+fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let case = &results.plan().case;
+    let header = ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
+    let mut rows = Vec::new();
+    for (scene, tally) in results.plan().scenes.iter().zip(&results.summary.tally.scenes) {
+        let bodies = case.lattice.grid.oscillators();
+        for (name, sketches) in &tally.net_work {
+            for (body, sketch) in sketches.iter().enumerate() {
+                let body = if body == bodies { "plate".to_owned() } else { (body + 1).to_string() };
+                rows.push(vec![
+                    case.constraints[scene.key.constraints].name.clone(),
+                    scene.key.law.to_string(),
+                    scene.key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
+                    name.to_string(),
+                    body,
+                    sketch.count().to_string(),
+                    sketch.quantile(0.25)?.to_string(),
+                    sketch.median()?.to_string(),
+                    sketch.quantile(0.75)?.to_string(),
+                ]);
+            }
+        }
+    }
+    write_csv(&dir.join("net_work.csv"), &header, rows)
+}
+
+fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let describe = |scene: Option<usize>| match scene {
+        None => "every scene: the draw failed".to_owned(),
+        Some(at) => {
+            let scene = &results.plan().scenes[at];
+            let case = &results.plan().case;
+            format!(
+                "{}, {}, contact {}, {}",
+                case.constraints[scene.key.constraints].name,
+                scene.key.law,
+                results.plan().lattice(scene).arrangement(),
+                scene.key.speed.map_or("all speeds", |range| &case.speeds[range].name),
+            )
+        }
+    };
+    let rows = results.summary.failures.listed().iter();
+    let rows = rows.map(|failure| vec![failure.index.to_string(), describe(failure.scene), failure.message.clone()]);
+    write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
+}
