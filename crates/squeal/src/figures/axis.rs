@@ -30,12 +30,13 @@ impl Scale {
     /// Covers all values with round ends and at most `intervals + 2` steps of 1, 2 or 5 times a power of ten.
     pub fn linear(values: impl Iterator<Item = f64>, intervals: f64) -> Self {
         let (least, most) = range(values, (0.0, 0.0));
-        let span = if most > least { most - least } else { 1.0 };
+        let most = if most > least { most } else { 1.0 };
+        let span = most - least;
         let decade = 10f64.powf((span / intervals).log10().floor());
         let step = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| span / s <= intervals);
         let step = step.unwrap_or(10.0 * decade);
         let (low, high) = ((least / step).floor() * step, (most / step).ceil() * step);
-        Scale::Linear { low, high: if high > low { high } else { low + step }, step }
+        Scale::Linear { low, high, step }
     }
 
     /// Covers all (positive) values with whole decades, two at least.
@@ -147,19 +148,22 @@ pub(super) fn widest(canvas: &Canvas, ticks: &[Tick]) -> f64 {
     ticks.iter().map(|tick| canvas.fonts.width(&tick.label, SMALL, false)).fold(0.0, f64::max)
 }
 
-/// The title of a vertical axis, read upwards, centred on the panel; broken into lines where the panel is short.
-/// Returns nothing; it takes [`y_title_width`] to the left of `right`.
+/// The title of a vertical axis, read upwards, centred on the panel; broken into lines where the panel is short. It takes
+/// [`y_title_width`] to the left of `right`.
 pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
-    let lines = canvas.fonts.wrap(text, SMALL, false, area.height + 10.0);
+    let lines = canvas.fonts.wrap(text, SMALL, false, area.height + OVERHANG);
     for (i, line) in lines.iter().rev().enumerate() {
         let x = right - LINE * i as f64 - 2.5;
         canvas.text(Label::new(x, area.middle_y(), line.clone()).middle().upward());
     }
 }
 
+/// How much longer than its panel a vertical title may be.
+const OVERHANG: f64 = 14.0;
+
 /// Width that [`y_title`] takes.
 pub(super) fn y_title_width(canvas: &Canvas, height: f64, text: &str) -> f64 {
-    LINE * canvas.fonts.wrap(text, SMALL, false, height + 10.0).len() as f64
+    LINE * canvas.fonts.wrap(text, SMALL, false, height + OVERHANG).len() as f64
 }
 
 /// Distance of two lines of small text.
@@ -178,3 +182,38 @@ pub(super) fn title(canvas: &mut Canvas, text: &str) -> f64 {
 
 /// White space around the page.
 pub(super) const MARGIN: f64 = 4.0;
+
+#[cfg(test)]
+mod tests {
+    use super::{Scale, signed};
+    use proptest::prelude::*;
+
+    fn labels(scale: Scale, most: i32) -> Vec<String> {
+        scale.ticks(most).into_iter().map(|tick| tick.label).filter(|label| !label.is_empty()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_with_as_many_decimals_as_they_need() {
+        assert_eq!(
+            labels(Scale::linear([-0.3, 1.07].into_iter(), 5.0), 0),
+            ["\u{2212}0.5", "0.0", "0.5", "1.0", "1.5"]
+        );
+        assert_eq!(labels(Scale::linear([812.0].into_iter(), 5.0), 0), ["0", "200", "400", "600", "800", "1000"]);
+        assert_eq!(labels(Scale::log([2e-5, 3e-3].into_iter()), 8), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+        assert_eq!(labels(Scale::log([1e-16, 1e4].into_iter()), 5), ["10⁻¹⁶", "10⁻¹¹", "10⁻⁶", "10⁻¹", "10⁴"]);
+        assert_eq!(signed(-0.001, 2), "0.00");
+    }
+
+    proptest! {
+        #[test]
+        fn every_value_lies_on_its_axis(values in prop::collection::vec(-1e6..1e6f64, 1..9)) {
+            let linear = Scale::linear(values.iter().copied(), 5.0);
+            let log = Scale::log(values.iter().map(|v| v.abs() + 1e-9));
+            for v in values {
+                prop_assert!((-1e-9..=1.0 + 1e-9).contains(&linear.at(v)));
+                prop_assert!((-1e-9..=1.0 + 1e-9).contains(&log.at(v.abs() + 1e-9)));
+            }
+            prop_assert!(linear.ticks(0).len() <= 8);
+        }
+    }
+}

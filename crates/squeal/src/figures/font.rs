@@ -5,8 +5,9 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use super::error::FigureError;
 
-/// Families for the SVG, best first; all but the last have the same widths.
-pub(super) const FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', sans-serif";
+/// Families for the SVG, best first. The first four have the same widths; DejaVu is named because some viewers do not know
+/// what "sans-serif" is on a machine that has no other.
+pub(super) const FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
 /// Both weights.
 pub(super) struct Fonts {

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::canvas::{Canvas, Color, Label, Paint, SMALL};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL};
 use super::legend::Entry;
 use super::mode_work::{Body, ModeWorkFigure};
 use super::style::{BLUE, ORANGE};
@@ -15,9 +15,6 @@ pub(super) struct Lattice {
     /// Between neighbours, and between the outer oscillators and the walls.
     pitch: f64,
 }
-
-/// Distance of a constraint's marks from the oscillator.
-const HELD: f64 = 10.0;
 
 impl Lattice {
     pub fn new(rows: usize, columns: usize, width: f64) -> Self {
@@ -40,10 +37,12 @@ impl Lattice {
         };
         self.springs(canvas, center(0), center(oscillators - 1));
         let plate = (x + self.width / 2.0, top + (self.rows as f64 - 0.5) * self.pitch + 22.0);
-        let slab = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let slab = slab.iter().map(|c| (plate.0 + c.0 * 0.28 * self.width, plate.1 + c.1 * 13.0)).collect();
-        canvas.polygon(slab, Paint::stroke(Color::LIGHT_GREY, 1.0));
-        canvas.text(Label::new(plate.0 - 0.28 * self.width + 4.0, plate.1 + 3.0, "plate").color(Color::DARK_GREY));
+        let half = (0.24 * self.width).min(0.5 * self.pitch * self.columns as f64);
+        canvas.rect(
+            Area { x: plate.0 - half, y: plate.1 - 13.0, width: 2.0 * half, height: 26.0 },
+            Paint::stroke(Color::LIGHT_GREY, 1.0),
+        );
+        canvas.text(Label::new(plate.0 + half + 4.0, plate.1 + 3.0, "plate").color(Color::DARK_GREY));
 
         let phase = Phase::of(bodies);
         for (i, body) in bodies.iter().enumerate() {
@@ -58,7 +57,7 @@ impl Lattice {
             });
         }
         if axes {
-            directions(canvas, (x + 3.0, plate.1 - 6.0));
+            directions(canvas, (plate.0 - half - 28.0, plate.1 - 6.0));
         }
         let text = format!("largest imaginary part: {:.0} %", 100.0 * phase.left_out);
         canvas.text(Label::new(plate.0, plate.1 + 24.0, text).middle().color(Color::DARK_GREY));
@@ -84,8 +83,9 @@ impl Lattice {
 
     fn body(&self, canvas: &mut Canvas, at: (f64, f64), [u, v, w]: [f64; 3], constrained: [bool; 3]) {
         canvas.circle(at, 2.2, Paint::fill(Color::WHITE).outlined(Color::DARK_GREY, 0.6));
-        disc(canvas, at, w);
-        held(canvas, at, constrained);
+        let radius = DISC.min(0.3 * self.pitch);
+        disc(canvas, at, radius, w);
+        held(canvas, at, radius + 1.5, constrained);
         let tip = (at.0 + u * self.reach(), at.1 + v * self.reach());
         arrow(canvas, at, tip, Color::BLACK);
     }
@@ -116,12 +116,13 @@ impl Phase {
     }
 }
 
-/// Radius of the disc of z = 1; its area is proportional to |z|.
+/// Radius of the disc of z = 1, where there is room.
 const DISC: f64 = 8.5;
 
-/// z as a disc: plus is filled with a plus in it, minus is white with a minus; nothing where it would not be seen.
-fn disc(canvas: &mut Canvas, at: (f64, f64), z: f64) {
-    let radius = DISC * z.abs().sqrt();
+/// z as a disc with its sign, `full` the radius of z = 1 and the area proportional to |z|; nothing where it would not be
+/// seen.
+fn disc(canvas: &mut Canvas, at: (f64, f64), full: f64, z: f64) {
+    let radius = full * z.abs().sqrt();
     if radius < 1.0 {
         return;
     }
@@ -134,21 +135,21 @@ fn disc(canvas: &mut Canvas, at: (f64, f64), z: f64) {
     }
 }
 
-/// Bars across the directions that are held; a square for z.
-fn held(canvas: &mut Canvas, at: (f64, f64), [x, y, z]: [bool; 3]) {
+/// Bars across the directions that are held, `distance` away; a square for z, whose disc is then absent.
+fn held(canvas: &mut Canvas, at: (f64, f64), distance: f64, [x, y, z]: [bool; 3]) {
     let line = Paint::stroke(Color::BLACK, 1.6);
-    for side in [-HELD, HELD] {
+    let half = 4.5;
+    for side in [-distance, distance] {
         if x {
-            canvas.line((at.0 + side, at.1 - 5.0), (at.0 + side, at.1 + 5.0), line);
+            canvas.line((at.0 + side, at.1 - half), (at.0 + side, at.1 + half), line);
         }
         if y {
-            canvas.line((at.0 - 5.0, at.1 + side), (at.0 + 5.0, at.1 + side), line);
+            canvas.line((at.0 - half, at.1 + side), (at.0 + half, at.1 + side), line);
         }
     }
     if z {
-        let r = HELD + 2.0;
-        let square = vec![(at.0 - r, at.1 - r), (at.0 + r, at.1 - r), (at.0 + r, at.1 + r), (at.0 - r, at.1 + r)];
-        canvas.polygon(square, Paint::stroke(Color::BLACK, 0.8));
+        let square = Area { x: at.0 - half, y: at.1 - half, width: 2.0 * half, height: 2.0 * half };
+        canvas.rect(square, Paint::stroke(Color::BLACK, 1.0));
     }
 }
 
@@ -183,14 +184,14 @@ pub(super) fn key(data: &ModeWorkFigure) -> Vec<Entry> {
         Entry::new("x, y", reach, move |canvas: &mut Canvas, (x, y)| {
             arrow(canvas, (x - reach / 2.0, y), (x + reach / 2.0, y), Color::BLACK);
         }),
-        Entry::new("+z, area by size", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, 0.5)),
-        Entry::new("\u{2212}z", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, -0.5)),
+        Entry::new("+z, area by size", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, 5.5, 1.0)),
+        Entry::new("\u{2212}z", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, 5.5, -1.0)),
     ];
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.constrained[axis]) {
             let text = format!("{name} constrained");
-            let draw = move |canvas: &mut Canvas, at| held(canvas, at, [axis == 0, axis == 1, axis == 2]);
-            entries.push(Entry::new(text, 2.0 * HELD + 4.0, draw));
+            let draw = move |canvas: &mut Canvas, at| held(canvas, at, 4.0, [axis == 0, axis == 1, axis == 2]);
+            entries.push(Entry::new(text, 10.0, draw));
         }
     }
     if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.work.quartiles.is_some()) {

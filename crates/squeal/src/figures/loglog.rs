@@ -1,7 +1,7 @@
 //! Two positive quantities against each other on logarithmic axes, such as time against error.
 
 use super::axis::{LINE, MARGIN, Scale, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
-use super::canvas::{Anchor, Area, Canvas, Color, Label, Paint, SMALL};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
 use super::legend::{Entry, legend};
@@ -142,7 +142,7 @@ impl Axes {
         }
         if panel.series.is_empty() {
             let label = Label::new(area.middle_x(), area.middle_y(), "no data");
-            canvas.text(label.anchor(Anchor::Middle).color(Color::DARK_GREY));
+            canvas.text(label.middle().color(Color::DARK_GREY).halo());
         }
     }
 }

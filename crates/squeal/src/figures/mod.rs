@@ -10,6 +10,26 @@
 //! Pixels come from tiny-skia, outlines of letters from ttf-parser, the document from the svg crate. A plotting library
 //! would add little here (axes) and lack the rest (shared scales over rows of panels, hatched boxes side by side, mode
 //! shapes on a lattice), at three to five times the compile time.
+//!
+//! ```
+//! use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+//!
+//! let series = LogLogSeries {
+//!     name: "plain Monte Carlo".into(),
+//!     points: vec![[1e-3, 0.1], [1e-1, 0.01], [10.0, 0.001]],
+//!     joined: true,
+//! };
+//! let data = LogLogFigure {
+//!     title: "Time against error".into(),
+//!     x_label: "time (s)".into(),
+//!     y_label: "error of the occurrence (1)".into(),
+//!     panels: vec![LogLogPanel { title: String::new(), series: vec![series] }],
+//! };
+//! let figure = loglog(&data)?;
+//! assert!(figure.svg().contains("plain Monte Carlo"));
+//! // figure.save("figures".as_ref(), "time_error") writes time_error.svg, .png and .csv into the folder.
+//! # Ok::<(), squeal::figures::FigureError>(())
+//! ```
 
 mod axis;
 mod canvas;
@@ -22,6 +42,7 @@ mod loglog;
 mod mode_work;
 mod occurrence;
 mod raster;
+mod sketch;
 mod style;
 mod tukey;
 mod vector;
@@ -31,3 +52,4 @@ pub use figure::Figure;
 pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 pub use mode_work::{Body, LawMode, ModeWorkFigure, NetWork, mode_and_work};
 pub use occurrence::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
+pub use sketch::{ModelSketch, model_sketch};

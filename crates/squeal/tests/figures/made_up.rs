@@ -120,8 +120,11 @@ pub fn hard_occurrence() -> Vec<(&'static str, OccurrenceFigure)> {
     }
     let mut single = one_law();
     single.rows[0].panels.truncate(1);
+    let mut three = one_law();
+    three.rows[0].panels.truncate(3);
     vec![
         ("one_mode", one),
+        ("three_panels", three),
         ("twelve_modes", many(&mut rng, 12, 0.05, &|m| (m + 8).to_string())),
         ("twelve_double_labels", many(&mut rng, 12, 0.4, &|m| format!("{}/{}", m + 8, 2 * m + 15))),
         ("thirty_modes", many(&mut rng, 30, 0.2, &|m| (m + 1).to_string())),

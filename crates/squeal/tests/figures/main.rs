@@ -1,5 +1,7 @@
 //! The figures, drawn from made-up data; the pictures stay in the target folder to be looked at.
 
+#![allow(clippy::unwrap_used)] // also in the helpers
+
 mod made_up;
 
 use std::fs;
@@ -8,8 +10,8 @@ use std::path::{Path, PathBuf};
 use made_up::{convergence, countermeasure, hard_occurrence, one_law, shapes};
 use proptest::prelude::*;
 use squeal::figures::{
-    Figure, FigureError, LogLogFigure, ModeWorkFigure, OccurrenceFigure, OccurrencePanel, OccurrenceRow, loglog,
-    mode_and_work, occurrence_boxes,
+    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelSketch, OccurrenceFigure, OccurrencePanel, OccurrenceRow,
+    loglog, mode_and_work, model_sketch, occurrence_boxes,
 };
 
 fn pictures() -> PathBuf {
@@ -169,6 +171,36 @@ fn every_series_has_a_name_and_a_zero_has_its_place() {
         let zero = data.panels.iter().flat_map(|p| &p.series).flat_map(|s| &s.points).any(|p| p[1] == 0.0);
         assert_eq!(picture.says("0"), zero);
     }
+}
+
+#[test]
+fn the_sketch_numbers_every_spring() {
+    let data = ModelSketch {
+        title: "The model".into(),
+        rows: 3,
+        columns: 3,
+        in_contact: (0..9).map(|i| i != 1 && i != 5).collect(),
+        theta_degrees: 60.0,
+        phi_degrees: 60.0,
+        leans_with_sliding: false,
+    };
+    let figure = model_sketch(&data).unwrap();
+    let picture = check(&figure, "fig02");
+    assert_eq!(picture.count("body"), 9);
+    assert!(picture.says("12"));
+    let csv = String::from_utf8(figure.csv().unwrap()).unwrap();
+    // The wall springs of the paper's table: 1, 4, 5, 8, 9, 12 in both directions.
+    for axis in ["x", "y"] {
+        for number in 1..=12 {
+            let line = csv.lines().find(|l| l.starts_with(&format!("{axis},{number},"))).unwrap();
+            assert_eq!(line.contains("wall"), [1, 4, 5, 8, 9, 12].contains(&number), "{line}");
+        }
+    }
+    assert_eq!(csv.lines().filter(|l| l.ends_with("plate")).count(), 7);
+    let other = ModelSketch { rows: 2, columns: 4, in_contact: vec![true; 8], leans_with_sliding: true, ..data };
+    check(&model_sketch(&other).unwrap(), "sketch_2x4");
+    let short = ModelSketch { in_contact: vec![true; 3], ..other };
+    assert!(matches!(model_sketch(&short), Err(FigureError::Length { found: 3, expected: 8, .. })));
 }
 
 #[test]

@@ -1,0 +1,98 @@
+//! One panel, and the boxes in it.
+
+use super::super::axis::{LINE, Scale, frame, x_axis, y_axis};
+use super::super::canvas::{Anchor, Area, Canvas, Color, Label, Paint, SMALL};
+use super::super::style::{BoxStyle, box_style, diamond, filled_box};
+use super::super::tukey::Tukey;
+use super::grid::{Grid, Slots};
+use super::{OccurrenceFigure, OccurrencePanel};
+
+/// The titles of one line of panels, with the number of arrangements. Returns the y below them.
+pub(super) fn headings(canvas: &mut Canvas, grid: &Grid, panels: &[OccurrencePanel], top: f64) -> f64 {
+    let mut bottom = top;
+    for (c, panel) in panels.iter().enumerate() {
+        let area = grid.area(c, top);
+        let text = format!("{}, n\u{a0}=\u{a0}{}", panel.title, panel.arrangements.len());
+        for (i, line) in canvas.fonts.wrap(&text, SMALL, false, area.width).into_iter().enumerate() {
+            let y = top + LINE * (i + 1) as f64;
+            canvas.text(Label::new(area.x, y, line));
+            bottom = y.max(bottom);
+        }
+    }
+    bottom
+}
+
+/// Draws a panel; `first` in its line it carries the labels of the vertical axis, `lowest` those of the modes.
+pub(super) fn draw_panel(
+    canvas: &mut Canvas,
+    data: &OccurrenceFigure,
+    grid: &Grid,
+    slots: &Slots,
+    panel: &OccurrencePanel,
+    area: Area,
+    (first, lowest): (bool, bool),
+) {
+    y_axis(canvas, area, &Scale::PERCENT.ticks(5), first);
+    x_axis(canvas, area, &grid.ticks, lowest && !grid.upward, false);
+    if lowest && grid.upward {
+        for tick in &grid.ticks {
+            let x = area.x + tick.at * area.width + 2.9;
+            canvas.text(Label::new(x, area.bottom() + 4.5, tick.label.clone()).anchor(Anchor::End).upward());
+        }
+    }
+    for i in 1..grid.modes.len() {
+        let x = area.x + area.width * i as f64 / grid.modes.len() as f64;
+        canvas.line((x, area.y), (x, area.bottom()), Paint::stroke(Color::LIGHT_GREY, 0.4).dashed(1.5));
+    }
+    frame(canvas, area);
+    if panel.boxes.iter().all(|b| b.percent.iter().all(|&p| p <= 0.0)) {
+        let label = Label::new(area.middle_x(), area.middle_y() - 4.0, "no instability");
+        canvas.text(label.middle().color(Color::DARK_GREY).halo());
+        return;
+    }
+    for b in &panel.boxes {
+        let Some(place) = grid.modes.iter().position(|&m| m == b.mode) else { continue };
+        let x = area.x + grid.ticks[place].at * area.width + slots.offset(b.series);
+        let tukey = Tukey::of(&b.percent);
+        let (mode, series) = (&data.modes[b.mode], &data.series[b.series]);
+        let text = format!(
+            "{}, mode {mode}, {series}: median {:.1} %, quartiles {:.1} % and {:.1} %, n = {}",
+            panel.title,
+            tukey.median,
+            tukey.lower,
+            tukey.upper,
+            b.percent.len()
+        );
+        canvas.group("box", text, |canvas| {
+            let y_of = |percent: f64| area.bottom() - Scale::PERCENT.at(percent) * area.height;
+            let style = box_style(b.series);
+            if b.percent.len() == 1 {
+                diamond(canvas, (x, y_of(tukey.median)), (0.55 * slots.pitch).min(3.6), style);
+            } else {
+                draw_box(canvas, x, slots.box_width, &tukey, style, y_of);
+            }
+        });
+    }
+}
+
+fn draw_box(canvas: &mut Canvas, x: f64, width: f64, tukey: &Tukey, style: BoxStyle, y_of: impl Fn(f64) -> f64) {
+    let line = Paint::stroke(style.line, 0.6);
+    for (whisker, edge) in [(tukey.whiskers.0, tukey.lower), (tukey.whiskers.1, tukey.upper)] {
+        canvas.line((x, y_of(whisker)), (x, y_of(edge)), line);
+        canvas.line((x - width / 4.0, y_of(whisker)), (x + width / 4.0, y_of(whisker)), line);
+    }
+    let (top, bottom) = (y_of(tukey.upper), y_of(tukey.lower));
+    let half = width / 2.0;
+    // A box thinner than its median line would vanish under it.
+    if bottom - top > 2.4 {
+        filled_box(canvas, Area { x: x - half, y: top, width, height: bottom - top }, style);
+        // A median on the edge of its box would break the outline: half a line inwards it stays visible.
+        let y = y_of(tukey.median).clamp(top + 0.9, bottom - 0.9);
+        canvas.line((x - half, y), (x + half, y), Paint::stroke(style.median, 1.2));
+    } else {
+        canvas.line((x - half, y_of(tukey.median)), (x + half, y_of(tukey.median)), Paint::stroke(style.line, 1.4));
+    }
+    for &value in &tukey.outliers {
+        canvas.circle((x, y_of(value)), (width / 4.0).clamp(0.8, 1.4), Paint::stroke(style.line, 0.5));
+    }
+}
