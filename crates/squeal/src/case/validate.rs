@@ -112,10 +112,28 @@ pub struct FrictionDistributions {
 pub struct Paper {
     /// Which publication.
     pub source: String,
+    /// The mode it finds most robustly unstable, in its own numbering.
+    pub mode: u16,
     /// Lowest and highest natural frequency of the oscillators, Hz.
     pub natural_frequencies_oscillators: [f64; 2],
     /// Lowest and highest natural frequency of the plate, Hz.
     pub natural_frequencies_plate: [f64; 2],
+    /// Relative tolerance of the natural frequencies.
+    pub frequency_tolerance: f64,
+    /// Oscillators that dominate that mode, from 1.
+    pub corners: Vec<usize>,
+    /// Oscillators that dominate what is left with the second constraint set, from 1.
+    pub after_corners_dominant: Vec<usize>,
+    /// Median occurrence of that with every oscillator in contact.
+    pub after_corners_occurrence: f64,
+    /// Largest median occurrence with the third constraint set.
+    pub after_six_occurrence: f64,
+    /// The bound on it that the conclusions state.
+    pub after_six_bound: f64,
+    /// Arrangements with six in contact.
+    pub arrangements_of_six: usize,
+    /// CEAs per arrangement.
+    pub analyses_per_arrangement: u64,
 }
 
 impl Case {
@@ -177,6 +195,16 @@ impl Case {
             paper,
             text,
         })
+    }
+}
+
+impl Case {
+    /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
+    /// computed from.
+    pub fn identity(&self) -> String {
+        let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
+        let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
+        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }
 
@@ -290,6 +318,11 @@ fn constraint_sets(
         return Ok(vec![ConstraintSet { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", sets.iter().map(|set| set.name.clone()))?;
+    let is_plain =
+        |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
+    if let Some(set) = sets.iter().find(|set| !is_plain(&set.name)) {
+        return Err(check.value("constraints.name", &set.name, "letters, digits, - and _"));
+    }
     let convert = |set: schema::Constraints| {
         let table = format!("constraints \"{}\"", set.name);
         let fixed = set.fixed.iter().map(|name| name.parse()).collect::<Result<Vec<Dof>, _>>();

@@ -2,12 +2,14 @@
 
 mod claims;
 mod manifest;
+mod paper;
 mod pictures;
 mod results;
 mod tables;
 
-pub use claims::{Claim, Holds, claims, claims_markdown};
+pub use claims::{Claim, Holds, claims_markdown};
 pub use manifest::{Manifest, Times};
+pub use paper::claims;
 pub use pictures::{draw_occurrence, draw_paper};
 pub use results::{Estimate, Occurrence, Results};
 pub use tables::write_tables;

@@ -128,6 +128,18 @@ impl<'a> Results<'a> {
         self.key(name)
     }
 
+    /// The tracked name, under which net work is kept, of a mode named as the report names it.
+    pub(super) fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
+        if self.labels == Labels::Tracked {
+            return Some(name);
+        }
+        let place = usize::from(self.key(name)).checked_sub(1)?;
+        match self.study.references()[scene].names.get(place)?.as_slice() {
+            &[only] => Some(only),
+            _ => None,
+        }
+    }
+
     /// Median over the arrangements of a panel; its limits are the medians of the arrangements' limits.
     ///
     /// # Errors

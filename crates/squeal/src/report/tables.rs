@@ -20,8 +20,18 @@ pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let case = &results.plan().case;
     let header = [
-        "constraints", "law", "speed", "in_contact", "arrangement", "mode", "samples", "unstable", "open",
-        "occurrence", "lower", "upper",
+        "constraints",
+        "law",
+        "speed",
+        "in_contact",
+        "arrangement",
+        "mode",
+        "samples",
+        "unstable",
+        "open",
+        "occurrence",
+        "lower",
+        "upper",
     ];
     let mut rows = Vec::new();
     for panel in results.panels() {
@@ -53,8 +63,19 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let case = &results.plan().case;
     let header = [
-        "constraints", "law", "speed", "in_contact", "arrangements", "solved", "mean_unstable_modes", "lower",
-        "upper", "any_unstable", "ambiguous_modes", "undecided", "divergent",
+        "constraints",
+        "law",
+        "speed",
+        "in_contact",
+        "arrangements",
+        "solved",
+        "mean_unstable_modes",
+        "lower",
+        "upper",
+        "any_unstable",
+        "ambiguous_modes",
+        "undecided",
+        "divergent",
     ];
     let rows = results.panels().iter().map(|panel| {
         let key = panel.key;
@@ -89,7 +110,8 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 
 fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let case = &results.plan().case;
-    let header = ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
+    let header =
+        ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
     let mut rows = Vec::new();
     for (scene, tally) in results.plan().scenes.iter().zip(&results.summary.tally.scenes) {
         let bodies = case.lattice.grid.oscillators();

@@ -16,5 +16,5 @@ pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use draw::{FrictionDraw, Sample};
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use reference::Reference;
-pub use scene::{Plan, Scene, SceneKey};
+pub use scene::{Plan, Scene, SceneKey, sliding};
 pub use tally::{Hits, SceneTally, Tally};

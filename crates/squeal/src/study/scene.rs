@@ -122,7 +122,7 @@ impl Plan {
 ///
 /// # Errors
 /// A draw that the law refuses; no static equilibrium.
-pub(super) fn sliding(
+pub fn sliding(
     case: &Case,
     lattice: &PreparedLattice,
     law: Law,

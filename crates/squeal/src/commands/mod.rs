@@ -1,0 +1,9 @@
+//! The program's commands, each a function of its arguments that a test can call.
+
+mod cea;
+mod check;
+mod run;
+
+pub use self::cea::CeaArgs;
+pub use check::CheckArgs;
+pub use run::RunArgs;

@@ -1,0 +1,80 @@
+//! `squeal run`: the study of a case, from its file to tables and figures.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::case::Case;
+use crate::report::{claims, claims_markdown, draw_occurrence};
+use crate::study::Plan;
+use crate::{Error, run_study};
+
+/// Run the study of a case: every draw in every scene, then tables and figures.
+///
+/// A run that was stopped, even killed, is continued by the same command.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// The case file (TOML); docs/case-files.md describes its fields
+    pub case: PathBuf,
+    /// Folder for the results: new, empty, or that of the same study
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Samples per scene, instead of the case's
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u64>,
+    /// Seed of the random streams, instead of the case's
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+}
+
+/// Puts the options of the command line in place of the case's own values.
+pub(crate) fn overridden(
+    mut case: Case,
+    samples: Option<u64>,
+    seed: Option<u64>,
+    threads: Option<usize>,
+) -> Result<Case, Error> {
+    if samples == Some(0) {
+        return Err(Error::Option { option: "--samples", value: "0".into(), allowed: "a whole number >= 1".into() });
+    }
+    if threads == Some(0) {
+        return Err(Error::Option { option: "--threads", value: "0".into(), allowed: "a whole number >= 1".into() });
+    }
+    case.samples = samples.unwrap_or(case.samples);
+    case.seed = seed.unwrap_or(case.seed);
+    Ok(case)
+}
+
+impl RunArgs {
+    /// Runs the command; `out` gets a summary for people.
+    ///
+    /// # Errors
+    /// One line for the user each.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        let case = overridden(Case::read(&self.case)?, self.samples, self.seed, self.threads)?;
+        let plan = Plan::new(case)?;
+        let mut scorecard = None;
+        let manifest = run_study(&plan, &self.out, self.threads, &mut |results, dir| {
+            draw_occurrence(results, dir)?;
+            scorecard = Some(claims(results)?);
+            Ok(())
+        })?;
+        let print = |out: &mut dyn Write| -> std::io::Result<()> {
+            if let Some(claims) = scorecard.as_ref().filter(|claims| !claims.is_empty()) {
+                writeln!(out, "{}", claims_markdown(claims))?;
+            }
+            writeln!(
+                out,
+                "{} CEAs ({} solved) in {:.1} s, {} failures; results in {}",
+                manifest.analyses,
+                manifest.solved,
+                manifest.seconds.samples,
+                manifest.failures,
+                self.out.display()
+            )
+        };
+        print(out).map_err(|source| Error::Write { path: "standard output".into(), source })
+    }
+}

@@ -1,0 +1,128 @@
+//! The scorecard: each claim of the paper beside what the model shows.
+
+use serde::Serialize;
+
+use super::results::Estimate;
+
+/// Whether a claim holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Holds {
+    /// It does, beyond the sampling error.
+    #[serde(rename = "yes")]
+    Yes,
+    /// It does not.
+    #[serde(rename = "no")]
+    No,
+    /// The samples do not tell.
+    #[serde(rename = "not determined")]
+    NotDetermined,
+}
+
+/// One row of the scorecard.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Claim {
+    /// C1, C2, ...
+    pub id: &'static str,
+    /// What the paper says.
+    pub statement: String,
+    /// The paper's value.
+    pub paper: String,
+    /// Ours: the number that decides.
+    pub ours: Option<f64>,
+    /// Its 95 % interval, where it is an estimate.
+    pub interval: Option<[f64; 2]>,
+    /// Whether it holds.
+    pub holds: Holds,
+    /// What `ours` is, and the numbers behind it.
+    pub detail: String,
+}
+
+impl Claim {
+    pub(super) fn new(id: &'static str, statement: &str, paper: impl Into<String>) -> Self {
+        Self {
+            id,
+            statement: statement.into(),
+            paper: paper.into(),
+            ours: None,
+            interval: None,
+            holds: Holds::NotDetermined,
+            detail: String::new(),
+        }
+    }
+
+    pub(super) fn ours(mut self, estimate: Estimate, holds: Holds, detail: String) -> Self {
+        self.ours = Some(estimate.value);
+        let is_finite = estimate.lower.is_finite() && estimate.upper.is_finite();
+        self.interval = is_finite.then_some([estimate.lower, estimate.upper]);
+        (self.holds, self.detail) = (holds, detail);
+        self
+    }
+
+    pub(super) fn exactly(mut self, value: f64, holds: bool, detail: String) -> Self {
+        self.ours = Some(value);
+        (self.holds, self.detail) = (if holds { Holds::Yes } else { Holds::No }, detail);
+        self
+    }
+
+    pub(super) fn undetermined(mut self, detail: &str) -> Self {
+        self.detail = detail.into();
+        self
+    }
+
+    /// A claim that several differences are all positive: `ours` is the smallest of them.
+    pub(super) fn all_positive(self, differences: impl Iterator<Item = (String, Option<Estimate>)>) -> Self {
+        let mut all = Vec::new();
+        for (name, difference) in differences {
+            match difference {
+                Some(difference) => all.push((name, difference)),
+                None => return self.undetermined("no sample was solved in all arrangements"),
+            }
+        }
+        let Some((_, smallest)) = all.iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value)) else {
+            return self.undetermined("the case has nothing to compare");
+        };
+        let holds = if all.iter().all(|(_, d)| d.lower > 0.0) {
+            Holds::Yes
+        } else if all.iter().any(|(_, d)| d.upper < 0.0 || (d.value <= 0.0 && d.lower == d.upper)) {
+            Holds::No
+        } else {
+            Holds::NotDetermined
+        };
+        let list: Vec<String> = all.iter().map(|(name, d)| format!("{name} {:+.3}", d.value)).collect();
+        self.ours(*smallest, holds, format!("smallest difference of the means; {}", list.join("; ")))
+    }
+}
+
+/// The scorecard as a table for people.
+pub fn claims_markdown(claims: &[Claim]) -> String {
+    let mut text =
+        String::from("| id | claim | paper | ours | 95 % interval | holds |\n| --- | --- | --- | --- | --- | --- |\n");
+    for claim in claims {
+        let ours = claim.ours.map_or("-".into(), number);
+        let interval = claim.interval.map_or("-".into(), |[a, b]| format!("{} to {}", number(a), number(b)));
+        let holds = match claim.holds {
+            Holds::Yes => "yes",
+            Holds::No => "**no**",
+            Holds::NotDetermined => "not determined",
+        };
+        let Claim { id, statement, paper, .. } = claim;
+        text += &format!("| {id} | {statement} | {paper} | {ours} | {interval} | {holds} |\n");
+    }
+    text += "\nWhat \"ours\" is, and the numbers behind it:\n\n";
+    for claim in claims {
+        text += &format!("- {}: {}\n", claim.id, claim.detail);
+    }
+    text
+}
+
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        "0".into()
+    } else if value.abs() >= 100.0 {
+        format!("{value:.1}")
+    } else if value.abs() >= 1e-3 {
+        format!("{value:.4}")
+    } else {
+        format!("{value:.2e}")
+    }
+}

@@ -1,0 +1,87 @@
+//! Where results come from: enough to make them again.
+
+use serde::Serialize;
+
+use super::Results;
+use crate::run::fingerprint;
+
+/// Wall-clock times of the stages, seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Times {
+    /// Reference modes of all scenes.
+    pub references: f64,
+    /// The Monte Carlo run; what was left of it, after a resume.
+    pub samples: f64,
+    /// Tables and figures.
+    pub report: f64,
+}
+
+/// The manifest of a study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Version of this program.
+    pub version: &'static str,
+    /// Commit that it was built from, where git was there to tell.
+    pub commit: Option<&'static str>,
+    /// The case file as it was given.
+    pub case: String,
+    /// SHA-256 of its text.
+    pub case_sha256: String,
+    /// The study's name.
+    pub study: String,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Samples drawn.
+    pub samples: u64,
+    /// Worker threads; `null` is one per core.
+    pub threads: Option<usize>,
+    /// Complex eigenvalue analyses that the results stand for: every arrangement, law, speed range and constraint set.
+    pub analyses: u64,
+    /// Eigenvalue problems solved for them: one per symmetry class, and per law rather than per speed where no speed is
+    /// in it.
+    pub solved: u64,
+    /// Contact arrangements by number in contact.
+    pub arrangements: Vec<(usize, usize)>,
+    /// Samples or evaluations that failed; each is listed in failures.csv.
+    pub failures: u64,
+    /// Unstable modes whose name is open, near a coalescence.
+    pub ambiguous_modes: u64,
+    /// Unstable modes in all.
+    pub unstable_modes: u64,
+    /// Verdicts that the error bound leaves open.
+    pub undecided: u64,
+    /// Wall-clock times, s.
+    pub seconds: Times,
+}
+
+impl Manifest {
+    /// The manifest of finished results.
+    pub fn new(results: &Results<'_>, threads: Option<usize>, seconds: Times) -> Self {
+        let (case, summary) = (&results.plan().case, &results.summary);
+        let sum = |of: fn(&crate::study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+            case: case.path.display().to_string(),
+            case_sha256: fingerprint(&case.text),
+            study: case.name.clone(),
+            seed: summary.seed,
+            samples: summary.samples,
+            threads,
+            analyses: results.plan().analyses_per_sample() * summary.samples,
+            solved: sum(|tally| tally.solved),
+            arrangements: case.panels.iter().map(|(number, list)| (*number, list.len())).collect(),
+            failures: summary.failures.total(),
+            ambiguous_modes: sum(|tally| tally.ambiguous_modes),
+            unstable_modes: sum(|tally| tally.unstable_modes),
+            undecided: sum(|tally| tally.undecided),
+            seconds,
+        }
+    }
+
+    /// The manifest as JSON.
+    pub fn json(&self) -> String {
+        // Plain numbers and strings: there is nothing that could fail to serialise.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}

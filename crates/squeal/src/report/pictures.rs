@@ -1,0 +1,175 @@
+//! The figures of a study.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use num_complex::Complex;
+use osc_model::Lean;
+
+use super::Results;
+use super::paper::{CORNERS, FREE, SIX, most_robust, shape, title};
+use crate::Error;
+use crate::case::{Labels, Law};
+use crate::figures::{
+    Body, LawMode, ModeWorkFigure, ModelSketch, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
+    OccurrenceRow, mode_and_work, model_sketch, occurrence_boxes,
+};
+use crate::study::Scene;
+
+/// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
+///
+/// # Errors
+/// Those of the figures.
+pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let case = &results.plan().case;
+    for (constraints, set) in case.constraints.iter().enumerate() {
+        let heading = format!("{}: constraints \"{}\"", case.name, set.name);
+        let data = occurrence(results, constraints, &case.laws, heading)?;
+        occurrence_boxes(&data)?.save(dir, &format!("occurrence-{}", set.name))?;
+    }
+    Ok(())
+}
+
+/// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`.
+///
+/// # Errors
+/// Those of the figures.
+pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let case = &results.plan().case;
+    let grid = case.lattice.grid;
+    let sketch = ModelSketch {
+        title: case.name.clone(),
+        rows: grid.rows(),
+        columns: grid.columns(),
+        in_contact: vec![true; grid.oscillators()],
+        theta_degrees: case.lattice.theta.to_degrees(),
+        phi_degrees: case.lattice.phi.to_degrees(),
+        leans_with_sliding: case.lattice.lean == Lean::Along,
+    };
+    model_sketch(&sketch)?.save(dir, "fig02")?;
+    let all: Vec<Law> = case.laws.iter().copied().filter(|&law| law != Law::Stribeck).collect();
+    for (&law, stem) in all.iter().zip(["fig04", "fig05", "fig06"]) {
+        let heading = format!("{} friction", law.title());
+        occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?.save(dir, stem)?;
+    }
+    for (constraints, stem) in [(CORNERS, "fig08"), (SIX, "fig09")] {
+        if let Some(set) = case.constraints.get(constraints) {
+            let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
+            let heading = format!("Held: {}", held.join(", "));
+            occurrence_boxes(&occurrence(results, constraints, &all, heading)?)?.save(dir, stem)?;
+        }
+    }
+    if let Some(figure) = mode_work(results, FREE, &all)? {
+        mode_and_work(&figure)?.save(dir, "fig07")?;
+    }
+    Ok(())
+}
+
+fn occurrence(
+    results: &Results<'_>,
+    constraints: usize,
+    laws: &[Law],
+    title: String,
+) -> Result<OccurrenceFigure, Error> {
+    let case = &results.plan().case;
+    let mut series: Vec<String> =
+        case.speeds.iter().map(|s| format!("{} speed, {} to {} m/s", s.name, s.from, s.to)).collect();
+    series.push("all speeds".into());
+    let panels: Vec<_> = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).collect();
+    let names: BTreeSet<u16> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
+    let names: Vec<u16> = names.into_iter().collect();
+
+    let mut rows = Vec::new();
+    for &law in laws {
+        let mut row = OccurrenceRow { law: law.title().into(), panels: Vec::new() };
+        if laws.len() == 1 {
+            row.law.clear();
+        }
+        for (place, (number, arrangements)) in case.panels.iter().enumerate() {
+            let mut boxes = Vec::new();
+            for panel in results.panels_of(constraints, law).filter(|panel| panel.key.panel == place) {
+                for (name, occurrences) in results.occurrences(panel) {
+                    let percent = occurrences
+                        .iter()
+                        .map(|occurrence| Ok(100.0 * occurrence.estimate()?.value))
+                        .collect::<Result<Vec<f64>, Error>>()?;
+                    boxes.push(OccurrenceBox {
+                        mode: names.iter().position(|&n| n == name).unwrap_or_default(),
+                        series: panel.key.speed.unwrap_or(case.speeds.len()),
+                        percent,
+                    });
+                }
+            }
+            row.panels.push(OccurrencePanel {
+                title: format!("({}) {} in contact", letter(place), in_words(*number)),
+                arrangements: arrangements.iter().map(ToString::to_string).collect(),
+                boxes,
+            });
+        }
+        rows.push(row);
+    }
+    let mode_axis = match results.labels {
+        Labels::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
+        Labels::Rank => "mode (frequency rank in its own sample)",
+        Labels::Pair => "mode (place among all 2n eigenvalues of its own sample)",
+    };
+    let modes = names.iter().map(ToString::to_string).collect();
+    Ok(OccurrenceFigure { title, mode_axis: mode_axis.into(), modes, series, rows })
+}
+
+fn letter(place: usize) -> char {
+    char::from(b'a' + (place % 26) as u8)
+}
+
+fn in_words(number: usize) -> String {
+    let words = ["none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+    words.get(number).map_or_else(|| number.to_string(), |word| (*word).into())
+}
+
+/// The most robust mode with every oscillator in contact, under each law at its first speed range.
+fn mode_work(results: &Results<'_>, constraints: usize, laws: &[Law]) -> Result<Option<ModeWorkFigure>, Error> {
+    let grid = results.plan().case.lattice.grid;
+    let Some(&(name, _)) = most_robust(results, constraints)?.first() else { return Ok(None) };
+    let mut columns = Vec::new();
+    for &law in laws {
+        let is_it = |scene: &Scene| {
+            let key = scene.key;
+            key.constraints == constraints && key.law == law && key.speed.unwrap_or(0) == 0 && scene.wants_work
+        };
+        let Some(at) = results.plan().scenes.iter().position(is_it) else { continue };
+        let (scene, reference) = (&results.plan().scenes[at], &results.study.references()[at]);
+        let Some(shape) = shape(results, scene, reference, name) else { continue };
+        let lambda = reference.modes.iter().zip(&reference.names).find(|(_, names)| **names == [name]);
+        let caption = lambda.map_or(String::new(), |(mode, _)| {
+            format!("{:.1} Hz, growth {:+.0} 1/s", cea::frequency_hz(mode.lambda), mode.lambda.re)
+        });
+        let bodies = bodies(results, at, name, &shape)?;
+        columns.push(LawMode { law: law.title().into(), caption, bodies });
+    }
+    if columns.is_empty() {
+        return Ok(None);
+    }
+    let heading = title(results, name);
+    Ok(Some(ModeWorkFigure { title: heading, rows: grid.rows(), columns: grid.columns(), laws: columns }))
+}
+
+fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -> Result<Vec<Body>, Error> {
+    let map = results.plan().lattice(&results.plan().scenes[at]).dof_map();
+    let tracked = results.tracked_name(at, name);
+    let sketches = tracked.and_then(|name| results.summary.tally.scenes[at].net_work.get(&name));
+    let mut work = vec![NetWork::default(); shape.len() / 3];
+    if let Some(sketches) = sketches {
+        let medians = sketches.iter().map(|s| s.median()).collect::<Result<Vec<f64>, _>>()?;
+        let largest = medians.iter().fold(f64::MIN_POSITIVE, |m, &w| m.max(w.abs()));
+        for ((entry, sketch), median) in work.iter_mut().zip(sketches).zip(medians) {
+            let quartiles = [sketch.quantile(0.25)? / largest, sketch.quantile(0.75)? / largest];
+            *entry = NetWork { median: median / largest, quartiles: Some(quartiles) };
+        }
+    }
+    let body = |(i, work): (usize, NetWork)| Body {
+        displacement: [shape[3 * i], shape[3 * i + 1], shape[3 * i + 2]],
+        constrained: [0, 1, 2].map(|axis| map.position(3 * i + axis).is_none()),
+        work,
+    };
+    Ok(work.into_iter().enumerate().map(body).collect())
+}

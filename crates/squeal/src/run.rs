@@ -1,0 +1,108 @@
+//! Running the study of a case from beginning to end, or from where it was stopped.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use montecarlo::{Bar, Checkpoint, run_with};
+use sha2::{Digest, Sha256};
+
+use crate::output::{make_folder, write};
+use crate::report::{Manifest, Results, Times, write_tables};
+use crate::study::{Plan, Study, Tally};
+use crate::{Error, study};
+
+/// Changes when checkpoints of an older program can no longer be continued.
+const TALLY_VERSION: u32 = 1;
+/// Time between two checkpoints.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
+
+/// SHA-256 of a text, hexadecimal.
+pub fn fingerprint(text: &str) -> String {
+    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Runs the study of `plan` in `dir` and writes its tables and manifest there; `draw` adds figures.
+///
+/// `dir` may hold the same study, stopped or finished: it is continued. The state is kept in `checkpoint.json` until
+/// the results are written.
+///
+/// # Errors
+/// A folder that cannot be written or belongs to another study, a damaged checkpoint, those of the study.
+pub fn run_study(
+    plan: &Plan,
+    dir: &Path,
+    threads: Option<usize>,
+    draw: &mut dyn FnMut(&Results<'_>, &Path) -> Result<(), Error>,
+) -> Result<Manifest, Error> {
+    let case = &plan.case;
+    let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", case.identity(), case.seed, case.samples);
+    claim_folder(dir, &identity)?;
+    let mut seconds = Times::default();
+
+    let start = Instant::now();
+    let solver = cea::QrSolver;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let study = match &pool {
+        Ok(pool) => pool.install(|| Study::new(plan, &solver)),
+        Err(_) => Study::new(plan, &solver),
+    }?;
+    seconds.references = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let mut sampling = montecarlo::Plan::new(case.seed, case.samples);
+    sampling.threads = threads;
+    let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
+    let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &Bar::default())?;
+    seconds.samples = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let results = Results::new(&study, summary);
+    write_tables(&results, dir)?;
+    draw(&results, dir)?;
+    seconds.report = start.elapsed().as_secs_f64();
+    let manifest = Manifest::new(&results, threads, seconds);
+    write(&dir.join("manifest.json"), manifest.json().as_bytes())?;
+    Ok(manifest)
+}
+
+/// Makes `dir` the folder of this study, or finds that it is.
+fn claim_folder(dir: &Path, identity: &str) -> Result<(), Error> {
+    let marker = dir.join("study.txt");
+    match std::fs::read_to_string(&marker) {
+        Ok(found) if found.trim() == identity => return Ok(()),
+        Ok(found) => {
+            return Err(Error::OtherStudy {
+                path: dir.to_owned(),
+                found: found.trim().to_owned(),
+                wanted: identity.to_owned(),
+            });
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
+        Err(source) => return Err(Error::Read { path: marker, source }),
+    }
+    make_folder(dir)?;
+    let mut entries = std::fs::read_dir(dir).map_err(|source| Error::Read { path: dir.to_owned(), source })?;
+    if entries.next().is_some() {
+        return Err(Error::OtherStudy {
+            path: dir.to_owned(),
+            found: "other files".into(),
+            wanted: identity.to_owned(),
+        });
+    }
+    write(&marker, format!("{identity}\n").as_bytes())
+}
+
+/// How long a study takes, roughly: some samples are timed.
+///
+/// # Errors
+/// Those of the study.
+pub fn estimate(plan: &Plan) -> Result<Duration, Error> {
+    let start = Instant::now();
+    let study = study::Study::new(plan, &cea::QrSolver)?;
+    let references = start.elapsed();
+    let few = 2 * 8;
+    let samples = few.min(plan.case.samples);
+    let start = Instant::now();
+    run_with(&study, &montecarlo::Plan::new(plan.case.seed, samples), || Tally::empty(plan), None, &())?;
+    Ok(references + start.elapsed().mul_f64(plan.case.samples as f64 / samples as f64))
+}
