@@ -1,11 +1,14 @@
 //! Case files: a study as data.
 
+mod alternative;
 mod distribution;
 mod error;
 mod schema;
+mod types;
 mod validate;
 
+pub use alternative::Alternative;
 pub use distribution::Distribution;
 pub use error::CaseError;
 pub use schema::{Draws, Labels, Law};
-pub use validate::{Case, ConstraintSet, FrictionDistributions, LatticeReadings, Paper, SpeedRange};
+pub use types::{Case, ConstraintSet, FrictionDistributions, LatticeReadings, Paper, SpeedRange};

@@ -15,6 +15,8 @@ pub(super) struct File {
     pub speeds: Vec<Speeds>,
     pub readings: Readings,
     pub friction: Friction,
+    #[serde(default)]
+    pub alternatives: Alternatives,
     pub paper: Option<super::Paper>,
 }
 
@@ -215,4 +217,15 @@ pub(super) struct Friction {
     pub sigma0: Distribution,
     pub sigma1: Distribution,
     pub sigma2: Distribution,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Alternatives {
+    pub oscillator_mass: Vec<f64>,
+    pub lateral: Vec<Lateral>,
+    pub draws: Vec<Draws>,
+    pub labels: Vec<Labels>,
+    pub preload: Vec<Preload>,
+    pub bristle_damping: Vec<BristleDamping>,
 }

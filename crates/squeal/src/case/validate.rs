@@ -1,140 +1,17 @@
 //! From the fields of a file to a case that can run: every value checked, every list complete.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use friction::BristleDamping;
 use osc_model::{
     ContactArrangement, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, OscModelError, PlateParameters,
     Preload, Sign,
 };
-use serde::Deserialize;
 
-use super::schema::{self, Chain, Draws, File, Labels, Law, Values};
-use super::{CaseError, Distribution};
-
-/// A study, checked.
-#[derive(Debug, Clone)]
-pub struct Case {
-    /// Where it was read from.
-    pub path: PathBuf,
-    /// The text that it was read from.
-    pub text: String,
-    /// What it calls itself.
-    pub name: String,
-    /// Friction laws, in the order of the file.
-    pub laws: Vec<Law>,
-    /// Samples per scene, >= 1.
-    pub samples: u64,
-    /// Seed of the random streams.
-    pub seed: u64,
-    /// The lattice.
-    pub lattice: LatticeParameters,
-    /// How the model's open questions are read.
-    pub readings: LatticeReadings,
-    /// Arrangements by number in contact, in the order of the file.
-    pub panels: Vec<(usize, Vec<ContactArrangement>)>,
-    /// Sets of constraints, in the order of the file; at least one.
-    pub constraints: Vec<ConstraintSet>,
-    /// Ranges of sliding speed; at least one.
-    pub speeds: Vec<SpeedRange>,
-    /// Distributions of the friction parameters.
-    pub friction: FrictionDistributions,
-    /// What a publication prints, to compare with.
-    pub paper: Option<Paper>,
-}
-
-/// The readings of a case.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LatticeReadings {
-    /// Friction in y.
-    pub lateral: Lateral,
-    /// One draw for all contacts or one each.
-    pub draws: Draws,
-    /// How modes are named.
-    pub labels: Labels,
-    /// What presses the oscillators on the plate.
-    pub preload: Preload,
-    /// LuGre's sigma1 over speed; `None` sets it to 0.
-    pub bristle_damping: Option<BristleDamping>,
-}
-
-/// Degrees of freedom held together, by name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ConstraintSet {
-    /// Its name.
-    pub name: String,
-    /// What is held.
-    pub fixed: Vec<Dof>,
-}
-
-/// A range of sliding speed, drawn from log-uniformly.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SpeedRange {
-    /// Its name.
-    pub name: String,
-    /// Lowest, m/s, > 0.
-    pub from: f64,
-    /// Highest, m/s.
-    pub to: f64,
-}
-
-impl SpeedRange {
-    /// The speed below which the part `u` of the range lies, log-uniformly; the median for `u = 0.5`.
-    pub fn quantile(&self, u: f64) -> f64 {
-        self.from * (self.to / self.from).powf(u)
-    }
-}
-
-/// Distributions of the friction parameters of all laws.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrictionDistributions {
-    /// Amontons-Coulomb's coefficient, and that across the sliding of every law.
-    pub mu: Distribution,
-    /// Static coefficient.
-    pub mu_s: Distribution,
-    /// Kinetic coefficient.
-    pub mu_k: Distribution,
-    /// Decay over speed of the velocity-dependent law, s/m.
-    pub alpha: Distribution,
-    /// Stribeck speed, m/s.
-    pub v_s: Distribution,
-    /// Bristle stiffness, 1/m.
-    pub sigma0: Distribution,
-    /// Bristle damping, s/m.
-    pub sigma1: Distribution,
-    /// Viscous coefficient, s/m.
-    pub sigma2: Distribution,
-}
-
-/// Printed values that a study is compared with.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Paper {
-    /// Which publication.
-    pub source: String,
-    /// The mode it finds most robustly unstable, in its own numbering.
-    pub mode: u16,
-    /// Lowest and highest natural frequency of the oscillators, Hz.
-    pub natural_frequencies_oscillators: [f64; 2],
-    /// Lowest and highest natural frequency of the plate, Hz.
-    pub natural_frequencies_plate: [f64; 2],
-    /// Relative tolerance of the natural frequencies.
-    pub frequency_tolerance: f64,
-    /// Oscillators that dominate that mode, from 1.
-    pub corners: Vec<usize>,
-    /// Oscillators that dominate what is left with the second constraint set, from 1.
-    pub after_corners_dominant: Vec<usize>,
-    /// Median occurrence of that with every oscillator in contact.
-    pub after_corners_occurrence: f64,
-    /// Largest median occurrence with the third constraint set.
-    pub after_six_occurrence: f64,
-    /// The bound on it that the conclusions state.
-    pub after_six_bound: f64,
-    /// Arrangements with six in contact.
-    pub arrangements_of_six: usize,
-    /// CEAs per arrangement.
-    pub analyses_per_arrangement: u64,
-}
+use super::schema::{self, Chain, File, Values};
+use super::{
+    Alternative, Case, CaseError, ConstraintSet, Distribution, FrictionDistributions, LatticeReadings, SpeedRange,
+};
 
 impl Case {
     /// Reads and checks a case file.
@@ -153,7 +30,7 @@ impl Case {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { study, lattice, contact, constraints, speeds, readings, friction, paper } = file;
+        let File { study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } = file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
@@ -162,22 +39,13 @@ impl Case {
             return Err(check.value("study.samples", 0, "a whole number >= 1"));
         }
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
-        let lateral = match readings.lateral {
-            schema::Lateral::None => Lateral::None,
-            schema::Lateral::Coupled => Lateral::Coupled { sign: Sign::Plus },
-            schema::Lateral::CoupledMinus => Lateral::Coupled { sign: Sign::Minus },
-            schema::Lateral::Vector => Lateral::Vector,
-        };
+        let lateral = readings.lateral.into();
         let readings = LatticeReadings {
             lateral,
             draws: readings.draws,
             labels: readings.labels,
             preload: preload(&check, readings.preload)?,
-            bristle_damping: match readings.bristle_damping {
-                schema::BristleDamping::Constant => Some(BristleDamping::Constant),
-                schema::BristleDamping::Decaying => Some(BristleDamping::Decaying),
-                schema::BristleDamping::None => None,
-            },
+            bristle_damping: readings.bristle_damping.into(),
         };
         let constraints = constraint_sets(&check, constraints, &parameters, lateral)?;
         Ok(Self {
@@ -192,19 +60,10 @@ impl Case {
             constraints,
             speeds: speed_ranges(&check, speeds)?,
             friction: distributions(&check, &friction)?,
+            alternatives: all_alternatives(&check, &alternatives)?,
             paper,
             text,
         })
-    }
-}
-
-impl Case {
-    /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
-    /// computed from.
-    pub fn identity(&self) -> String {
-        let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
-        let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
-        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }
 
@@ -306,6 +165,42 @@ fn preload(check: &Check<'_>, preload: schema::Preload) -> Result<Preload, CaseE
     } else {
         Err(check.value(&format!("readings.preload.{key}"), value, "a force in N, > 0"))
     }
+}
+
+impl From<schema::Lateral> for Lateral {
+    fn from(lateral: schema::Lateral) -> Self {
+        match lateral {
+            schema::Lateral::None => Self::None,
+            schema::Lateral::Coupled => Self::Coupled { sign: Sign::Plus },
+            schema::Lateral::CoupledMinus => Self::Coupled { sign: Sign::Minus },
+            schema::Lateral::Vector => Self::Vector,
+        }
+    }
+}
+
+impl From<schema::BristleDamping> for Option<BristleDamping> {
+    fn from(damping: schema::BristleDamping) -> Self {
+        match damping {
+            schema::BristleDamping::Constant => Some(BristleDamping::Constant),
+            schema::BristleDamping::Decaying => Some(BristleDamping::Decaying),
+            schema::BristleDamping::None => None,
+        }
+    }
+}
+
+fn all_alternatives(check: &Check<'_>, given: &schema::Alternatives) -> Result<Vec<Alternative>, CaseError> {
+    if let Some(mass) = given.oscillator_mass.iter().find(|mass| !(mass.is_finite() && **mass > 0.0)) {
+        return Err(check.value("alternatives.oscillator_mass", mass, "a mass in kg, > 0"));
+    }
+    let mut all: Vec<_> = given.oscillator_mass.iter().map(|&mass| Alternative::OscillatorMass(mass)).collect();
+    all.extend(given.lateral.iter().map(|&lateral| Alternative::Lateral(lateral.into())));
+    all.extend(given.draws.iter().map(|&draws| Alternative::Draws(draws)));
+    all.extend(given.labels.iter().map(|&labels| Alternative::Labels(labels)));
+    for &force in &given.preload {
+        all.push(Alternative::Preload(preload(check, force)?));
+    }
+    all.extend(given.bristle_damping.iter().map(|&damping| Alternative::BristleDamping(damping.into())));
+    Ok(all)
 }
 
 fn constraint_sets(

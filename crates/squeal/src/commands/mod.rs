@@ -6,4 +6,4 @@ mod run;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
-pub use run::RunArgs;
+pub use run::{RunArgs, overridden};

@@ -30,7 +30,10 @@ pub struct RunArgs {
 }
 
 /// Puts the options of the command line in place of the case's own values.
-pub(crate) fn overridden(
+///
+/// # Errors
+/// Zero samples or threads.
+pub fn overridden(
     mut case: Case,
     samples: Option<u64>,
     seed: Option<u64>,

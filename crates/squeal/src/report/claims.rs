@@ -93,6 +93,12 @@ impl Claim {
     }
 }
 
+/// The scorecard as a JSON list for machines.
+pub fn claims_json(claims: &[Claim]) -> String {
+    // Plain numbers and strings: there is nothing that could fail to serialise.
+    serde_json::to_string_pretty(claims).unwrap_or_default() + "\n"
+}
+
 /// The scorecard as a table for people.
 pub fn claims_markdown(claims: &[Claim]) -> String {
     let mut text =

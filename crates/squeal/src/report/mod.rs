@@ -7,7 +7,7 @@ mod pictures;
 mod results;
 mod tables;
 
-pub use claims::{Claim, Holds, claims_markdown};
+pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use manifest::{Manifest, Times};
 pub use paper::claims;
 pub use pictures::{draw_occurrence, draw_paper};

@@ -64,6 +64,13 @@ impl<'a> Results<'a> {
         Self { labels: study.plan().case.readings.labels, study, summary, panels, comparisons }
     }
 
+    /// The same counts with modes named in another way.
+    pub fn labelled(&self, labels: Labels) -> Self {
+        let mut results = Self::new(self.study, self.summary.clone());
+        results.labels = labels;
+        results
+    }
+
     /// The plan.
     pub fn plan(&self) -> &Plan {
         self.study.plan()

@@ -1,0 +1,70 @@
+//! Other readings of a case, to be tried one at a time.
+
+use friction::BristleDamping;
+use osc_model::{Lateral, Preload};
+
+use super::{Case, Draws, Labels};
+
+/// One reading other than the case's own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Alternative {
+    /// R1: another mass of every oscillator, kg.
+    OscillatorMass(f64),
+    /// R3: another friction in y.
+    Lateral(Lateral),
+    /// R4: other draws.
+    Draws(Draws),
+    /// R7: other names of modes.
+    Labels(Labels),
+    /// R8: another preload.
+    Preload(Preload),
+    /// R9: another sigma1 over speed; `None` is 0.
+    BristleDamping(Option<BristleDamping>),
+}
+
+impl Alternative {
+    /// The reading that it is a choice of.
+    pub fn reading(&self) -> &'static str {
+        match self {
+            Self::OscillatorMass(_) => "R1",
+            Self::Lateral(_) => "R3",
+            Self::Draws(_) => "R4",
+            Self::Labels(_) => "R7",
+            Self::Preload(_) => "R8",
+            Self::BristleDamping(_) => "R9",
+        }
+    }
+
+    /// The choice in words.
+    pub fn choice(&self) -> String {
+        match self {
+            Self::OscillatorMass(mass) => format!("oscillators of {mass:.4} kg"),
+            Self::Lateral(lateral) => format!("lateral {lateral:?}").to_lowercase(),
+            Self::Draws(draws) => format!("draws {draws:?}").to_lowercase(),
+            Self::Labels(labels) => format!("labels {labels:?}").to_lowercase(),
+            Self::Preload(Preload::PerContact(force)) => format!("{force} N per contact"),
+            Self::Preload(Preload::Clamp(force)) => format!("{force} N shared by the contacts"),
+            Self::Preload(Preload::Equilibrium(force)) => format!("{force} N on each, loads from equilibrium"),
+            Self::BristleDamping(None) => "sigma1 = 0".into(),
+            Self::BristleDamping(Some(BristleDamping::Constant)) => "sigma1 constant".into(),
+            Self::BristleDamping(Some(BristleDamping::Decaying)) => "sigma1 decaying with speed".into(),
+        }
+    }
+}
+
+impl Case {
+    /// The case under another reading.
+    pub fn with(&self, alternative: &Alternative) -> Self {
+        let mut case = self.clone();
+        let readings = &mut case.readings;
+        match *alternative {
+            Alternative::OscillatorMass(mass) => case.lattice.oscillator_mass.fill(mass),
+            Alternative::Lateral(lateral) => readings.lateral = lateral,
+            Alternative::Draws(draws) => readings.draws = draws,
+            Alternative::Labels(labels) => readings.labels = labels,
+            Alternative::Preload(preload) => readings.preload = preload,
+            Alternative::BristleDamping(damping) => readings.bristle_damping = damping,
+        }
+        case
+    }
+}

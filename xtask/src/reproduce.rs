@@ -1,0 +1,145 @@
+//! The paper's study: figures, their data, the scorecard and a manifest.
+
+use std::path::{Path, PathBuf};
+
+use squeal::Error;
+use squeal::case::{Alternative, Case};
+use squeal::output::write;
+use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
+use squeal::study::Plan;
+
+/// Samples of a smoke run.
+const SMOKE_SAMPLES: u64 = 16;
+
+/// Reproduce the paper: its real study, figures 4 to 9 with their data, and a scorecard of its claims
+#[derive(Debug, clap::Args)]
+pub struct ReproduceArgs {
+    /// A few samples only, within 30 s: does everything work?
+    #[arg(long)]
+    smoke: bool,
+    /// Samples per arrangement, law and speed range [default: the case's, 1000]
+    #[arg(long, value_name = "N")]
+    samples: Option<u64>,
+    /// Seed of the random streams [default: the case's]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T")]
+    threads: Option<usize>,
+    /// Also the scorecard under each other choice of the readings R1, R3, R4, R7, R8, R9
+    #[arg(long)]
+    readings: bool,
+    /// Folder for the results [default: target/reproduce, or target/reproduce-smoke]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// A scorecard under one choice of readings.
+struct Scorecard {
+    reading: String,
+    choice: String,
+    claims: Vec<Claim>,
+}
+
+/// Runs the task.
+pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let case = squeal::commands::overridden(
+        Case::read(&root.join("cases/paper.toml"))?,
+        args.samples.or(args.smoke.then_some(SMOKE_SAMPLES)),
+        args.seed,
+        args.threads,
+    )?;
+    let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
+    let out = args.out.clone().unwrap_or(default);
+
+    let mut cards = Vec::new();
+    let plan = Plan::new(case.clone())?;
+    let manifest = squeal::run_study(&plan, &out, args.threads, &mut |results, dir| {
+        draw_paper(results, dir)?;
+        let own = claims(results)?;
+        write_claims(&own, dir)?;
+        cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
+        // Other names of modes need no other run.
+        for alternative in &case.alternatives {
+            if let Alternative::Labels(labels) = alternative {
+                let claims = claims(&results.labelled(*labels))?;
+                cards.push(card(alternative, claims));
+            }
+        }
+        Ok(())
+    })?;
+    print!("{}", claims_markdown(&cards[0].claims));
+    report(&manifest, &out);
+
+    if args.readings {
+        let others = case.alternatives.iter().filter(|a| !matches!(a, Alternative::Labels(_)));
+        for (number, alternative) in others.enumerate() {
+            eprintln!("reading {}: {}", alternative.reading(), alternative.choice());
+            let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
+            let plan = Plan::new(case.with(alternative))?;
+            let mut found = Vec::new();
+            let manifest = squeal::run_study(&plan, &dir, args.threads, &mut |results, dir| {
+                found = claims(results)?;
+                write_claims(&found, dir)
+            })?;
+            report(&manifest, &dir);
+            cards.push(card(alternative, found));
+        }
+        let table = readings_markdown(&cards);
+        write(&out.join("readings.md"), table.as_bytes())?;
+        print!("\n{table}");
+    }
+    Ok(())
+}
+
+fn card(alternative: &Alternative, claims: Vec<Claim>) -> Scorecard {
+    Scorecard { reading: alternative.reading().into(), choice: alternative.choice(), claims }
+}
+
+fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
+    write(&dir.join("claims.md"), claims_markdown(claims).as_bytes())?;
+    write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())
+}
+
+fn report(manifest: &Manifest, out: &Path) {
+    let seconds = manifest.seconds;
+    println!(
+        "\n{} CEAs, {} solved, {} failures; {:.1} s for reference modes, {:.1} s for samples, {:.1} s for the report; \
+         results in {}",
+        manifest.analyses,
+        manifest.solved,
+        manifest.failures,
+        seconds.references,
+        seconds.samples,
+        seconds.report,
+        out.display()
+    );
+}
+
+/// Claims in rows, readings in columns of yes, no and not determined.
+fn readings_markdown(cards: &[Scorecard]) -> String {
+    let mut text = String::from("| reading | choice |");
+    for claim in &cards[0].claims {
+        text += &format!(" {} |", claim.id);
+    }
+    text += " yes |\n| --- | --- |";
+    text += &" --- |".repeat(cards[0].claims.len() + 1);
+    for card in cards {
+        text += &format!("\n| {} | {} |", card.reading, card.choice);
+        for claim in &card.claims {
+            let holds = match claim.holds {
+                Holds::Yes => "yes",
+                Holds::No => "no",
+                Holds::NotDetermined => "?",
+            };
+            text += &match claim.ours {
+                Some(ours) => format!(" {holds} ({ours:.3}) |"),
+                None => format!(" {holds} |"),
+            };
+        }
+        let yes = card.claims.iter().filter(|claim| claim.holds == Holds::Yes).count();
+        text += &format!(" {yes} |");
+    }
+    text + "\n"
+}
