@@ -17,9 +17,9 @@ use crate::{CeaError, EigenSolver, Mode, Modes, Workspace};
 /// The largest step, as a part of the way: one that is too large jumps over a veering without noticing.
 const LARGEST_STEP: f64 = 1.0 / 4.0;
 /// The smallest step, as a part of the way.
-const SMALLEST_STEP: f64 = 1.0 / 256.0;
+const SMALLEST_STEP: f64 = 1.0 / 2048.0;
 /// Eigenvalues this close, relatively, are a multiple eigenvalue: no step tells its vectors apart.
-const MULTIPLE: f64 = 1e-5;
+const MULTIPLE: f64 = 1e-4;
 /// How many eigenvalues around a followed one are looked at in a step.
 const NEIGHBOURS: usize = 8;
 

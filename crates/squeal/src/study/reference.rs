@@ -6,7 +6,7 @@
 //! parameters of its law and speed, linked to those of its lattice by continuation in the law. Samples are then
 //! matched to the modes of their scene.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, follow, with_idle_states};
+use cea::{EigenSolver, Mode, Modes, Workspace, follow, identify, with_idle_states};
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise};
 use rayon::prelude::*;
@@ -36,8 +36,15 @@ impl Reference {
         Ok(Self { modes: Mode::at(&system, &modes.oscillatory, work)?, system, names })
     }
 
-    /// The modes of `system`, named by continuation from this reference.
-    fn linked(&self, solver: &dyn EigenSolver, system: SecondOrder, work: &mut Workspace) -> Result<Self, Error> {
+    /// The modes of `system`, named by continuation from this reference: all the way, or, for a `near` system, where MAC
+    /// leaves a doubt.
+    fn linked(
+        &self,
+        solver: &dyn EigenSolver,
+        system: SecondOrder,
+        near: bool,
+        work: &mut Workspace,
+    ) -> Result<Self, Error> {
         let mut next = Self::new(solver, system, work)?;
         let padded;
         let from = if self.system.states() == next.system.states() {
@@ -46,7 +53,8 @@ impl Reference {
             padded = with_idle_states(&self.system, &next.system);
             &padded
         };
-        let links = follow(solver, (from, &self.modes), (&next.system, &next.modes), work)?;
+        let link = if near { identify } else { follow };
+        let links = link(solver, (from, &self.modes), (&next.system, &next.modes), work)?;
         next.names = vec![Vec::new(); next.modes.len()];
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
@@ -101,7 +109,7 @@ fn of_lattice(
     let system = lattice.linearised(&sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?)?;
     // The straight line from one system to the other takes the stiffness and the load of the contacts that differ
     // from 1 to 0 together.
-    base.linked(solver, system, &mut Workspace::default())
+    base.linked(solver, system, false, &mut Workspace::default())
 }
 
 fn of_scene(
@@ -116,5 +124,5 @@ fn of_scene(
     if system == lattice.system {
         return Ok(lattice.clone());
     }
-    lattice.linked(solver, system, &mut Workspace::default())
+    lattice.linked(solver, system, true, &mut Workspace::default())
 }
