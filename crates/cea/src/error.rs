@@ -23,6 +23,15 @@ pub enum CeaError {
         /// Size of the state matrix.
         dimension: usize,
     },
+    /// The pencil is singular: every lambda is an eigenvalue.
+    #[error(
+        "det(lambda^2 M + lambda C + K) vanishes for every lambda{}: the problem is singular and has no spectrum",
+        if *.exactly { "" } else { ", to working precision" }
+    )]
+    SingularPencil {
+        /// For the matrices as given; otherwise for a perturbation of the size of a rounding error.
+        exactly: bool,
+    },
     /// Inverse iteration found no vector with a small residual: `lambda` is not an eigenvalue.
     #[error("no eigenvector for lambda = {lambda}: relative residual {residual:.1e}")]
     NoEigenvector {

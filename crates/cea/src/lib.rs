@@ -5,6 +5,7 @@
 
 mod error;
 mod francis;
+pub mod general;
 mod mac;
 mod modes;
 mod qr;

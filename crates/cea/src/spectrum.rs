@@ -50,6 +50,11 @@ pub enum Verdict {
     Stable,
     /// Re lambda is above zero by more than its error bound.
     Unstable,
+    /// Proven neutral: |Re lambda| is at most what rounding the matrices to doubles may move it by.
+    Marginal {
+        /// That much, in rad/s.
+        tolerance: f64,
+    },
     /// |Re lambda| is within the error bound, in rad/s.
     Undecided {
         /// The bound.

@@ -1,0 +1,162 @@
+//! Backward errors and condition numbers of one eigenvalue, of the problem as given and as scaled.
+
+use std::slice::from_ref;
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::refine::{Refined, newton};
+use super::scaled::{Norms, Scaled};
+use super::structure::nullity;
+use super::vectors::{Factor, Vector, orthonormalise};
+use super::verdict::SAFETY;
+use crate::{CeaError, Verdict};
+
+/// Half the distance from 1 to the next double: the relative size of a rounding error.
+pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
+/// Backward errors up to this many units are rounding and not worth a Newton step.
+const GOOD: f64 = 4.0 * UNIT;
+/// A refined eigenvalue is known to this part of what rounded data move it by, or better.
+const FINE: f64 = 1e-6;
+
+/// What is known of one eigenvalue in the course of it, in scaled quantities.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub(super) sigma: Complex<f64>,
+    pub(super) x: Vector,
+    pub(super) y: Vector,
+    /// Of the matrices as given.
+    pub(super) backward_error: f64,
+    pub(super) condition: f64,
+    /// Of the scaled matrices.
+    pub(super) scaled_error: f64,
+    pub(super) scaled_condition: f64,
+    /// |sigma - exact| estimated, in the scaled problem.
+    pub(super) bound: f64,
+    pub(super) verdict: Verdict,
+}
+
+impl State {
+    pub(super) fn conjugate(&self) -> Self {
+        Self { sigma: self.sigma.conj(), x: self.x.conjugate(), y: self.y.conjugate(), ..self.clone() }
+    }
+
+    /// How far sigma may move, to first order, for its own backward error or that of rounded data.
+    pub(super) fn shift(&self) -> f64 {
+        self.scaled_condition * self.scaled_error.max(UNIT) * self.sigma.norm()
+    }
+
+    /// The same for rounded data alone.
+    pub(super) fn data_shift(&self) -> f64 {
+        self.scaled_condition * UNIT * self.sigma.norm()
+    }
+}
+
+/// The problem as scaled, with the norms of the one given.
+#[derive(Debug)]
+pub(super) struct Measure {
+    pub(super) scaled: Scaled,
+    given: Norms,
+}
+
+impl Measure {
+    pub(super) fn new(system: &SecondOrder) -> Self {
+        Self { scaled: Scaled::new(system), given: Norms::of(&system.m, &system.c, &system.k) }
+    }
+
+    /// Null vectors of K, exactly singular, for eigenvalues that are exactly zero.
+    pub(super) fn zeros(&self, stiffness: &DMatrix<f64>) -> Result<Vec<State>, CeaError> {
+        let count = nullity(stiffness);
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let factor = Factor::new(&self.scaled, Complex::default());
+        let failed = || CeaError::NoEigenvector { lambda: Complex::default(), residual: f64::INFINITY };
+        let (right, left) = factor.null_pairs(count).ok_or_else(failed)?;
+        let pairs = right.into_iter().zip(left).map(|(x, y)| {
+            let image = factor.residual(&x).component_div(&self.scaled.left.map(Complex::from)).norm();
+            let size = x.component_mul(&self.scaled.right.map(Complex::from)).norm() * self.given.k;
+            State {
+                sigma: Complex::default(),
+                backward_error: if self.given.k == 0.0 { 0.0 } else { image / size },
+                condition: f64::INFINITY,
+                scaled_error: 0.0,
+                scaled_condition: 0.0,
+                bound: 0.0,
+                // Exactly zero for the matrices as given.
+                verdict: Verdict::Marginal { tolerance: 0.0 },
+                x,
+                y,
+            }
+        });
+        Ok(pairs.collect())
+    }
+
+    /// Vectors by inverse iteration, then the eigenvalue improved if its backward error is more than rounding.
+    pub(super) fn first_look(&self, sigma: Complex<f64>, gap: f64) -> Result<State, CeaError> {
+        let factor = Factor::new(&self.scaled, sigma);
+        let failed = || CeaError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
+        let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
+        let mut state = self.state(sigma, x[0].clone(), y[0].clone());
+        if state.backward_error.max(state.scaled_error) > GOOD {
+            let reach = (4.0 * SAFETY * state.shift()).min(0.45 * gap);
+            match self.refine(&state, reach) {
+                Some((better, _)) if better.backward_error <= state.backward_error => state = better,
+                _ => {}
+            }
+        }
+        Ok(state)
+    }
+
+    /// The eigenvalue refined within `reach`, and how far it may still be from the exact one of these matrices.
+    pub(super) fn refine(&self, state: &State, reach: f64) -> Option<(State, f64)> {
+        let enough = FINE * state.data_shift();
+        let Refined { sigma, x, left } = newton(&self.scaled, state.sigma, &state.x, enough, reach)?;
+        Some((self.state(sigma, x, state.y.clone()), left))
+    }
+
+    pub(super) fn state(&self, sigma: Complex<f64>, x: Vector, y: Vector) -> State {
+        let (scaled_condition, condition) = self.conditions(sigma, from_ref(&x), from_ref(&y));
+        let (scaled_error, backward_error) = self.errors(sigma, &x);
+        let verdict = Verdict::Undecided { bound: f64::INFINITY };
+        let bound = f64::INFINITY;
+        State { sigma, x, y, backward_error, condition, scaled_error, scaled_condition, bound, verdict }
+    }
+
+    /// Backward errors of the scaled and of the given problem.
+    fn errors(&self, sigma: Complex<f64>, x: &Vector) -> (f64, f64) {
+        let s = &self.scaled;
+        let image = s.times(sigma, x);
+        let given_image = image.component_div(&s.left.map(Complex::from)).norm();
+        let given_x = x.component_mul(&s.right.map(Complex::from)).norm();
+        let given_size = self.given.size(sigma.norm() * s.gamma);
+        (image.norm() / (s.norms.size(sigma.norm()) * x.norm()), given_image / (given_size * given_x))
+    }
+
+    /// Condition numbers of the scaled and of the given problem for bases of the null spaces.
+    pub(super) fn conditions(&self, sigma: Complex<f64>, right: &[Vector], left: &[Vector]) -> (f64, f64) {
+        let s = &self.scaled;
+        let inverse_slope = |right: &[Vector], left: &[Vector]| {
+            let slopes: Vec<_> = right.iter().map(|x| s.derivative_times(sigma, x)).collect();
+            let projected = DMatrix::from_fn(left.len(), right.len(), |i, j| left[i].dotc(&slopes[j]));
+            projected.try_inverse().map_or(f64::INFINITY, |inverse| inverse.norm())
+        };
+        let scaled = s.norms.size(sigma.norm()) * inverse_slope(right, left) / sigma.norm();
+        // The same vectors in the coordinates given: orthonormal there, then expressed in the scaled ones.
+        let moved = |vectors: &[Vector], weights: &DVector<f64>| {
+            let weights = weights.map(Complex::from);
+            let mut block: Vec<_> = vectors.iter().map(|v| v.component_mul(&weights)).collect();
+            orthonormalise(&mut block)?;
+            Some(block.iter().map(|v| v.component_div(&weights)).collect::<Vec<_>>())
+        };
+        let given = match (moved(right, &s.right), moved(left, &s.left)) {
+            // psi^H Q'(lambda) phi = y^H Q~'(sigma) x / gamma.
+            (Some(right), Some(left)) => {
+                self.given.size(sigma.norm() * s.gamma) * inverse_slope(&right, &left) / sigma.norm()
+            }
+            _ => f64::INFINITY,
+        };
+        (scaled, given)
+    }
+}
