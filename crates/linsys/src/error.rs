@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::MarketProblem;
+
 /// Names a matrix of a [`SecondOrder`](crate::SecondOrder) in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matrix {
@@ -63,6 +65,14 @@ pub enum LinsysError {
         column: usize,
         /// What stands there.
         value: f64,
+    },
+    /// A Matrix Market file that cannot be read.
+    #[error("line {line}: {problem}")]
+    Market {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: MarketProblem,
     },
     /// A constraint names a degree of freedom that is not there.
     #[error("constraint on degree of freedom {dof}; there are {total}, numbered from 0")]

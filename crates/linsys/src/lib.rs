@@ -25,8 +25,10 @@
 
 mod dof;
 mod error;
+mod market;
 mod second_order;
 
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
+pub use market::{LARGEST_ORDER, MarketProblem, read_market};
 pub use second_order::{Internal, SecondOrder};
