@@ -74,7 +74,7 @@ impl<'a> Study<'a> {
         for (index, &lambda) in modes.oscillatory.iter().enumerate() {
             match verdict(system, lambda, spectrum.scale, work)? {
                 Verdict::Unstable => unstable.push((index, lambda)),
-                Verdict::Undecided { .. } => undecided += 1,
+                Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
                 Verdict::Stable => {}
             }
         }
