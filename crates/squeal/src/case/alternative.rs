@@ -3,7 +3,7 @@
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
-use super::{Case, Draws, Labels};
+use super::{Case, Draws, Labels, Law};
 
 /// One reading other than the case's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,8 @@ pub enum Alternative {
     Preload(Preload),
     /// R9: another sigma1 over speed; `None` is 0.
     BristleDamping(Option<BristleDamping>),
+    /// R9: a control in LuGre's place, so that what the bristles do is told from what the curve does.
+    InPlaceOfLuGre(Law),
 }
 
 impl Alternative {
@@ -31,7 +33,7 @@ impl Alternative {
             Self::Draws(_) => "R4",
             Self::Labels(_) => "R7",
             Self::Preload(_) => "R8",
-            Self::BristleDamping(_) => "R9",
+            Self::BristleDamping(_) | Self::InPlaceOfLuGre(_) => "R9",
         }
     }
 
@@ -45,6 +47,7 @@ impl Alternative {
             Self::Preload(Preload::PerContact(force)) => format!("{force} N per contact"),
             Self::Preload(Preload::Clamp(force)) => format!("{force} N shared by the contacts"),
             Self::Preload(Preload::Equilibrium(force)) => format!("{force} N on each, loads from equilibrium"),
+            Self::InPlaceOfLuGre(law) => format!("{law} in place of lugre"),
             Self::BristleDamping(None) => "sigma1 = 0".into(),
             Self::BristleDamping(Some(BristleDamping::Constant)) => "sigma1 constant".into(),
             Self::BristleDamping(Some(BristleDamping::Decaying)) => "sigma1 decaying with speed".into(),
@@ -64,6 +67,11 @@ impl Case {
             Alternative::Labels(labels) => readings.labels = labels,
             Alternative::Preload(preload) => readings.preload = preload,
             Alternative::BristleDamping(damping) => readings.bristle_damping = damping,
+            Alternative::InPlaceOfLuGre(other) => {
+                for law in case.laws.iter_mut().filter(|law| **law == Law::LuGre) {
+                    *law = other;
+                }
+            }
         }
         case
     }

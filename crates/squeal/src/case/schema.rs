@@ -228,4 +228,5 @@ pub(super) struct Alternatives {
     pub labels: Vec<Labels>,
     pub preload: Vec<Preload>,
     pub bristle_damping: Vec<BristleDamping>,
+    pub in_place_of_lugre: Vec<Law>,
 }

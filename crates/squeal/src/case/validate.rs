@@ -200,6 +200,7 @@ fn all_alternatives(check: &Check<'_>, given: &schema::Alternatives) -> Result<V
         all.push(Alternative::Preload(preload(check, force)?));
     }
     all.extend(given.bristle_damping.iter().map(|&damping| Alternative::BristleDamping(damping.into())));
+    all.extend(given.in_place_of_lugre.iter().map(|&law| Alternative::InPlaceOfLuGre(law)));
     Ok(all)
 }
 

@@ -7,7 +7,7 @@ use num_complex::Complex;
 use osc_model::Lean;
 
 use super::Results;
-use super::paper::{CORNERS, FREE, SIX, most_robust, shape, title};
+use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
 use crate::Error;
 use crate::case::{Labels, Law};
 use crate::figures::{
@@ -30,7 +30,8 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-/// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`.
+/// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for
+/// the most robust mode, and as `fig07-paper-number` for the one that bears the paper's number.
 ///
 /// # Errors
 /// Those of the figures.
@@ -47,8 +48,7 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         leans_with_sliding: case.lattice.lean == Lean::Along,
     };
     model_sketch(&sketch)?.save(dir, "fig02")?;
-    let all: Vec<Law> = case.laws.iter().copied().filter(|&law| law != Law::Stribeck).collect();
-    for (&law, stem) in all.iter().zip(["fig04", "fig05", "fig06"]) {
+    for (&law, stem) in case.laws.iter().zip(["fig04", "fig05", "fig06"]) {
         let heading = format!("{} friction", law.title());
         occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?.save(dir, stem)?;
     }
@@ -56,11 +56,15 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         if let Some(set) = case.constraints.get(constraints) {
             let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
             let heading = format!("Held: {}", held.join(", "));
-            occurrence_boxes(&occurrence(results, constraints, &all, heading)?)?.save(dir, stem)?;
+            occurrence_boxes(&occurrence(results, constraints, &case.laws, heading)?)?.save(dir, stem)?;
         }
     }
-    if let Some(figure) = mode_work(results, FREE, &all)? {
-        mode_and_work(&figure)?.save(dir, "fig07")?;
+    let robust = most_robust(results, FREE)?.first().map(|&(name, _)| name);
+    let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
+    for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
+        if let Some(figure) = name.and_then(|name| mode_work(results, FREE, name).transpose()) {
+            mode_and_work(&figure?)?.save(dir, stem)?;
+        }
     }
     Ok(())
 }
@@ -126,12 +130,11 @@ fn in_words(number: usize) -> String {
     words.get(number).map_or_else(|| number.to_string(), |word| (*word).into())
 }
 
-/// The most robust mode with every oscillator in contact, under each law at its first speed range.
-fn mode_work(results: &Results<'_>, constraints: usize, laws: &[Law]) -> Result<Option<ModeWorkFigure>, Error> {
+/// A mode with every oscillator in contact, under each law at its first speed range.
+fn mode_work(results: &Results<'_>, constraints: usize, name: u16) -> Result<Option<ModeWorkFigure>, Error> {
     let grid = results.plan().case.lattice.grid;
-    let Some(&(name, _)) = most_robust(results, constraints)?.first() else { return Ok(None) };
     let mut columns = Vec::new();
-    for &law in laws {
+    for &law in &results.plan().case.laws {
         let is_it = |scene: &Scene| {
             let key = scene.key;
             key.constraints == constraints && key.law == law && key.speed.unwrap_or(0) == 0 && scene.wants_work
