@@ -124,6 +124,7 @@ fn verdict_name(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Stable => "stable",
         Verdict::Unstable => "unstable",
+        Verdict::Marginal { .. } => "marginal",
         Verdict::Undecided { .. } => "undecided",
     }
 }
