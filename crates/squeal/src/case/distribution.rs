@@ -1,11 +1,8 @@
 //! The distribution of one uncertain parameter.
 
-use rand::Rng;
+use montecarlo::{MonteCarloError, StreamRng, redraw_until_at_least};
 use rand_distr::{Distribution as _, StandardNormal, StandardUniform};
 use serde::Deserialize;
-
-/// Redraws allowed below `at_least`; validation makes sure that half of them succeed or more.
-const MOST_REDRAWS: usize = 1000;
 
 /// How a parameter is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -43,29 +40,24 @@ pub enum Distribution {
 }
 
 impl Distribution {
-    /// One value. Each call takes the same numbers off the stream whatever the parameters are, but for redraws.
-    pub fn draw(&self, rng: &mut impl Rng) -> f64 {
-        match *self {
+    /// One value.
+    ///
+    /// # Errors
+    /// No draw reached the bound of a normal distribution; validation makes sure that half of them do, or more.
+    pub fn draw(&self, rng: &mut StreamRng) -> Result<f64, MonteCarloError> {
+        let mut standard_normal = || -> f64 { StandardNormal.sample(rng) };
+        Ok(match *self {
             Self::Constant { value } => value,
             Self::Normal { mean, deviation, at_least } => {
-                for _ in 0..MOST_REDRAWS {
-                    let z: f64 = StandardNormal.sample(rng);
-                    let value = mean + deviation * z;
-                    if value >= at_least {
-                        return value;
-                    }
-                }
-                at_least
+                let deviates = StandardNormal.map(|z: f64| mean + deviation * z);
+                redraw_until_at_least(&deviates, at_least, rng)?
             }
-            Self::LogNormal { median, sigma } => {
-                let z: f64 = StandardNormal.sample(rng);
-                median * (sigma * z).exp()
-            }
+            Self::LogNormal { median, sigma } => median * (sigma * standard_normal()).exp(),
             Self::Uniform { from, to } => {
                 let u: f64 = StandardUniform.sample(rng);
                 from + (to - from) * u
             }
-        }
+        })
     }
 
     /// The median; of the unbounded distribution where there is a bound, which lies below the mean.

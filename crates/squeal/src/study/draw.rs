@@ -4,7 +4,7 @@ use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
     Tangent, VelocityDependent, VelocityDependentParameters,
 };
-use rand::Rng;
+use montecarlo::{MonteCarloError, StreamRng};
 use rand_distr::{Distribution as _, StandardUniform};
 
 use crate::case::{Case, Draws, FrictionDistributions, Law};
@@ -33,20 +33,20 @@ pub struct FrictionDraw {
 }
 
 impl FrictionDraw {
-    fn draw(from: &FrictionDistributions, rng: &mut impl Rng) -> Self {
-        let mut next = |distribution: crate::case::Distribution| distribution.draw(rng);
-        let (mu, lateral_mu, mu_s, mu_k) = (next(from.mu), next(from.mu), next(from.mu_s), next(from.mu_k));
-        Self {
+    fn draw(from: &FrictionDistributions, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
+        let (mu, lateral_mu) = (from.mu.draw(rng)?, from.mu.draw(rng)?);
+        let (mu_s, mu_k) = (from.mu_s.draw(rng)?, from.mu_k.draw(rng)?);
+        Ok(Self {
             mu,
             lateral_mu,
             mu_s: mu_s.max(mu_k),
             mu_k,
-            alpha: next(from.alpha),
-            v_s: next(from.v_s),
-            sigma0: next(from.sigma0),
-            sigma1: next(from.sigma1),
-            sigma2: next(from.sigma2),
-        }
+            alpha: from.alpha.draw(rng)?,
+            v_s: from.v_s.draw(rng)?,
+            sigma0: from.sigma0.draw(rng)?,
+            sigma1: from.sigma1.draw(rng)?,
+            sigma2: from.sigma2.draw(rng)?,
+        })
     }
 
     fn median(from: &FrictionDistributions) -> Self {
@@ -110,13 +110,17 @@ pub struct Sample {
 
 impl Sample {
     /// Draws a sample of `case`.
-    pub fn draw(case: &Case, rng: &mut impl Rng) -> Self {
+    ///
+    /// # Errors
+    /// A distribution that cannot reach its bound.
+    pub fn draw(case: &Case, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
         let speed_quantile = StandardUniform.sample(rng);
         let count = match case.readings.draws {
             Draws::Shared => 1,
             Draws::Each => case.lattice.grid.oscillators(),
         };
-        Self { contacts: (0..count).map(|_| FrictionDraw::draw(&case.friction, rng)).collect(), speed_quantile }
+        let contacts = (0..count).map(|_| FrictionDraw::draw(&case.friction, rng)).collect::<Result<_, _>>()?;
+        Ok(Self { contacts, speed_quantile })
     }
 
     /// The medians of all distributions.

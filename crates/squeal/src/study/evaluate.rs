@@ -136,7 +136,7 @@ impl montecarlo::Study for Study<'_> {
     }
 
     fn draw(&self, rng: &mut StreamRng) -> Result<Sample, Error> {
-        Ok(Sample::draw(&self.plan.case, rng))
+        Ok(Sample::draw(&self.plan.case, rng)?)
     }
 
     fn evaluate(&self, scene: usize, sample: &Sample, scratch: &mut Scratch) -> Result<Outcome, Error> {
