@@ -41,9 +41,19 @@ impl Mode {
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
 pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
-    let mass = mass.map(Complex::from);
-    let weighted: Vec<_> = new.iter().map(|mode| &mass * &mode.shape).collect();
-    DMatrix::from_fn(old.len(), new.len(), |i, j| old[i].shape.dotc(&weighted[j]).norm_sqr())
+    let weighted: Vec<_> = old.iter().map(|mode| times(mass, &mode.shape)).collect();
+    DMatrix::from_fn(old.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
+}
+
+/// `M phi` of a symmetric M, often diagonal.
+pub(crate) fn times(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let mut product = DVector::zeros(phi.len());
+    for (column, &u) in mass.column_iter().zip(phi) {
+        for (row, &m) in column.iter().enumerate().filter(|(_, m)| **m != 0.0) {
+            product[row] += u * m;
+        }
+    }
+    product
 }
 
 /// What one old mode became.

@@ -114,7 +114,7 @@ fn is_internal(
 
 /// `phi^H M phi`, real for symmetric M.
 pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f64 {
-    phi.dotc(&(system.m.map(Complex::from) * phi)).re
+    phi.dotc(&crate::mac::times(&system.m, phi)).re
 }
 
 #[cfg(test)]

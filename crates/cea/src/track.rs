@@ -38,9 +38,19 @@ pub fn follow(
     (to, end): (&SecondOrder, &[Mode]),
     work: &mut Workspace,
 ) -> Result<Vec<Vec<usize>>, CeaError> {
+    walk_to(solver, (from, start), (to, end), LARGEST_STEP, work)
+}
+
+fn walk_to(
+    solver: &dyn EigenSolver,
+    (from, start): (&SecondOrder, &[Mode]),
+    (to, end): (&SecondOrder, &[Mode]),
+    largest_step: f64,
+    work: &mut Workspace,
+) -> Result<Vec<Vec<usize>>, CeaError> {
     let mut walk = Walk::new(start);
     let mut between = from.clone();
-    let (mut at, mut step) = (0.0, LARGEST_STEP);
+    let (mut at, mut step) = (0.0, largest_step);
     while at < 1.0 {
         let next = (at + step).min(1.0);
         let modes = if next == 1.0 {
@@ -52,7 +62,7 @@ pub fn follow(
         let last_try = step <= SMALLEST_STEP;
         if walk.advance(&modes, &from.m, last_try) {
             at = next;
-            step = (2.0 * step).min(LARGEST_STEP);
+            step = (2.0 * step).min(largest_step);
         } else {
             step *= 0.5;
         }
@@ -61,7 +71,7 @@ pub fn follow(
 }
 
 /// Which of the known modes `end` of `to` the modes `start` of `from` are: by MAC where that is beyond doubt, by
-/// [`follow`]ing those where it is not. The result is as that of [`follow`].
+/// following those where it is not. The result is as that of [`follow`].
 ///
 /// # Errors
 /// As [`follow`].
@@ -77,7 +87,7 @@ pub fn identify(
     if !far.is_empty() {
         work.counters.continuations += far.len() as u64;
         let modes: Vec<Mode> = far.iter().map(|&i| start[i].clone()).collect();
-        for (&i, candidates) in far.iter().zip(follow(solver, (from, &modes), (to, end), work)?) {
+        for (&i, candidates) in far.iter().zip(walk_to(solver, (from, &modes), (to, end), 0.5, work)?) {
             found[i] = candidates;
         }
     }
