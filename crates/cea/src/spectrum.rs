@@ -1,5 +1,7 @@
 //! Eigenvalues and what engineers read off them.
 
+use std::fmt;
+
 use num_complex::Complex;
 
 /// All finite eigenvalues of a system, rad/s, in the order of [`sort`].
@@ -60,6 +62,17 @@ pub enum Verdict {
         /// The bound.
         bound: f64,
     },
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Marginal { .. } => "marginal",
+            Self::Undecided { .. } => "undecided",
+        })
+    }
 }
 
 impl Verdict {

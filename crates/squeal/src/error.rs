@@ -62,4 +62,28 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// A file that does not hold a matrix.
+    #[error("{}: {source}", path.display())]
+    Matrix {
+        /// The file.
+        path: PathBuf,
+        /// The line and what is wrong there.
+        source: linsys::LinsysError,
+    },
+    /// A matrix that does not fit the others.
+    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: {order} x {order}, {reason}", path.display())]
+    MatrixShape {
+        /// The file.
+        path: PathBuf,
+        /// mass, damping or stiffness.
+        name: &'static str,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// What is expected.
+        order: usize,
+        /// Why.
+        reason: &'static str,
+    },
 }

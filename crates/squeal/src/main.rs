@@ -4,7 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use squeal::commands::{CeaArgs, CheckArgs, RunArgs};
+use squeal::commands::{CeaArgs, CheckArgs, EigArgs, RunArgs};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
@@ -19,6 +19,7 @@ enum Command {
     Run(RunArgs),
     Cea(CeaArgs),
     Check(CheckArgs),
+    Eig(EigArgs),
 }
 
 fn main() -> ExitCode {
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Command::Run(args) => args.run(&mut out),
         Command::Cea(args) => args.run(&mut out),
         Command::Check(args) => args.run(&mut out),
+        Command::Eig(args) => args.run(&mut out),
     };
     let result =
         result.map_err(|error| error.to_string()).and_then(|()| out.flush().map_err(|error| error.to_string()));

@@ -120,15 +120,6 @@ impl CeaArgs {
     }
 }
 
-fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Stable => "stable",
-        Verdict::Unstable => "unstable",
-        Verdict::Marginal { .. } => "marginal",
-        Verdict::Undecided { .. } => "undecided",
-    }
-}
-
 fn table(rows: &[Row], modes: &Modes) -> String {
     let mut text = format!(
         "{:>4}  {:>7}  {:>12}  {:>14}  {:>14}  {:>10}\n",
@@ -143,7 +134,7 @@ fn table(rows: &[Row], modes: &Modes) -> String {
             frequency_hz(row.lambda),
             row.lambda.re,
             damping_ratio(row.lambda),
-            verdict_name(row.verdict)
+            row.verdict.to_string()
         );
         if let Some((shape, energy)) = &row.shape {
             text += &bodies(shape, energy);
@@ -184,7 +175,7 @@ fn json_text(scene: &Value, rows: &[Row], modes: &Modes) -> String {
                 "damping_ratio": damping_ratio(row.lambda),
                 "rank": row.rank,
                 "pair": [first, second],
-                "verdict": verdict_name(row.verdict),
+                "verdict": row.verdict.to_string(),
             });
             if let Some((shape, energy)) = &row.shape {
                 mode["shape"] = shape.iter().map(|u| json!([u.re, u.im])).collect();

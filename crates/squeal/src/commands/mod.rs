@@ -2,8 +2,10 @@
 
 mod cea;
 mod check;
+mod eig;
 mod run;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
+pub use eig::EigArgs;
 pub use run::{RunArgs, overridden};
