@@ -3,6 +3,7 @@
 //! Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so `Re lambda > 0` grows and `f = Im lambda / 2 pi`.
 //! This crate never sees a lattice, a friction law or a random number.
 
+mod batch;
 mod error;
 mod francis;
 pub mod general;
@@ -16,6 +17,7 @@ mod stability;
 mod track;
 mod vectors;
 
+pub use batch::BatchSolver;
 pub use error::CeaError;
 pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers};

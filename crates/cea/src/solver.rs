@@ -50,4 +50,6 @@ pub struct Counters {
 pub struct Workspace {
     /// What was computed so far.
     pub counters: Counters,
+    /// Memory of the batched solver, kept between batches.
+    pub(crate) scratch: Vec<f64>,
 }

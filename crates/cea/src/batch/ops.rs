@@ -1,0 +1,88 @@
+//! Arithmetic on one vector register: lane l belongs to sample l, and no operation mixes lanes.
+
+use pulp::Simd;
+
+/// Short names for the operations of `S`.
+///
+/// Every method is inlined into the function that pulp compiles for the instruction set. A closure would not be:
+/// a call per operation made the solver twice as slow, so the kernels use none that runs in a loop.
+#[derive(Clone, Copy)]
+pub(super) struct Ops<S>(pub S);
+
+impl<S: Simd> Ops<S> {
+    #[inline(always)]
+    pub fn splat(self, a: f64) -> S::f64s {
+        self.0.splat_f64s(a)
+    }
+    #[inline(always)]
+    pub fn add(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.add_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn sub(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.sub_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn mul(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.mul_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn div(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.div_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn sqrt(self, a: S::f64s) -> S::f64s {
+        self.0.sqrt_f64s(a)
+    }
+    #[inline(always)]
+    pub fn neg(self, a: S::f64s) -> S::f64s {
+        self.0.neg_f64s(a)
+    }
+    #[inline(always)]
+    pub fn abs(self, a: S::f64s) -> S::f64s {
+        self.0.abs_f64s(a)
+    }
+    #[inline(always)]
+    pub fn max(self, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.max_f64s(a, b)
+    }
+    /// `a b + c`, rounded once where the machine can.
+    #[inline(always)]
+    pub fn fma(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+        self.0.mul_add_e_f64s(a, b, c)
+    }
+    /// `c - a b`, rounded once where the machine can.
+    #[inline(always)]
+    pub fn fnma(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+        self.0.negate_mul_add_e_f64s(a, b, c)
+    }
+    #[inline(always)]
+    pub fn eq(self, a: S::f64s, b: S::f64s) -> S::m64s {
+        self.0.equal_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn le(self, a: S::f64s, b: S::f64s) -> S::m64s {
+        self.0.less_than_or_equal_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn lt(self, a: S::f64s, b: S::f64s) -> S::m64s {
+        self.0.less_than_f64s(a, b)
+    }
+    #[inline(always)]
+    pub fn and(self, a: S::m64s, b: S::m64s) -> S::m64s {
+        self.0.and_m64s(a, b)
+    }
+    #[inline(always)]
+    pub fn or(self, a: S::m64s, b: S::m64s) -> S::m64s {
+        self.0.or_m64s(a, b)
+    }
+    #[inline(always)]
+    pub fn not(self, a: S::m64s) -> S::m64s {
+        self.0.not_m64s(a)
+    }
+    /// `a` in the lanes of the mask, `b` in the others.
+    #[inline(always)]
+    pub fn select(self, mask: S::m64s, a: S::f64s, b: S::f64s) -> S::f64s {
+        self.0.select_f64s(mask, a, b)
+    }
+}
