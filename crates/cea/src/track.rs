@@ -1,7 +1,7 @@
 //! Following modes by continuation from one system to another.
 //!
 //! MAC straight between two far states is too weak: from nine oscillators in contact to six its median is 0.53.
-//! Between *near* states it is strong, so the way from one system to the other is walked in steps that are halved
+//! Between *near* states it is strong, so the way from one system to the other is walked in steps that are cut again
 //! until every match is beyond doubt. A pair that stays in doubt at the smallest step passes so near a coalescence
 //! that which of the two is which has no answer; such modes are reported with all their candidates, never guessed.
 
@@ -12,16 +12,18 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use crate::mac::match_modes;
-use crate::{CeaError, EigenSolver, Mode, Modes, Workspace};
+use crate::{CeaError, EigenSolver, Mode, Modes, Spectrum, Workspace};
 
-/// The largest step, as a part of the way: one that is too large jumps over a veering without noticing.
-const LARGEST_STEP: f64 = 1.0 / 4.0;
-/// The smallest step, as a part of the way.
-const SMALLEST_STEP: f64 = 1.0 / 2048.0;
+/// Steps into which the way, and then each step that leaves a doubt, is cut. They are solved together, one per lane.
+const CUTS: usize = 8;
+/// Cuts stand aside of round fractions, where symmetric ways have their crossings.
+const ASIDE: f64 = 0.382;
+/// How often a step is cut again: the smallest is 1 / 4096 of the way.
+const DEPTH: u32 = 3;
 /// Eigenvalues this close, relatively, are a multiple eigenvalue: no step tells its vectors apart.
 const MULTIPLE: f64 = 1e-4;
 /// How many eigenvalues around a followed one are looked at in a step.
-const NEIGHBOURS: usize = 8;
+const NEIGHBOURS: usize = 3;
 
 /// Follows `start`, modes of `from`, to `to`, whose modes `end` are known.
 ///
@@ -38,36 +40,9 @@ pub fn follow(
     (to, end): (&SecondOrder, &[Mode]),
     work: &mut Workspace,
 ) -> Result<Vec<Vec<usize>>, CeaError> {
-    walk_to(solver, (from, start), (to, end), LARGEST_STEP, work)
-}
-
-fn walk_to(
-    solver: &dyn EigenSolver,
-    (from, start): (&SecondOrder, &[Mode]),
-    (to, end): (&SecondOrder, &[Mode]),
-    largest_step: f64,
-    work: &mut Workspace,
-) -> Result<Vec<Vec<usize>>, CeaError> {
-    let mut walk = Walk::new(start);
-    let mut between = from.clone();
-    let (mut at, mut step) = (0.0, largest_step);
-    while at < 1.0 {
-        let next = (at + step).min(1.0);
-        let modes = if next == 1.0 {
-            end.to_vec()
-        } else {
-            interpolate(from, to, next, &mut between);
-            modes_near(solver, &between, &walk.modes, work)?
-        };
-        let last_try = step <= SMALLEST_STEP;
-        if walk.advance(&modes, &from.m, last_try) {
-            at = next;
-            step = (2.0 * step).min(largest_step);
-        } else {
-            step *= 0.5;
-        }
-    }
-    Ok(walk.candidates.into_iter().map(|set| set.into_iter().map(|f| walk.indices[f]).collect()).collect())
+    let mut walk = Walk::new(solver, (from, to), start);
+    walk.cross((0.0, 1.0), end, 0, work)?;
+    Ok(walk.candidates.iter().map(|set| set.iter().map(|&f| walk.indices[f]).collect()).collect())
 }
 
 /// Which of the known modes `end` of `to` the modes `start` of `from` are: by MAC where that is beyond doubt, by
@@ -87,7 +62,7 @@ pub fn identify(
     if !far.is_empty() {
         work.counters.continuations += far.len() as u64;
         let modes: Vec<Mode> = far.iter().map(|&i| start[i].clone()).collect();
-        for (&i, candidates) in far.iter().zip(walk_to(solver, (from, &modes), (to, end), 0.5, work)?) {
+        for (&i, candidates) in far.iter().zip(follow(solver, (from, &modes), (to, end), work)?) {
             found[i] = candidates;
         }
     }
@@ -104,7 +79,10 @@ pub fn with_idle_states(system: &SecondOrder, like: &SecondOrder) -> SecondOrder
 }
 
 /// The modes being followed and what each start mode may have become.
-struct Walk {
+struct Walk<'a> {
+    solver: &'a dyn EigenSolver,
+    from: &'a SecondOrder,
+    to: &'a SecondOrder,
     modes: Vec<Mode>,
     /// Index of each followed mode in the set it was last matched to.
     indices: Vec<usize>,
@@ -112,15 +90,39 @@ struct Walk {
     candidates: Vec<BTreeSet<usize>>,
 }
 
-impl Walk {
-    fn new(start: &[Mode]) -> Self {
+impl<'a> Walk<'a> {
+    fn new(solver: &'a dyn EigenSolver, (from, to): (&'a SecondOrder, &'a SecondOrder), start: &[Mode]) -> Self {
         let candidates = (0..start.len()).map(|i| BTreeSet::from([i])).collect();
-        Self { modes: start.to_vec(), indices: (0..start.len()).collect(), candidates }
+        Self { solver, from, to, modes: start.to_vec(), indices: (0..start.len()).collect(), candidates }
+    }
+
+    /// Goes from part `a` of the way to part `b`, where the modes are `end`.
+    fn cross(&mut self, (a, b): (f64, f64), end: &[Mode], depth: u32, work: &mut Workspace) -> Result<(), CeaError> {
+        let place = |cut: usize| if cut == 0 { a } else { a + (b - a) * (cut as f64 - ASIDE) / CUTS as f64 };
+        let mut between = vec![self.from.clone(); CUTS - 1];
+        for (cut, system) in (1..CUTS).zip(&mut between) {
+            interpolate(self.from, self.to, place(cut), system);
+        }
+        let mut spectra = Vec::with_capacity(between.len());
+        self.solver.eigenvalues_of_all(&between, work, &mut spectra);
+        for (cut, (system, spectrum)) in (1..CUTS).zip(between.iter().zip(spectra)) {
+            let modes = modes_near(system, &spectrum?, &self.modes, work)?;
+            self.step((place(cut - 1), place(cut)), &modes, depth, work)?;
+        }
+        self.step((place(CUTS - 1), b), end, depth, work)
+    }
+
+    /// One step to `modes`, cut again where it leaves a doubt.
+    fn step(&mut self, way: (f64, f64), modes: &[Mode], depth: u32, work: &mut Workspace) -> Result<(), CeaError> {
+        if self.advance(modes, depth == DEPTH) {
+            return Ok(());
+        }
+        self.cross(way, modes, depth + 1, work)
     }
 
     /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
-    fn advance(&mut self, new: &[Mode], mass: &DMatrix<f64>, last_try: bool) -> bool {
-        let matches = match_modes(&self.modes, new, mass);
+    fn advance(&mut self, new: &[Mode], last_try: bool) -> bool {
+        let matches = match_modes(&self.modes, new, &self.from.m);
         // A pair that is multiple before and after the step; one that only crosses is told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
             let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));
@@ -180,13 +182,12 @@ fn interpolate(from: &SecondOrder, to: &SecondOrder, t: f64, out: &mut SecondOrd
 }
 
 fn modes_near(
-    solver: &dyn EigenSolver,
     system: &SecondOrder,
+    spectrum: &Spectrum,
     followed: &[Mode],
     work: &mut Workspace,
 ) -> Result<Vec<Mode>, CeaError> {
-    let spectrum = solver.eigenvalues(system, work)?;
-    let all = Modes::classify(system, &spectrum, work)?.oscillatory;
+    let all = Modes::classify(system, spectrum, work)?.oscillatory;
     let mut wanted = BTreeSet::new();
     for mode in followed {
         let mut order: Vec<usize> = (0..all.len()).collect();
@@ -250,7 +251,7 @@ mod tests {
         let mut work = Workspace::default();
         let links = follow(&QrSolver, (&from, &modes(&from)), (&to, &modes(&to)), &mut work).unwrap();
         assert_eq!(links[2], [2]);
-        assert_eq!(work.counters.eigenvalue_solves, 3);
+        assert_eq!(work.counters.eigenvalue_solves, CUTS as u64 - 1);
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub fn run_study(
     let mut seconds = Times::default();
 
     let start = Instant::now();
-    let solver = cea::QrSolver;
+    let solver = cea::BatchSolver;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     let study = match &pool {
         Ok(pool) => pool.install(|| Study::new(plan, &solver)),
@@ -98,7 +98,7 @@ fn claim_folder(dir: &Path, identity: &str) -> Result<(), Error> {
 /// Those of the study.
 pub fn estimate(plan: &Plan) -> Result<Duration, Error> {
     let start = Instant::now();
-    let study = study::Study::new(plan, &cea::QrSolver)?;
+    let study = study::Study::new(plan, &cea::BatchSolver)?;
     let references = start.elapsed();
     let few = 2 * 8;
     let samples = few.min(plan.case.samples);

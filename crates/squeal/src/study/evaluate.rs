@@ -36,7 +36,7 @@ pub struct UnstableMode {
 /// A case, ready to be sampled.
 pub struct Study<'a> {
     plan: &'a Plan,
-    solver: &'a (dyn EigenSolver + Sync),
+    solver: &'a dyn EigenSolver,
     references: Vec<Reference>,
 }
 
@@ -45,7 +45,7 @@ impl<'a> Study<'a> {
     ///
     /// # Errors
     /// Those of the model and of the solver.
-    pub fn new(plan: &'a Plan, solver: &'a (dyn EigenSolver + Sync)) -> Result<Self, Error> {
+    pub fn new(plan: &'a Plan, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         Ok(Self { references: references(plan, solver)?, plan, solver })
     }
 

@@ -73,7 +73,7 @@ impl Reference {
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn references(plan: &Plan, solver: &(dyn EigenSolver + Sync)) -> Result<Vec<Reference>, Error> {
+pub(super) fn references(plan: &Plan, solver: &dyn EigenSolver) -> Result<Vec<Reference>, Error> {
     let median = Sample::median(&plan.case);
     let of_set = |constraints: usize| full_contact(plan, constraints, &median, solver);
     let bases = (0..plan.models.len()).map(of_set).collect::<Result<Vec<_>, Error>>()?;
