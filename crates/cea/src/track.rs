@@ -192,7 +192,9 @@ fn modes_near(
     for mode in followed {
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|&a, &b| (all[a] - mode.lambda).norm().total_cmp(&(all[b] - mode.lambda).norm()));
-        wanted.extend(order.into_iter().take(NEIGHBOURS));
+        // Where most are followed each is somebody's successor.
+        let few = if 2 * followed.len() < all.len() { NEIGHBOURS } else { all.len() };
+        wanted.extend(order.into_iter().take(few));
     }
     let lambdas: Vec<Complex<f64>> = wanted.into_iter().map(|i| all[i]).collect();
     Mode::at(system, &lambdas, work)
