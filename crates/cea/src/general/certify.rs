@@ -147,7 +147,7 @@ fn nearly_defective_pairs(found: &[State], conjugates: &[Option<usize>], groups:
 
 fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> Certified {
     let s = &problem.scaled;
-    let (right, left) = (s.right.map(Complex::from), s.left.map(Complex::from));
+    let (right, left) = problem.weights();
     let unit = |v: DVector<Complex<f64>>| {
         let norm = v.norm();
         v.unscale(norm)
@@ -158,8 +158,8 @@ fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> C
         condition: state.condition,
         bound: state.bound * s.gamma,
         verdict: state.verdict,
-        right: unit(state.x.component_mul(&right)),
-        left: unit(state.y.component_mul(&left)),
+        right: unit(state.x.component_mul(right)),
+        left: unit(state.y.component_mul(left)),
     };
     let eigenvalues: Vec<_> = found.into_iter().map(certificate).collect();
     let lambdas: Vec<_> = eigenvalues.iter().map(|e| e.lambda).collect();

@@ -57,12 +57,27 @@ impl State {
 #[derive(Debug)]
 pub(super) struct Measure {
     pub(super) scaled: Scaled,
+    /// Of the matrices as given but for the units of time and of the whole, so that no power of lambda overflows.
     given: Norms,
+    /// Weights of left and right vectors, the largest one 1.
+    left: Vector,
+    right: Vector,
 }
 
 impl Measure {
     pub(super) fn new(system: &SecondOrder) -> Self {
-        Self { scaled: Scaled::new(system), given: Norms::of(&system.m, &system.c, &system.k) }
+        let scaled = Scaled::new(system);
+        let weights = |w: &DVector<f64>| w.unscale(w.max()).map(Complex::from);
+        let (left, right) = (weights(&scaled.left), weights(&scaled.right));
+        let unit = |a: &DMatrix<f64>, time: f64| a.map(|x| x * scaled.left.max() * scaled.right.max() * time);
+        let gamma = scaled.gamma;
+        let given = Norms::of(&unit(&system.m, gamma * gamma), &unit(&system.c, gamma), &unit(&system.k, 1.0));
+        Self { scaled, given, left, right }
+    }
+
+    /// What scaled right and left vectors are multiplied by, entry by entry, to be those of the problem as given.
+    pub(super) fn weights(&self) -> (&Vector, &Vector) {
+        (&self.right, &self.left)
     }
 
     /// Null vectors of K, exactly singular, for eigenvalues that are exactly zero.
@@ -75,8 +90,8 @@ impl Measure {
         let failed = || CeaError::NoEigenvector { lambda: Complex::default(), residual: f64::INFINITY };
         let (right, left) = factor.null_pairs(count).ok_or_else(failed)?;
         let pairs = right.into_iter().zip(left).map(|(x, y)| {
-            let image = factor.residual(&x).component_div(&self.scaled.left.map(Complex::from)).norm();
-            let size = x.component_mul(&self.scaled.right.map(Complex::from)).norm() * self.given.k;
+            let image = factor.residual(&x).component_div(&self.left).norm();
+            let size = x.component_mul(&self.right).norm() * self.given.k;
             State {
                 sigma: Complex::default(),
                 backward_error: if self.given.k == 0.0 { 0.0 } else { image / size },
@@ -126,12 +141,10 @@ impl Measure {
 
     /// Backward errors of the scaled and of the given problem.
     fn errors(&self, sigma: Complex<f64>, x: &Vector) -> (f64, f64) {
-        let s = &self.scaled;
+        let (s, size) = (&self.scaled, sigma.norm());
         let image = s.times(sigma, x);
-        let given_image = image.component_div(&s.left.map(Complex::from)).norm();
-        let given_x = x.component_mul(&s.right.map(Complex::from)).norm();
-        let given_size = self.given.size(sigma.norm() * s.gamma);
-        (image.norm() / (s.norms.size(sigma.norm()) * x.norm()), given_image / (given_size * given_x))
+        let given = image.component_div(&self.left).norm() / x.component_mul(&self.right).norm();
+        (image.norm() / (s.norms.size(size) * x.norm()), given / self.given.size(size))
     }
 
     /// Condition numbers of the scaled and of the given problem for bases of the null spaces.
@@ -144,17 +157,13 @@ impl Measure {
         };
         let scaled = s.norms.size(sigma.norm()) * inverse_slope(right, left) / sigma.norm();
         // The same vectors in the coordinates given: orthonormal there, then expressed in the scaled ones.
-        let moved = |vectors: &[Vector], weights: &DVector<f64>| {
-            let weights = weights.map(Complex::from);
-            let mut block: Vec<_> = vectors.iter().map(|v| v.component_mul(&weights)).collect();
+        let moved = |vectors: &[Vector], weights: &Vector| {
+            let mut block: Vec<_> = vectors.iter().map(|v| v.component_mul(weights)).collect();
             orthonormalise(&mut block)?;
-            Some(block.iter().map(|v| v.component_div(&weights)).collect::<Vec<_>>())
+            Some(block.iter().map(|v| v.component_div(weights)).collect::<Vec<_>>())
         };
-        let given = match (moved(right, &s.right), moved(left, &s.left)) {
-            // psi^H Q'(lambda) phi = y^H Q~'(sigma) x / gamma.
-            (Some(right), Some(left)) => {
-                self.given.size(sigma.norm() * s.gamma) * inverse_slope(&right, &left) / sigma.norm()
-            }
+        let given = match (moved(right, &self.right), moved(left, &self.left)) {
+            (Some(right), Some(left)) => self.given.size(sigma.norm()) * inverse_slope(&right, &left) / sigma.norm(),
             _ => f64::INFINITY,
         };
         (scaled, given)

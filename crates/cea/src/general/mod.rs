@@ -7,7 +7,8 @@
 //!    tolerance, and a pencil that is singular for every lambda is an error.
 //! 2. The problem is equilibrated and scaled by powers of two.
 //! 3. Where the scaled M is well conditioned and K regular, the eigenvalues are those of the standard form by the QR
-//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest.
+//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest, in double-double
+//!    arithmetic where double has too few digits.
 //!
 //! ```
 //! use cea::{Verdict, Workspace, general};
@@ -35,6 +36,7 @@ mod field;
 mod measure;
 mod pencil;
 mod qz;
+mod real;
 mod refine;
 mod scaled;
 mod solve;

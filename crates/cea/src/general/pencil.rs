@@ -6,31 +6,49 @@
 //! long Jordan chains that constraints have at infinity leave with the rest.
 
 use nalgebra::DMatrix;
+use num_complex::Complex;
 
+use super::dd::Dd;
+use super::qz;
+use super::real::{Real, reveal_rank, triangularise};
 use super::scaled::Scaled;
+use crate::CeaError;
 
-/// `A - sigma B` with `A = [0 I; -K -C]`, `B = [I 0; 0 M]`.
+/// `A - sigma B` with `A = [-C, -K / d; d I, 0]`, `B = [M 0; 0 I]`; its vectors are (sigma x, d x).
+///
+/// d = 1 where the damping is no stronger than stiffness and mass allow in the scaled problem; where it is, by a factor
+/// tau, d = 1 / tau. Then the eigenvalues of size tau live in the large upper rows and those of size 1 / tau in the small
+/// lower ones. Householder reductions and QR steps keep rows that are graded downwards so, and both kinds come out with
+/// small backward errors. (Tropical scaling, Gaubert and Sharify 2009, needs a solve for each kind.)
 #[derive(Debug, Clone)]
-pub(crate) struct Pencil {
-    pub(crate) a: DMatrix<f64>,
-    pub(crate) b: DMatrix<f64>,
+pub(crate) struct Pencil<T: Real> {
+    pub(crate) a: DMatrix<T>,
+    pub(crate) b: DMatrix<T>,
 }
 
-impl Pencil {
+impl Pencil<f64> {
     pub(crate) fn companion(s: &Scaled) -> Self {
         let n = s.order();
+        let d = s.grading();
         let (mut a, mut b) = (DMatrix::zeros(2 * n, 2 * n), DMatrix::identity(2 * n, 2 * n));
-        a.view_mut((0, n), (n, n)).fill_with_identity();
-        a.view_mut((n, 0), (n, n)).copy_from(&-&s.k);
-        a.view_mut((n, n), (n, n)).copy_from(&-&s.c);
-        b.view_mut((n, n), (n, n)).copy_from(&s.m);
+        a.view_mut((0, 0), (n, n)).copy_from(&-&s.c);
+        a.view_mut((0, n), (n, n)).copy_from(&(&s.k / -d));
+        a.view_mut((n, 0), (n, n)).fill_diagonal(d);
+        b.view_mut((0, 0), (n, n)).copy_from(&s.m);
         Self { a, b }
     }
 
+    /// The same in double-double arithmetic.
+    pub(crate) fn extended(&self) -> Pencil<Dd> {
+        Pencil { a: self.a.map(Dd::from), b: self.b.map(Dd::from) }
+    }
+}
+
+impl<T: Real> Pencil<T> {
     /// Without its infinite eigenvalues, whose chains come off with these widths.
     pub(crate) fn without_infinite(mut self, widths: &[usize]) -> Self {
         for &width in widths {
-            let (b, a) = remove_null_space(&self.b, &self.a, width);
+            let (b, a) = remove_null_space(self.b, self.a, width);
             self = Self { a, b };
         }
         self
@@ -41,21 +59,46 @@ impl Pencil {
         let Self { a, b } = Self { a: self.b, b: self.a }.without_infinite(widths);
         Self { a: b, b: a }
     }
+
+    /// How nearly singular A and B are.
+    pub(crate) fn depths(&self) -> (f64, f64) {
+        (depth(&self.a), depth(&self.b))
+    }
+
+    /// Its eigenvalues by the QZ iteration, on the reversed pencil where A is better conditioned than B.
+    ///
+    /// All of them are finite and not zero; an infinite or zero one is a rounding error, replaced by one of its size.
+    pub(crate) fn eigenvalues(self) -> Result<Vec<Complex<f64>>, CeaError> {
+        let (a, b) = self.depths();
+        if a <= b {
+            return qz::eigenvalues(self.a, self.b);
+        }
+        let reciprocal = |mu: Complex<f64>| {
+            if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
+        };
+        Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(reciprocal).collect())
+    }
+}
+
+/// The smallest diagonal entry of the pivoted QR factor to the largest.
+fn depth<T: Real>(a: &DMatrix<T>) -> f64 {
+    let sizes = reveal_rank(&mut a.clone(), &mut DMatrix::from_element(a.nrows(), 0, T::default()), a.nrows());
+    sizes.iter().copied().fold(f64::INFINITY, f64::min) / sizes.iter().copied().fold(0.0, f64::max)
 }
 
 /// `first` has a null space of dimension `width`; both matrices on its complement, in the rows that the image of the
 /// null space under `second` leaves free.
-fn remove_null_space(first: &DMatrix<f64>, second: &DMatrix<f64>, width: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-    let size = first.nrows();
-    let rest = size - width;
-    // first^T P = Q R: the last `width` columns of first Q vanish.
-    let z = first.transpose().col_piv_qr().q();
-    let (first, second) = (first * &z, second * &z);
-    let rows = second.columns(rest, width).into_owned().qr();
-    let cut = |matrix: DMatrix<f64>| {
-        let mut kept = matrix.columns(0, rest).into_owned();
-        rows.q_tr_mul(&mut kept);
-        kept.rows(width, rest).into_owned()
-    };
-    (cut(first), cut(second))
+fn remove_null_space<T: Real>(first: DMatrix<T>, second: DMatrix<T>, width: usize) -> (DMatrix<T>, DMatrix<T>) {
+    let rest = first.nrows() - width;
+    // From the right: the last `width` columns of `first` vanish.
+    let (mut first, mut second) = (first.transpose(), second.transpose());
+    reveal_rank(&mut first, &mut second, rest);
+    // From the left: those columns of `second` go into the first `width` rows.
+    let mut image = second.rows(rest, width).transpose();
+    let mut both = DMatrix::from_element(rest + width, 2 * rest, T::default());
+    both.columns_mut(0, rest).copy_from(&first.rows(0, rest).transpose());
+    both.columns_mut(rest, rest).copy_from(&second.rows(0, rest).transpose());
+    triangularise(&mut image, &mut both);
+    let kept = |from: usize| both.view((width, from), (rest, rest)).into_owned();
+    (kept(0), kept(rest))
 }

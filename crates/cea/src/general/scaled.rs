@@ -79,6 +79,18 @@ impl Scaled {
         Self { m, c, k, gamma, left, right, norms }
     }
 
+    /// tau: how many times the damping outweighs stiffness and mass; at least 1.
+    pub(crate) fn overdamping(&self) -> f64 {
+        let Norms { m, c, k } = self.norms;
+        let others = (m * k).sqrt();
+        if others > 0.0 && c > others { c / others } else { 1.0 }
+    }
+
+    /// d = 1 / tau, rounded to a power of two.
+    pub(crate) fn grading(&self) -> f64 {
+        power_of_two(1.0 / self.overdamping())
+    }
+
     /// n.
     pub(crate) fn order(&self) -> usize {
         self.m.nrows()

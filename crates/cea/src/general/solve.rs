@@ -7,7 +7,6 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::pencil::Pencil;
-use super::qz;
 use super::scaled::Scaled;
 use super::structure::Structure;
 use super::vectors::Factor;
@@ -15,18 +14,25 @@ use crate::{CeaError, Workspace, francis, sort};
 
 /// Largest condition number of the scaled mass matrix for the standard form: it multiplies the backward error.
 const LARGEST_MASS_CONDITION: f64 = 100.0;
+/// Largest ratio of damping to stiffness and mass, in the scaled problem, that double precision is used for.
+const LARGEST_OVERDAMPING: f64 = 1e5;
+/// Least relative pivot of the deflated matrices that double precision is used for.
+const LEAST_DEPTH: f64 = 1e-12;
 /// QR steps allowed per eigenvalue; a healthy matrix takes 2 to 4.
 const STEPS_PER_EIGENVALUE: usize = 60;
 
 /// How the eigenvalues were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Route {
-    /// QR iteration on `[0 I; -M^-1 K, -M^-1 C]`, scaled: M is well conditioned.
+    /// QR iteration on `[-M^-1 C, -M^-1 K; I, 0]`, scaled: M is well conditioned.
     Standard,
     /// QZ iteration on the scaled companion pencil: M is ill conditioned, nothing is singular.
     Qz,
     /// QZ iteration after the infinite and zero eigenvalues were deflated.
     DeflatedQz,
+    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is singular but for rounding, or
+    /// the damping spreads the eigenvalues over more than a double's digits. Some hundred times slower.
+    ExtendedQz,
     /// Every eigenvalue is exactly infinite or zero; nothing was left to iterate on.
     Deflation,
 }
@@ -37,6 +43,7 @@ impl fmt::Display for Route {
             Self::Standard => "standard",
             Self::Qz => "qz",
             Self::DeflatedQz => "deflated-qz",
+            Self::ExtendedQz => "extended-qz",
             Self::Deflation => "deflation",
         })
     }
@@ -97,16 +104,12 @@ fn solve_quadratic(system: &SecondOrder, work: &mut Workspace) -> Result<General
         (Route::Deflation, Vec::new())
     } else if is_singular_to_rounding(&scaled) {
         return Err(CeaError::SingularPencil { exactly: false });
-    } else if infinite + zeros > 0 {
-        let pencil = Pencil::companion(&scaled).without_infinite(&structure.infinite).without_zero(&structure.zero);
-        (Route::DeflatedQz, qz::eigenvalues(pencil.a, pencil.b)?)
-    } else if let Some(state) = standard_form(&scaled) {
-        (Route::Standard, qr(state)?)
     } else {
-        let Pencil { a, b } = Pencil::companion(&scaled);
-        (Route::Qz, qz::eigenvalues(a, b)?)
+        by_iteration(&scaled, &structure)?
     };
-    let mut eigenvalues: Vec<_> = sigmas.into_iter().map(|sigma| sigma * scaled.gamma).collect();
+    // None of these is zero: what underflowed is replaced by what rounding leaves of it.
+    let nonzero = |sigma: Complex<f64>| if sigma == Complex::default() { f64::EPSILON.powi(2).into() } else { sigma };
+    let mut eigenvalues: Vec<_> = sigmas.into_iter().map(|sigma| nonzero(sigma) * scaled.gamma).collect();
     if eigenvalues.iter().any(|l| !(l.re.is_finite() && l.im.is_finite())) {
         return Err(CeaError::NoConvergence { iterations: 0, dimension: 2 * n });
     }
@@ -115,19 +118,40 @@ fn solve_quadratic(system: &SecondOrder, work: &mut Workspace) -> Result<General
     Ok(GeneralSpectrum { eigenvalues, zeros, infinite, scale: scaled.gamma, route })
 }
 
-/// `[0 I; -M^-1 K, -M^-1 C]`, or nothing where M is ill conditioned.
+/// The eigenvalues that are neither zero nor infinite, by QR or QZ.
+fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Complex<f64>>), CeaError> {
+    let singular = !structure.infinite.is_empty() || !structure.zero.is_empty();
+    let strongly_damped = scaled.overdamping() > LARGEST_OVERDAMPING;
+    if !singular
+        && !strongly_damped
+        && let Some(state) = standard_form(scaled)
+    {
+        return Ok((Route::Standard, qr(state)?));
+    }
+    let companion = Pencil::companion(scaled);
+    let pencil = companion.clone().without_infinite(&structure.infinite).without_zero(&structure.zero);
+    let (a, b) = pencil.depths();
+    if !strongly_damped && a.min(b) > LEAST_DEPTH {
+        let route = if singular { Route::DeflatedQz } else { Route::Qz };
+        return Ok((route, pencil.eigenvalues()?));
+    }
+    let pencil = companion.extended().without_infinite(&structure.infinite).without_zero(&structure.zero);
+    Ok((Route::ExtendedQz, pencil.eigenvalues()?))
+}
+
+/// `[-M^-1 C, -M^-1 K / d; d I, 0]` (see [`Pencil`]), or nothing where M is ill conditioned.
 fn standard_form(s: &Scaled) -> Option<DMatrix<f64>> {
     let n = s.order();
     let inverse = s.m.clone().try_inverse()?;
-    let condition = s.norms.m * inverse.norm();
-    if condition.is_nan() || condition > LARGEST_MASS_CONDITION * n as f64 {
+    // sqrt(n) for each Frobenius norm.
+    let condition = s.norms.m * inverse.norm() / n as f64;
+    if condition.is_nan() || condition > LARGEST_MASS_CONDITION {
         return None;
     }
-    let mut state = DMatrix::zeros(2 * n, 2 * n);
-    state.view_mut((0, n), (n, n)).fill_with_identity();
     let lu = s.m.clone().lu();
-    state.view_mut((n, 0), (n, n)).copy_from(&-lu.solve(&s.k)?);
-    state.view_mut((n, n), (n, n)).copy_from(&-lu.solve(&s.c)?);
+    let Pencil { a: mut state, .. } = Pencil::companion(s);
+    let upper = lu.solve(&state.rows(0, n))?;
+    state.rows_mut(0, n).copy_from(&upper);
     Some(state)
 }
 
@@ -141,9 +165,7 @@ fn qr(state: DMatrix<f64>) -> Result<Vec<Complex<f64>>, CeaError> {
 fn is_singular_to_rounding(s: &Scaled) -> bool {
     [(0.11, 2.1), (1.07, 0.7), (9.3, 1.3)].into_iter().all(|(radius, angle)| {
         let sigma = Complex::from_polar(radius, angle);
-        let factor = Factor::new(s, sigma);
-        let smallest = factor.null_pairs(1).map_or(f64::INFINITY, |(x, _)| factor.residual(&x[0]).norm());
-        smallest <= f64::EPSILON * s.norms.size(radius)
+        Factor::new(s, sigma).smallest() <= f64::EPSILON * s.norms.size(radius)
     })
 }
 
@@ -187,6 +209,32 @@ mod tests {
         let row = |a: f64, b: f64| dmatrix![a, b; 0.1 * a, 0.1 * b];
         let refused = spectrum(row(1.1, 0.7), row(0.3, 0.9), row(2.3, -1.7));
         assert_eq!(refused, Err(CeaError::SingularPencil { exactly: false }));
+    }
+
+    #[test]
+    fn strong_damping_keeps_the_digits_of_slow_and_fast_eigenvalues() {
+        // lambda^2 + 1e9 lambda + 1 = 0.
+        let found = scalar(1.0, 1e9, 1.0).unwrap();
+        assert_eq!(found.route, Route::ExtendedQz);
+        assert!((found.eigenvalues[0].re / -1e9 - 1.0).abs() < 1e-15);
+        assert!((found.eigenvalues[1].re * -1e9 - 1.0).abs() < 1e-15);
+        // Two of them, coupled: C is a rotated diag(1, 3), K a rotated diag(1, 2), so C^-1 K has trace 5/3.
+        let (c, k) = (dmatrix![2.0, 1.0; 1.0, 2.0] * 1e10, dmatrix![1.5, 0.5; 0.5, 1.5]);
+        let found = spectrum(DMatrix::identity(2, 2), c, k).unwrap();
+        let slow: f64 = found.eigenvalues.iter().map(|l| l.re).filter(|re| re.abs() < 1.0).sum();
+        assert!((slow * -1e10 - 5.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_mass_that_is_singular_but_for_rounding_keeps_its_finite_eigenvalues() {
+        // Two masses on one rigid link, 0.1 each: det M is a rounding error, and one pair is all but infinite.
+        let m = dmatrix![0.1, 0.1; 0.1, 0.1 * (1.0 + f64::EPSILON)];
+        let found = spectrum(m, DMatrix::zeros(2, 2), dmatrix![3.0, 0.0; 0.0, 1.0]).unwrap();
+        assert_eq!((found.route, found.infinite), (Route::ExtendedQz, 0));
+        // Serial springs: 1 / lambda^2 = -(0.1 / 3 + 0.1 / 1).
+        let expected = (1.0 / (0.1 / 3.0 + 0.1_f64)).sqrt();
+        assert!((found.eigenvalues[1].im - expected).abs() < 1e-14);
+        assert!(found.eigenvalues[3].norm() > 1e7);
     }
 
     #[test]

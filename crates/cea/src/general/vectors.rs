@@ -138,6 +138,11 @@ impl<'a> Factor<'a> {
         Some((x, y))
     }
 
+    /// An estimate of the smallest singular value of Q(sigma).
+    pub(crate) fn smallest(&self) -> f64 {
+        self.null_pairs(1).map_or(f64::INFINITY, |(x, _)| self.residual(&x[0]).norm())
+    }
+
     /// Without a symmetry to be orthogonal to the wanted vector by; real for a real sigma, as all that follows.
     fn start(&self, v: usize) -> Vector {
         DVector::from_fn(self.problem.order(), |i, _| {

@@ -1,15 +1,21 @@
 //! From bound to verdict, through refinement where the bound leaves it open.
 
+use std::f64::consts::TAU;
+
 use num_complex::Complex;
 
 use super::clusters::ClusterKind;
 use super::measure::{Measure, State, UNIT};
+use super::vectors::Factor;
 use crate::Verdict;
 
 /// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
 pub const SAFETY: f64 = 4.0;
 /// [`Verdict::Marginal`] is said only where its tolerance is at most this times the larger of |lambda| and gamma.
 pub const MARGINAL_LIMIT: f64 = 1e-6;
+
+/// Points on a circle around a defective group.
+const CIRCLE: usize = 8;
 
 /// Members of a group and what it is.
 pub(super) type Group = (Vec<usize>, ClusterKind);
@@ -34,7 +40,7 @@ pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, groups: &
     let (mut known_to, mut proven) = (bound, false);
     match group {
         Some((members, ClusterKind::Defective)) => {
-            bound = root_bound(found, i, members);
+            bound = root_bound(problem, found, members);
             (tolerance, known_to, proven) = (bound, bound, true);
         }
         Some(_) => (known_to, proven) = (tolerance, true),
@@ -44,6 +50,12 @@ pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, groups: &
             if let Some(refined) = problem.refine(state, reach) {
                 (known_to, proven) = (refined.1, true);
                 found[i] = refined.0;
+            }
+            let size = found[i].sigma.norm();
+            if size <= tolerance {
+                // Rounded data do not tell it from zero: so much for its real part.
+                tolerance += size;
+                (known_to, proven) = (tolerance, true);
             }
         }
         None => {}
@@ -59,19 +71,28 @@ pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, groups: &
     (found[i].bound, found[i].verdict) = (bound, verdict);
 }
 
-/// How far a member of a defective group of m may move: as the m-th root of a perturbation.
+/// How far a member of a defective group may move for its backward error or that of rounded data.
 ///
-/// Near its group `det Q` is about a constant times the product of the distances to its members, so that the
-/// first-order shift t at distance d_j from the others stands for a perturbation t d_2 ... d_m of that product.
-fn root_bound(found: &[State], i: usize, members: &[usize]) -> f64 {
-    let sigma = found[i].sigma;
-    let size = sigma.norm();
-    let mean = members.iter().map(|&j| found[j].sigma).sum::<Complex<f64>>() / members.len() as f64;
-    let spread = members.iter().map(|&j| (found[j].sigma - mean).norm()).fold(0.0, f64::max);
-    let others = members.iter().filter(|&&j| j != i);
-    let distances = others.map(|&j| (found[j].sigma - sigma).norm().max(f64::EPSILON * size));
+/// The smallest radius, in steps of two, of a circle around the group on which Q is farther from singular than that
+/// (the pseudospectrum; Tisseur and Higham, SIAM J. Matrix Anal. Appl. 23, 2001): no perturbation of this size puts an
+/// eigenvalue on the circle, so none moves one across it. The circle is sampled.
+fn root_bound(problem: &Measure, found: &[State], members: &[usize]) -> f64 {
+    let s = &problem.scaled;
     let count = members.len() as f64;
-    let root = distances.fold(found[i].shift(), |product, d| product * d).powf(1.0 / count);
-    let least = (SAFETY * UNIT).powf(1.0 / count) * size;
-    (2.0 * root).max(2.0 * spread).max(least)
+    let mean = members.iter().map(|&j| found[j].sigma).sum::<Complex<f64>>() / count;
+    let spread = members.iter().map(|&j| (found[j].sigma - mean).norm()).fold(0.0, f64::max);
+    let error = members.iter().map(|&j| found[j].scaled_error).fold(UNIT, f64::max);
+    let mut radius = (1.1 * spread).max((SAFETY * error).powf(1.0 / count) * mean.norm() / 8.0);
+    while radius < mean.norm() {
+        let free = (0..CIRCLE).all(|k| {
+            let at = mean + Complex::from_polar(radius, (k as f64 + 0.5) * TAU / CIRCLE as f64);
+            Factor::new(s, at).smallest() > SAFETY * error * s.norms.size(at.norm())
+        });
+        if free {
+            // From a member to any point of the disc.
+            return radius + spread;
+        }
+        radius *= 2.0;
+    }
+    f64::INFINITY
 }
