@@ -129,7 +129,7 @@ mod tests {
         let message = |numbers: &[usize]| ContactArrangement::from_numbers(9, numbers).unwrap_err().to_string();
         assert_eq!(message(&[1, 10]), "oscillator 10 is not there; allowed: 1 to 9");
         assert_eq!(message(&[0]), "oscillator 0 is not there; allowed: 1 to 9");
-        assert_eq!(message(&[3, 1, 3]), "oscillator 3 is named twice in the contact arrangement");
+        assert_eq!(message(&[3, 1, 3]), "oscillator 3 is named twice in the contact arrangement; allowed: each once");
         let error = ContactArrangement::all(9, 10).unwrap_err().to_string();
         assert_eq!(error, "10 oscillators in contact; allowed: 0 to 9");
     }

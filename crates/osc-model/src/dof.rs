@@ -138,6 +138,6 @@ mod tests {
             assert_eq!(text.parse::<Dof>(), Err(OscModelError::DofSyntax { text: text.to_owned() }), "{text}");
         }
         let error = "y10".parse::<Dof>().unwrap().index(9).unwrap_err();
-        assert_eq!(error.to_string(), "y10 is not there; the oscillators are 1 to 9");
+        assert_eq!(error.to_string(), "y10 is not there; allowed: oscillators 1 to 9, and p");
     }
 }

@@ -84,7 +84,7 @@ pub enum OscModelError {
         oscillators: usize,
     },
     /// An arrangement names an oscillator twice.
-    #[error("oscillator {number} is named twice in the contact arrangement")]
+    #[error("oscillator {number} is named twice in the contact arrangement; allowed: each once")]
     RepeatedOscillator {
         /// Its number, from 1.
         number: usize,
@@ -114,7 +114,7 @@ pub enum OscModelError {
         text: String,
     },
     /// A degree of freedom of an oscillator that is not there.
-    #[error("{dof} is not there; the oscillators are 1 to {oscillators}")]
+    #[error("{dof} is not there; allowed: oscillators 1 to {oscillators}, and p")]
     UnknownDof {
         /// The degree of freedom.
         dof: Dof,
@@ -122,7 +122,7 @@ pub enum OscModelError {
         oscillators: usize,
     },
     /// A degree of freedom is constrained twice.
-    #[error("{dof} is constrained twice")]
+    #[error("{dof} is constrained twice; allowed: each once")]
     ConstrainedTwice {
         /// Which one.
         dof: Dof,

@@ -126,8 +126,8 @@ fn names_what_it_refuses_in_a_lattice() {
     assert_eq!(refused(&|p| p.z_damping.truncate(8)), "z_damping has 8 entries; the lattice of 3 x 3 needs 9");
 
     let constrained = |names: &str| LatticeModel::new(table_1(), Lateral::None, &held(names)).unwrap_err().to_string();
-    assert_eq!(constrained("x1 x10"), "x10 is not there; the oscillators are 1 to 9");
-    assert_eq!(constrained("x1 yp x1"), "x1 is constrained twice");
+    assert_eq!(constrained("x1 x10"), "x10 is not there; allowed: oscillators 1 to 9, and p");
+    assert_eq!(constrained("x1 yp x1"), "x1 is constrained twice; allowed: each once");
     let other = model(Lateral::None, "").prepare(&ContactArrangement::full(4)).unwrap_err().to_string();
     assert_eq!(other, "the contact arrangement is for 4 oscillators, the lattice has 9");
 }

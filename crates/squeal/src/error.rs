@@ -26,6 +26,14 @@ pub enum Error {
     /// A figure.
     #[error(transparent)]
     Figure(#[from] crate::figures::FigureError),
+    /// A case whose own median parameters have no modes to name the others after.
+    #[error("{}: friction at median parameters: {source}", path.display())]
+    Median {
+        /// The case file.
+        path: PathBuf,
+        /// Why.
+        source: Box<Error>,
+    },
     /// An option of the command line that does not fit the case.
     #[error("{option} = {value}; allowed: {allowed}")]
     Option {

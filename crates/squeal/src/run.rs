@@ -1,5 +1,6 @@
 //! Running the study of a case from beginning to end, or from where it was stopped.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,8 @@ use crate::{Error, study};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 1;
+/// The file that says whose folder it is.
+const MARKER: &str = "study.txt";
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -36,7 +39,7 @@ pub fn run_study(
 ) -> Result<Manifest, Error> {
     let case = &plan.case;
     let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", case.identity(), case.seed, case.samples);
-    claim_folder(dir, &identity)?;
+    let is_ours = holds_study(dir, &identity)?;
     let mut seconds = Times::default();
 
     let start = Instant::now();
@@ -48,6 +51,11 @@ pub fn run_study(
     }?;
     seconds.references = start.elapsed().as_secs_f64();
 
+    // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
+    if !is_ours {
+        make_folder(dir)?;
+        write(&dir.join(MARKER), format!("{identity}\n").as_bytes())?;
+    }
     let start = Instant::now();
     let mut sampling = montecarlo::Plan::new(case.seed, case.samples);
     sampling.threads = threads;
@@ -65,31 +73,31 @@ pub fn run_study(
     Ok(manifest)
 }
 
-/// Makes `dir` the folder of this study, or finds that it is.
-fn claim_folder(dir: &Path, identity: &str) -> Result<(), Error> {
-    let marker = dir.join("study.txt");
-    match std::fs::read_to_string(&marker) {
-        Ok(found) if found.trim() == identity => return Ok(()),
-        Ok(found) => {
-            return Err(Error::OtherStudy {
-                path: dir.to_owned(),
-                found: found.trim().to_owned(),
-                wanted: identity.to_owned(),
-            });
+/// Whether `dir` is the folder of this study already; `false` is a new or empty one.
+fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
+    let other = |found: &str| {
+        Err(Error::OtherStudy { path: dir.to_owned(), found: found.to_owned(), wanted: identity.to_owned() })
+    };
+    let unreadable = |source| Error::Read { path: dir.to_owned(), source };
+    match std::fs::read_to_string(dir.join(MARKER)) {
+        Ok(found) if found.trim() == identity => return Ok(true),
+        Ok(found) => return other(found.trim()),
+        Err(error) if error.kind() == ErrorKind::NotFound => {}
+        Err(source) => return Err(unreadable(source)),
+    }
+    match std::fs::read_dir(dir) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
+        Err(source) => Err(unreadable(source)),
+        Ok(entries) => {
+            for entry in entries {
+                // A run that was killed while it wrote the marker leaves the beginning of one.
+                if entry.map_err(unreadable)?.file_name() != "study.txt.partial" {
+                    return other("other files");
+                }
+            }
+            Ok(false)
         }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-        Err(source) => return Err(Error::Read { path: marker, source }),
     }
-    make_folder(dir)?;
-    let mut entries = std::fs::read_dir(dir).map_err(|source| Error::Read { path: dir.to_owned(), source })?;
-    if entries.next().is_some() {
-        return Err(Error::OtherStudy {
-            path: dir.to_owned(),
-            found: "other files".into(),
-            wanted: identity.to_owned(),
-        });
-    }
-    write(&marker, format!("{identity}\n").as_bytes())
 }
 
 /// How long a study takes, roughly: some samples are timed.

@@ -70,13 +70,13 @@ impl Distribution {
         }
     }
 
-    /// The smallest value that can be drawn.
-    pub fn least(&self) -> f64 {
+    /// The smallest value that can be drawn and the key that sets it; `None` for any value > 0.
+    pub(super) fn least(&self) -> Option<(&'static str, f64)> {
         match *self {
-            Self::Constant { value } => value,
-            Self::Normal { at_least, .. } => at_least,
-            Self::LogNormal { .. } => 0.0,
-            Self::Uniform { from, .. } => from,
+            Self::Constant { value } => Some(("value", value)),
+            Self::Normal { at_least, .. } => Some(("at_least", at_least)),
+            Self::LogNormal { .. } => None,
+            Self::Uniform { from, .. } => Some(("from", from)),
         }
     }
 

@@ -9,11 +9,15 @@ use osc_model::{
 };
 
 use super::schema::{self, Chain, File, Values};
-use super::{
-    Alternative, Case, CaseError, ConstraintSet, Distribution, FrictionDistributions, LatticeReadings, SpeedRange,
-};
+use super::{Alternative, Case, CaseError, ConstraintSet, FrictionDistributions, LatticeReadings, Paper, SpeedRange};
+
+/// The most arrangements that a case may have: each has a scene of its own in memory.
+const MOST_ARRANGEMENTS: usize = 100_000;
 
 impl Case {
+    /// The most samples of a study; with them every count of it fits in 64 bits.
+    pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
+
     /// Reads and checks a case file.
     ///
     /// # Errors
@@ -34,9 +38,10 @@ impl Case {
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
-        check.no_repeats("study.laws", study.laws.iter().map(|law| format!("{law:?}")))?;
-        if study.samples == 0 {
-            return Err(check.value("study.samples", 0, "a whole number >= 1"));
+        check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
+        if !(1..=Self::MOST_SAMPLES).contains(&study.samples) {
+            let allowed = format!("1 to {}", Self::MOST_SAMPLES);
+            return Err(check.value("study.samples", study.samples, &allowed));
         }
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
@@ -48,6 +53,9 @@ impl Case {
             bristle_damping: readings.bristle_damping.into(),
         };
         let constraints = constraint_sets(&check, constraints, &parameters, lateral)?;
+        if let Some(paper) = &paper {
+            check_paper(&check, paper, parameters.grid.oscillators())?;
+        }
         Ok(Self {
             path: path.to_owned(),
             name: study.name,
@@ -84,7 +92,24 @@ impl Check<'_> {
 
     fn lattice(&self, table: &str) -> impl Fn(OscModelError) -> CaseError {
         let (path, table) = (self.path.to_owned(), table.to_owned());
-        move |source| CaseError::Lattice { path: path.clone(), table: table.clone(), source }
+        move |source| {
+            let path = path.clone();
+            match source {
+                OscModelError::Value { field, value, allowed } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: value.to_string(),
+                    allowed: allowed.to_string(),
+                },
+                OscModelError::Length { field, found, expected, rows, columns } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: format!("a list of {found}"),
+                    allowed: format!("a list of {expected}, for a lattice of {rows} x {columns}"),
+                },
+                source => CaseError::Lattice { path, table: table.clone(), source },
+            }
+        }
     }
 
     fn no_repeats(&self, field: &str, names: impl Iterator<Item = String>) -> Result<(), CaseError> {
@@ -102,9 +127,15 @@ fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
     let at = error.span().map_or(0, |span| span.start.min(text.len()));
     let line = text[..at].matches('\n').count() + 1;
     let source = text.lines().nth(line - 1).unwrap_or_default();
-    let field = source.split(['=', '#']).next().unwrap_or_default().trim();
-    let message = error.message().replace('\n', " ");
-    let message = if field.is_empty() { message } else { format!("{field}: {message}") };
+    let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
+    // The parser names numbers by their types in Rust.
+    let message = ["usize", "u64", "u16"]
+        .iter()
+        .fold(error.message().replace('\n', " "), |message, integer| {
+            message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
+        })
+        .replace("expected f64", "expected a number");
+    let message = if source.is_empty() { message } else { format!("{source}: {message}") };
     CaseError::Syntax { path: path.to_owned(), line, message }
 }
 
@@ -220,7 +251,7 @@ fn constraint_sets(
         return Err(check.value("constraints.name", &set.name, "letters, digits, - and _"));
     }
     let convert = |set: schema::Constraints| {
-        let table = format!("constraints \"{}\"", set.name);
+        let table = format!("constraints \"{}\".fixed", set.name);
         let fixed = set.fixed.iter().map(|name| name.parse()).collect::<Result<Vec<Dof>, _>>();
         let fixed = fixed.map_err(check.lattice(&table))?;
         LatticeModel::new(parameters.clone(), lateral, &fixed).map_err(check.lattice(&table))?;
@@ -246,8 +277,13 @@ fn panels(
         (numbers, []) => {
             check.no_repeats("contact.in_contact", numbers.iter().map(usize::to_string))?;
             for &number in numbers {
-                if number == 0 {
-                    return Err(check.value("contact.in_contact", 0, &format!("1 to {oscillators}")));
+                if !(1..=oscillators).contains(&number) {
+                    return Err(check.value("contact.in_contact", number, &format!("1 to {oscillators}")));
+                }
+                let so_far: usize = panels.iter().map(|(_, list)| list.len()).sum();
+                if so_far.saturating_add(choices(oscillators, number)) > MOST_ARRANGEMENTS {
+                    let allowed = format!("numbers with at most {MOST_ARRANGEMENTS} arrangements in all");
+                    return Err(check.value("contact.in_contact", number, &allowed));
                 }
                 let all = ContactArrangement::all(oscillators, number).map_err(check.lattice("contact.in_contact"))?;
                 panels.push((number, all));
@@ -274,6 +310,23 @@ fn panels(
     Ok(panels)
 }
 
+/// How many sets of `chosen` there are among `all`, at most `usize::MAX`.
+fn choices(all: usize, chosen: usize) -> usize {
+    (0..chosen.min(all.saturating_sub(chosen)))
+        .try_fold(1_usize, |count, i| Some(count.checked_mul(all - i)? / (i + 1)))
+        .unwrap_or(usize::MAX)
+}
+
+fn check_paper(check: &Check<'_>, paper: &Paper, oscillators: usize) -> Result<(), CaseError> {
+    let lists = [("paper.corners", &paper.corners), ("paper.after_corners_dominant", &paper.after_corners_dominant)];
+    for (field, list) in lists {
+        if let Some(number) = list.iter().find(|&number| !(1..=oscillators).contains(number)) {
+            return Err(check.value(field, number, &format!("oscillators 1 to {oscillators}")));
+        }
+    }
+    Ok(())
+}
+
 fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<SpeedRange>, CaseError> {
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
@@ -281,10 +334,11 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<Sp
     check.no_repeats("speeds.name", speeds.iter().map(|range| range.name.clone()))?;
     for range in &speeds {
         if !(range.from.is_finite() && range.from > 0.0) {
-            return Err(check.value("speeds.from", range.from, "a speed in m/s, > 0"));
+            return Err(check.value(&format!("speeds \"{}\".from", range.name), range.from, "a speed in m/s, > 0"));
         }
         if !(range.to.is_finite() && range.to >= range.from) {
-            return Err(check.value("speeds.to", range.to, &format!("at least from = {}", range.from)));
+            let allowed = format!("a finite speed in m/s, at least from = {}", range.from);
+            return Err(check.value(&format!("speeds \"{}\".to", range.name), range.to, &allowed));
         }
     }
     Ok(speeds.into_iter().map(|schema::Speeds { name, from, to }| SpeedRange { name, from, to }).collect())
@@ -306,11 +360,11 @@ fn distributions(check: &Check<'_>, friction: &schema::Friction) -> Result<Frict
         if let Some((key, value, allowed)) = distribution.fault() {
             return Err(check.value(&format!("friction.{name}.{key}"), value, &allowed));
         }
-        let least = distribution.least();
-        let is_open = matches!(distribution, Distribution::LogNormal { .. });
-        if least < 0.0 || (positive && least == 0.0 && !is_open) {
-            let allowed = if positive { "values > 0 only" } else { "values >= 0 only" };
-            return Err(check.value(&format!("friction.{name}"), format!("{least} at least"), allowed));
+        // A log-normal has no least value: all of its values are > 0.
+        let Some((key, least)) = distribution.least() else { continue };
+        if least < 0.0 || (positive && least == 0.0) {
+            let allowed = if positive { "a number > 0" } else { "a number >= 0" };
+            return Err(check.value(&format!("friction.{name}.{key}"), least, allowed));
         }
     }
     if mu_s.median() < mu_k.median() {

@@ -28,7 +28,7 @@ pub struct CeaArgs {
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
     /// Sliding speed, m/s [default: the median of the case's first range]
-    #[arg(long, value_name = "V")]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub speed: Option<f64>,
     /// Add mode shapes and the work of friction and damping per body
     #[arg(long)]
@@ -110,7 +110,13 @@ impl CeaArgs {
         };
         let arrangement = match &self.contact {
             None => case.panels[0].1[0].clone(),
-            Some(numbers) => ContactArrangement::from_numbers(case.lattice.grid.oscillators(), numbers)?,
+            Some(numbers) => {
+                let oscillators = case.lattice.grid.oscillators();
+                ContactArrangement::from_numbers(oscillators, numbers).map_err(|_| {
+                    let list: Vec<String> = numbers.iter().map(usize::to_string).collect();
+                    refused("--contact", &list.join(","), format!("oscillators 1 to {oscillators}, each once"))
+                })?
+            }
         };
         let speed = self.speed.unwrap_or(case.speeds[0].quantile(0.5));
         if !(speed.is_finite() && speed > 0.0) {

@@ -14,7 +14,7 @@ pub struct CheckArgs {
     /// The case file (TOML)
     pub case: PathBuf,
     /// Samples per scene, instead of the case's
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<u64>,
 }
 

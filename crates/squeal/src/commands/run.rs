@@ -8,6 +8,9 @@ use crate::report::{claims, claims_markdown, draw_occurrence};
 use crate::study::Plan;
 use crate::{Error, run_study};
 
+/// More worker threads than any machine has cores for.
+const MOST_THREADS: usize = 1024;
+
 /// Run the study of a case: every draw in every scene, then tables and figures.
 ///
 /// A run that was stopped, even killed, is continued by the same command.
@@ -19,31 +22,32 @@ pub struct RunArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Samples per scene, instead of the case's
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<u64>,
     /// Seed of the random streams, instead of the case's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub threads: Option<usize>,
 }
 
 /// Puts the options of the command line in place of the case's own values.
 ///
 /// # Errors
-/// Zero samples or threads.
+/// Samples or threads out of range.
 pub fn overridden(
     mut case: Case,
     samples: Option<u64>,
     seed: Option<u64>,
     threads: Option<usize>,
 ) -> Result<Case, Error> {
-    if samples == Some(0) {
-        return Err(Error::Option { option: "--samples", value: "0".into(), allowed: "a whole number >= 1".into() });
+    let refused = |option, value: String, most: u64| Error::Option { option, value, allowed: format!("1 to {most}") };
+    if let Some(samples) = samples.filter(|samples| !(1..=Case::MOST_SAMPLES).contains(samples)) {
+        return Err(refused("--samples", samples.to_string(), Case::MOST_SAMPLES));
     }
-    if threads == Some(0) {
-        return Err(Error::Option { option: "--threads", value: "0".into(), allowed: "a whole number >= 1".into() });
+    if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+        return Err(refused("--threads", threads.to_string(), MOST_THREADS as u64));
     }
     case.samples = samples.unwrap_or(case.samples);
     case.seed = seed.unwrap_or(case.seed);

@@ -46,7 +46,8 @@ impl<'a> Study<'a> {
     /// # Errors
     /// Those of the model and of the solver.
     pub fn new(plan: &'a Plan, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
-        Ok(Self { references: references(plan, solver)?, plan, solver })
+        let failed = |source| Error::Median { path: plan.case.path.clone(), source: Box::new(source) };
+        Ok(Self { references: references(plan, solver).map_err(failed)?, plan, solver })
     }
 
     /// The plan.

@@ -1,0 +1,11 @@
+//! The program as its user meets it: what it says to bad input, and that its results are always the same bytes.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
+mod bad_cases;
+mod bad_folders;
+mod cea;
+mod common;
+mod failures;
+mod memory;
+mod same_bytes;

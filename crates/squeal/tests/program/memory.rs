@@ -1,0 +1,38 @@
+//! Memory does not grow with the number of samples.
+
+/// The most memory that a run held, kB: what the system wrote down for it until shortly before its end.
+#[cfg(target_os = "linux")]
+fn peak(samples: u64) -> u64 {
+    use crate::common::{SMALL, replaced, squeal};
+
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    let text = replaced(SMALL, r#"["amontons-coulomb", "velocity-dependent", "lugre"]"#, r#"["amontons-coulomb"]"#);
+    std::fs::write(&case, replaced(&text, "in_contact = [2, 1]", "in_contact = [2]")).unwrap();
+    let mut child = squeal()
+        .arg("run")
+        .arg(&case)
+        .arg("--out")
+        .arg(folder.path().join("out"))
+        .args(["--threads", "1", "--samples", &samples.to_string()])
+        .spawn()
+        .unwrap();
+    let mut peak = 0;
+    while child.try_wait().unwrap().is_none() {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        peak = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(peak);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert!(child.wait().unwrap().success());
+    peak
+}
+
+/// A draw has at least 112 bytes and an outcome 100 more: 12,000 of them, kept, would be 2,500 kB.
+#[cfg(target_os = "linux")]
+#[test]
+fn peak_memory_is_that_of_few_samples() {
+    let (few, many) = (peak(60), peak(12_000));
+    println!("{few} kB for 60 samples, {many} kB for 12,000");
+    assert!(few > 1_000 && many < few + 1_500, "{few} kB for 60 samples, {many} kB for 12,000");
+}

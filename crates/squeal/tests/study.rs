@@ -1,0 +1,174 @@
+//! What a study computes and what it leaves out, and that leaving it out changes nothing.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::Path;
+
+use cea::{EigenSolver, Mode, Modes, QrSolver, Workspace};
+use linsys::SecondOrder;
+use montecarlo::{Study as _, stream};
+use osc_model::Linearise;
+use squeal::case::{Case, Law};
+use squeal::study::{Plan, Sample, SceneTally, Study, Tally, sliding};
+use work::mode_work;
+
+/// The paper's case with some of its text replaced.
+fn case(changes: &[(&str, &str)]) -> Case {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "the case has no {from:?}");
+        text = text.replacen(from, to, 1);
+    }
+    Case::parse(&path, text).unwrap()
+}
+
+/// One arrangement only: the reference modes of all take their time.
+const ALL_IN_CONTACT: (&str, &str) = ("[9, 8, 7, 6]", "[9]");
+
+/// Two rows of two and constraints that fit them.
+const TWO_BY_TWO: [(&str, &str); 6] = [
+    ("rows = 3", "rows = 2"),
+    ("columns = 3", "columns = 2"),
+    ("[9, 8, 7, 6]", "[4, 3, 2]"),
+    ("[\"x1\", \"x3\", \"x7\", \"x9\"]", "[\"x1\", \"x4\"]"),
+    ("[\"x1\", \"x3\", \"x7\", \"x9\", \"x4\", \"x6\"]", "[\"x1\", \"x2\", \"x3\", \"x4\"]"),
+    ("corners = [1, 3, 7, 9]", "corners = [1, 2]"),
+];
+
+fn two_by_two(changes: &[(&str, &str)]) -> Case {
+    let dominant = ("after_corners_dominant = [4, 6]", "after_corners_dominant = [1, 2]");
+    case(&[&TWO_BY_TWO[..], &[dominant], changes].concat())
+}
+
+/// The counts of each scene after some samples.
+fn tallies(plan: &Plan, samples: u64) -> Vec<SceneTally> {
+    let study = Study::new(plan, &QrSolver).unwrap();
+    let sampling = montecarlo::Plan::new(plan.case.seed, samples);
+    let summary = montecarlo::run(&study, &sampling, || Tally::empty(plan)).unwrap();
+    assert_eq!(summary.failures.total(), 0);
+    summary.tally.scenes
+}
+
+#[test]
+fn a_symmetry_class_counts_as_each_of_its_arrangements_alone() {
+    let samples = 8;
+    let plan = Plan::new(two_by_two(&[])).unwrap();
+    let whole = tallies(&plan, samples);
+    let (mut members, mut unstable) = (0, 0);
+    for (panel, (_, arrangements)) in plan.case.panels.iter().enumerate() {
+        for (at, arrangement) in arrangements.iter().enumerate() {
+            // A representative is computed anyway.
+            if !plan.scenes.iter().any(|scene| scene.key.panel == panel && scene.members[1..].contains(&at)) {
+                continue;
+            }
+            let numbers: Vec<String> = arrangement.in_contact().iter().map(|i| (i + 1).to_string()).collect();
+            let alone = format!("arrangements = [[{}]]", numbers.join(", "));
+            let alone = Plan::new(two_by_two(&[("in_contact = [4, 3, 2]", &alone)])).unwrap();
+            for (scene, counts) in alone.scenes.iter().zip(tallies(&alone, samples)) {
+                let alike = |other: &&squeal::study::Scene| {
+                    let (a, b) = (scene.key, other.key);
+                    (a.constraints, a.law, a.speed) == (b.constraints, b.law, b.speed)
+                        && b.panel == panel
+                        && other.members.contains(&at)
+                };
+                let stands_for = plan.scenes.iter().find(alike).unwrap();
+                let of_class = &whole[plan.scenes.iter().position(|other| std::ptr::eq(other, stands_for)).unwrap()];
+                let what = format!("{:?}, {arrangement}", scene.key);
+                assert_eq!((counts.solved, of_class.solved), (samples, samples), "{what}");
+                assert_eq!(counts.any_unstable, of_class.any_unstable, "{what}");
+                assert_eq!(counts.unstable_modes, of_class.unstable_modes, "{what}");
+                assert_eq!(counts.divergent, of_class.divergent, "{what}");
+                assert_eq!(counts.ranked, of_class.ranked, "{what}");
+                assert_eq!(counts.tracked, of_class.tracked, "{what}");
+                members += usize::from(stands_for.members.len() > 1);
+                unstable += counts.unstable_modes;
+            }
+        }
+    }
+    assert!(members > 0 && unstable > 0, "{members} members of classes, {unstable} unstable modes");
+}
+
+#[test]
+fn a_law_without_speed_is_solved_once_for_all_speeds() {
+    let plan = Plan::new(case(&[])).unwrap();
+    let count = |law: Law| plan.scenes.iter().filter(|scene| scene.key.law == law).count();
+    assert_eq!(count(Law::AmontonsCoulomb), plan.lattices.len());
+    assert_eq!(count(Law::LuGre), 2 * plan.lattices.len());
+    assert_eq!(plan.analyses_per_sample(), 3 * 130 * 3 * 2);
+
+    // The same system to the last bit at any speed, so once is the same as once per speed.
+    let sample = Sample::draw(&plan.case, &mut stream(1, 0)).unwrap();
+    let scene = plan.scenes.iter().find(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
+    let lattice = plan.lattice(scene);
+    let at = |speed| {
+        let at = sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, &sample, |_| 1.0).unwrap();
+        lattice.linearised(&at).unwrap()
+    };
+    assert!(at(0.1) == at(10.0));
+
+    // Not so where friction across the sliding is a dashpot mu N0 / v.
+    let vector = Plan::new(case(&[("lateral = \"coupled\"", "lateral = \"vector\"")])).unwrap();
+    assert!(vector.scenes.iter().all(|scene| scene.key.speed.is_some()));
+}
+
+#[test]
+fn a_stable_block_costs_one_solve_per_sample_and_no_eigenvector() {
+    let calm = ("mean = 0.50, deviation = 0.10", "mean = 0.03, deviation = 0.001");
+    let plan = Plan::new(case(&[calm, ALL_IN_CONTACT])).unwrap();
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    let samples: Vec<Sample> = (0..8).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
+    let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
+    let (mut scratch, mut out) = (Default::default(), Vec::new());
+    study.evaluate_block(scene, &samples.iter().collect::<Vec<_>>(), &mut scratch, &mut out);
+    assert!(out.iter().all(|outcome| outcome.as_ref().is_ok_and(|outcome| outcome.unstable.is_empty())));
+    let counters = scratch.counters();
+    assert_eq!((counters.eigenvalue_solves, counters.eigenvectors, counters.continuations), (8, 0, 0));
+    assert_eq!(counters.factorisations, 0);
+}
+
+#[test]
+fn only_unstable_modes_cost_eigenvectors() {
+    let plan = Plan::new(case(&[ALL_IN_CONTACT])).unwrap();
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
+    let mut seen = 0;
+    for index in 0..16 {
+        let sample = study.draw(&mut stream(1, index)).unwrap();
+        let mut scratch = Default::default();
+        let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
+        let counters = scratch.counters();
+        if counters.continuations == 0 {
+            assert_eq!(counters.eigenvalue_solves, 1);
+            assert_eq!(counters.eigenvectors, outcome.unstable.len() as u64);
+            seen += outcome.unstable.len();
+        }
+    }
+    assert!(seen > 0);
+}
+
+#[test]
+fn every_unstable_mode_of_the_papers_samples_gains_its_net_work() {
+    let plan = Plan::new(case(&[])).unwrap();
+    let (mut modes, mut worst, mut work) = (0, 0.0_f64, Workspace::default());
+    // Every number in contact, law, speed and constraint set in turn.
+    for (index, scene) in plan.scenes.iter().enumerate().step_by(7) {
+        let sample = Sample::draw(&plan.case, &mut stream(plan.case.seed, index as u64)).unwrap();
+        let mut system = SecondOrder::zeros(1, 0);
+        plan.linearise(scene, &sample, &mut system).unwrap();
+        let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
+        let found = Modes::classify(&system, &spectrum, &mut work).unwrap();
+        let unstable: Vec<_> = found.oscillatory.iter().copied().filter(|lambda| lambda.re > 0.0).collect();
+        let lattice = plan.lattice(scene);
+        let mut friction = SecondOrder::zeros(system.order(), 0);
+        lattice.linearise_friction(&plan.sliding(scene, &sample).unwrap(), &mut friction).unwrap();
+        for mode in Mode::at(&system, &unstable, &mut work).unwrap() {
+            let energy =
+                mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies()).unwrap();
+            worst = worst.max(energy.identity_residual());
+            modes += 1;
+        }
+    }
+    println!("{modes} unstable modes, largest residual {worst:.1e}");
+    assert!(modes >= 30 && worst < 1e-8, "{modes} modes, residual {worst:e}");
+}
