@@ -45,6 +45,23 @@ fn every_field_of_the_cases_is_described() {
     }
 }
 
+fn keys_of(value: &serde_json::Value) -> BTreeSet<String> {
+    value.as_object().unwrap().keys().cloned().collect()
+}
+
+#[test]
+fn every_key_of_a_spectrum_is_described() {
+    let matrix = |name: &str| root("tests/fixtures/hard/bicycle_v4").join(name).to_str().unwrap().to_owned();
+    let (m, c, k) = (matrix("M.mtx"), matrix("C.mtx"), matrix("K.mtx"));
+    let matrices = ["eig", "--mass", &m, "--damping", &c, "--stiffness", &k];
+    let spectrum = squeal(&[&matrices[..], &["--vectors", "--json"]].concat());
+    let spectrum: serde_json::Value = serde_json::from_str(&spectrum).unwrap();
+    let names = &keys_of(&spectrum) | &keys_of(&spectrum["eigenvalues"][0]);
+    let described = described();
+    let missing: Vec<_> = names.difference(&described).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn the_small_case_runs_and_every_column_is_described() {
     let case = root("cases/two-by-two.toml");
@@ -54,7 +71,6 @@ fn the_small_case_runs_and_every_column_is_described() {
 
     let modes: serde_json::Value = serde_json::from_str(&squeal(&["cea", case, "--modes", "--json"])).unwrap();
     assert_eq!(modes["modes"].as_array().unwrap().len(), 15);
-    let keys_of = |value: &serde_json::Value| value.as_object().unwrap().keys().cloned().collect::<BTreeSet<_>>();
 
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("study");
