@@ -28,7 +28,7 @@ pub struct CeaArgs {
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
     /// Sliding speed, m/s [default: the median of the case's first range]
-    #[arg(long, value_name = "V")]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub speed: Option<f64>,
     /// Add mode shapes and the work of friction and damping per body
     #[arg(long)]
