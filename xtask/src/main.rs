@@ -19,7 +19,11 @@ enum Task {
 }
 
 fn main() -> ExitCode {
-    let result = match &Cli::parse().task {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return squeal::commands::refuse(&error),
+    };
+    let result = match &cli.task {
         Task::Reproduce(args) => reproduce::run(args),
     };
     match result {

@@ -4,6 +4,45 @@
 //! stages themselves are crates of their own, re-exported here:
 //!
 //! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`work`] -> [`montecarlo`] -> figures
+//!
+//! Two frequencies that friction couples, the flutter at the bottom of brake squeal:
+//!
+//! ```
+//! use nalgebra::dmatrix;
+//! use squeal::cea::{EigenSolver, QrSolver, Verdict, Workspace, verdict};
+//! use squeal::linsys::SecondOrder;
+//!
+//! // A mass of 0.4 kg in x and z; friction, mu = 0.5 on a contact of 3.5e7 N/m, makes the stiffness unsymmetric.
+//! let k = dmatrix![4.6e7, -6.7e6 + 0.5 * 3.5e7; -6.7e6, 5.8e7];
+//! let system = SecondOrder::new(dmatrix![0.4, 0.0; 0.0, 0.4], dmatrix![100.0, 0.0; 0.0, 100.0], k)?;
+//! let mut work = Workspace::default();
+//! let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
+//! let verdicts = spectrum.oscillatory().map(|lambda| verdict(&system, lambda, spectrum.scale, &mut work));
+//! assert_eq!(verdicts.collect::<Result<Vec<_>, _>>()?, [Verdict::Unstable, Verdict::Stable]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A study, as `squeal run` runs it:
+//!
+//! ```
+//! use squeal::case::Case;
+//! use squeal::study::Plan;
+//!
+//! # std::env::set_current_dir("../..")?;
+//! # let folder = tempfile::tempdir()?;
+//! # let dir = folder.path();
+//! let mut case = Case::read("cases/two-by-two.toml".as_ref())?;
+//! case.samples = 8;
+//! let plan = Plan::new(case)?;
+//! let manifest = squeal::run_study(&plan, dir, None, &mut |results, _| {
+//!     for panel in results.panels() {
+//!         println!("{}: {:?} unstable modes per CEA", results.describe(panel), results.mean_unstable(panel));
+//!     }
+//!     Ok(())
+//! })?;
+//! assert_eq!(manifest.failures, 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod case;
 pub mod commands;
@@ -17,3 +56,8 @@ pub mod study;
 pub use error::Error;
 pub use run::{estimate, fingerprint, run_study};
 pub use {cea, friction, linsys, montecarlo, osc_model, work};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -23,7 +23,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return squeal::commands::refuse(&error),
+    };
     let mut out = std::io::stdout().lock();
     let result = match &cli.command {
         Command::Run(args) => args.run(&mut out),

@@ -3,9 +3,11 @@
 mod cea;
 mod check;
 mod eig;
+mod refuse;
 mod run;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
+pub use refuse::refuse;
 pub use run::{RunArgs, overridden};

@@ -35,7 +35,8 @@ impl Scale {
         let decade = 10f64.powf((span / intervals).log10().floor());
         let step = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| span / s <= intervals);
         let step = step.unwrap_or(10.0 * decade);
-        let (low, high) = ((least / step).floor() * step, (most / step).ceil() * step);
+        // A value beyond a mark by rounding alone, -1e-17 say, needs no further step.
+        let (low, high) = ((least / step + 1e-9).floor() * step, (most / step - 1e-9).ceil() * step);
         Scale::Linear { low, high, step }
     }
 
@@ -198,6 +199,7 @@ mod tests {
             labels(Scale::linear([-0.3, 1.07].into_iter(), 5.0), 0),
             ["\u{2212}0.5", "0.0", "0.5", "1.0", "1.5"]
         );
+        assert_eq!(labels(Scale::linear([-1e-17, 1.3].into_iter(), 5.0), 0), ["0.0", "0.5", "1.0", "1.5"]);
         assert_eq!(labels(Scale::linear([812.0].into_iter(), 5.0), 0), ["0", "200", "400", "600", "800", "1000"]);
         assert_eq!(labels(Scale::log([2e-5, 3e-3].into_iter()), 8), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert_eq!(labels(Scale::log([1e-16, 1e4].into_iter()), 5), ["10⁻¹⁶", "10⁻¹¹", "10⁻⁶", "10⁻¹", "10⁴"]);
