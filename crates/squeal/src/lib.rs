@@ -5,6 +5,7 @@
 //!
 //! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`work`] -> [`montecarlo`] -> figures
 
+pub mod accuracy;
 pub mod case;
 pub mod commands;
 mod error;

@@ -17,4 +17,5 @@ pub use draw::{FrictionDraw, Sample};
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use reference::Reference;
 pub use scene::{Plan, Scene, SceneKey, sliding};
+pub(crate) use tally::unstable_names;
 pub use tally::{Hits, SceneTally, Tally};
