@@ -1,55 +1,184 @@
-//! The estimators of an occurrence against each other.
+//! The estimators of an occurrence against each other, and the branches against the solver.
 
 use std::path::Path;
 
-use cea::QrSolver;
+use cea::{EigenSolver, QrSolver, Workspace};
+use linsys::SecondOrder;
 use montecarlo::Study as _;
-use squeal::accuracy::{Family, exact};
+use num_complex::Complex;
+use squeal::accuracy::{
+    AccuracyError, Exact, Family, TaylorOrder, exact, monte_carlo, perturbation, quasi_monte_carlo, refine,
+};
 use squeal::case::{Case, Law};
 use squeal::study::{Plan, Sample, Study};
 
-/// The paper's lattice with a few arrangements and Coulomb friction.
-fn plan(arrangements: &str, constraints: &str) -> Plan {
+/// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
+fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
-    let text = std::fs::read_to_string(path).unwrap();
-    let text = text
-        .replace("laws = [\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", "laws = [\"amontons-coulomb\"]")
+    let mut text = std::fs::read_to_string(path)
+        .unwrap()
+        .replace("[\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", &format!("[\"{law}\"]"))
         .replace("in_contact = [9, 8, 7, 6]", &format!("arrangements = {arrangements}"));
-    let from = text.find("[[constraints]]").unwrap();
-    let to = text.find("[[speeds]]").unwrap();
-    let text = format!("{}[[constraints]]\nname = \"set\"\nfixed = {constraints}\n{}", &text[..from], &text[to..]);
-    let plan = Plan::new(Case::parse(path, text).unwrap()).unwrap();
-    assert_eq!(plan.case.laws, [Law::AmontonsCoulomb]);
-    plan
+    let sets = text.find("[[constraints]]").unwrap()..text.find("[[speeds]]").unwrap();
+    text.replace_range(sets, "");
+    for (from, to) in edits {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    Plan::new(Case::parse(path, text).unwrap()).unwrap()
+}
+
+const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
+
+fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
+    let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    exact(study.plan(), &study.references()[scene], &mut family).unwrap()
 }
 
 #[test]
 fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
-    let plan = plan("[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]", "[]");
+    let plan = plan(SOME, "amontons-coulomb", &[]);
     let study = Study::new(&plan, &QrSolver).unwrap();
     let mut scratch = Default::default();
-    for (at, scene) in plan.scenes.iter().enumerate() {
-        let t = std::time::Instant::now();
-        let mut family = Family::new(&plan, scene, &QrSolver).unwrap();
-        let exact = exact(&plan, scene, &study.references()[at], &mut family).unwrap();
-        println!("{:?} {:?} {:?}", t.elapsed(), exact.counters, exact.occurrences);
-        println!("{:e} {} {}", exact.error, exact.any, exact.expected_modes);
-        for p in &exact.pieces {
-            println!("{p:?}");
-        }
-        for c in &exact.crossings.crossings {
-            println!("{c:?}");
-        }
-        let n = 300;
-        for i in 0..n {
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene);
+        assert!(exact.error < 1e-10 && exact.counters.eigenvalue_solves < 200);
+        for i in 0..100 {
             let sample = Sample::draw(&plan.case, &mut montecarlo::stream(7, i));
-            let outcome = study.evaluate(at, &sample, &mut scratch).unwrap();
             let mu = sample.contact(0).mu;
-            let piece = exact.pieces.iter().find(|p| p.from <= mu && mu < p.to).unwrap();
-            let names: Vec<_> = outcome.unstable.iter().map(|m| m.names.clone()).collect();
-            if names != piece.unstable {
-                println!("{mu} {names:?} {:?}", piece.unstable);
-            }
+            let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
+            let piece = exact.integral.pieces.iter().find(|p| p.from <= mu && mu < p.to).unwrap();
+            let names: Vec<_> = outcome.unstable.into_iter().map(|mode| mode.names).collect();
+            assert_eq!(names, piece.unstable, "mu = {mu}");
         }
     }
+}
+
+#[test]
+fn two_thousand_samples_agree_with_the_exact_integral_within_their_intervals() {
+    let plan = plan("[[1,2,3,4,5,6,7,8,9],[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene).integral.occurrences;
+        let samples = monte_carlo(&study, scene, 11, 2000).unwrap();
+        for (name, occurrence) in &exact {
+            // Not 95 %: a dozen intervals have to hold at once.
+            let Some(found) = samples.modes.get(name) else {
+                assert!(occurrence.upper < 0.005);
+                continue;
+            };
+            assert!((found.occurrence.lower - occurrence.lower).abs() < 1.7 * found.half_width, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
+    let plan = plan(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene);
+        assert!(exact.crossings.crossings.len() >= 4 && exact.crossings.unresolved.is_empty());
+        let mut family = Family::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
+        for crossing in &exact.crossings.crossings {
+            assert!(crossing.error < 1e-11);
+            let mut real = |mu: f64| {
+                let system = family.system(mu).clone();
+                let guess = Complex::new(0.0, crossing.omega);
+                let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+                let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
+                refine(&system, nearest.unwrap()).unwrap().lambda.re
+            };
+            let (below, above) = (real(crossing.mu - 2e-11), real(crossing.mu + 2e-11));
+            assert!(below * above < 0.0 && (above > 0.0) == crossing.destabilises, "{below} {above}");
+        }
+    }
+}
+
+#[test]
+fn scrambled_sobol_points_converge_to_the_exact_integral() {
+    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    let exact = exact_of(&study, 0).integral.occurrences;
+    for (points, tolerance) in [(16, 0.04), (256, 0.0025)] {
+        let found = quasi_monte_carlo(&study, 0, 5, points, 4).unwrap();
+        for (name, occurrence) in &exact {
+            let found = found.modes.get(name).map_or(0.0, |mode| mode.occurrence.lower);
+            assert!((found - occurrence.lower).abs() < tolerance, "{name}: {found} {occurrence:?}");
+        }
+    }
+    assert!(matches!(quasi_monte_carlo(&study, 0, 5, 0, 4), Err(AccuracyError::Points { .. })));
+    assert!(matches!(quasi_monte_carlo(&study, 0, 5, 8, 1), Err(AccuracyError::Points { .. })));
+}
+
+#[test]
+fn sobol_points_sample_every_law() {
+    for law in ["velocity-dependent", "lugre"] {
+        let plan = plan("[[1,2,3,4,5,6,7,8,9]]", law, &[]);
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let plain = monte_carlo(&study, 0, 3, 400).unwrap();
+        let quasi = quasi_monte_carlo(&study, 0, 3, 64, 4).unwrap();
+        for (name, mode) in plain.modes {
+            let other = quasi.modes.get(&name).map_or(0.0, |mode| mode.occurrence.lower);
+            assert!((mode.occurrence.lower - other).abs() < 1.5 * mode.half_width + 0.02, "{law} {name}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_the_limits_of_differences() {
+    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+    let (mu, h) = (0.4, 1e-4);
+    let at = |family: &mut Family<'_>, mu: f64, near: Complex<f64>| {
+        let system: SecondOrder = family.system(mu).clone();
+        let lambdas = family.lambdas(mu).unwrap();
+        let nearest = lambdas.iter().min_by(|a, b| (*a - near).norm().total_cmp(&(*b - near).norm())).unwrap();
+        refine(&system, *nearest).unwrap().lambda
+    };
+    for lambda in family.lambdas(mu).unwrap().to_vec() {
+        let expansion = family.expand(mu, lambda).unwrap();
+        let slope = family.derivative(mu, lambda).unwrap().slope;
+        let middle = at(&mut family, mu, lambda);
+        let (below, above) = (at(&mut family, mu - h, lambda), at(&mut family, mu + h, lambda));
+        let first = (above - below) / (2.0 * h);
+        let second = (above - 2.0 * middle + below) / (h * h);
+        assert!((expansion.first - slope).norm() < 1e-7 * (1.0 + slope.norm()));
+        assert!((expansion.first - first).norm() < 1e-4 * (1.0 + first.norm()), "{first} {expansion:?}");
+        assert!((expansion.second - second).norm() < 1e-2 * (10.0 + second.norm()), "{second} {expansion:?}");
+    }
+}
+
+#[test]
+fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
+    let narrow = [("mu = { distribution = \"normal\", mean = 0.50, deviation = 0.10", "mu = { distribution = \"normal\", mean = 0.4345, deviation = 0.0002")];
+    let error = |edits: &[(&str, &str)], order| {
+        let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let exact = exact_of(&study, 0).integral.occurrences;
+        let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+        let found = perturbation(&plan, &study.references()[0], &mut family, order).unwrap().occurrences;
+        let names = exact.keys().chain(found.keys());
+        let of = |all: &std::collections::BTreeMap<u16, squeal::accuracy::Occurrence>, name: &u16| {
+            all.get(name).map_or(0.0, |o| o.lower)
+        };
+        names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)
+    };
+    let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));
+    assert!(second < 1e-4 && second < first && first < 0.01, "{first} {second}");
+    assert!(error(&[], TaylorOrder::First) > 0.01);
+}
+
+#[test]
+fn what_is_no_family_is_refused() {
+    for (law, edits) in [
+        ("velocity-dependent", &[][..]),
+        ("amontons-coulomb", &[("draws = \"shared\"", "draws = \"each\"")]),
+        ("amontons-coulomb", &[("lateral = \"coupled\"", "lateral = \"vector\"")]),
+    ] {
+        let plan = plan("[[1,3,4,5,6,8]]", law, edits);
+        let refused = Family::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
+        assert!(matches!(refused, Err(AccuracyError::NotOneParameter { .. })));
+    }
+    assert_eq!(plan(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
 }

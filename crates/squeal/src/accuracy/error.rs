@@ -40,6 +40,23 @@ pub enum AccuracyError {
         /// Unstable modes by counting crossings.
         expected: i64,
     },
+    /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
+    #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
+    NotShared,
+    /// Sobol points or scramblings that are not there.
+    #[error("{points} points in {scramblings} scramblings; allowed: 1 to 65536 points, 2 scramblings or more")]
+    Points {
+        /// Points of each.
+        points: u32,
+        /// Scramblings.
+        scramblings: u32,
+    },
+    /// An eigenvalue without a derivative.
+    #[error("lambda = {lambda} is defective: it has no Taylor series")]
+    Defective {
+        /// The eigenvalue.
+        lambda: num_complex::Complex<f64>,
+    },
     /// A search that did not converge.
     #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
     NoConvergence {

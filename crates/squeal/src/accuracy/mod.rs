@@ -7,9 +7,17 @@ mod distribution;
 mod error;
 mod exact;
 mod family;
+mod integral;
+mod perturbation;
+mod refine;
+mod sampling;
 
 pub use critical::{Crossing, Crossings};
 pub use distribution::{cumulative, quantile, support};
 pub use error::AccuracyError;
-pub use exact::{Exact, Occurrence, Piece, exact};
+pub use exact::{Exact, exact};
 pub use family::{Derivative, Family};
+pub use integral::{Integral, Occurrence, Piece};
+pub use perturbation::{Expansion, TaylorOrder, perturbation};
+pub use refine::{Refined, refine};
+pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
