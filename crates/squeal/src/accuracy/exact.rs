@@ -50,12 +50,7 @@ pub fn exact(plan: &Plan, reference: &Reference, family: &mut Family<'_>) -> Res
 }
 
 /// The names of the unstable modes at `mu`, by continuation to the reference at `median`.
-fn named(
-    family: &mut Family<'_>,
-    mu: f64,
-    median: f64,
-    reference: &Reference,
-) -> Result<Vec<Vec<u16>>, AccuracyError> {
+fn named(family: &mut Family<'_>, mu: f64, median: f64, reference: &Reference) -> Result<Vec<Vec<u16>>, AccuracyError> {
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
     let name = |index: usize| {

@@ -19,5 +19,5 @@ pub use exact::{Exact, exact};
 pub use family::{Derivative, Family};
 pub use integral::{Integral, Occurrence, Piece};
 pub use perturbation::{Expansion, TaylorOrder, perturbation};
-pub use refine::{Refined, refine};
+pub use refine::{Refined, refine, refine_all};
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};

@@ -92,8 +92,7 @@ pub fn quasi_monte_carlo(
         let centre = 0.5 * (occurrence.lower + occurrence.upper);
         let deviation = |run| 0.5 * (share(run, 0) + share(run, 1)) - centre;
         let variance = runs.iter().map(|run| deviation(run).powi(2)).sum::<f64>() / f64::from(scramblings - 1);
-        let half_width =
-            t * (variance / f64::from(scramblings)).sqrt() + 0.5 * (occurrence.upper - occurrence.lower);
+        let half_width = t * (variance / f64::from(scramblings)).sqrt() + 0.5 * (occurrence.upper - occurrence.lower);
         (name, Estimated { occurrence, half_width })
     };
     Ok(Estimates { modes: names.into_iter().map(estimated).collect(), counters })
