@@ -52,7 +52,7 @@ pub enum AccuracyError {
         scramblings: u32,
     },
     /// An eigenvalue without a derivative.
-    #[error("lambda = {lambda} is defective: it has no Taylor series")]
+    #[error("lambda = {lambda} is defective or multiple: it has no Taylor series")]
     Defective {
         /// The eigenvalue.
         lambda: num_complex::Complex<f64>,

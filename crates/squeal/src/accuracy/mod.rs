@@ -2,6 +2,7 @@
 //! against refined eigenvalues, the lattice at its worst.
 
 mod branches;
+mod coalescence;
 mod critical;
 mod distribution;
 mod error;
@@ -10,8 +11,10 @@ mod family;
 mod integral;
 mod perturbation;
 mod refine;
+mod routes;
 mod sampling;
 
+pub use coalescence::{ExceptionalPoint, exceptional_point};
 pub use critical::{Crossing, Crossings};
 pub use distribution::{cumulative, quantile, support};
 pub use error::AccuracyError;
@@ -20,4 +23,5 @@ pub use family::{Derivative, Family};
 pub use integral::{Integral, Occurrence, Piece};
 pub use perturbation::{Expansion, TaylorOrder, perturbation};
 pub use refine::{Refined, refine, refine_all};
+pub use routes::{Route, Spectra, relative_errors, routes};
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};

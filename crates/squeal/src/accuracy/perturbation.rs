@@ -11,13 +11,17 @@
 //! The series converges up to the nearest coalescence in the complex plane of mu, and no farther.
 
 use cea::Workspace;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 
 use super::distribution::support;
 use super::integral::{Integral, integrate};
+use super::refine::transposed;
 use super::{AccuracyError, Family};
 use crate::study::{Plan, Reference, Sample};
+
+/// Two eigenvalues closer than this, relatively, are expanded as one that is double.
+const DOUBLE: f64 = 1e-9;
 
 /// Where a Taylor series stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,6 +76,27 @@ impl Family<'_> {
         let (_, second) = solve(right)?;
         Ok(Expansion { lambda, first, second })
     }
+
+    /// Expands a semisimple double eigenvalue, to first order: the slopes are the eigenvalues of
+    /// `-(Psi^H Q' Phi)^-1 Psi^H K_1 Phi` (Lancaster, Numer. Math. 6, 1964).
+    fn expand_double(&mut self, mu: f64, pair: [Complex<f64>; 2]) -> Result<[Expansion; 2], AccuracyError> {
+        let lambda = 0.5 * (pair[0] + pair[1]);
+        let linear = self.linear().map(Complex::from);
+        let system = self.system(mu);
+        let mut work = Workspace::default();
+        let right = cea::right_vectors(system, &pair, &mut work)?;
+        let left = cea::right_vectors(&transposed(system), &pair, &mut work)?;
+        let between =
+            |matrix: &DMatrix<Complex<f64>>| DMatrix::from_fn(2, 2, |i, j| left[i].dot(&(matrix * &right[j])));
+        let slopes = between(&system.dynamic_stiffness_derivative(lambda))
+            .lu()
+            .solve(&between(&linear))
+            .and_then(|small| Schur::try_new(-small, f64::EPSILON, 100))
+            .ok_or(AccuracyError::Defective { lambda })?
+            .unpack()
+            .1;
+        Ok([0, 1].map(|i| Expansion { lambda: pair[i], first: slopes[(i, i)], second: Complex::default() }))
+    }
 }
 
 /// Occurrences of a scene as the expansions about the median have them.
@@ -89,11 +114,18 @@ pub fn perturbation(
     let median = Sample::median(&plan.case).contact(0).mu;
     let lambdas = family.lambdas(median)?.to_vec();
     let curvature = if order == TaylorOrder::First { 0.0 } else { 0.5 };
-    let expand = |lambda| {
-        let e = family.expand(median, lambda)?;
+    let expand = |i: usize| {
+        let near = |&j: &usize| j != i && (lambdas[j] - lambdas[i]).norm() <= DOUBLE * lambdas[i].norm();
+        let e = match (0..lambdas.len()).find(near) {
+            Some(j) => {
+                let (low, high) = (i.min(j), i.max(j));
+                family.expand_double(median, [lambdas[low], lambdas[high]])?[usize::from(i == high)]
+            }
+            None => family.expand(median, lambdas[i])?,
+        };
         Ok([e.lambda.re, e.first.re, curvature * e.second.re])
     };
-    let parts: Vec<[f64; 3]> = lambdas.into_iter().map(expand).collect::<Result<_, AccuracyError>>()?;
+    let parts: Vec<[f64; 3]> = (0..lambdas.len()).map(expand).collect::<Result<_, AccuracyError>>()?;
     let mut ends: Vec<f64> = parts.iter().flat_map(|p| roots(*p)).map(|d| median + d).collect();
     ends.retain(|&mu| from < mu && mu < to);
     ends.extend([from, to]);

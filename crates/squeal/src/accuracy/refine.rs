@@ -138,7 +138,7 @@ fn condition(system: &SecondOrder, lambda: Complex<f64>, together: &[Complex<f64
 }
 
 /// The system whose right vectors are the conjugates of the left vectors of this one.
-fn transposed(system: &SecondOrder) -> SecondOrder {
+pub(super) fn transposed(system: &SecondOrder) -> SecondOrder {
     SecondOrder {
         m: system.m.transpose(),
         c: system.c.transpose(),
