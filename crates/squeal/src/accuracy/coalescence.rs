@@ -10,6 +10,8 @@ use num_complex::Complex;
 
 use super::AccuracyError;
 
+/// Relative distance of a pair worth a start.
+const NEAR: f64 = 0.02;
 /// Newton steps.
 const MOST_STEPS: usize = 40;
 /// Step of the differences, as a part of the parameter range.
@@ -40,22 +42,25 @@ pub fn exceptional_point(
 ) -> Result<ExceptionalPoint, AccuracyError> {
     let width = range[1] - range[0];
     let place = |i: usize| range[0] + width * (i as f64 + 0.5) / grid as f64;
-    let mut starts: Vec<(f64, [f64; 2], Complex<f64>)> = Vec::new();
+    let mut starts: Vec<(Complex<f64>, [f64; 2])> = Vec::new();
     for i in 0..grid {
         for j in 0..grid {
             let p = [place(i), place(j)];
             let lambdas = oscillatory(&system(p)?)?;
             for (a, first) in lambdas.iter().enumerate() {
                 for second in &lambdas[a + 1..] {
-                    starts.push(((first - second).norm() / first.norm(), p, 0.5 * (first + second)));
+                    // Equal ones are multiple for a reason other than coalescence.
+                    if (1e-6..NEAR).contains(&((first - second).norm() / first.norm())) {
+                        starts.push((0.5 * (first + second), p));
+                    }
                 }
             }
         }
     }
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    starts.sort_by(|a, b| b.0.re.total_cmp(&a.0.re));
     starts.truncate(8 * grid);
     let mut best: Option<ExceptionalPoint> = None;
-    for (_, p, near) in starts {
+    for (near, p) in starts {
         let Some(point) = newton(system, p, near, width)? else { continue };
         let inside = point.at.iter().all(|x| (range[0]..=range[1]).contains(x));
         if inside && best.is_none_or(|b| point.lambda.re > b.lambda.re + 1e-6 * b.lambda.norm()) {

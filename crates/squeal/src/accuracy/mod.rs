@@ -13,6 +13,7 @@ mod perturbation;
 mod refine;
 mod routes;
 mod sampling;
+mod worst;
 
 pub use coalescence::{ExceptionalPoint, exceptional_point};
 pub use critical::{Crossing, Crossings};
@@ -25,3 +26,4 @@ pub use perturbation::{Expansion, TaylorOrder, perturbation};
 pub use refine::{Refined, refine, refine_all};
 pub use routes::{Route, Spectra, relative_errors, routes};
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
+pub use worst::{HardCase, Judged, approach, extremes, onset, with_lateral};

@@ -66,22 +66,27 @@ fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// For each of `wanted` the relative error of the eigenvalue that a route has in its place: nearest first, none twice.
-/// Infinite where none is left.
-pub fn relative_errors(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<f64> {
+/// For each of `wanted` the place of the eigenvalue that a route has for it: nearest first, none twice.
+pub(super) fn matches(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, w) in wanted.iter().enumerate() {
         pairs.extend(found.iter().enumerate().map(|(j, f)| ((f - w).norm(), i, j)));
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut errors, mut taken) = (vec![f64::INFINITY; wanted.len()], vec![false; found.len()]);
-    for (distance, i, j) in pairs {
-        if errors[i].is_infinite() && !taken[j] {
-            errors[i] = distance / wanted[i].norm();
+    let (mut place, mut taken) = (vec![None; wanted.len()], vec![false; found.len()]);
+    for (_, i, j) in pairs {
+        if place[i].is_none() && !taken[j] {
+            place[i] = Some(j);
             taken[j] = true;
         }
     }
-    errors
+    place
+}
+
+/// The relative error of each of `wanted` in what a route found; infinite where nothing is left to be compared with.
+pub fn relative_errors(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<f64> {
+    let places = matches(wanted, found).into_iter().zip(wanted);
+    places.map(|(at, w)| at.map_or(f64::INFINITY, |at| (found[at] - w).norm() / w.norm())).collect()
 }
 
 #[cfg(test)]
