@@ -1,5 +1,6 @@
-//! The project's own tasks: `cargo xtask reproduce`.
+//! The project's own tasks: `cargo xtask reproduce`, `cargo xtask accuracy`.
 
+mod accuracy;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -15,12 +16,14 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Task {
+    Accuracy(accuracy::AccuracyArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
 fn main() -> ExitCode {
-    let result = match &Cli::parse().task {
-        Task::Reproduce(args) => reproduce::run(args),
+    let result: Result<(), Box<dyn std::error::Error>> = match &Cli::parse().task {
+        Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
+        Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

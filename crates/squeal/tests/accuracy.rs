@@ -44,7 +44,7 @@ fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
         let exact = exact_of(&study, scene);
         assert!(exact.error < 1e-10 && exact.counters.eigenvalue_solves < 200);
         for i in 0..100 {
-            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(7, i));
+            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(7, i)).unwrap();
             let mu = sample.contact(0).mu;
             let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
             let piece = exact.integral.pieces.iter().find(|p| p.from <= mu && mu < p.to).unwrap();

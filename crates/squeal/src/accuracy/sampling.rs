@@ -36,7 +36,8 @@ pub struct Estimates {
 /// # Errors
 /// A sample that cannot be solved.
 pub fn monte_carlo(study: &Study<'_>, scene: usize, seed: u64, samples: u64) -> Result<Estimates, AccuracyError> {
-    let draws = (0..samples).map(|i| Sample::draw(&study.plan().case, &mut montecarlo::stream(seed, i)));
+    let draws = (0..samples)
+        .map(|i| Sample::draw(&study.plan().case, &mut montecarlo::stream(seed, i)).map_err(crate::Error::from));
     let (hits, counters) = count(study, scene, draws)?;
     let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
@@ -75,7 +76,7 @@ pub fn quasi_monte_carlo(
     let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
     let mut counters = Counters::default();
     for scrambling in 0..scramblings {
-        let samples = (0..points).map(|i| sobol_sample(case, law, i, seed.wrapping_add(scrambling)));
+        let samples = (0..points).map(|i| Ok(sobol_sample(case, law, i, seed.wrapping_add(scrambling))));
         let (hits, computed) = count(study, scene, samples)?;
         counters = sum(counters, computed);
         runs.push(hits);
@@ -104,14 +105,14 @@ type Hits = BTreeMap<u16, [u64; 2]>;
 fn count(
     study: &Study<'_>,
     scene: usize,
-    samples: impl Iterator<Item = Sample>,
+    samples: impl Iterator<Item = Result<Sample, crate::Error>>,
 ) -> Result<(Hits, Counters), AccuracyError> {
     let mut hits = Hits::new();
     let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
     while samples.peek().is_some() {
-        let block: Vec<Sample> = samples.by_ref().take(BLOCK).collect();
+        let block: Vec<Sample> = samples.by_ref().take(BLOCK).collect::<Result<_, crate::Error>>()?;
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {

@@ -46,8 +46,10 @@ pub struct Judged {
     pub wrong_signs: usize,
     /// Modes called unstable that are stable or neutral.
     pub false_instabilities: usize,
-    /// Modes without a decision: undecided or marginal.
-    pub open: usize,
+    /// Modes proven to be on the axis as far as doubles tell.
+    pub marginal: usize,
+    /// Modes within the bound of their error.
+    pub undecided: usize,
     /// Modes that a bare `Re lambda > 0` puts on the wrong side.
     pub wrong_by_bare_sign: usize,
 }
@@ -80,7 +82,7 @@ impl HardCase {
         Ok([self.compare("QrSolver + verdict", &standard), self.compare("general + certify", &certified)])
     }
 
-    fn compare(&self, route: &'static str, found: &[(Complex<f64>, Verdict)]) -> Judged {
+    pub(super) fn compare(&self, route: &'static str, found: &[(Complex<f64>, Verdict)]) -> Judged {
         let wanted: Vec<_> = self.reference.iter().map(|r| r.lambda).collect();
         let lambdas: Vec<_> = found.iter().map(|f| f.0).collect();
         let mut judged = Judged {
@@ -92,7 +94,8 @@ impl HardCase {
             max_backward_error: 0.0,
             wrong_signs: 0,
             false_instabilities: 0,
-            open: 0,
+            marginal: 0,
+            undecided: 0,
             wrong_by_bare_sign: 0,
         };
         for (refined, at) in self.reference.iter().zip(matches(&wanted, &lambdas)) {
@@ -101,6 +104,11 @@ impl HardCase {
                 continue;
             };
             let exact = refined.lambda;
+            if exact == Complex::default() {
+                // An exact zero has no relative error: it is found as such or missed.
+                judged.max_error = if lambda == exact { judged.max_error } else { f64::INFINITY };
+                continue;
+            }
             let error = (lambda - exact).norm() / exact.norm();
             let is_unstable = exact.re > NEUTRAL * exact.norm();
             let is_stable = exact.re < -NEUTRAL * exact.norm();
@@ -115,7 +123,8 @@ impl HardCase {
                     judged.wrong_signs += usize::from(!is_unstable);
                 }
                 Verdict::Stable => judged.wrong_signs += usize::from(!is_stable),
-                Verdict::Undecided { .. } | Verdict::Marginal { .. } => judged.open += 1,
+                Verdict::Undecided { .. } => judged.undecided += 1,
+                Verdict::Marginal { .. } => judged.marginal += 1,
             }
         }
         judged
