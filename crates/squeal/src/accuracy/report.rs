@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
 use super::hard::{HardResult, judge_folder};
-use super::worst::{HardCase, Judged, approach, extremes, onset, with_lateral};
+use super::worst::{HardCase, Judged, approach, extremes, onset};
 use super::{AccuracyError, Family, exact, exceptional_point, support};
 use crate::case::{Case, Law};
 use crate::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
@@ -55,10 +55,8 @@ pub struct AccuracyReport {
     pub hard: Vec<HardResult>,
 }
 
-/// Distances in mu from an exceptional point.
-const DISTANCES: [f64; 8] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10];
-/// Starts of the search for an exceptional point, on each side of the square.
-const GRID: usize = 12;
+/// Distances in mu from an exceptional point, below and above.
+const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-3];
 
 /// Measures everything on the lattice of `case`, and on the problems in `hard`.
 ///
@@ -77,14 +75,15 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
         return Err(AccuracyError::NotOneParameter { needed: "scenes of both laws", found: "none".into() });
     };
 
-    // A class of four has no symmetry of its own: its modes meet at exceptional points and do not just cross.
-    let least = plan.scenes.iter().max_by_key(|s| s.members.len()).unwrap_or(coulomb);
     let (from, to) = support(case.friction.mu);
-    let median = *Sample::median(case).contact(0);
-    let mut system =
-        |[mu, lateral]: [f64; 2]| with_lateral(&plan, least, crate::study::FrictionDraw { mu, ..median }, lateral, 0.5);
-    let point = exceptional_point(&mut system, [from, to], GRID)?;
-    let near = approach(&plan, least, &point, &DISTANCES)?;
+    let mut undamped = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let mut system = |mu: f64| {
+        let mut system = undamped.system(mu).clone();
+        system.c.fill(0.0);
+        Ok(system)
+    };
+    let point = exceptional_point(&mut system, from, to)?;
+    let near = approach(&mut system, &point, &DISTANCES)?;
 
     let study = Study::new(&plan, &QrSolver)?;
     let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
@@ -93,13 +92,13 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
     for crossing in &first.crossings.crossings {
         worst.extend(onset(&plan, &plan.scenes[0], crossing)?);
     }
-    worst.extend(approach(&plan, least, &point, &DISTANCES)?);
+    worst.extend(approach(&mut system, &point, &DISTANCES)?);
     worst.extend(extremes(&both, coulomb, lugre)?);
 
     let groups = vec![
         ("Amontons-Coulomb, draws".to_owned(), false, drawn(&both, coulomb, effort.systems)?),
         ("LuGre, draws".to_owned(), false, drawn(&both, lugre, effort.systems)?),
-        ("1e-3 to 1e-10 from an exceptional point".to_owned(), true, near),
+        ("no damping, 1e-3 to 1e-10 from an exceptional point".to_owned(), true, near),
     ];
     let scenes: Vec<usize> = (0..plan.scenes.len()).step_by(effort.every).collect();
     let mut lattice = Vec::new();

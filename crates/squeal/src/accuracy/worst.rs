@@ -161,22 +161,17 @@ pub fn onset(plan: &Plan, scene: &Scene, crossing: &Crossing) -> Result<Vec<Hard
     [-1e-9, -1e-12, 0.0, 1e-12, 1e-9].into_iter().map(at).collect()
 }
 
-/// Systems at a distance in mu from an exceptional point.
+/// Systems at distances in the parameter from an exceptional point.
 ///
 /// # Errors
-/// Those of [`HardCase::new`].
+/// Those of `system` and of [`HardCase::new`].
 pub fn approach(
-    plan: &Plan,
-    scene: &Scene,
+    system: &mut dyn FnMut(f64) -> Result<SecondOrder, AccuracyError>,
     point: &ExceptionalPoint,
     distances: &[f64],
 ) -> Result<Vec<HardCase>, AccuracyError> {
-    let median = *Sample::median(&plan.case).contact(0);
-    let at = |&distance: &f64| {
-        let mu = point.at[0] + distance;
-        let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, point.at[1], 0.5)?;
-        HardCase::new(format!("exceptional point + {distance:.0e}"), system)
-    };
+    let at =
+        |&distance: &f64| HardCase::new(format!("exceptional point {distance:+.0e}"), system(point.mu + distance)?);
     distances.iter().map(at).collect()
 }
 
