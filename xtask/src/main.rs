@@ -1,5 +1,6 @@
-//! The project's own tasks: `cargo xtask reproduce`.
+//! The project's own tasks: `cargo xtask reproduce`, `cargo xtask accuracy`.
 
+mod accuracy;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -15,6 +16,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Task {
+    Accuracy(accuracy::AccuracyArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -23,8 +25,9 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return squeal::commands::refuse(&error),
     };
-    let result = match &cli.task {
-        Task::Reproduce(args) => reproduce::run(args),
+    let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
+        Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
+        Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -128,6 +128,11 @@ impl Sample {
         Self { contacts: vec![FrictionDraw::median(&case.friction)], speed_quantile: 0.5 }
     }
 
+    /// A sample with the same given draw in every contact.
+    pub fn shared(draw: FrictionDraw, speed_quantile: f64) -> Self {
+        Self { contacts: vec![draw], speed_quantile }
+    }
+
     /// The draw of an oscillator, by index from 0.
     pub fn contact(&self, oscillator: usize) -> &FrictionDraw {
         &self.contacts[oscillator % self.contacts.len()]

@@ -14,7 +14,8 @@ mod tally;
 
 pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use draw::{FrictionDraw, Sample};
-pub use evaluate::{Outcome, Study, UnstableMode};
+pub use evaluate::{Outcome, Scratch, Study, UnstableMode};
 pub use reference::Reference;
 pub use scene::{Plan, Scene, SceneKey, sliding};
+pub(crate) use tally::unstable_names;
 pub use tally::{Hits, SceneTally, Tally};

@@ -131,7 +131,7 @@ impl SceneTally {
 /// Names of the unstable modes of one sample, and whether each is sure.
 ///
 /// As many modes as a set of names has members, each open between just those, are all of them, whoever is who.
-fn unstable_names(modes: &[UnstableMode]) -> BTreeMap<u16, bool> {
+pub(crate) fn unstable_names(modes: &[UnstableMode]) -> BTreeMap<u16, bool> {
     let mut names = BTreeMap::new();
     for mode in modes {
         let alike = modes.iter().filter(|other| other.names == mode.names).count();

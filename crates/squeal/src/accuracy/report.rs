@@ -1,0 +1,264 @@
+//! `accuracy.{json,md,csv,svg,png}`: everything measured in one run.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use cea::QrSolver;
+use serde::Serialize;
+
+use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
+use super::hard::{HardResult, judge_folder};
+use super::worst::{HardCase, Judged, approach, extremes, onset};
+use super::{AccuracyError, Family, exact, exceptional_point, support};
+use crate::case::{Case, Law};
+use crate::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+use crate::output::{make_folder, write};
+use crate::study::{Plan, Sample, Scene, Study};
+
+/// How much is measured.
+#[derive(Debug, Clone)]
+pub struct Effort {
+    /// Every how many-th class of arrangements is a scene of the estimators.
+    pub every: usize,
+    /// Sizes of plain Monte Carlo.
+    pub plain: Vec<u64>,
+    /// Sizes of each scrambling of quasi-Monte Carlo.
+    pub quasi: Vec<u32>,
+    /// Scramblings.
+    pub scramblings: u32,
+    /// Systems of a route away from coalescence.
+    pub systems: u64,
+}
+
+impl Effort {
+    /// A minute.
+    pub fn quick() -> Self {
+        Self { every: 15, plain: vec![100, 1_000], quasi: vec![16, 64], scramblings: 8, systems: 32 }
+    }
+
+    /// Some minutes.
+    pub fn full() -> Self {
+        Self { every: 3, plain: vec![100, 1_000, 10_000], quasi: vec![16, 64, 256], scramblings: 8, systems: 256 }
+    }
+}
+
+/// All that was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct AccuracyReport {
+    /// Time per system against largest relative error.
+    pub routes: Vec<RouteRow>,
+    /// Time per scene against error of the occurrences.
+    pub estimators: Estimators,
+    /// The lattice at its worst.
+    pub lattice: Vec<Judged>,
+    /// Hard problems from files.
+    pub hard: Vec<HardResult>,
+}
+
+/// Distances in mu from an exceptional point, below and above.
+const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-3];
+
+/// Measures everything on the lattice of `case`, and on the problems in `hard`.
+///
+/// # Errors
+/// A case without Coulomb friction shared by all contacts; what the solvers and the files say.
+pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyReport, AccuracyError> {
+    let with_laws = |laws: Vec<Law>| {
+        let mut case = case.clone();
+        case.laws = laws;
+        Plan::new(case).map_err(AccuracyError::from)
+    };
+    let plan = with_laws(vec![Law::AmontonsCoulomb])?;
+    let both = with_laws(vec![Law::AmontonsCoulomb, Law::LuGre])?;
+    let scene_of = |law: Law| both.scenes.iter().find(|s| s.key.law == law);
+    let (Some(coulomb), Some(lugre)) = (scene_of(Law::AmontonsCoulomb), scene_of(Law::LuGre)) else {
+        return Err(AccuracyError::NotOneParameter { needed: "scenes of both laws", found: "none".into() });
+    };
+
+    let (from, to) = support(case.friction.mu);
+    let mut undamped = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let mut system = |mu: f64| {
+        let mut system = undamped.system(mu).clone();
+        system.c.fill(0.0);
+        Ok(system)
+    };
+    let point = exceptional_point(&mut system, from, to)?;
+    let near = approach(&mut system, &point, &DISTANCES)?;
+
+    let study = Study::new(&plan, &QrSolver)?;
+    let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let first = exact(&plan, &study.references()[0], &mut family)?;
+    let mut worst = Vec::new();
+    for crossing in &first.crossings.crossings {
+        worst.extend(onset(&plan, &plan.scenes[0], crossing)?);
+    }
+    worst.extend(approach(&mut system, &point, &DISTANCES)?);
+    worst.extend(extremes(&both, coulomb, lugre)?);
+
+    let groups = vec![
+        ("Amontons-Coulomb, draws".to_owned(), false, drawn(&both, coulomb, effort.systems)?),
+        ("LuGre, draws".to_owned(), false, drawn(&both, lugre, effort.systems)?),
+        ("no damping, 1e-3 to 1e-10 from an exceptional point".to_owned(), true, near),
+    ];
+    let scenes: Vec<usize> = (0..plan.scenes.len()).step_by(effort.every).collect();
+    let mut lattice = Vec::new();
+    for case in &worst {
+        lattice.extend(case.judge()?);
+    }
+    Ok(AccuracyReport {
+        routes: compare_routes(&groups),
+        estimators: compare_estimators(&study, &scenes, &effort.plain, &effort.quasi, effort.scramblings)?,
+        lattice,
+        hard: judge_folder(hard)?,
+    })
+}
+
+fn drawn(plan: &Plan, scene: &Scene, count: u64) -> Result<Vec<HardCase>, AccuracyError> {
+    let system = |i: u64| {
+        let sample =
+            Sample::draw(&plan.case, &mut montecarlo::stream(plan.case.seed, i)).map_err(crate::Error::from)?;
+        let mut system = linsys::SecondOrder::zeros(1, 0);
+        plan.linearise(scene, &sample, &mut system)?;
+        HardCase::new(format!("draw {i}"), system)
+    };
+    (0..count).map(system).collect()
+}
+
+impl AccuracyReport {
+    /// Writes the report and its figures into `folder`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn save(&self, folder: &Path) -> Result<(), crate::Error> {
+        make_folder(folder)?;
+        let path = folder.join("accuracy.json");
+        let json = serde_json::to_vec_pretty(self)
+            .map_err(|error| crate::Error::Write { path: path.clone(), source: error.into() })?;
+        write(&path, &json)?;
+        write(&folder.join("accuracy.md"), self.markdown().as_bytes())?;
+        loglog(&self.routes_figure())?.save(folder, "accuracy")?;
+        Ok(loglog(&self.estimators_figure())?.save(folder, "accuracy-estimators")?)
+    }
+
+    fn routes_figure(&self) -> LogLogFigure {
+        let panel = |near: bool, title: &str| {
+            let mut series: Vec<LogLogSeries> = Vec::new();
+            for row in self.routes.iter().filter(|row| row.near_coalescence == near && row.max_error.is_finite()) {
+                let point = [row.us, row.max_error];
+                match series.iter_mut().find(|s| s.name == row.route) {
+                    Some(one) => one.points.push(point),
+                    None => series.push(LogLogSeries { name: row.route.into(), points: vec![point], joined: false }),
+                }
+            }
+            LogLogPanel { title: title.into(), series }
+        };
+        LogLogFigure {
+            title: "Solver routes".into(),
+            x_label: "Time per system, \u{b5}s".into(),
+            y_label: "Largest relative error of an eigenvalue".into(),
+            panels: vec![panel(false, "Away from coalescence"), panel(true, "Near coalescence")],
+        }
+    }
+
+    fn estimators_figure(&self) -> LogLogFigure {
+        let panel = |near: bool, title: &str| {
+            let mut series: Vec<LogLogSeries> = Vec::new();
+            for row in &self.estimators.rows {
+                let point = [row.seconds, if near { row.max_error_near } else { row.max_error_away }];
+                match series.iter_mut().find(|s| s.name == row.estimator) {
+                    Some(one) => one.points.push(point),
+                    None => series.push(LogLogSeries { name: row.estimator.into(), points: vec![point], joined: true }),
+                }
+            }
+            LogLogPanel { title: title.into(), series }
+        };
+        LogLogFigure {
+            title: "Estimators of an occurrence".into(),
+            x_label: "Time per scene, s".into(),
+            y_label: "Largest error of an occurrence".into(),
+            panels: vec![panel(false, "Onset away from coalescence"), panel(true, "Onset near coalescence")],
+        }
+    }
+
+    /// The report for people.
+    pub fn markdown(&self) -> String {
+        let mut text = String::from("# Accuracy\n\nEverything here was measured in one run, on one thread.\n");
+        text += "\n## Solver routes\n\nErrors are relative, against eigenvalues refined in double-double.\n\n";
+        text += "| route | systems | n | states | \u{b5}s | largest error |\n| --- | --- | --- | --- | --- | --- |\n";
+        for row in &self.routes {
+            let RouteRow { route, systems, n, states, us, max_error, .. } = row;
+            let _ = writeln!(text, "| {route} | {systems} | {n} | {states} | {us:.0} | {max_error:.1e} |");
+        }
+        self.estimators_markdown(&mut text);
+        text +=
+            "\n## The lattice at its worst\n\nForward errors are in units of condition number times machine epsilon.\n";
+        text += "Bare sign: modes that a test of Re lambda > 0 puts on the wrong side.\n\n";
+        table_head(&mut text);
+        self.lattice.iter().for_each(|judged| table_row(&mut text, judged));
+        text += "\n## Hard problems\n\n";
+        table_head(&mut text);
+        for result in &self.hard {
+            match result {
+                HardResult::Judged(judged) => table_row(&mut text, judged),
+                HardResult::Refused { case, reason } => {
+                    let _ = writeln!(text, "| {case} | refused: {reason} | | | | | | | | |");
+                }
+            }
+        }
+        text
+    }
+
+    fn estimators_markdown(&self, text: &mut String) {
+        let Estimators { scenes, occurrences, reference_bound, samples_to_a_tenth_of_a_point, rows } = &self.estimators;
+        let _ = writeln!(
+            text,
+            "\n## Estimators of an occurrence\n\nShared Coulomb friction, {scenes} scenes; {} occurrences away from \
+             coalescence, {} with an onset near one. Reference: the exact integral, error at most {reference_bound:.1e}. \
+             Plain Monte Carlo needs {samples_to_a_tenth_of_a_point:.0} samples for 0.1 percentage points (95 %) of the \
+             worst of them.\n",
+            occurrences[0], occurrences[1]
+        );
+        *text += "| estimator | samples | spectra | s per scene | largest error, away | near |\n";
+        *text += "| --- | --- | --- | --- | --- | --- |\n";
+        for row in rows {
+            let _ = writeln!(
+                text,
+                "| {} | {} | {:.0} | {:.2e} | {:.1e} | {:.1e} |",
+                row.estimator, row.samples, row.spectra, row.seconds, row.max_error_away, row.max_error_near
+            );
+        }
+        let time = |estimator: &str| rows.iter().rev().find(|row| row.estimator == estimator);
+        if let (Some(plain), Some(exact)) = (time("Monte Carlo"), time("exact integral")) {
+            let plain = plain.seconds / plain.samples as f64 * samples_to_a_tenth_of_a_point;
+            let _ = writeln!(
+                text,
+                "\nTo 0.1 percentage points, by QrSolver: {plain:.0} s of plain Monte Carlo a scene, extrapolated from its \
+                 time per sample, against {:.2e} s of the exact integral: {:.0} times.",
+                exact.seconds,
+                plain / exact.seconds
+            );
+        }
+    }
+}
+
+fn table_head(text: &mut String) {
+    *text += "| case | route | modes | forward | backward | wrong signs | false instabilities | marginal | undecided | bare sign |\n";
+    *text += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+}
+
+fn table_row(text: &mut String, judged: &Judged) {
+    let _ = writeln!(
+        text,
+        "| {} | {} | {} | {:.2} | {:.1e} | {} | {} | {} | {} | {} |",
+        judged.case,
+        judged.route,
+        judged.modes,
+        judged.max_error_in_condition_epsilon,
+        judged.max_backward_error,
+        judged.wrong_signs,
+        judged.false_instabilities,
+        judged.marginal,
+        judged.undecided,
+        judged.wrong_by_bare_sign
+    );
+}

@@ -1,0 +1,233 @@
+//! The lattice at its worst: systems on which a solver or a verdict could go wrong, each judged against eigenvalues refined
+//! in double-double.
+
+use cea::{EigenSolver, QrSolver, Verdict, Workspace, general, verdict};
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use osc_model::{Lateral, Linearise};
+use serde::Serialize;
+
+use super::refine::{Refined, least_backward_error, refine, refine_all};
+use super::routes::matches;
+use super::{AccuracyError, Crossing, ExceptionalPoint};
+use crate::case::Law;
+use crate::study::{FrictionDraw, Plan, Sample, Scene};
+
+/// Below this part of |lambda| a refined real part counts as exactly zero.
+const NEUTRAL: f64 = 1e-18;
+
+/// A hard system with its refined modes.
+pub struct HardCase {
+    /// What is hard about it.
+    pub name: String,
+    /// The system.
+    pub system: SecondOrder,
+    /// Its oscillating modes, those that could be refined.
+    pub reference: Vec<Refined>,
+}
+
+/// How a route did on a hard case.
+#[derive(Debug, Clone, Serialize)]
+pub struct Judged {
+    /// The case.
+    pub case: String,
+    /// The route.
+    pub route: &'static str,
+    /// Modes judged.
+    pub modes: usize,
+    /// Largest relative error of an eigenvalue.
+    pub max_error: f64,
+    /// Largest relative error in units of condition number times machine epsilon.
+    pub max_error_in_condition_epsilon: f64,
+    /// Largest backward error, the least one with which the number found is an eigenvalue.
+    pub max_backward_error: f64,
+    /// Decided verdicts that are wrong.
+    pub wrong_signs: usize,
+    /// Modes called unstable that are stable or neutral.
+    pub false_instabilities: usize,
+    /// Modes proven to be on the axis as far as doubles tell.
+    pub marginal: usize,
+    /// Modes within the bound of their error.
+    pub undecided: usize,
+    /// Modes that a bare `Re lambda > 0` puts on the wrong side.
+    pub wrong_by_bare_sign: usize,
+}
+
+impl HardCase {
+    /// A case whose modes are refined from QrSolver's eigenvalues.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn new(name: String, system: SecondOrder) -> Result<Self, AccuracyError> {
+        let lambdas: Vec<_> = QrSolver.eigenvalues(&system, &mut Workspace::default())?.oscillatory().collect();
+        let one_by_one = || lambdas.iter().filter_map(|&l| refine(&system, l).ok()).collect();
+        let reference = refine_all(&system, &lambdas).unwrap_or_else(|_| one_by_one());
+        Ok(Self { name, system, reference })
+    }
+
+    /// Both certified routes on this case.
+    ///
+    /// # Errors
+    /// Those of the routes.
+    pub fn judge(&self) -> Result<[Judged; 2], AccuracyError> {
+        let mut work = Workspace::default();
+        let spectrum = QrSolver.eigenvalues(&self.system, &mut work)?;
+        let of = |&lambda: &Complex<f64>| Ok((lambda, verdict(&self.system, lambda, spectrum.scale, &mut work)?));
+        let standard: Vec<_> = spectrum.eigenvalues.iter().map(of).collect::<Result<_, cea::CeaError>>()?;
+        let mut work = Workspace::default();
+        let spectrum = general::solve(&self.system, &mut work)?;
+        let certified = general::certify(&self.system, &spectrum, &mut work)?;
+        let certified: Vec<_> = certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect();
+        Ok([self.compare("QrSolver + verdict", &standard), self.compare("general + certify", &certified)])
+    }
+
+    pub(super) fn compare(&self, route: &'static str, found: &[(Complex<f64>, Verdict)]) -> Judged {
+        let wanted: Vec<_> = self.reference.iter().map(|r| r.lambda).collect();
+        let lambdas: Vec<_> = found.iter().map(|f| f.0).collect();
+        let mut judged = Judged {
+            case: self.name.clone(),
+            route,
+            modes: wanted.len(),
+            max_error: 0.0,
+            max_error_in_condition_epsilon: 0.0,
+            max_backward_error: 0.0,
+            wrong_signs: 0,
+            false_instabilities: 0,
+            marginal: 0,
+            undecided: 0,
+            wrong_by_bare_sign: 0,
+        };
+        for (refined, at) in self.reference.iter().zip(matches(&wanted, &lambdas)) {
+            let Some((lambda, verdict)) = at.map(|at| found[at]) else {
+                judged.max_error = f64::INFINITY;
+                continue;
+            };
+            let exact = refined.lambda;
+            if exact == Complex::default() {
+                // An exact zero has no relative error: it is found as such or missed.
+                judged.max_error = if lambda == exact { judged.max_error } else { f64::INFINITY };
+                continue;
+            }
+            let error = (lambda - exact).norm() / exact.norm();
+            let is_unstable = exact.re > NEUTRAL * exact.norm();
+            let is_stable = exact.re < -NEUTRAL * exact.norm();
+            judged.max_error = judged.max_error.max(error);
+            judged.max_error_in_condition_epsilon =
+                judged.max_error_in_condition_epsilon.max(error / (refined.condition * f64::EPSILON));
+            judged.max_backward_error = judged.max_backward_error.max(least_backward_error(&self.system, lambda));
+            judged.wrong_by_bare_sign += usize::from((lambda.re > 0.0) != is_unstable);
+            match verdict {
+                Verdict::Unstable => {
+                    judged.false_instabilities += usize::from(!is_unstable);
+                    judged.wrong_signs += usize::from(!is_unstable);
+                }
+                Verdict::Stable => judged.wrong_signs += usize::from(!is_stable),
+                Verdict::Undecided { .. } => judged.undecided += 1,
+                Verdict::Marginal { .. } => judged.marginal += 1,
+            }
+        }
+        judged
+    }
+}
+
+/// The system of a scene with one draw in all contacts, its lateral coefficient given apart.
+///
+/// # Errors
+/// A draw that the law refuses.
+pub fn with_lateral(
+    plan: &Plan,
+    scene: &Scene,
+    draw: FrictionDraw,
+    lateral_mu: f64,
+    speed_quantile: f64,
+) -> Result<SecondOrder, AccuracyError> {
+    let mut at = plan.sliding(scene, &Sample::shared(draw, speed_quantile))?;
+    at.contacts.iter_mut().for_each(|contact| contact.lateral_mu = lateral_mu);
+    Ok(plan.lattice(scene).linearised(&at).map_err(crate::Error::from)?)
+}
+
+/// Systems around a critical coefficient, from 1e-12 below to 1e-12 above, for a scene of Coulomb friction.
+///
+/// # Errors
+/// Those of [`HardCase::new`].
+pub fn onset(plan: &Plan, scene: &Scene, crossing: &Crossing) -> Result<Vec<HardCase>, AccuracyError> {
+    let median = *Sample::median(&plan.case).contact(0);
+    let at = |offset: f64| {
+        let mu = crossing.mu + offset;
+        let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        HardCase::new(format!("onset, mu_c {offset:+.0e}"), system)
+    };
+    [-1e-9, -1e-12, 0.0, 1e-12, 1e-9].into_iter().map(at).collect()
+}
+
+/// Systems at distances in the parameter from an exceptional point.
+///
+/// # Errors
+/// Those of `system` and of [`HardCase::new`].
+pub fn approach(
+    system: &mut dyn FnMut(f64) -> Result<SecondOrder, AccuracyError>,
+    point: &ExceptionalPoint,
+    distances: &[f64],
+) -> Result<Vec<HardCase>, AccuracyError> {
+    let at =
+        |&distance: &f64| HardCase::new(format!("exceptional point {distance:+.0e}"), system(point.mu + distance)?);
+    distances.iter().map(at).collect()
+}
+
+/// Speeds near zero, bristles from soft to stiff, other units, multiple and neutral eigenvalues; `coulomb` and `lugre` are
+/// scenes of the plan with those laws.
+///
+/// # Errors
+/// Those of [`HardCase::new`].
+pub fn extremes(plan: &Plan, coulomb: &Scene, lugre: &Scene) -> Result<Vec<HardCase>, AccuracyError> {
+    let median = *Sample::median(&plan.case).contact(0);
+    let mut cases = Vec::new();
+    let range = lugre.key.speed.map(|at| plan.case.speeds[at].clone());
+    for v in [1e-3, 1e-6, 1e-9] {
+        // The quantile function of the speed goes on below its range.
+        let quantile = range.as_ref().map_or(0.5, |r| (v / r.from).ln() / (r.to / r.from).ln());
+        let system = with_lateral(plan, lugre, median, median.lateral_mu, quantile)?;
+        cases.push(HardCase::new(format!("LuGre, v = {v:.0e} m/s"), system)?);
+    }
+    for exponent in 2..=9 {
+        let sigma0 = 10.0_f64.powi(exponent);
+        let system = with_lateral(plan, lugre, FrictionDraw { sigma0, ..median }, median.lateral_mu, 0.5)?;
+        cases.push(HardCase::new(format!("LuGre, sigma0 = {sigma0:.0e} 1/m"), system)?);
+    }
+    let mut vector = plan.case.clone();
+    vector.readings.lateral = Lateral::Vector;
+    vector.laws = vec![Law::AmontonsCoulomb];
+    let vector = Plan::new(vector)?;
+    for v in [1e-3, 1e-6, 1e-9] {
+        let scene = &vector.scenes[0];
+        let range = scene.key.speed.map(|at| vector.case.speeds[at].clone());
+        let quantile = range.map_or(0.5, |r| (v / r.from).ln() / (r.to / r.from).ln());
+        let system = with_lateral(&vector, scene, median, median.mu, quantile)?;
+        cases.push(HardCase::new(format!("lateral dashpots mu N0 / v, v = {v:.0e} m/s"), system)?);
+    }
+    let plain = with_lateral(plan, coulomb, median, median.mu, 0.5)?;
+    for (name, mass, damping, stiffness) in [("t, mm, s", 1e-3, 1e-3, 1e-3), ("kg, mm, ms", 1.0, 1e-3, 1e-6)] {
+        let system = SecondOrder::new(&plain.m * mass, &plain.c * damping, &plain.k * stiffness);
+        cases.push(HardCase::new(format!("units {name}"), system.map_err(cea::CeaError::from)?)?);
+    }
+    let twice = SecondOrder::new(twice(&plain.m), twice(&plain.c), twice(&plain.k)).map_err(cea::CeaError::from)?;
+    let single = HardCase::new(String::new(), plain)?.reference;
+    let reference = single.iter().chain(&single).copied().collect();
+    cases.push(HardCase { name: "two uncoupled copies".into(), system: twice, reference });
+    for mu in [0.0, 0.1] {
+        let mut system = with_lateral(plan, coulomb, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        system.c.fill(0.0);
+        cases.push(HardCase::new(format!("no damping, mu = {mu}"), system)?);
+    }
+    Ok(cases)
+}
+
+/// Block diagonal, the matrix twice.
+fn twice(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let mut both = DMatrix::zeros(2 * n, 2 * n);
+    both.view_mut((0, 0), (n, n)).copy_from(matrix);
+    both.view_mut((n, n), (n, n)).copy_from(matrix);
+    both
+}

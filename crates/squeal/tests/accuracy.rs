@@ -1,0 +1,190 @@
+//! The estimators of an occurrence against each other, and the branches against the solver.
+
+use std::path::Path;
+
+use cea::{EigenSolver, QrSolver, Workspace};
+use linsys::SecondOrder;
+use montecarlo::Study as _;
+use num_complex::Complex;
+use squeal::accuracy::{
+    AccuracyError, Exact, Family, TaylorOrder, exact, monte_carlo, perturbation, quasi_monte_carlo, refine, refine_all,
+};
+use squeal::case::{Case, Law};
+use squeal::study::{Plan, Sample, Study};
+
+/// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
+fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
+    let mut text = std::fs::read_to_string(path)
+        .unwrap()
+        .replace("[\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", &format!("[\"{law}\"]"))
+        .replace("in_contact = [9, 8, 7, 6]", &format!("arrangements = {arrangements}"));
+    let sets = text.find("[[constraints]]").unwrap()..text.find("[[speeds]]").unwrap();
+    text.replace_range(sets, "");
+    for (from, to) in edits {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    Plan::new(Case::parse(path, text).unwrap()).unwrap()
+}
+
+const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
+
+fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
+    let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    exact(study.plan(), &study.references()[scene], &mut family).unwrap()
+}
+
+#[test]
+fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
+    let plan = plan(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    let mut scratch = Default::default();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene);
+        assert!(exact.error < 1e-10 && exact.counters.eigenvalue_solves < 200);
+        for i in 0..100 {
+            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(7, i)).unwrap();
+            let mu = sample.contact(0).mu;
+            let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
+            let piece = exact.integral.pieces.iter().find(|p| p.from <= mu && mu < p.to).unwrap();
+            let names: Vec<_> = outcome.unstable.into_iter().map(|mode| mode.names).collect();
+            assert_eq!(names, piece.unstable, "mu = {mu}");
+        }
+    }
+}
+
+#[test]
+fn two_thousand_samples_agree_with_the_exact_integral_within_their_intervals() {
+    let plan = plan("[[1,2,3,4,5,6,7,8,9],[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene).integral.occurrences;
+        let samples = monte_carlo(&study, scene, 11, 2000).unwrap();
+        for (name, occurrence) in &exact {
+            // Not 95 %: a dozen intervals have to hold at once.
+            let Some(found) = samples.modes.get(name) else {
+                assert!(occurrence.upper < 0.005);
+                continue;
+            };
+            assert!((found.occurrence.lower - occurrence.lower).abs() < 1.7 * found.half_width, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
+    let plan = plan(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene);
+        assert!(exact.crossings.crossings.len() >= 4 && exact.crossings.unresolved.is_empty());
+        let mut family = Family::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
+        for crossing in &exact.crossings.crossings {
+            assert!(crossing.error < 1e-11);
+            let mut real = |mu: f64| {
+                let system = family.system(mu).clone();
+                let guess = Complex::new(0.0, crossing.omega);
+                let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+                let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
+                refine(&system, nearest.unwrap()).unwrap().lambda.re
+            };
+            let (below, above) = (real(crossing.mu - 2e-11), real(crossing.mu + 2e-11));
+            assert!(below * above < 0.0 && (above > 0.0) == crossing.destabilises, "{below} {above}");
+        }
+    }
+}
+
+#[test]
+fn scrambled_sobol_points_converge_to_the_exact_integral() {
+    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    let exact = exact_of(&study, 0).integral.occurrences;
+    for (points, tolerance) in [(16, 0.04), (256, 0.0025)] {
+        let found = quasi_monte_carlo(&study, 0, 5, points, 4).unwrap();
+        for (name, occurrence) in &exact {
+            let found = found.modes.get(name).map_or(0.0, |mode| mode.occurrence.lower);
+            assert!((found - occurrence.lower).abs() < tolerance, "{name}: {found} {occurrence:?}");
+        }
+    }
+    assert!(matches!(quasi_monte_carlo(&study, 0, 5, 0, 4), Err(AccuracyError::Points { .. })));
+    assert!(matches!(quasi_monte_carlo(&study, 0, 5, 8, 1), Err(AccuracyError::Points { .. })));
+}
+
+#[test]
+fn sobol_points_sample_every_law() {
+    for law in ["velocity-dependent", "lugre"] {
+        let plan = plan("[[1,2,3,4,5,6,7,8,9]]", law, &[]);
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let plain = monte_carlo(&study, 0, 3, 400).unwrap();
+        let quasi = quasi_monte_carlo(&study, 0, 3, 64, 4).unwrap();
+        for (name, mode) in plain.modes {
+            let other = quasi.modes.get(&name).map_or(0.0, |mode| mode.occurrence.lower);
+            assert!((mode.occurrence.lower - other).abs() < 1.5 * mode.half_width + 0.02, "{law} {name}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_the_limits_of_differences() {
+    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+    let (mu, h) = (0.4, 1e-4);
+    // Modes keep their order by frequency over so small a step.
+    let at = |family: &mut Family<'_>, mu: f64| {
+        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu).clone());
+        refine_all(&system, &lambdas).unwrap()
+    };
+    let (all_below, all_above) = (at(&mut family, mu - h), at(&mut family, mu + h));
+    let all = at(&mut family, mu);
+    for (i, middle) in all.iter().enumerate() {
+        if all.iter().enumerate().any(|(j, m)| j != i && (m.lambda - middle.lambda).norm() < 1e-6) {
+            continue; // x and y of the plate, exactly double
+        }
+        let (below, middle, above) = (all_below[i].lambda, middle.lambda, all_above[i].lambda);
+        let expansion = family.expand(mu, middle).unwrap();
+        let slope = family.derivative(mu, middle).unwrap().slope;
+        let first = (above - below) / (2.0 * h);
+        let second = (above - 2.0 * middle + below) / (h * h);
+        assert!((expansion.first - slope).norm() < 1e-7 * (1.0 + slope.norm()));
+        assert!((expansion.first - first).norm() < 1e-4 * (1.0 + first.norm()), "{first} {expansion:?}");
+        assert!((expansion.second - second).norm() < 1e-2 * (10.0 + second.norm()), "{second} {expansion:?}");
+    }
+}
+
+#[test]
+fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
+    let narrow = [(
+        "mu = { distribution = \"normal\", mean = 0.50, deviation = 0.10",
+        "mu = { distribution = \"normal\", mean = 0.4345, deviation = 0.0002",
+    )];
+    let error = |edits: &[(&str, &str)], order| {
+        let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let exact = exact_of(&study, 0).integral.occurrences;
+        let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+        let found = perturbation(&plan, &study.references()[0], &mut family, order).unwrap().occurrences;
+        let names = exact.keys().chain(found.keys());
+        let of = |all: &std::collections::BTreeMap<u16, squeal::accuracy::Occurrence>, name: &u16| {
+            all.get(name).map_or(0.0, |o| o.lower)
+        };
+        names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)
+    };
+    let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));
+    assert!(second < 1e-4 && second < first && first < 0.01, "{first} {second}");
+    assert!(error(&[], TaylorOrder::First) > 0.01);
+}
+
+#[test]
+fn what_is_no_family_is_refused() {
+    for (law, edits) in [
+        ("velocity-dependent", &[][..]),
+        ("amontons-coulomb", &[("draws = \"shared\"", "draws = \"each\"")]),
+        ("amontons-coulomb", &[("lateral = \"coupled\"", "lateral = \"vector\"")]),
+    ] {
+        let plan = plan("[[1,3,4,5,6,8]]", law, edits);
+        let refused = Family::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
+        assert!(matches!(refused, Err(AccuracyError::NotOneParameter { .. })));
+    }
+    assert_eq!(plan(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
+}
