@@ -120,7 +120,7 @@ impl WithSimd for Kernel<'_> {
         let lanes = S::F64_LANES;
         let layout = Layout::new(2 * self.shape.0 + self.shape.1);
         let needed = (layout.len() + hessenberg::scratch_len(layout)) * lanes;
-        // Registers that straddle cache lines cost a third of the speed; a line is 8 numbers.
+        // From the start of a cache line, 8 numbers long, so that no register straddles two.
         if self.scratch.len() < needed + 8 {
             self.scratch.resize(needed + 8, 0.0);
         }
