@@ -8,8 +8,8 @@ use nalgebra::{DMatrix, DVector, dmatrix};
 use num_complex::Complex;
 use proptest::prelude::*;
 
-/// A chain of `n` masses with a friction-like coupling `mu`, which takes the symmetry out of K, and `s` internal states.
-/// The coupling alternates: in one direction it would add up along the chain to a matrix far from normal.
+/// A chain of `n` masses with a friction-like coupling `mu`, which takes the symmetry out of K, and `s` internal
+/// states. The coupling alternates: in one direction it would add up along the chain to a matrix far from normal.
 fn chain(n: usize, s: usize, mu: f64) -> SecondOrder {
     let mut system = SecondOrder::zeros(n, s);
     for i in 0..n {
