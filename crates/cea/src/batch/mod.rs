@@ -1,15 +1,15 @@
 //! Many samples at once, one per lane of the vector registers.
 //!
 //! Samples of one shape differ in their numbers only, so the operations of the QR algorithm can run on
-//! several of them in step: Householder's reduction to Hessenberg form, then Francis' double-shift sweeps, eigenvalues
-//! only. Entry (i, j) of 8 matrices (AVX-512), 4 (AVX2) or 2 (NEON) stands in one register; a machine without vector units
-//! takes one at a time. Each lane deflates and shifts by itself. A lane that is done, or has no row in the current
-//! step, reflects by the identity.
+//! several of them in step: Householder's reduction to Hessenberg form, then Francis' double-shift sweeps,
+//! eigenvalues only. Entry (i, j) of 8 matrices (AVX-512), 4 (AVX2) or 2 (NEON) stands in one register; a machine
+//! without vector units takes one at a time. Each lane deflates and shifts by itself. A lane that is done, or has
+//! no row in the current step, reflects by the identity.
 //!
 //! **Bits.** The spectrum of a sample does not depend on its lane, its neighbours, the number of samples or threads,
-//! to the last bit: no operation mixes lanes, and an identity changes nothing. Nor does it depend on the machine, as long as
-//! that has fused multiply-add (x86-64 with AVX2 since 2013, every aarch64). Older ones round twice
-//! where the others round once and differ in the last digits.
+//! to the last bit: no operation mixes lanes, and an identity changes nothing. Nor does it depend on the machine,
+//! as long as that has fused multiply-add (x86-64 with AVX2 since 2013, every aarch64). Older ones round twice where
+//! the others round once and differ in the last digits.
 
 mod diagonal;
 mod hessenberg;
@@ -45,7 +45,10 @@ use pack::Scale;
 /// // Two masses coupled by friction: flutter sets in where mu reaches 1 / 3.
 /// let systems: Vec<SecondOrder> = (0..10)
 ///     .map(|i| 0.1 * f64::from(i))
-///     .map(|mu| SecondOrder::new(dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![0.0, 0.0; 0.0, 0.0], dmatrix![10.0, 3.0 * mu; -3.0 * mu, 12.0]))
+///     .map(|mu| {
+///         let (m, c) = (dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![0.0, 0.0; 0.0, 0.0]);
+///         SecondOrder::new(m, c, dmatrix![10.0, 3.0 * mu; -3.0 * mu, 12.0])
+///     })
 ///     .collect::<Result<_, _>>()?;
 /// let mut spectra = Vec::new();
 /// BatchSolver.eigenvalues_of_all(&systems, &mut Workspace::default(), &mut spectra);
@@ -120,7 +123,7 @@ impl WithSimd for Kernel<'_> {
         let lanes = S::F64_LANES;
         let layout = Layout::new(2 * self.shape.0 + self.shape.1);
         let needed = (layout.len() + hessenberg::scratch_len(layout)) * lanes;
-        // Registers that straddle cache lines cost a third of the speed; a line is 8 numbers.
+        // From the start of a cache line, 8 numbers long, so that no register straddles two.
         if self.scratch.len() < needed + 8 {
             self.scratch.resize(needed + 8, 0.0);
         }

@@ -4,8 +4,8 @@ use pulp::Simd;
 
 /// Short names for the operations of `S`.
 ///
-/// Every method is inlined into the function that pulp compiles for the instruction set. A closure would not be:
-/// a call per operation made the solver twice as slow, so the kernels use none that runs in a loop.
+/// Every method is inlined into the function that pulp compiles for the instruction set. A closure that runs in several
+/// places need not be, and is then compiled without that set: the QR iteration took 53 us instead of 34 for it.
 #[derive(Clone, Copy)]
 pub(super) struct Ops<S>(pub S);
 

@@ -43,20 +43,21 @@ pub(super) fn pack<S: Simd>(
     a.fill(zero);
     let weights = &mut weights[..n];
     weights.fill(one);
-    for (lane, system) in systems.iter().enumerate() {
-        let (x, lanes) = (bytemuck::cast_slice_mut::<_, f64>(a), S::F64_LANES);
-        for j in 0..n {
+    let lanes = S::F64_LANES;
+    let (x, masses) = (bytemuck::cast_slice_mut::<_, f64>(a), bytemuck::cast_slice_mut::<_, f64>(weights));
+    // Column by column, so that a register stays in the first cache level until all its lanes are there.
+    for j in 0..n {
+        for (lane, system) in systems.iter().enumerate() {
             scatter(x, lanes, lane, layout.at(n, j), &system.k.as_slice()[j * n..][..n]);
             scatter(x, lanes, lane, layout.at(n, n + j), &system.c.as_slice()[j * n..][..n]);
             scatter(x, lanes, lane, layout.at(2 * n, n + j), &system.internal.drive.as_slice()[j * s..][..s]);
+            masses[j * lanes + lane] = system.m[(j, j)];
         }
-        for k in 0..s {
+    }
+    for k in 0..s {
+        for (lane, system) in systems.iter().enumerate() {
             scatter(x, lanes, lane, layout.at(n, 2 * n + k), &system.internal.force.as_slice()[k * n..][..n]);
             x[layout.at(2 * n + k, 2 * n + k) * lanes + lane] = system.internal.decay[k];
-        }
-        let masses: &mut [f64] = bytemuck::cast_slice_mut(weights);
-        for (i, mass) in masses.chunks_exact_mut(lanes).enumerate() {
-            mass[lane] = system.m[(i, i)];
         }
     }
     for weight in &mut *weights {
@@ -93,8 +94,8 @@ fn scatter(x: &mut [f64], lanes: usize, lane: usize, at: usize, column: &[f64]) 
 }
 
 fn is_positive_diagonal(m: &DMatrix<f64>) -> bool {
-    let n = m.nrows();
-    (0..n).all(|j| m.as_slice()[j * n..][..n].iter().enumerate().all(|(i, &x)| if i == j { x > 0.0 } else { x == 0.0 }))
+    let entries = m.iter().filter(|&&x| x != 0.0).count();
+    entries == m.nrows() && (0..m.nrows()).all(|i| m[(i, i)] > 0.0)
 }
 
 /// From M, C, K, E, F, a as they are to the scaled state matrix, in all lanes.

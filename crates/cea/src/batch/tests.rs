@@ -179,3 +179,30 @@ fn instruction_sets_with_fused_multiply_add_agree_to_the_bit_and_the_others_near
         assert!(distance(best.as_ref().unwrap(), &portable.unwrap()) < 1e-12);
     }
 }
+
+#[test]
+fn sums_of_eigenvalues_and_of_their_squares_are_traces() {
+    for n in [3, 4, 6, 7, 12, 40] {
+        let of_kind = |kind: u64, seed: u64| {
+            let a = noise(n, n, 6 * seed + kind);
+            match kind {
+                0 => &a + a.transpose(),
+                1 => &a - a.transpose(),
+                2 => a.map(|x| (2.0 * x).round()),
+                3 => a.map(|x| if x > 0.6 { x } else { 0.0 }),
+                4 => a.qr().q(),
+                _ => a.map(|x| (3.0 * x).exp() * x.signum()),
+            }
+        };
+        for kind in 0..6 {
+            let matrices: Vec<_> = (0..16).map(|seed| of_kind(kind, seed)).collect();
+            for (matrix, found) in matrices.iter().zip(Arch::new().dispatch(OnMatrices(&matrices))) {
+                let (size, found) = (matrix.norm(), found.unwrap());
+                let first: Complex<f64> = found.iter().sum();
+                let second: Complex<f64> = found.iter().map(|x| x * x).sum();
+                assert!((first - matrix.trace()).norm() < 1e-13 * size, "n = {n}, kind {kind}");
+                assert!((second - (matrix * matrix).trace()).norm() < 1e-13 * size * size, "n = {n}, kind {kind}");
+            }
+        }
+    }
+}
