@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use cea::QrSolver;
+use cea::{BatchSolver, QrSolver};
 use serde::Serialize;
 
 use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
@@ -85,7 +85,7 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
     let point = exceptional_point(&mut system, from, to)?;
     let near = approach(&mut system, &point, &DISTANCES)?;
 
-    let study = Study::new(&plan, &QrSolver)?;
+    let study = Study::new(&plan, &BatchSolver)?;
     let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
     let first = exact(&plan, &study.references()[0], &mut family)?;
     let mut worst = Vec::new();
@@ -232,7 +232,7 @@ impl AccuracyReport {
             let plain = plain.seconds / plain.samples as f64 * samples_to_a_tenth_of_a_point;
             let _ = writeln!(
                 text,
-                "\nTo 0.1 percentage points, by QrSolver: {plain:.0} s of plain Monte Carlo a scene, extrapolated from its \
+                "\nTo 0.1 percentage points, by BatchSolver: {plain:.0} s of plain Monte Carlo a scene, extrapolated from its \
                  time per sample, against {:.2e} s of the exact integral: {:.0} times.",
                 exact.seconds,
                 plain / exact.seconds

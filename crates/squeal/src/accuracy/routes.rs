@@ -1,6 +1,6 @@
 //! Solver routes side by side: the same systems, all eigenvalues.
 
-use cea::{EigenSolver, QrSolver, StandardForm, Workspace, general};
+use cea::{BatchSolver, EigenSolver, QrSolver, StandardForm, Workspace, general};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
@@ -24,6 +24,7 @@ pub struct Route {
 pub fn routes() -> Vec<Route> {
     vec![
         Route { name: "QrSolver", solve: |systems| by(&QrSolver, systems) },
+        Route { name: "BatchSolver, SIMD", solve: |systems| by(&BatchSolver, systems) },
         Route { name: "general: QR or QZ", solve: |systems| systems.iter().map(by_general).collect() },
         Route { name: "nalgebra Schur, scaled", solve: |systems| systems.iter().map(by_schur_scaled).collect() },
         Route { name: "nalgebra Schur, raw", solve: |systems| systems.iter().map(by_schur_raw).collect() },
