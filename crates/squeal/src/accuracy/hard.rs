@@ -5,27 +5,14 @@ use std::path::{Path, PathBuf};
 use cea::{Workspace, general};
 use linsys::{SecondOrder, read_market};
 use num_complex::Complex;
-use serde::Serialize;
 
 use super::refine::Refined;
 use super::routes::matches;
-use super::worst::{HardCase, Judged};
+use super::worst::{HardCase, HardResult};
 use crate::Error;
 
-/// What became of one problem.
-#[derive(Debug, Clone, Serialize)]
-#[serde(untagged)]
-pub enum HardResult {
-    /// Its eigenvalues were judged.
-    Judged(Judged),
-    /// It was refused, as a problem without a spectrum should be.
-    Refused {
-        /// The problem.
-        case: String,
-        /// Why.
-        reason: String,
-    },
-}
+/// The only route that takes all of them.
+const ROUTE: &str = "general + certify";
 
 /// Solves and judges every problem in the folders of `folder`, by name.
 ///
@@ -51,7 +38,7 @@ fn judge(folder: &Path) -> Result<HardResult, Error> {
         .and_then(|spectrum| general::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
     let (spectrum, certified) = match solved {
         Ok(solved) => solved,
-        Err(error) => return Ok(HardResult::Refused { case, reason: error.to_string() }),
+        Err(error) => return Ok(HardResult::Refused { case, route: ROUTE, reason: error.to_string() }),
     };
     let (wanted, infinite) = reference(&folder.join("eigs.csv"))?;
     let found: Vec<_> = certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect();
@@ -59,7 +46,7 @@ fn judge(folder: &Path) -> Result<HardResult, Error> {
     let condition = |at: Option<usize>| at.map_or(f64::NAN, |at| certified.eigenvalues[at].condition);
     let refined = |(&lambda, at): (&Complex<f64>, Option<usize>)| Refined { lambda, condition: condition(at) };
     let reference = wanted.iter().zip(matches(&wanted, &lambdas)).map(refined).collect();
-    let mut judged = HardCase { name: case, system, reference }.compare("general + certify", &found);
+    let mut judged = HardCase { name: case, system, reference }.compare(ROUTE, &found);
     // The certificate's own: with the vector that it has, and not the best one.
     judged.max_backward_error = certified.eigenvalues.iter().map(|c| c.backward_error).fold(0.0, f64::max);
     if infinite != spectrum.infinite || wanted.len() != found.len() {

@@ -7,8 +7,8 @@ use cea::{BatchSolver, QrSolver};
 use serde::Serialize;
 
 use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
-use super::hard::{HardResult, judge_folder};
-use super::worst::{HardCase, Judged, approach, extremes, onset};
+use super::hard::judge_folder;
+use super::worst::{HardCase, HardResult, Judged, approach, extremes, onset};
 use super::{AccuracyError, Family, exact, exceptional_point, support};
 use crate::case::{Case, Law};
 use crate::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
@@ -50,7 +50,7 @@ pub struct AccuracyReport {
     /// Time per scene against error of the occurrences.
     pub estimators: Estimators,
     /// The lattice at its worst.
-    pub lattice: Vec<Judged>,
+    pub lattice: Vec<HardResult>,
     /// Hard problems from files.
     pub hard: Vec<HardResult>,
 }
@@ -103,7 +103,7 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
     let scenes: Vec<usize> = (0..plan.scenes.len()).step_by(effort.every).collect();
     let mut lattice = Vec::new();
     for case in &worst {
-        lattice.extend(case.judge()?);
+        lattice.extend(case.judge());
     }
     Ok(AccuracyReport {
         routes: compare_routes(&groups),
@@ -194,17 +194,10 @@ impl AccuracyReport {
             "\n## The lattice at its worst\n\nForward errors are in units of condition number times machine epsilon.\n";
         text += "Bare sign: modes that a test of Re lambda > 0 puts on the wrong side.\n\n";
         table_head(&mut text);
-        self.lattice.iter().for_each(|judged| table_row(&mut text, judged));
+        self.lattice.iter().for_each(|result| table_row(&mut text, result));
         text += "\n## Hard problems\n\n";
         table_head(&mut text);
-        for result in &self.hard {
-            match result {
-                HardResult::Judged(judged) => table_row(&mut text, judged),
-                HardResult::Refused { case, reason } => {
-                    let _ = writeln!(text, "| {case} | refused: {reason} | | | | | | | | |");
-                }
-            }
-        }
+        self.hard.iter().for_each(|result| table_row(&mut text, result));
         text
     }
 
@@ -246,19 +239,27 @@ fn table_head(text: &mut String) {
     *text += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
 }
 
-fn table_row(text: &mut String, judged: &Judged) {
-    let _ = writeln!(
-        text,
-        "| {} | {} | {} | {:.2} | {:.1e} | {} | {} | {} | {} | {} |",
-        judged.case,
-        judged.route,
-        judged.modes,
-        judged.max_error_in_condition_epsilon,
-        judged.max_backward_error,
-        judged.wrong_signs,
-        judged.false_instabilities,
-        judged.marginal,
-        judged.undecided,
-        judged.wrong_by_bare_sign
-    );
+fn table_row(text: &mut String, result: &HardResult) {
+    let _ = match result {
+        HardResult::Refused { case, route, reason } => {
+            writeln!(text, "| {case} | {route} | refused: {reason} | | | | | | | |")
+        }
+        HardResult::Judged(Judged {
+            case,
+            route,
+            modes,
+            max_error_in_condition_epsilon: forward,
+            max_backward_error: backward,
+            wrong_signs,
+            false_instabilities,
+            marginal,
+            undecided,
+            wrong_by_bare_sign: bare,
+            ..
+        }) => writeln!(
+            text,
+            "| {case} | {route} | {modes} | {forward:.2} | {backward:.1e} | {wrong_signs} | {false_instabilities} | \
+             {marginal} | {undecided} | {bare} |"
+        ),
+    };
 }
