@@ -1,8 +1,10 @@
 //! The estimators of an occurrence against each other, and the branches against the solver.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use std::path::Path;
 
-use cea::{EigenSolver, QrSolver, Workspace};
+use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use montecarlo::Study as _;
 use num_complex::Complex;
@@ -57,7 +59,7 @@ fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
 #[test]
 fn two_thousand_samples_agree_with_the_exact_integral_within_their_intervals() {
     let plan = plan("[[1,2,3,4,5,6,7,8,9],[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
-    let study = Study::new(&plan, &QrSolver).unwrap();
+    let study = Study::new(&plan, &BatchSolver).unwrap();
     for scene in 0..plan.scenes.len() {
         let exact = exact_of(&study, scene).integral.occurrences;
         let samples = monte_carlo(&study, scene, 11, 2000).unwrap();
@@ -115,7 +117,7 @@ fn scrambled_sobol_points_converge_to_the_exact_integral() {
 fn sobol_points_sample_every_law() {
     for law in ["velocity-dependent", "lugre"] {
         let plan = plan("[[1,2,3,4,5,6,7,8,9]]", law, &[]);
-        let study = Study::new(&plan, &QrSolver).unwrap();
+        let study = Study::new(&plan, &BatchSolver).unwrap();
         let plain = monte_carlo(&study, 0, 3, 400).unwrap();
         let quasi = quasi_monte_carlo(&study, 0, 3, 64, 4).unwrap();
         for (name, mode) in plain.modes {

@@ -34,7 +34,11 @@ pub struct RouteRow {
     pub states: usize,
     /// Median time of one system, microseconds.
     pub us: f64,
-    /// Largest relative error of an oscillating eigenvalue.
+    /// Systems.
+    pub count: usize,
+    /// Those among them that the route did not solve.
+    pub failed: usize,
+    /// Largest relative error of an oscillating eigenvalue of the systems solved.
     pub max_error: f64,
 }
 
@@ -87,7 +91,8 @@ pub fn compare_routes(groups: &[(String, bool, Vec<HardCase>)]) -> Vec<RouteRow>
             times.sort_by(f64::total_cmp);
             let of_case = |(case, found): (&HardCase, &Option<Vec<Complex<f64>>>)| {
                 let wanted: Vec<_> = case.reference.iter().map(|r| r.lambda).collect();
-                relative_errors(&wanted, found.as_deref().unwrap_or_default()).into_iter().fold(0.0, f64::max)
+                let errors = found.as_ref().map(|found| relative_errors(&wanted, found)).unwrap_or_default();
+                errors.into_iter().fold(0.0, f64::max)
             };
             rows.push(RouteRow {
                 route: route.name,
@@ -96,6 +101,8 @@ pub fn compare_routes(groups: &[(String, bool, Vec<HardCase>)]) -> Vec<RouteRow>
                 n: first.order(),
                 states: first.states(),
                 us: times[REPEATS / 2],
+                count: all.len(),
+                failed: spectra.iter().filter(|found| found.is_none()).count(),
                 max_error: cases.iter().zip(&spectra).map(of_case).fold(0.0, f64::max),
             });
         }

@@ -211,10 +211,10 @@ fn residuals(
     let of_column = |((w, first), second): ((&Vec<Long>, &Vec<Long>), &Vec<Long>)| {
         let mut sums = vec![long(Complex::default()); n + s];
         for j in 0..n {
-            for i in 0..n {
-                add(&mut sums[i], second[j], system.m[(i, j)]);
-                add(&mut sums[i], first[j], system.c[(i, j)]);
-                add(&mut sums[i], w[j], system.k[(i, j)]);
+            for (i, sum) in sums[..n].iter_mut().enumerate() {
+                add(sum, second[j], system.m[(i, j)]);
+                add(sum, first[j], system.c[(i, j)]);
+                add(sum, w[j], system.k[(i, j)]);
             }
             for i in 0..s {
                 add(&mut sums[n + i], first[j], -system.internal.drive[(i, j)]);

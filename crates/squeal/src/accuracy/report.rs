@@ -184,10 +184,14 @@ impl AccuracyReport {
     pub fn markdown(&self) -> String {
         let mut text = String::from("# Accuracy\n\nEverything here was measured in one run, on one thread.\n");
         text += "\n## Solver routes\n\nErrors are relative, against eigenvalues refined in double-double.\n\n";
-        text += "| route | systems | n | states | \u{b5}s | largest error |\n| --- | --- | --- | --- | --- | --- |\n";
+        text += "| route | systems | n | states | \u{b5}s | not solved | largest error |\n\
+                 | --- | --- | --- | --- | --- | --- | --- |\n";
         for row in &self.routes {
-            let RouteRow { route, systems, n, states, us, max_error, .. } = row;
-            let _ = writeln!(text, "| {route} | {systems} | {n} | {states} | {us:.0} | {max_error:.1e} |");
+            let RouteRow { route, systems, n, states, us, count, failed, max_error, .. } = row;
+            let _ = writeln!(
+                text,
+                "| {route} | {systems} | {n} | {states} | {us:.0} | {failed} of {count} | {max_error:.1e} |"
+            );
         }
         self.estimators_markdown(&mut text);
         text +=

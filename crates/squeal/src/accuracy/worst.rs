@@ -178,10 +178,11 @@ pub fn with_lateral(
 /// Those of [`HardCase::new`].
 pub fn onset(plan: &Plan, scene: &Scene, crossing: &Crossing) -> Result<Vec<HardCase>, AccuracyError> {
     let median = *Sample::median(&plan.case).contact(0);
+    let hertz = crossing.omega / std::f64::consts::TAU;
     let at = |offset: f64| {
         let mu = crossing.mu + offset;
         let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
-        HardCase::new(format!("onset, mu_c {offset:+.0e}"), system)
+        HardCase::new(format!("onset at {hertz:.0} Hz, mu_c {offset:+.0e}"), system)
     };
     [-1e-9, -1e-12, 0.0, 1e-12, 1e-9].into_iter().map(at).collect()
 }
