@@ -23,6 +23,16 @@ pub enum CeaError {
         /// Size of the state matrix.
         dimension: usize,
     },
+    /// Eigenvalues beyond the range of a double.
+    #[error(
+        "an eigenvalue overflows or underflows: the entries of the scaled matrices span {smallest:.0e} to {largest:.0e}"
+    )]
+    Range {
+        /// Smallest nonzero magnitude.
+        smallest: f64,
+        /// Largest.
+        largest: f64,
+    },
     /// The pencil is singular: every lambda is an eigenvalue.
     #[error(
         "det(lambda^2 M + lambda C + K) vanishes for every lambda{}: the problem is singular and has no spectrum",

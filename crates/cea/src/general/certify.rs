@@ -54,7 +54,7 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
     let problem = Measure::new(&extended);
     let sigmas: Vec<_> = spectrum.eigenvalues.iter().map(|l| l / problem.scaled.gamma).collect();
     let conjugates = conjugates(&sigmas);
-    let zeros = if spectrum.zeros > 0 { problem.zeros(&extended.k)? } else { Vec::new() };
+    let zeros = if spectrum.zeros > 0 { problem.zeros(&extended.k) } else { Vec::new() };
     let mut next_zero = zeros.iter().cycle();
 
     let mut found: Vec<State> = Vec::with_capacity(sigmas.len());
@@ -172,6 +172,7 @@ mod tests {
     use super::*;
     use crate::general::solve;
     use nalgebra::{DMatrix, dmatrix};
+    use proptest::prelude::*;
 
     fn certified(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Certified {
         let system = SecondOrder::new(m, c, k).unwrap();
@@ -259,6 +260,41 @@ mod tests {
             let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm();
             assert!((&q * &e.right).norm() < 1e-15 * size);
             assert!((e.left.adjoint() * &q).norm() < 1e-15 * size);
+        }
+    }
+
+    /// Entries that break things: zeros, equal ones, and many orders of magnitude.
+    fn entry() -> impl Strategy<Value = f64> {
+        prop_oneof![4 => Just(0.0), 3 => Just(1.0), 1 => Just(-1.0), 1 => Just(0.1), 2 => -2.0..2.0f64,
+            1 => prop_oneof![Just(1e12), Just(1e-12), Just(-1e6), Just(1e-30)]]
+    }
+
+    fn matrices() -> impl Strategy<Value = (DMatrix<f64>, DMatrix<f64>, DMatrix<f64>)> {
+        let square = |n: usize| prop::collection::vec(entry(), n * n).prop_map(move |v| DMatrix::from_vec(n, n, v));
+        (1..5usize).prop_flat_map(move |n| (square(n), square(n), square(n)))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        #[test]
+        fn whatever_the_matrices_all_eigenvalues_are_accounted_for((m, c, k) in matrices()) {
+            let system = SecondOrder::new(m, c, k).unwrap();
+            let mut work = Workspace::default();
+            match solve(&system, &mut work) {
+                Err(error) => {
+                    let honest = matches!(error, CeaError::SingularPencil { .. } | CeaError::NoConvergence { .. });
+                    prop_assert!(honest, "{}", error);
+                }
+                Ok(spectrum) => {
+                    prop_assert_eq!(spectrum.eigenvalues.len() + spectrum.infinite, 2 * system.order());
+                    prop_assert!(spectrum.eigenvalues.iter().all(|l| l.re.is_finite() && l.im.is_finite()));
+                    let certified = certify(&system, &spectrum, &mut work).unwrap();
+                    let upper = certified.eigenvalues.iter().filter(|e| e.lambda.im > 0.0).count();
+                    let lower = certified.eigenvalues.iter().filter(|e| e.lambda.im < 0.0).count();
+                    prop_assert_eq!(upper, lower);
+                }
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::real::reveal_rank;
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
@@ -80,32 +81,23 @@ impl Measure {
         (&self.right, &self.left)
     }
 
-    /// Null vectors of K, exactly singular, for eigenvalues that are exactly zero.
-    pub(super) fn zeros(&self, stiffness: &DMatrix<f64>) -> Result<Vec<State>, CeaError> {
-        let count = nullity(stiffness);
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        let factor = Factor::new(&self.scaled, Complex::default());
-        let failed = || CeaError::NoEigenvector { lambda: Complex::default(), residual: f64::INFINITY };
-        let (right, left) = factor.null_pairs(count).ok_or_else(failed)?;
-        let pairs = right.into_iter().zip(left).map(|(x, y)| {
-            let image = factor.residual(&x).component_div(&self.left).norm();
-            let size = x.component_mul(&self.right).norm() * self.given.k;
-            State {
-                sigma: Complex::default(),
-                backward_error: if self.given.k == 0.0 { 0.0 } else { image / size },
-                condition: f64::INFINITY,
-                scaled_error: 0.0,
-                scaled_condition: 0.0,
-                bound: 0.0,
-                // Exactly zero for the matrices as given.
-                verdict: Verdict::Marginal { tolerance: 0.0 },
-                x,
-                y,
-            }
-        });
-        Ok(pairs.collect())
+    /// Null vectors of K, whose rank is known exactly, for eigenvalues that are exactly zero.
+    pub(super) fn zeros(&self, stiffness: &DMatrix<f64>) -> Vec<State> {
+        let (k, nullity) = (&self.scaled.k, nullity(stiffness));
+        let pairs = null_space(k, nullity).into_iter().zip(null_space(&k.transpose(), nullity));
+        let state = |(x, y)| State {
+            backward_error: if self.given.k == 0.0 { 0.0 } else { self.errors(Complex::default(), &x).1 },
+            sigma: Complex::default(),
+            condition: f64::INFINITY,
+            scaled_error: 0.0,
+            scaled_condition: 0.0,
+            bound: 0.0,
+            // Exactly zero for the matrices as given.
+            verdict: Verdict::Marginal { tolerance: 0.0 },
+            x,
+            y,
+        };
+        pairs.map(state).collect()
     }
 
     /// Vectors by inverse iteration, then the eigenvalue improved if its backward error is more than rounding.
@@ -168,4 +160,12 @@ impl Measure {
         };
         (scaled, given)
     }
+}
+
+/// Orthonormal vectors that `a` annihilates, as many as its known nullity.
+fn null_space(a: &DMatrix<f64>, nullity: usize) -> Vec<Vector> {
+    let n = a.nrows();
+    let mut turned = DMatrix::identity(n, n);
+    reveal_rank(&mut a.transpose(), &mut turned, n - nullity);
+    turned.rows(n - nullity, nullity).row_iter().map(|row| row.transpose().map(Complex::from)).collect()
 }

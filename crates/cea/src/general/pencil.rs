@@ -23,7 +23,9 @@ use crate::CeaError;
 #[derive(Debug, Clone)]
 pub(crate) struct Pencil<T: Real> {
     pub(crate) a: DMatrix<T>,
-    pub(crate) b: DMatrix<T>,
+    b: DMatrix<T>,
+    /// Norms of A and B before anything was removed: rounding errors are of their size.
+    norms: (f64, f64),
 }
 
 impl Pencil<f64> {
@@ -35,12 +37,13 @@ impl Pencil<f64> {
         a.view_mut((0, n), (n, n)).copy_from(&(&s.k / -d));
         a.view_mut((n, 0), (n, n)).fill_diagonal(d);
         b.view_mut((0, 0), (n, n)).copy_from(&s.m);
-        Self { a, b }
+        let norms = (a.norm(), b.norm());
+        Self { a, b, norms }
     }
 
     /// The same in double-double arithmetic.
     pub(crate) fn extended(&self) -> Pencil<Dd> {
-        Pencil { a: self.a.map(Dd::from), b: self.b.map(Dd::from) }
+        Pencil { a: self.a.map(Dd::from), b: self.b.map(Dd::from), norms: self.norms }
     }
 }
 
@@ -48,21 +51,22 @@ impl<T: Real> Pencil<T> {
     /// Without its infinite eigenvalues, whose chains come off with these widths.
     pub(crate) fn without_infinite(mut self, widths: &[usize]) -> Self {
         for &width in widths {
-            let (b, a) = remove_null_space(self.b, self.a, width);
-            self = Self { a, b };
+            (self.b, self.a) = remove_null_space(self.b, self.a, width);
         }
         self
     }
 
     /// Without its zero eigenvalues.
-    pub(crate) fn without_zero(self, widths: &[usize]) -> Self {
-        let Self { a, b } = Self { a: self.b, b: self.a }.without_infinite(widths);
-        Self { a: b, b: a }
+    pub(crate) fn without_zero(mut self, widths: &[usize]) -> Self {
+        for &width in widths {
+            (self.a, self.b) = remove_null_space(self.a, self.b, width);
+        }
+        self
     }
 
-    /// How nearly singular A and B are.
+    /// How nearly singular A and B are: their last pivots in units of the norms they started from.
     pub(crate) fn depths(&self) -> (f64, f64) {
-        (depth(&self.a), depth(&self.b))
+        (last_pivot(&self.a) / self.norms.0, last_pivot(&self.b) / self.norms.1)
     }
 
     /// Its eigenvalues by the QZ iteration, on the reversed pencil where A is better conditioned than B.
@@ -80,10 +84,10 @@ impl<T: Real> Pencil<T> {
     }
 }
 
-/// The smallest diagonal entry of the pivoted QR factor to the largest.
-fn depth<T: Real>(a: &DMatrix<T>) -> f64 {
+/// The smallest diagonal entry of the pivoted QR factor.
+fn last_pivot<T: Real>(a: &DMatrix<T>) -> f64 {
     let sizes = reveal_rank(&mut a.clone(), &mut DMatrix::from_element(a.nrows(), 0, T::default()), a.nrows());
-    sizes.iter().copied().fold(f64::INFINITY, f64::min) / sizes.iter().copied().fold(0.0, f64::max)
+    sizes.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// `first` has a null space of dimension `width`; both matrices on its complement, in the rows that the image of the

@@ -15,7 +15,7 @@ use num_complex::Complex;
 
 use super::dd::DdComplex;
 use super::scaled::Scaled;
-use super::vectors::{Lu, Vector};
+use super::vectors::{LEAST_PIVOT, Lu, Vector};
 
 const MOST_STEPS: usize = 6;
 const MOST_FACTORISATIONS: usize = 4;
@@ -102,7 +102,7 @@ impl Bordered {
         matrix.view_mut((0, 0), (n, n)).copy_from(&s.polynomial(sigma));
         matrix.view_mut((0, n), (n, 1)).copy_from(&(slope * Complex::from(weight)));
         matrix.view_mut((n, 0), (1, n)).copy_from(&(x.adjoint() * Complex::from(size)));
-        Self { lu: Lu::new(&matrix, f64::MIN_POSITIVE), weight }
+        Self { lu: Lu::new(&matrix, LEAST_PIVOT), weight }
     }
 
     /// dx and ds for the residual `Q(s) x`.

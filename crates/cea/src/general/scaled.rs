@@ -10,6 +10,8 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use crate::CeaError;
+
 const ROUNDS: usize = 5;
 const SWEEPS: usize = 8;
 
@@ -77,6 +79,13 @@ impl Scaled {
         let (m, c, k) = (scale(m, gamma * gamma), scale(c, gamma), scale(k, 1.0));
         let norms = Norms::of(&m, &c, &k);
         Self { m, c, k, gamma, left, right, norms }
+    }
+
+    /// The error where an eigenvalue does not fit into a double.
+    pub(crate) fn range(&self) -> CeaError {
+        let entries = || [&self.m, &self.c, &self.k].into_iter().flat_map(|a| a.iter()).map(|x| x.abs());
+        let smallest = entries().filter(|&x| x > 0.0).fold(f64::INFINITY, f64::min);
+        CeaError::Range { smallest, largest: entries().fold(0.0, f64::max) }
     }
 
     /// tau: how many times the damping outweighs stiffness and mass; at least 1.

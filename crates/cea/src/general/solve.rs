@@ -31,7 +31,7 @@ pub enum Route {
     /// QZ iteration after the infinite and zero eigenvalues were deflated.
     DeflatedQz,
     /// QZ iteration in double-double arithmetic, deflated where needed: what is left is singular but for rounding, or
-    /// the damping spreads the eigenvalues over more than a double's digits. Some hundred times slower.
+    /// the damping spreads the eigenvalues over more than a double's digits. Some fifty times slower.
     ExtendedQz,
     /// Every eigenvalue is exactly infinite or zero; nothing was left to iterate on.
     Deflation,
@@ -107,36 +107,44 @@ fn solve_quadratic(system: &SecondOrder, work: &mut Workspace) -> Result<General
     } else {
         by_iteration(&scaled, &structure)?
     };
-    // None of these is zero: what underflowed is replaced by what rounding leaves of it.
+    // None of these is zero: what was rounded off is replaced by what rounding leaves of it.
     let nonzero = |sigma: Complex<f64>| if sigma == Complex::default() { f64::EPSILON.powi(2).into() } else { sigma };
     let mut eigenvalues: Vec<_> = sigmas.into_iter().map(|sigma| nonzero(sigma) * scaled.gamma).collect();
     if eigenvalues.iter().any(|l| !(l.re.is_finite() && l.im.is_finite())) {
-        return Err(CeaError::NoConvergence { iterations: 0, dimension: 2 * n });
+        return Err(scaled.range());
     }
     eigenvalues.resize(eigenvalues.len() + zeros, Complex::default());
     sort(&mut eigenvalues);
     Ok(GeneralSpectrum { eigenvalues, zeros, infinite, scale: scaled.gamma, route })
 }
 
-/// The eigenvalues that are neither zero nor infinite, by QR or QZ.
+/// The eigenvalues that are neither zero nor infinite: the cheapest route that suits the matrices, and where its
+/// iteration fails the next.
 fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Complex<f64>>), CeaError> {
+    let found = |sigmas: &[Complex<f64>]| sigmas.iter().all(|s| s.re.is_finite() && s.im.is_finite());
     let singular = !structure.infinite.is_empty() || !structure.zero.is_empty();
     let strongly_damped = scaled.overdamping() > LARGEST_OVERDAMPING;
     if !singular
         && !strongly_damped
         && let Some(state) = standard_form(scaled)
+        && let Some(sigmas) = francis::eigenvalues(state, STEPS_PER_EIGENVALUE)
+        && found(&sigmas)
     {
-        return Ok((Route::Standard, qr(state)?));
+        return Ok((Route::Standard, sigmas));
     }
     let companion = Pencil::companion(scaled);
     let pencil = companion.clone().without_infinite(&structure.infinite).without_zero(&structure.zero);
     let (a, b) = pencil.depths();
-    if !strongly_damped && a.min(b) > LEAST_DEPTH {
-        let route = if singular { Route::DeflatedQz } else { Route::Qz };
-        return Ok((route, pencil.eigenvalues()?));
+    if !strongly_damped
+        && a.min(b) > LEAST_DEPTH
+        && let Ok(sigmas) = pencil.eigenvalues()
+        && found(&sigmas)
+    {
+        return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
     }
     let pencil = companion.extended().without_infinite(&structure.infinite).without_zero(&structure.zero);
-    Ok((Route::ExtendedQz, pencil.eigenvalues()?))
+    let sigmas = pencil.eigenvalues()?;
+    if found(&sigmas) { Ok((Route::ExtendedQz, sigmas)) } else { Err(scaled.range()) }
 }
 
 /// `[-M^-1 C, -M^-1 K / d; d I, 0]` (see [`Pencil`]), or nothing where M is ill conditioned.
@@ -153,12 +161,6 @@ fn standard_form(s: &Scaled) -> Option<DMatrix<f64>> {
     let upper = lu.solve(&state.rows(0, n))?;
     state.rows_mut(0, n).copy_from(&upper);
     Some(state)
-}
-
-fn qr(state: DMatrix<f64>) -> Result<Vec<Complex<f64>>, CeaError> {
-    let dimension = state.nrows();
-    francis::eigenvalues(state, STEPS_PER_EIGENVALUE)
-        .ok_or(CeaError::NoConvergence { iterations: STEPS_PER_EIGENVALUE, dimension })
 }
 
 /// Q(sigma) has no more than rounding errors for a smallest singular value at points that have nothing in common.

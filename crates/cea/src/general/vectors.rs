@@ -8,6 +8,9 @@ use super::scaled::Scaled;
 /// Rounds with one factorisation; the second nearly always changes nothing.
 const INVERSE_ITERATIONS: usize = 2;
 
+/// Least pivot whose square does not underflow, as complex division needs.
+pub(crate) const LEAST_PIVOT: f64 = 1e-150;
+
 pub(crate) type Vector = DVector<Complex<f64>>;
 
 /// `P A = L U` by partial pivoting, with solves from both sides.
@@ -115,7 +118,7 @@ pub(crate) struct Factor<'a> {
 impl<'a> Factor<'a> {
     pub(crate) fn new(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
         let least = f64::EPSILON * f64::EPSILON * problem.norms.size(sigma.norm());
-        let lu = Lu::new(&problem.polynomial(sigma), least.max(f64::MIN_POSITIVE));
+        let lu = Lu::new(&problem.polynomial(sigma), least.max(LEAST_PIVOT));
         Self { problem, sigma, lu }
     }
 
