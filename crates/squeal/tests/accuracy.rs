@@ -182,7 +182,7 @@ fn what_is_no_family_is_refused() {
     for (law, edits) in [
         ("velocity-dependent", &[][..]),
         ("amontons-coulomb", &[("draws = \"shared\"", "draws = \"each\"")]),
-        ("amontons-coulomb", &[("lateral = \"coupled\"", "lateral = \"vector\"")]),
+        ("amontons-coulomb", &[("lateral = \"none\"", "lateral = \"vector\"")]),
     ] {
         let plan = plan("[[1,3,4,5,6,8]]", law, edits);
         let refused = Family::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
