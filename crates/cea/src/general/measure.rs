@@ -83,8 +83,12 @@ impl Measure {
 
     /// Null vectors of K, whose rank is known exactly, for eigenvalues that are exactly zero.
     pub(super) fn zeros(&self, stiffness: &DMatrix<f64>) -> Vec<State> {
-        let (k, nullity) = (&self.scaled.k, nullity(stiffness));
-        let pairs = null_space(k, nullity).into_iter().zip(null_space(&k.transpose(), nullity));
+        let (n, nullity) = (self.scaled.order(), nullity(stiffness));
+        // In the units given, in which the backward error counts.
+        let k = DMatrix::from_fn(n, n, |i, j| self.scaled.k[(i, j)] / (self.left[i].re * self.right[j].re));
+        let right = null_space(&k, nullity).into_iter().map(|phi| phi.component_div(&self.right));
+        let left = null_space(&k.transpose(), nullity).into_iter().map(|psi| psi.component_div(&self.left));
+        let pairs = right.zip(left);
         let state = |(x, y)| State {
             backward_error: if self.given.k == 0.0 { 0.0 } else { self.errors(Complex::default(), &x).1 },
             sigma: Complex::default(),
