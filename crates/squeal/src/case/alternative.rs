@@ -41,7 +41,9 @@ impl Alternative {
     pub fn choice(&self) -> String {
         match self {
             Self::OscillatorMass(mass) => format!("oscillators of {mass:.4} kg"),
-            Self::Lateral(lateral) => format!("lateral {lateral:?}").to_lowercase(),
+            Self::Lateral(Lateral::None) => "no friction in y".into(),
+            Self::Lateral(Lateral::Coupled { sign }) => format!("friction in y coupled, sign {:+}", sign.value()),
+            Self::Lateral(Lateral::Vector) => "friction along the relative velocity".into(),
             Self::Draws(draws) => format!("draws {draws:?}").to_lowercase(),
             Self::Labels(labels) => format!("labels {labels:?}").to_lowercase(),
             Self::Preload(Preload::PerContact(force)) => format!("{force} N per contact"),
