@@ -7,6 +7,8 @@ mod batch;
 mod error;
 mod francis;
 pub mod general;
+#[cfg(feature = "lapack")]
+mod lapack;
 mod mac;
 mod modes;
 mod qr;
@@ -19,6 +21,8 @@ mod vectors;
 
 pub use batch::BatchSolver;
 pub use error::CeaError;
+#[cfg(feature = "lapack")]
+pub use lapack::LapackSolver;
 pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers};
 pub use qr::QrSolver;

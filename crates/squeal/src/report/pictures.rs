@@ -31,7 +31,7 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 /// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for
-/// the most robust mode, and as `fig07-paper-number` for the one that bears the paper's number.
+/// the most robust mode, and as `fig07-paper-number` for the one that bears the paper's number, if it ever is unstable.
 ///
 /// # Errors
 /// Those of the figures.
@@ -149,7 +149,9 @@ fn mode_work(results: &Results<'_>, constraints: usize, name: u16) -> Result<Opt
         let bodies = bodies(results, at, name, &shape)?;
         columns.push(LawMode { law: law.title().into(), caption, bodies });
     }
-    if columns.is_empty() {
+    // A mode that is never unstable has no work to show.
+    let has_work = |column: &LawMode| column.bodies.iter().any(|body| body.work.quartiles.is_some());
+    if !columns.iter().any(has_work) {
         return Ok(None);
     }
     let heading = title(results, name);
