@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Distribution;
+use super::FrictionDistributions;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -14,7 +14,7 @@ pub(super) struct File {
     pub constraints: Vec<Constraints>,
     pub speeds: Vec<Speeds>,
     pub readings: Readings,
-    pub friction: Friction,
+    pub friction: FrictionDistributions,
     #[serde(default)]
     pub alternatives: Alternatives,
     pub paper: Option<super::Paper>,
@@ -204,19 +204,6 @@ pub(super) enum BristleDamping {
     Constant,
     Decaying,
     None,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Friction {
-    pub mu: Distribution,
-    pub mu_s: Distribution,
-    pub mu_k: Distribution,
-    pub alpha: Distribution,
-    pub v_s: Distribution,
-    pub sigma0: Distribution,
-    pub sigma1: Distribution,
-    pub sigma2: Distribution,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -67,7 +67,7 @@ impl Case {
             lattice: parameters,
             constraints,
             speeds: speed_ranges(&check, speeds)?,
-            friction: distributions(&check, &friction)?,
+            friction: distributions(&check, friction)?,
             alternatives: all_alternatives(&check, &alternatives)?,
             paper,
             text,
@@ -344,8 +344,8 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<Sp
     Ok(speeds.into_iter().map(|schema::Speeds { name, from, to }| SpeedRange { name, from, to }).collect())
 }
 
-fn distributions(check: &Check<'_>, friction: &schema::Friction) -> Result<FrictionDistributions, CaseError> {
-    let schema::Friction { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = *friction;
+fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<FrictionDistributions, CaseError> {
+    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
     let all = [
         ("mu", mu, false),
         ("mu_s", mu_s, true),
@@ -371,5 +371,5 @@ fn distributions(check: &Check<'_>, friction: &schema::Friction) -> Result<Frict
         let allowed = format!("a median of at least that of mu_k, {}", mu_k.median());
         return Err(check.value("friction.mu_s", mu_s.median(), &allowed));
     }
-    Ok(FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 })
+    Ok(friction)
 }
