@@ -18,6 +18,7 @@ mod spectrum;
 mod stability;
 mod track;
 mod vectors;
+mod walk;
 
 pub use batch::BatchSolver;
 pub use error::CeaError;
@@ -30,5 +31,5 @@ pub use scaling::StandardForm;
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;
-pub use track::{follow, identify, with_idle_states};
-pub use vectors::{backward_error, left_vector, right_vector, right_vectors};
+pub use track::{Links, Way, follow, identify, identify_all, with_idle_states};
+pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all};

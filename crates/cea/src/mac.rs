@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-use crate::{CeaError, Workspace, mass_norm_squared, right_vectors};
+use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
 
 /// Least MAC of a match that is beyond doubt.
 const LEAST_MAC: f64 = 0.8;
@@ -27,15 +27,24 @@ impl Mode {
     /// The modes of `system` at the given eigenvalues.
     ///
     /// # Errors
-    /// Those of [`right_vectors`].
+    /// Those of [`right_vectors_of_all`].
     pub fn at(system: &SecondOrder, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Self>, CeaError> {
-        let shapes = right_vectors(system, lambdas, work)?;
-        let normalise = |(&lambda, mut shape): (&Complex<f64>, DVector<Complex<f64>>)| {
-            shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
-            Self { lambda, shape }
-        };
-        Ok(lambdas.iter().zip(shapes).map(normalise).collect())
+        Self::of_all(&[(system, lambdas)], work).remove(0)
     }
+
+    /// [`Mode::at`] of several systems, one result each: cheaper together.
+    pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
+        let shapes = right_vectors_of_all(of, work);
+        of.iter().zip(shapes).map(|(&(system, lambdas), shapes)| Ok(normalised(system, lambdas, shapes?))).collect()
+    }
+}
+
+fn normalised(system: &SecondOrder, lambdas: &[Complex<f64>], shapes: Vec<DVector<Complex<f64>>>) -> Vec<Mode> {
+    let mode = |(&lambda, mut shape): (&Complex<f64>, DVector<Complex<f64>>)| {
+        shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
+        Mode { lambda, shape }
+    };
+    lambdas.iter().zip(shapes).map(mode).collect()
 }
 
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
@@ -48,9 +57,12 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
 /// `M phi` of a symmetric M, often diagonal.
 pub(crate) fn times(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let mut product = DVector::zeros(phi.len());
-    for (column, &u) in mass.column_iter().zip(phi) {
-        for (row, &m) in column.iter().enumerate().filter(|(_, m)| **m != 0.0) {
-            product[row] += u * m;
+    for (j, (column, &u)) in mass.column_iter().zip(phi).enumerate() {
+        let is_diagonal = column.iter().enumerate().all(|(i, &m)| i == j || m == 0.0);
+        if is_diagonal {
+            product[j] += u * column[j];
+        } else {
+            product.zip_apply(&column, |row, m| *row += u * m);
         }
     }
     product

@@ -8,6 +8,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use crate::batch::{NullVector, null_vectors};
 use crate::{CeaError, Workspace};
 
 /// Largest normwise backward error of an accepted pair (lambda, phi).
@@ -43,10 +44,6 @@ pub fn left_vector(
 
 /// The right vector of each eigenvalue, in order; those of a semisimple multiple eigenvalue are independent.
 ///
-/// Inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector comes
-/// out parallel to that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to it; where
-/// this leaves no vector (a defective pair) the parallel one stands, as it should.
-///
 /// # Errors
 /// As [`right_vector`].
 pub fn right_vectors(
@@ -54,21 +51,64 @@ pub fn right_vectors(
     lambdas: &[Complex<f64>],
     work: &mut Workspace,
 ) -> Result<Vec<DVector<Complex<f64>>>, CeaError> {
-    let mut vectors: Vec<DVector<Complex<f64>>> = Vec::with_capacity(lambdas.len());
-    for (i, &lambda) in lambdas.iter().enumerate() {
-        let q = regular_dynamic_stiffness(system, lambda);
+    right_vectors_of_all(&[(system, lambdas)], work).remove(0)
+}
+
+/// [`right_vectors`] of several systems, one result each; those of one size share the vector registers.
+///
+/// A vector does not depend on its neighbours, to the last bit, but on earlier, nearly equal eigenvalues of its own system.
+/// Inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector comes
+/// out parallel to that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to it; where
+/// this leaves no vector (a defective pair) the parallel one stands, as it should.
+pub fn right_vectors_of_all(
+    of: &[(&SecondOrder, &[Complex<f64>])],
+    work: &mut Workspace,
+) -> Vec<Result<Vec<DVector<Complex<f64>>>, CeaError>> {
+    let each: Vec<_> = of.iter().flat_map(|&(system, lambdas)| lambdas.iter().map(move |&l| (system, l))).collect();
+    let mut alone = Vec::with_capacity(each.len());
+    for group in each.chunk_by(|a, b| a.0.order() == b.0.order()) {
+        let Some(n) = group.first().map(|(system, _)| system.order()) else { continue };
+        let matrices: Vec<_> = group.iter().map(|&(system, l)| regular_dynamic_stiffness(system, l)).collect();
+        let found = null_vectors(&matrices, &start(n, 0), &mut work.scratch);
+        alone.extend(matrices.into_iter().zip(found).zip(group));
+    }
+    let mut alone = alone.into_iter().map(|((q, found), &(system, lambda))| {
         let size = size(system, lambda);
-        let mut vector = null_vector(&q, lambda, size, &[], work)?;
+        match found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE)))) {
+            Some(NullVector { mut vector, .. }) => {
+                work.counters.factorisations += 1;
+                work.counters.eigenvectors += 1;
+                fix_phase(&mut vector);
+                Ok(vector)
+            }
+            None => null_vector(&q, lambda, size, &[], work),
+        }
+    });
+    let found: Vec<Vec<_>> = of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
+    let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<_>)| {
+        let mut vectors = found.into_iter().collect::<Result<Vec<DVector<Complex<f64>>>, _>>()?;
+        make_independent(system, lambdas, &mut vectors, work);
+        Ok(vectors)
+    };
+    of.iter().zip(found).map(independent).collect()
+}
+
+fn make_independent(
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    vectors: &mut [DVector<Complex<f64>>],
+    work: &mut Workspace,
+) {
+    for (i, &lambda) in lambdas.iter().enumerate() {
         let near: Vec<_> = (0..i).filter(|&j| (lambdas[j] - lambda).norm() <= 1e-6 * lambda.norm()).collect();
-        if near.iter().any(|&j| vectors[j].dotc(&vector).norm() > 1.0 - 1e-6) {
+        if near.iter().any(|&j| vectors[j].dotc(&vectors[i]).norm() > 1.0 - 1e-6) {
             let others: Vec<_> = near.iter().map(|&j| vectors[j].clone()).collect();
-            if let Ok(independent) = null_vector(&q, lambda, size, &others, work) {
-                vector = independent;
+            let q = regular_dynamic_stiffness(system, lambda);
+            if let Ok(independent) = null_vector(&q, lambda, size(system, lambda), &others, work) {
+                vectors[i] = independent;
             }
         }
-        vectors.push(vector);
     }
-    Ok(vectors)
 }
 
 /// Normwise backward error of (lambda, phi): `|Q(lambda) phi| / ((sum |lambda|^j |A_j|) |phi|)`, Frobenius norms
@@ -116,12 +156,7 @@ fn null_vector(
     } else {
         (q + DMatrix::identity(n, n) * Complex::from(f64::EPSILON * size.max(f64::MIN_POSITIVE))).lu()
     };
-    // Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and
-    // differs from the start that found the vectors to avoid.
-    let mut x = DVector::from_fn(n, |i, _| {
-        let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + orthogonal_to.len()) as f64;
-        Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle)
-    });
+    let mut x = start(n, orthogonal_to.len());
     let mut residual = f64::INFINITY;
     for _ in 0..MOST_STEPS {
         project(&mut x);
@@ -134,12 +169,10 @@ fn null_vector(
             break;
         }
         x.unscale_mut(norm);
-        let now = (q * &x).norm() / size.max(f64::MIN_POSITIVE);
-        if now <= 1e-14 || (now <= LARGEST_RESIDUAL && now >= 0.5 * residual) {
-            residual = now;
+        let before = std::mem::replace(&mut residual, (q * &x).norm() / size.max(f64::MIN_POSITIVE));
+        if has_converged([before, residual]) {
             break;
         }
-        residual = now;
     }
     if residual.is_nan() || residual > LARGEST_RESIDUAL {
         return Err(CeaError::NoEigenvector { lambda, residual });
@@ -148,9 +181,23 @@ fn null_vector(
     Ok(x)
 }
 
+/// Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and differs
+/// from the start that found the vectors to avoid.
+fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
+    DVector::from_fn(n, |i, _| {
+        let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + to_avoid) as f64;
+        Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle)
+    })
+}
+
+/// From the last two backward errors: at rounding, or small and no longer falling.
+fn has_converged([before, now]: [f64; 2]) -> bool {
+    now <= 1e-14 || (now <= LARGEST_RESIDUAL && now >= 0.5 * before)
+}
+
 fn fix_phase(x: &mut DVector<Complex<f64>>) {
-    let largest =
-        x.iter().fold(Complex::from(0.0), |m: Complex<f64>, &v| if v.norm() > m.norm() * (1.0 + 1e-9) { v } else { m });
+    let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
+    let largest = x.iter().fold(Complex::from(0.0), larger);
     let turn = largest.conj() / largest.norm();
     x.apply(|v| *v *= turn);
 }

@@ -13,7 +13,7 @@ use crate::study::{Plan, Study, Tally};
 use crate::{Error, study};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 1;
+const TALLY_VERSION: u32 = 2;
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
 /// Time between two checkpoints.
@@ -59,6 +59,7 @@ pub fn run_study(
     let start = Instant::now();
     let mut sampling = montecarlo::Plan::new(case.seed, case.samples);
     sampling.threads = threads;
+    sampling.block = block(case.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
     let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &Bar::default())?;
     seconds.samples = start.elapsed().as_secs_f64();
@@ -71,6 +72,11 @@ pub fn run_study(
     let manifest = Manifest::new(&results, threads, seconds);
     write(&dir.join("manifest.json"), manifest.json().as_bytes())?;
     Ok(manifest)
+}
+
+/// Samples evaluated together: as many as fill the lanes of the solver again and again, but few enough for many threads.
+fn block(samples: u64) -> u64 {
+    (samples / 16).next_multiple_of(8).clamp(8, 64)
 }
 
 /// Whether `dir` is the folder of this study already; `false` is a new or empty one.

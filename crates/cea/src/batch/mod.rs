@@ -15,8 +15,10 @@ mod diagonal;
 mod hessenberg;
 mod iterate;
 mod layout;
+mod null;
 mod ops;
 mod pack;
+mod pair;
 mod reflector;
 mod shifts;
 mod sweep;
@@ -28,6 +30,7 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::{CeaError, EigenSolver, QrSolver, Spectrum, Workspace, sort};
 use layout::Layout;
+pub(crate) use null::{NullVector, null_vectors};
 use ops::Ops;
 use pack::Scale;
 

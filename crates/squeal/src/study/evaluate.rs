@@ -1,10 +1,12 @@
 //! One block of samples in one scene: spectra, verdicts on the modes near or past the axis, names, net work.
 
-use cea::{Counters, EigenSolver, Mode, Modes, Spectrum, Verdict, Workspace, identify, verdict};
+use cea::{
+    CeaError, Counters, EigenSolver, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict,
+};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use num_complex::Complex;
-use osc_model::Linearise;
+use osc_model::{Linearise, PreparedLattice, Sliding};
 use work::mode_work;
 
 use super::reference::{Reference, references};
@@ -60,54 +62,64 @@ impl<'a> Study<'a> {
         &self.references
     }
 
+    /// What the unstable modes of a sample are called, and their net work.
     fn outcome(
         &self,
-        at: usize,
-        sample: &Sample,
-        system: &SecondOrder,
-        spectrum: &Spectrum,
-        work: &mut Workspace,
+        scene: &Scene,
+        sliding: &Sliding,
+        growing: &Growing,
+        (modes, links): (&[Mode], &Links),
+        names: &[Vec<u16>],
     ) -> Result<Outcome, Error> {
-        let scene = &self.plan.scenes[at];
+        let net_work = |mode: &Mode| match scene.wants_work {
+            true => net_work(self.plan.lattice(scene), sliding, mode).map(Some),
+            false => Ok(None),
+        };
+        let describe = |((&rank, mode), link): ((&u16, &Mode), &Vec<usize>)| {
+            let mut names: Vec<u16> = link.iter().flat_map(|&to| names[to].iter().copied()).collect();
+            names.sort_unstable();
+            names.dedup();
+            Ok(UnstableMode { rank, names, net_work: net_work(mode)? })
+        };
+        let unstable = growing.ranks.iter().zip(modes).zip(links).map(describe).collect::<Result<_, Error>>()?;
+        Ok(Outcome { unstable, divergent: growing.divergent, undecided: growing.undecided })
+    }
+}
+
+/// Net work per body of a mode with `phi^H M phi = 1`.
+fn net_work(lattice: &PreparedLattice, sliding: &Sliding, mode: &Mode) -> Result<Vec<f64>, Error> {
+    let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
+    lattice.linearise_friction(sliding, &mut friction)?;
+    Ok(mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?.net())
+}
+
+/// The eigenvalues of one sample that call for more than themselves.
+#[derive(Debug, Default)]
+struct Growing {
+    /// Unstable modes, ascending in frequency.
+    lambdas: Vec<Complex<f64>>,
+    /// The frequency rank of each.
+    ranks: Vec<u16>,
+    divergent: u32,
+    undecided: u32,
+}
+
+impl Growing {
+    fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         let modes = Modes::classify(system, spectrum, work)?;
-        let mut undecided = 0;
-        let mut unstable: Vec<(usize, Complex<f64>)> = Vec::new();
+        let mut growing = Self::default();
         for (index, &lambda) in modes.oscillatory.iter().enumerate() {
             match verdict(system, lambda, spectrum.scale, work)? {
-                Verdict::Unstable => unstable.push((index, lambda)),
-                Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
+                Verdict::Unstable => {
+                    growing.lambdas.push(lambda);
+                    growing.ranks.push(modes.rank(index) as u16);
+                }
+                Verdict::Marginal { .. } | Verdict::Undecided { .. } => growing.undecided += 1,
                 Verdict::Stable => {}
             }
         }
-        let divergent = modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
-        if unstable.is_empty() {
-            return Ok(Outcome { unstable: Vec::new(), divergent, undecided });
-        }
-
-        let lambdas: Vec<_> = unstable.iter().map(|&(_, lambda)| lambda).collect();
-        let found = Mode::at(system, &lambdas, work)?;
-        let reference = &self.references[at];
-        let links = identify(self.solver, (system, &found), (&reference.system, &reference.modes), work)?;
-        let net_work = |mode: &Mode| match scene.wants_work {
-            true => self.net_work(scene, sample, mode).map(Some),
-            false => Ok(None),
-        };
-        let describe = |((&(index, _), mode), link): ((&(usize, _), &Mode), &Vec<usize>)| {
-            let mut names: Vec<u16> = link.iter().flat_map(|&to| reference.names[to].iter().copied()).collect();
-            names.sort_unstable();
-            names.dedup();
-            Ok(UnstableMode { rank: modes.rank(index) as u16, names, net_work: net_work(mode)? })
-        };
-        let unstable = unstable.iter().zip(&found).zip(&links).map(describe).collect::<Result<_, Error>>()?;
-        Ok(Outcome { unstable, divergent, undecided })
-    }
-
-    /// Net work per body of a mode with `phi^H M phi = 1`.
-    fn net_work(&self, scene: &Scene, sample: &Sample, mode: &Mode) -> Result<Vec<f64>, Error> {
-        let lattice = self.plan.lattice(scene);
-        let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
-        lattice.linearise_friction(&self.plan.sliding(scene, sample)?, &mut friction)?;
-        Ok(mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?.net())
+        growing.divergent = modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
+        Ok(growing)
     }
 }
 
@@ -115,7 +127,7 @@ impl<'a> Study<'a> {
 #[derive(Default)]
 pub struct Scratch {
     systems: Vec<SecondOrder>,
-    spectra: Vec<Result<Spectrum, cea::CeaError>>,
+    spectra: Vec<Result<Spectrum, CeaError>>,
     work: Workspace,
 }
 
@@ -141,10 +153,9 @@ impl montecarlo::Study for Study<'_> {
     }
 
     fn evaluate(&self, scene: usize, sample: &Sample, scratch: &mut Scratch) -> Result<Outcome, Error> {
-        let mut system = SecondOrder::zeros(1, 0);
-        self.plan.linearise(&self.plan.scenes[scene], sample, &mut system)?;
-        let spectrum = self.solver.eigenvalues(&system, &mut scratch.work)?;
-        self.outcome(scene, sample, &system, &spectrum, &mut scratch.work)
+        let mut outcomes = Vec::with_capacity(1);
+        self.evaluate_block(scene, &[sample], scratch, &mut outcomes);
+        outcomes.remove(0)
     }
 
     fn evaluate_block(
@@ -155,22 +166,45 @@ impl montecarlo::Study for Study<'_> {
         out: &mut Vec<Result<Outcome, Error>>,
     ) {
         let Scratch { systems, spectra, work } = scratch;
+        let (at, scene) = (scene, &self.plan.scenes[scene]);
+        let lattice = self.plan.lattice(scene);
         systems.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
         // A sample that cannot be linearised must not leave its lane empty for the others: it gets no lane.
-        let mut filled = 0;
+        let mut slidings: Vec<Sliding> = Vec::with_capacity(samples.len());
         let mut lanes: Vec<Result<usize, Error>> = Vec::with_capacity(samples.len());
         for sample in samples {
-            let linearised = self.plan.linearise(&self.plan.scenes[scene], sample, &mut systems[filled]);
-            lanes.push(linearised.map(|()| filled));
-            filled += usize::from(lanes.last().is_some_and(Result::is_ok));
+            lanes.push(self.plan.sliding(scene, sample).and_then(|sliding| {
+                let lane = slidings.len();
+                lattice.linearise(&sliding, &mut systems[lane])?;
+                slidings.push(sliding);
+                Ok(lane)
+            }));
         }
-        self.solver.eigenvalues_of_all(&systems[..filled], work, spectra);
-        for (sample, lane) in samples.iter().zip(lanes) {
-            let outcome = lane.and_then(|lane| match &spectra[lane] {
-                Ok(spectrum) => self.outcome(scene, sample, &systems[lane], spectrum, work),
-                Err(error) => Err(error.clone().into()),
-            });
-            out.push(outcome);
-        }
+        let systems = &systems[..slidings.len()];
+
+        self.solver.eigenvalues_of_all(systems, work, spectra);
+        let growing: Vec<Result<Growing, CeaError>> = systems
+            .iter()
+            .zip(spectra)
+            .map(|(system, spectrum)| Growing::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work))
+            .collect();
+
+        let lambdas = growing.iter().map(|growing| growing.as_ref().map_or(&[][..], |growing| &growing.lambdas[..]));
+        let modes = Mode::of_all(&systems.iter().zip(lambdas).collect::<Vec<_>>(), work);
+
+        let modes_of = |lane: usize| modes[lane].as_deref().unwrap_or_default();
+        let reference = &self.references[at];
+        let to = (&reference.system, &reference.modes[..]);
+        let ways: Vec<Way<'_>> =
+            (0..systems.len()).map(|lane| Way { from: (&systems[lane], modes_of(lane)), to }).collect();
+        let links = identify_all(self.solver, &ways, work);
+
+        out.extend(lanes.into_iter().map(|lane| {
+            let lane = lane?;
+            let growing = growing[lane].as_ref().map_err(CeaError::clone)?;
+            let modes = modes[lane].as_ref().map_err(CeaError::clone)?;
+            let links = links[lane].as_ref().map_err(CeaError::clone)?;
+            self.outcome(scene, &slidings[lane], growing, (modes, links), &reference.names)
+        }));
     }
 }

@@ -6,7 +6,7 @@
 //! parameters of its law and speed, linked to those of its lattice by continuation in the law. Samples are then
 //! matched to the modes of their scene.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, follow, identify, with_idle_states};
+use cea::{EigenSolver, Mode, Modes, Way, Workspace, follow, identify, with_idle_states};
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise};
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ impl Reference {
             &padded
         };
         let link = if near { identify } else { follow };
-        let links = link(solver, (from, &self.modes), (&next.system, &next.modes), work)?;
+        let links = link(solver, Way { from: (from, &self.modes), to: (&next.system, &next.modes) }, work)?;
         next.names = vec![Vec::new(); next.modes.len()];
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
