@@ -18,8 +18,8 @@ pub enum BenchError {
     /// A Python process that stopped answering.
     #[error("python3 stopped answering: {0}")]
     Python(std::io::Error),
-    /// The bench itself, started again with one thread of OpenBLAS.
-    #[error("the bench cannot be started again with OPENBLAS_NUM_THREADS=1: {0}")]
+    /// The bench itself, with other features or one thread of OpenBLAS.
+    #[error("the bench cannot be started again: {0}")]
     Start(std::io::Error),
     /// The folder of the study's results.
     #[error("{}: cannot be removed: {source}", path.display())]

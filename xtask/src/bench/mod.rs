@@ -26,10 +26,13 @@ use study::StudyTimes;
 
 /// Time: eigenvalue routes against their peers, the stages of the study, the whole of it
 ///
-/// numpy and scipy take part where python3 has them; LAPACK's dgeev (which needs libopenblas-dev) and faer where they are
-/// built in: cargo run --release -p xtask --features lapack,faer -- bench
+/// numpy and scipy take part where python3 has them, faer and LAPACK's dgeev with --features lapack,faer. dgeev is the
+/// system's OpenBLAS (libopenblas-dev).
 #[derive(Debug, clap::Args)]
 pub struct BenchArgs {
+    /// Build with these features first: lapack, faer or both, with a comma between them
+    #[arg(long, value_name = "LIST")]
+    features: Option<String>,
     /// Write everything to FILE, as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -51,8 +54,8 @@ struct BenchReport {
 
 /// Runs the task.
 pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
-    if cfg!(feature = "lapack") {
-        one_thread_of_openblas()?;
+    if let Some(again) = again(args) {
+        std::process::exit(again.and_then(|mut again| again.status()).map_err(BenchError::Start)?.code().unwrap_or(2));
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |name: &str| Case::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
@@ -84,15 +87,30 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// OpenBLAS reads its number of threads when it is loaded: the bench goes on in a process that has it from the start.
-fn one_thread_of_openblas() -> Result<(), BenchError> {
+/// The bench built with other features, or this one in a process that has OpenBLAS on one thread from the start: it reads
+/// their number when it is loaded.
+fn again(args: &BenchArgs) -> Option<Result<Command, std::io::Error>> {
     const THREADS: &str = "OPENBLAS_NUM_THREADS";
-    if std::env::var_os(THREADS).is_some_and(|threads| threads == "1") {
-        return Ok(());
-    }
-    let again = std::env::current_exe()
-        .and_then(|program| Command::new(program).args(std::env::args_os().skip(1)).env(THREADS, "1").status());
-    std::process::exit(again.map_err(BenchError::Start)?.code().unwrap_or(2))
+    let command = if let Some(features) = &args.features {
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+        cargo.args(["run", "--release", "--package", "xtask", "--features", features, "--", "bench"]);
+        cargo.args(args.quick.then_some("--quick"));
+        cargo.args(args.samples.map(|samples| format!("--samples={samples}")));
+        cargo.args(args.json.iter().flat_map(|path| ["--json".as_ref(), path.as_os_str()]));
+        Ok(cargo)
+    } else if cfg!(feature = "lapack") && std::env::var_os(THREADS).is_none_or(|threads| threads != "1") {
+        std::env::current_exe().map(|program| {
+            let mut same = Command::new(program);
+            same.args(std::env::args_os().skip(1));
+            same
+        })
+    } else {
+        return None;
+    };
+    Some(command.map(|mut command| {
+        command.env(THREADS, "1");
+        command
+    }))
 }
 
 impl BenchReport {

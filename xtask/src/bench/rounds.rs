@@ -1,7 +1,7 @@
-//! Timing in rounds: every route once in each, so that a disturbance hits all alike.
+//! Timing in rounds: every route once in each, so that a disturbance hits all alike. What counts is the processor time of
+//! the thread, to which other processes add little.
 
-use std::time::Instant;
-
+use cpu_time::ThreadTime;
 use num_complex::Complex;
 use serde::Serialize;
 use squeal::accuracy::{Spectra, relative_errors};
@@ -21,7 +21,7 @@ pub struct RouteRow {
     pub n: usize,
     /// Internal states.
     pub states: usize,
-    /// Median time of one problem, microseconds.
+    /// Median processor time of one problem, microseconds.
     pub us: f64,
     /// Quartiles of that time.
     pub us_quartiles: [f64; 2],
@@ -66,7 +66,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
     for _ in 0..rounds {
         let (own, peers) = timed.split_at_mut(routes.len());
         for (route, timed) in routes.iter().zip(own) {
-            let start = Instant::now();
+            let start = ThreadTime::now();
             std::hint::black_box((route.solve)(&problem.systems));
             timed.seconds.push(start.elapsed().as_secs_f64());
         }

@@ -4,9 +4,10 @@
 //! stage; what the study takes beyond their sum is the last row. It is negative where the study saves itself a part of
 //! a stage.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use cea::{BatchSolver, EigenSolver, Mode, Modes, Verdict, Workspace, identify, verdict};
+use cea::{BatchSolver, CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Workspace, identify, verdict};
+use cpu_time::ThreadTime;
 use num_complex::Complex;
 use serde::Serialize;
 use squeal::linsys::SecondOrder;
@@ -25,7 +26,7 @@ const BLOCK: u64 = 8;
 pub struct Stage {
     /// What is done.
     pub stage: &'static str,
-    /// Time per eigenvalue problem solved, microseconds.
+    /// Processor time per eigenvalue problem solved, microseconds.
     pub us: f64,
     /// Part of the whole time.
     pub share: f64,
@@ -45,7 +46,7 @@ struct Spent {
 }
 
 fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let result = work();
     *into += start.elapsed();
     result
@@ -109,7 +110,7 @@ fn evaluate(study: &Study<'_>, first: u64, spent: &mut Spent) -> Result<(), Benc
 #[derive(Default)]
 struct Replay {
     systems: Vec<SecondOrder>,
-    spectra: Vec<Result<cea::Spectrum, cea::CeaError>>,
+    spectra: Vec<Result<Spectrum, CeaError>>,
     work: Workspace,
 }
 
@@ -129,18 +130,23 @@ impl Replay {
             samples.iter().zip(&mut *systems).try_for_each(|(sample, system)| plan.linearise(scene, sample, system))
         })?;
         timed(&mut spent.spectra, || BatchSolver.eigenvalues_of_all(systems, work, spectra));
-        for ((sample, system), spectrum) in samples.iter().zip(&*systems).zip(&*spectra) {
-            let spectrum = spectrum.as_ref().map_err(Clone::clone)?;
-            let unstable = timed(&mut spent.verdicts, || unstable(system, spectrum, work))?;
-            if unstable.is_empty() {
-                continue;
-            }
-            let modes = timed(&mut spent.vectors, || Mode::at(system, &unstable, work))?;
-            let to = (&reference.system, &reference.modes[..]);
-            timed(&mut spent.names, || identify(&BatchSolver, (system, &modes), to, work))?;
-            if scene.wants_work {
-                timed(&mut spent.net_work, || modes.iter().try_for_each(|mode| net_work(plan, at, sample, mode)))?;
-            }
+        // A stage at a time for the whole block: reading the clock takes as long as some verdicts.
+        let unstable: Vec<Vec<Complex<f64>>> = timed(&mut spent.verdicts, || {
+            systems.iter().zip(&*spectra).map(|(system, found)| unstable(system, found, work)).collect::<Result<_, _>>()
+        })?;
+        let modes: Vec<Vec<Mode>> = timed(&mut spent.vectors, || {
+            systems.iter().zip(&unstable).map(|(system, at)| Mode::at(system, at, work)).collect::<Result<_, _>>()
+        })?;
+        let to = (&reference.system, &reference.modes[..]);
+        timed(&mut spent.names, || {
+            let mut some = systems.iter().zip(&modes).filter(|(_, modes)| !modes.is_empty());
+            some.try_for_each(|(system, modes)| identify(&BatchSolver, (system, modes), to, work).map(drop))
+        })?;
+        if scene.wants_work {
+            timed(&mut spent.net_work, || {
+                let mut each = samples.iter().zip(&modes);
+                each.try_for_each(|(sample, modes)| modes.iter().try_for_each(|mode| net_work(plan, at, sample, mode)))
+            })?;
         }
         Ok(())
     }
@@ -148,9 +154,10 @@ impl Replay {
 
 fn unstable(
     system: &SecondOrder,
-    spectrum: &cea::Spectrum,
+    found: &Result<Spectrum, CeaError>,
     work: &mut Workspace,
-) -> Result<Vec<Complex<f64>>, cea::CeaError> {
+) -> Result<Vec<Complex<f64>>, CeaError> {
+    let spectrum = found.as_ref().map_err(Clone::clone)?;
     let mut unstable = Vec::new();
     for lambda in Modes::classify(system, spectrum, work)?.oscillatory {
         if verdict(system, lambda, spectrum.scale, work)? == Verdict::Unstable {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use cpu_time::ProcessTime;
 use serde::Serialize;
 use squeal::report::{Times, draw_paper};
 use squeal::run_study;
@@ -21,6 +22,8 @@ pub struct StudyTimes {
     pub samples: u64,
     /// Wall-clock time of all of it.
     pub seconds: f64,
+    /// Processor time of all threads.
+    pub processor_seconds: f64,
     /// Wall-clock time of its parts.
     pub parts: Times,
     /// Most memory that the process has held, megabytes; `null` where the system does not tell.
@@ -43,14 +46,16 @@ impl StudyTimes {
             std::fs::remove_dir_all(folder).map_err(failed)?;
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let start = ProcessTime::now();
         let manifest = run_study(plan, folder, Some(threads), &mut |results, dir| draw_paper(results, dir))?;
-        let peak_mb = peak_mb();
+        let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
         let parts = manifest.seconds;
         Ok(Self {
             ceas: manifest.analyses,
             solved: manifest.solved,
             samples: manifest.samples,
             seconds: parts.references + parts.samples + parts.report,
+            processor_seconds,
             parts,
             peak_mb,
             threads,

@@ -12,8 +12,8 @@ pub fn heading(machine: &Machine, problems: &[Problem], rounds: usize) -> String
     let Machine { processor, cores, lanes, peak_gflops } = machine;
     let mut text = format!(
         "{processor}, {cores} cores, {lanes} doubles in a register, at most {peak_gflops:.1} Gflop/s on one thread\n\n\
-         One thread, {rounds} rounds of all routes. us: one problem, median and quartiles. ratio: time over that of\n\
-         dgeev, median over the rounds. error: largest relative error of an eigenvalue.\n\n"
+         One thread, {rounds} rounds of all routes. us: processor time of one problem, median and quartiles. ratio: time\n\
+         over that of dgeev, median over the rounds. error: largest relative error of an eigenvalue.\n\n"
     );
     for problem in problems {
         let Problem { description, systems, references, .. } = problem;
@@ -41,8 +41,8 @@ pub fn routes(rows: &[RouteRow]) -> String {
         let is_first = at == 0 || size(rows[at - 1].n, rows[at - 1].states) != own;
         let [low, high] = row.us_quartiles;
         let or_empty = Option::<String>::unwrap_or_default;
-        let failed =
-            if row.failed == 0 { String::new() } else { format!(" {} of {} failed", row.failed, row.problems) };
+        let error = row.max_error.map(|error| format!("{error:.1e}"));
+        let failed = (row.failed > 0).then(|| format!("{} of {} failed", row.failed, row.problems));
         lines.push([
             if is_first { own } else { String::new() },
             row.route.clone(),
@@ -50,7 +50,7 @@ pub fn routes(rows: &[RouteRow]) -> String {
             format!("{} to {}", figures(low), figures(high)),
             or_empty(row.ratio_to_dgeev.map(|ratio| format!("{ratio:.3}"))),
             or_empty(row.ratio_to_dgeev.map(|ratio| format!("{:.2}", 1.0 / ratio))),
-            format!("{}{failed}", or_empty(row.max_error.map(|error| format!("{error:.1e}")))),
+            error.into_iter().chain(failed).collect::<Vec<_>>().join(", "),
         ]);
     }
     aligned(&lines, 2)
@@ -62,11 +62,11 @@ pub fn study(study: &StudyTimes) -> String {
     for row in &study.stages {
         lines.push([row.stage.to_owned(), format!("{:.2}", row.us), format!("{:.1} %", 100.0 * row.share)]);
     }
-    let StudyTimes { ceas, solved, samples, seconds, parts, threads, .. } = study;
+    let StudyTimes { ceas, solved, samples, seconds, processor_seconds, parts, threads, .. } = study;
     let peak = study.peak_mb.map(|peak| format!(", peak memory {peak:.0} MB")).unwrap_or_default();
     format!(
         "{}\nThe whole study, {samples} samples, {ceas} CEAs ({solved} solved): {seconds:.1} s on {threads} threads{peak}\n\
-         ({:.1} s reference modes, {:.1} s samples, {:.1} s tables and figures)\n",
+         ({:.1} s reference modes, {:.1} s samples, {:.1} s tables and figures; {processor_seconds:.1} s of processor time)\n",
         aligned(&lines, 1),
         parts.references,
         parts.samples,
