@@ -15,6 +15,7 @@ use std::process::Command;
 
 use serde::Serialize;
 use squeal::case::Case;
+use squeal::output::{make_folder, write};
 use squeal::study::Plan;
 
 pub use error::BenchError;
@@ -63,6 +64,10 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
     let studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
     let studied = squeal::commands::overridden(studied, args.samples, None, None)?;
     let (rounds, blocks) = if args.quick { (1, 1) } else { (25, 4) };
+    // A folder that cannot be made is found before minutes have gone by.
+    if let Some(folder) = args.json.as_deref().and_then(Path::parent) {
+        make_folder(folder)?;
+    }
 
     let machine = Machine::this();
     let problems = SIZES.iter().map(|size| Problem::new(&case, size, args.quick)).collect::<Result<Vec<_>, _>>()?;
@@ -82,7 +87,7 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
     print!("{}", table::study(&study));
     if let Some(path) = &args.json {
         let report = BenchReport { machine, routes: rows, study };
-        squeal::output::write(path, report.json().as_bytes())?;
+        write(path, report.json().as_bytes())?;
     }
     Ok(())
 }
@@ -97,6 +102,13 @@ fn again(args: &BenchArgs) -> Option<Result<Command, std::io::Error>> {
         cargo.args(args.quick.then_some("--quick"));
         cargo.args(args.samples.map(|samples| format!("--samples={samples}")));
         cargo.args(args.json.iter().flat_map(|path| ["--json".as_ref(), path.as_os_str()]));
+        // What cargo says of this package would make it build some of the others once more.
+        for (name, _) in std::env::vars_os() {
+            let is_own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+            if name.to_str().is_some_and(is_own) {
+                cargo.env_remove(name);
+            }
+        }
         Ok(cargo)
     } else if cfg!(feature = "lapack") && std::env::var_os(THREADS).is_none_or(|threads| threads != "1") {
         std::env::current_exe().map(|program| {

@@ -4,12 +4,13 @@ use squeal::accuracy::{self, Route};
 
 /// The routes of this project, nalgebra, and LAPACK and faer where they are built in.
 pub fn routes() -> Vec<Route> {
-    let mut routes = accuracy::routes();
-    #[cfg(feature = "lapack")]
-    routes.push(Route { name: DGEEV, solve: peers::dgeev });
-    #[cfg(feature = "faer")]
-    routes.push(Route { name: "faer, scaled", solve: peers::faer });
-    routes
+    let peers: &[Route] = &[
+        #[cfg(feature = "lapack")]
+        Route { name: DGEEV, solve: peers::dgeev },
+        #[cfg(feature = "faer")]
+        Route { name: "faer, scaled", solve: peers::faer },
+    ];
+    accuracy::routes().into_iter().chain(peers.iter().copied()).collect()
 }
 
 /// The route that the others are compared with.
