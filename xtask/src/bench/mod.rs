@@ -1,5 +1,6 @@
 //! What it costs: every route to the eigenvalues against its peers, then the study by its stages and as a whole.
 
+mod again;
 mod error;
 mod machine;
 mod problems;
@@ -11,13 +12,13 @@ mod study;
 mod table;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use serde::Serialize;
 use squeal::case::Case;
 use squeal::output::{make_folder, write};
 use squeal::study::Plan;
 
+use again::again;
 pub use error::BenchError;
 use machine::Machine;
 use problems::{Problem, SIZES};
@@ -90,39 +91,6 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
         write(path, report.json().as_bytes())?;
     }
     Ok(())
-}
-
-/// The bench built with other features, or this one in a process that has OpenBLAS on one thread from the start: it reads
-/// their number when it is loaded.
-fn again(args: &BenchArgs) -> Option<Result<Command, std::io::Error>> {
-    const THREADS: &str = "OPENBLAS_NUM_THREADS";
-    let command = if let Some(features) = &args.features {
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
-        cargo.args(["run", "--release", "--package", "xtask", "--features", features, "--", "bench"]);
-        cargo.args(args.quick.then_some("--quick"));
-        cargo.args(args.samples.map(|samples| format!("--samples={samples}")));
-        cargo.args(args.json.iter().flat_map(|path| ["--json".as_ref(), path.as_os_str()]));
-        // What cargo says of this package would make it build some of the others once more.
-        for (name, _) in std::env::vars_os() {
-            let is_own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
-            if name.to_str().is_some_and(is_own) {
-                cargo.env_remove(name);
-            }
-        }
-        Ok(cargo)
-    } else if cfg!(feature = "lapack") && std::env::var_os(THREADS).is_none_or(|threads| threads != "1") {
-        std::env::current_exe().map(|program| {
-            let mut same = Command::new(program);
-            same.args(std::env::args_os().skip(1));
-            same
-        })
-    } else {
-        return None;
-    };
-    Some(command.map(|mut command| {
-        command.env(THREADS, "1");
-        command
-    }))
 }
 
 impl BenchReport {
