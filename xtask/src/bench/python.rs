@@ -47,7 +47,8 @@ impl Python {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
-            .spawn()?;
+            .spawn()
+            .map_err(|error| Error::new(error.kind(), format!("python3 cannot be started: {error}")))?;
         let pipe = |name: &str| Error::new(ErrorKind::BrokenPipe, format!("python3 has no {name}"));
         let mut input = child.stdin.take().ok_or_else(|| pipe("input"))?;
         let mut output = BufReader::new(child.stdout.take().ok_or_else(|| pipe("output"))?);

@@ -12,7 +12,7 @@ pub fn heading(machine: &Machine, problems: &[Problem], rounds: usize) -> String
     let Machine { processor, cores, lanes, peak_gflops } = machine;
     let mut text = format!(
         "{processor}, {cores} cores, {lanes} doubles in a register, at most {peak_gflops:.1} Gflop/s on one thread\n\n\
-         One thread, {rounds} rounds of all routes. us: processor time of one problem, median and quartiles. ratio: time\n\
+         One thread, rounds of all routes: {rounds}. us: processor time of one problem, median and quartiles. ratio: time\n\
          over that of dgeev, median over the rounds. error: largest relative error of an eigenvalue.\n\n"
     );
     for problem in problems {
