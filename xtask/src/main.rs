@@ -1,6 +1,7 @@
-//! The project's own tasks: `cargo xtask reproduce`, `cargo xtask accuracy`.
+//! The project's own tasks: `cargo xtask reproduce`, `accuracy` and `bench`.
 
 mod accuracy;
+mod bench;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -17,6 +18,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Task {
     Accuracy(accuracy::AccuracyArgs),
+    Bench(bench::BenchArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
     };
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
+        Task::Bench(args) => bench::run(args).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
     };
     match result {

@@ -1,11 +1,14 @@
-//! Time per spectrum: the batched solver and the scalar one, 30 and 60 degrees of freedom, with and without
-//! internal states.
+//! Time of the kernels: whole spectra by the batched and by the scalar solver, one eigenvector, and the certificates of
+//! a spectrum, for 10, 30 and 60 degrees of freedom, with and without internal states.
 
 use std::hint::black_box;
 
-use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
+use cea::{BatchSolver, EigenSolver, QrSolver, Workspace, general, right_vector};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use linsys::SecondOrder;
+
+/// Degrees of freedom and internal states.
+const SHAPES: [(usize, usize); 4] = [(10, 0), (30, 0), (30, 9), (60, 0)];
 
 /// A chain with a coupling that takes the symmetry out of K, alternating so that it does not add up along the chain.
 fn chain(n: usize, s: usize, coupling: f64) -> SecondOrder {
@@ -30,8 +33,9 @@ fn chain(n: usize, s: usize, coupling: f64) -> SecondOrder {
 
 fn spectra(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("spectrum");
-    for (n, s) in [(10, 0), (30, 0), (30, 9), (60, 0)] {
-        let systems: Vec<_> = (0..64).map(|i| chain(n, s, 3e5 * f64::from(i))).collect();
+    group.sample_size(20);
+    for (n, s) in SHAPES {
+        let systems: Vec<_> = (0..16).map(|i| chain(n, s, 1e6 * f64::from(i))).collect();
         group.throughput(Throughput::Elements(systems.len() as u64));
         let mut work = Workspace::default();
         let mut out = Vec::new();
@@ -45,5 +49,33 @@ fn spectra(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, spectra);
+fn one_vector(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("right vector");
+    for (n, s) in SHAPES {
+        let system = chain(n, s, 3e6);
+        let mut work = Workspace::default();
+        let Ok(spectrum) = QrSolver.eigenvalues(&system, &mut work) else { continue };
+        let Some(lambda) = spectrum.oscillatory().next() else { continue };
+        group.bench_function(format!("{n}+{s}"), |bencher| {
+            bencher.iter(|| right_vector(black_box(&system), lambda, &mut work));
+        });
+    }
+    group.finish();
+}
+
+fn certificates(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("certificates");
+    group.sample_size(10);
+    for (n, s) in SHAPES {
+        let system = chain(n, s, 3e6);
+        let mut work = Workspace::default();
+        let Ok(spectrum) = general::solve(&system, &mut work) else { continue };
+        group.bench_function(format!("{n}+{s}"), |bencher| {
+            bencher.iter(|| general::certify(black_box(&system), &spectrum, &mut work));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, spectra, one_vector, certificates);
 criterion_main!(benches);

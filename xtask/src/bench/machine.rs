@@ -1,0 +1,69 @@
+//! The machine, and what one core of it can do at most: fused multiply-adds in registers alone.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use pulp::{Arch, Simd, WithSimd};
+use serde::Serialize;
+
+/// Independent sums: more than latency times throughput of current cores, fewer than they have registers.
+const SUMS: usize = 12;
+/// Additions to each sum in one repetition, a millisecond or less.
+const STEPS: usize = 100_000;
+/// Repetitions, of which the fastest counts.
+const REPEATS: usize = 50;
+
+/// Where the bench ran.
+#[derive(Debug, Clone, Serialize)]
+pub struct Machine {
+    /// The processor's name.
+    pub processor: String,
+    /// Its cores, as far as this process may use them.
+    pub cores: usize,
+    /// Numbers in a vector register, as BatchSolver uses it.
+    pub lanes: usize,
+    /// Multiplications and additions of doubles per nanosecond, one thread.
+    pub peak_gflops: f64,
+}
+
+impl Machine {
+    /// This machine.
+    pub fn this() -> Self {
+        let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let name = info
+            .lines()
+            .find_map(|line| line.strip_prefix("model name"))
+            .map(|name| name.trim_matches([' ', '\t', ':']));
+        let (lanes, peak_gflops) = (0..REPEATS)
+            .map(|_| Arch::new().dispatch(Kernel))
+            .fold((0, 0.0), |best, one| if one.1 > best.1 { one } else { best });
+        Self {
+            processor: name.unwrap_or(std::env::consts::ARCH).to_owned(),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            lanes,
+            peak_gflops,
+        }
+    }
+}
+
+struct Kernel;
+
+impl WithSimd for Kernel {
+    /// Lanes, and operations per nanosecond.
+    type Output = (usize, f64);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> (usize, f64) {
+        let (x, y) = (simd.splat_f64s(black_box(0.999)), simd.splat_f64s(black_box(1e-3)));
+        let mut sums = [y; SUMS];
+        let start = Instant::now();
+        for _ in 0..STEPS {
+            for sum in &mut sums {
+                *sum = simd.mul_add_e_f64s(*sum, x, y);
+            }
+        }
+        let elapsed = start.elapsed();
+        black_box(&sums);
+        (S::F64_LANES, (2 * SUMS * STEPS * S::F64_LANES) as f64 / elapsed.as_nanos() as f64)
+    }
+}

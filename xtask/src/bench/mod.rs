@@ -1,0 +1,163 @@
+//! What it costs: every route to the eigenvalues against its peers, then the study by its stages and as a whole.
+
+mod again;
+mod error;
+mod machine;
+mod problems;
+mod python;
+mod rounds;
+mod routes;
+mod stages;
+mod study;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use squeal::case::Case;
+use squeal::output::{make_folder, write};
+use squeal::study::Plan;
+
+use again::again;
+pub use error::BenchError;
+use machine::Machine;
+use problems::{Problem, SIZES};
+use python::Python;
+use rounds::{RouteRow, measure};
+use study::StudyTimes;
+
+/// Time: eigenvalue routes against their peers, the stages of the study, the whole of it
+///
+/// numpy and scipy take part where python3 has them, faer and LAPACK's dgeev with --features lapack,faer. dgeev is the
+/// system's OpenBLAS (libopenblas-dev).
+#[derive(Debug, clap::Args)]
+pub struct BenchArgs {
+    /// Build with these features first: lapack, faer or both, with a comma between them
+    #[arg(long, value_name = "LIST")]
+    features: Option<String>,
+    /// Write everything to FILE, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Samples per arrangement, law and speed range of the study [default: the case's, 1000]
+    #[arg(long, value_name = "N")]
+    samples: Option<u64>,
+    /// Does everything work? A single round, and the study of cases/two-by-two.toml
+    #[arg(long)]
+    quick: bool,
+}
+
+/// All that was measured.
+#[derive(Debug, Serialize)]
+struct BenchReport {
+    machine: Machine,
+    routes: Vec<RouteRow>,
+    study: StudyTimes,
+}
+
+/// Runs the task.
+pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
+    if let Some(again) = again(args) {
+        std::process::exit(again.and_then(|mut again| again.status()).map_err(BenchError::Start)?.code().unwrap_or(2));
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |name: &str| Case::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
+    let case = read("paper.toml")?;
+    let studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
+    let studied = squeal::commands::overridden(studied, args.samples, None, None)?;
+    let (rounds, blocks) = if args.quick { (1, 1) } else { (25, 4) };
+    // A folder that cannot be made is found before minutes have gone by.
+    if let Some(folder) = args.json.as_deref().and_then(Path::parent) {
+        make_folder(folder)?;
+    }
+
+    let machine = Machine::this();
+    let problems = SIZES.iter().map(|size| Problem::new(&case, size, args.quick)).collect::<Result<Vec<_>, _>>()?;
+    println!("{}", table::heading(&machine, &problems, rounds));
+    let mut rows = Vec::new();
+    let mut has_python = true;
+    for problem in &problems {
+        eprintln!("n = {}, {} internal states", problem.n, problem.states);
+        let mut python = if has_python { start_python(problem) } else { None };
+        has_python = python.is_some();
+        rows.extend(measure(problem, python.as_mut(), rounds)?);
+    }
+    println!("{}", table::routes(&rows));
+
+    let plan = Plan::new(studied)?;
+    let study = StudyTimes::measure(&plan, &root.join("target/bench"), blocks)?;
+    print!("{}", table::study(&study));
+    if let Some(path) = &args.json {
+        let report = BenchReport { machine, routes: rows, study };
+        write(path, report.json().as_bytes())?;
+    }
+    Ok(())
+}
+
+impl BenchReport {
+    fn json(&self) -> String {
+        // Plain numbers and strings: there is nothing that could fail to serialise.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
+
+/// Python with the matrices of a problem, or a line that says why not.
+fn start_python(problem: &Problem) -> Option<Python> {
+    match Python::start(problem) {
+        Ok(python) => Some(python),
+        Err(error) => {
+            println!("Without numpy and scipy: {error}\n");
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    #[test]
+    fn the_json_has_the_promised_fields_and_the_table_every_route() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let case = Case::read(&root.join("cases/paper.toml")).unwrap();
+        let problem = Problem::new(&case, &SIZES[0], true).unwrap();
+        let routes = measure(&problem, None, 1).unwrap();
+        let mut small = Case::read(&root.join("cases/two-by-two.toml")).unwrap();
+        small.samples = 8;
+        let folder = tempfile::tempdir().unwrap();
+        let study = StudyTimes::measure(&Plan::new(small).unwrap(), &folder.path().join("study"), 1).unwrap();
+        let table = table::routes(&routes);
+        let report = BenchReport { machine: Machine::this(), routes, study };
+
+        let json: Value = serde_json::from_str(&report.json()).unwrap();
+        let rows = json["routes"].as_array().unwrap();
+        assert!(rows.len() >= 5);
+        for (row, line) in rows.iter().zip(table.lines().skip(2)) {
+            assert!(line.contains(row["route"].as_str().unwrap()), "{line}");
+            assert!(row["n"] == 10 && row["states"] == 0 && row["us"].as_f64().unwrap() > 0.0, "{row}");
+            let limit = if row["route"].as_str().unwrap().contains("raw") { 1e-6 } else { 1e-12 };
+            assert!(row["max_error"].as_f64().unwrap() < limit, "{row}");
+            assert_eq!(row["ratio_to_dgeev"].is_null(), !cfg!(feature = "lapack"), "{row}");
+        }
+        let study = &json["study"];
+        assert_eq!(study["ceas"], 160);
+        assert!(study["seconds"].as_f64().unwrap() > 0.0 && study["threads"].as_u64().unwrap() >= 1);
+        assert_eq!(study["peak_mb"].is_null(), !cfg!(target_os = "linux"));
+        let shares: f64 = study["stages"].as_array().unwrap().iter().map(|s| s["share"].as_f64().unwrap()).sum();
+        assert!((shares - 1.0).abs() < 1e-12, "{shares}");
+    }
+
+    #[test]
+    fn python_agrees_where_it_is_there() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let case = Case::read(&root.join("cases/paper.toml")).unwrap();
+        let problem = Problem::new(&case, &SIZES[0], true).unwrap();
+        let Some(mut python) = start_python(&problem) else { return };
+        let routes = python.routes.clone();
+        let rows = measure(&problem, Some(&mut python), 1).unwrap();
+        for route in &routes {
+            let row = rows.iter().find(|row| row.route == *route).unwrap();
+            assert!(row.max_error.unwrap() < 1e-12 && row.us > 0.0, "{row:?}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Timing in rounds: every route once in each, so that a disturbance hits all alike. What counts is the processor time of
+//! the thread, to which other processes add little.
+
+use cpu_time::ThreadTime;
+use num_complex::Complex;
+use serde::Serialize;
+use squeal::accuracy::{Spectra, relative_errors};
+use squeal::montecarlo::quantile;
+
+use super::error::BenchError;
+use super::problems::Problem;
+use super::python::Python;
+use super::routes::{DGEEV, routes};
+
+/// A route on one size of problem.
+#[derive(Debug, Clone, Serialize)]
+pub struct RouteRow {
+    /// The route.
+    pub route: String,
+    /// Degrees of freedom.
+    pub n: usize,
+    /// Internal states.
+    pub states: usize,
+    /// Median processor time of one problem, microseconds.
+    pub us: f64,
+    /// Quartiles of that time.
+    pub us_quartiles: [f64; 2],
+    /// Median over the rounds of its time over that of dgeev; `null` where that is not built in.
+    pub ratio_to_dgeev: Option<f64>,
+    /// Largest relative error of an eigenvalue, infinite where one is missing; nothing where no system was solved
+    /// whose eigenvalues are known.
+    pub max_error: Option<f64>,
+    /// Problems solved in a round.
+    pub problems: usize,
+    /// Those among them that the route did not solve.
+    pub failed: usize,
+}
+
+/// One route's name, its eigenvalues and its times, one per round, seconds.
+struct Timed {
+    name: String,
+    spectra: Spectra,
+    seconds: Vec<f64>,
+}
+
+/// Each route on one problem. Python takes part where it could be started.
+///
+/// # Errors
+/// A Python process that ended.
+pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteRow>, BenchError> {
+    let routes = routes();
+    // The eigenvalues come from a first call each, which also warms up memory and caches.
+    let mut timed: Vec<Timed> = routes
+        .iter()
+        .map(|r| Timed { name: r.name.into(), spectra: (r.solve)(&problem.systems), seconds: Vec::new() })
+        .collect();
+    let mut python = python;
+    if let Some(python) = &python {
+        let peers = python.routes.iter().zip(&python.spectra);
+        timed.extend(peers.map(|(name, spectra)| Timed {
+            name: name.clone(),
+            spectra: spectra.clone(),
+            seconds: Vec::new(),
+        }));
+    }
+    for _ in 0..rounds {
+        let (own, peers) = timed.split_at_mut(routes.len());
+        for (route, timed) in routes.iter().zip(own) {
+            let start = ThreadTime::now();
+            std::hint::black_box((route.solve)(&problem.systems));
+            timed.seconds.push(start.elapsed().as_secs_f64());
+        }
+        if let Some(python) = &mut python {
+            for (at, timed) in peers.iter_mut().enumerate() {
+                timed.seconds.push(python.time(at).map_err(BenchError::Python)?);
+            }
+        }
+    }
+    let dgeev = timed.iter().find(|t| t.name == DGEEV).map(|t| t.seconds.clone());
+    timed.iter().map(|timed| row(problem, timed, dgeev.as_deref())).collect()
+}
+
+fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteRow, BenchError> {
+    let per_problem = 1e6 / problem.systems.len() as f64;
+    let us = sorted(timed.seconds.iter().map(|s| s * per_problem));
+    let ratios = dgeev.map(|dgeev| sorted(timed.seconds.iter().zip(dgeev).map(|(own, dgeev)| own / dgeev)));
+    Ok(RouteRow {
+        route: timed.name.clone(),
+        n: problem.n,
+        states: problem.states,
+        us: quantile(&us, 0.5)?,
+        us_quartiles: [quantile(&us, 0.25)?, quantile(&us, 0.75)?],
+        ratio_to_dgeev: ratios.map(|ratios| quantile(&ratios, 0.5)).transpose()?,
+        max_error: max_error(&problem.references, &timed.spectra),
+        problems: problem.systems.len(),
+        failed: timed.spectra.iter().filter(|spectrum| spectrum.is_none()).count(),
+    })
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The largest relative error of the eigenvalues of the systems that were solved, each compared as a set.
+fn max_error(references: &[Vec<Complex<f64>>], spectra: &Spectra) -> Option<f64> {
+    let solved = references.iter().zip(spectra).filter_map(|(wanted, found)| Some((wanted, found.as_ref()?)));
+    solved.flat_map(|(wanted, found)| relative_errors(wanted, found)).reduce(f64::max)
+}

@@ -1,0 +1,43 @@
+//! The routes written in Rust: this project's, and its peers behind features.
+
+use squeal::accuracy::{self, Route};
+
+/// The routes of this project, nalgebra, and LAPACK and faer where they are built in.
+pub fn routes() -> Vec<Route> {
+    let peers: &[Route] = &[
+        #[cfg(feature = "lapack")]
+        Route { name: DGEEV, solve: peers::dgeev },
+        #[cfg(feature = "faer")]
+        Route { name: "faer, scaled", solve: peers::faer },
+    ];
+    accuracy::routes().into_iter().chain(peers.iter().copied()).collect()
+}
+
+/// The route that the others are compared with.
+pub const DGEEV: &str = "LAPACK dgeev, scaled";
+
+#[cfg(any(feature = "lapack", feature = "faer"))]
+mod peers {
+    use squeal::accuracy::Spectra;
+    use squeal::linsys::SecondOrder;
+
+    /// OpenBLAS's dgeev without vectors on the scaled standard form.
+    #[cfg(feature = "lapack")]
+    pub fn dgeev(systems: &[SecondOrder]) -> Spectra {
+        use cea::{EigenSolver, LapackSolver, Workspace};
+        let mut work = Workspace::default();
+        systems.iter().map(|system| Some(LapackSolver.eigenvalues(system, &mut work).ok()?.eigenvalues)).collect()
+    }
+
+    /// faer's eigenvalues without vectors of the scaled standard form; built without rayon, it runs on this thread.
+    #[cfg(feature = "faer")]
+    pub fn faer(systems: &[SecondOrder]) -> Spectra {
+        let one = |system: &SecondOrder| {
+            let form = cea::StandardForm::new(system).ok()?;
+            let order = form.state.nrows();
+            let state = faer::MatRef::from_column_major_slice(form.state.as_slice(), order, order);
+            Some(state.eigenvalues().ok()?.into_iter().map(|sigma| sigma * form.gamma).collect())
+        };
+        systems.iter().map(one).collect()
+    }
+}

@@ -1,0 +1,177 @@
+//! Where the time of a study goes: some of its samples in all scenes, on one thread.
+//!
+//! Each block is evaluated as the study does it, and then once more stage by stage through the public function of each
+//! stage; what the study takes beyond their sum is the last row. It is negative where the study saves itself a part of
+//! a stage.
+
+use std::time::Duration;
+
+use cea::{BatchSolver, CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Workspace, identify, verdict};
+use cpu_time::ThreadTime;
+use num_complex::Complex;
+use serde::Serialize;
+use squeal::linsys::SecondOrder;
+use squeal::montecarlo::{Runs, Study as _, Tally as _, stream};
+use squeal::osc_model::Linearise;
+use squeal::study::{Plan, Sample, Scratch, Study, Tally};
+use squeal::work::mode_work;
+
+use super::error::BenchError;
+
+/// Samples evaluated together, as in a run.
+const BLOCK: u64 = 8;
+
+/// One stage of a study.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stage {
+    /// What is done.
+    pub stage: &'static str,
+    /// Processor time per eigenvalue problem solved, microseconds.
+    pub us: f64,
+    /// Part of the whole time.
+    pub share: f64,
+}
+
+#[derive(Default)]
+struct Spent {
+    drawing: Duration,
+    evaluation: Duration,
+    tally: Duration,
+    assembly: Duration,
+    spectra: Duration,
+    verdicts: Duration,
+    vectors: Duration,
+    names: Duration,
+    net_work: Duration,
+}
+
+fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
+    let start = ThreadTime::now();
+    let result = work();
+    *into += start.elapsed();
+    result
+}
+
+/// The stages of `blocks` blocks of the study's samples.
+///
+/// # Errors
+/// Those of the study.
+pub fn stages(plan: &Plan, blocks: u64) -> Result<Vec<Stage>, BenchError> {
+    let study = Study::new(plan, &BatchSolver)?;
+    let mut spent = Spent::default();
+    for block in 0..blocks {
+        evaluate(&study, BLOCK * block, &mut spent)?;
+    }
+    let solved = (blocks * BLOCK) as f64 * study.scenes() as f64;
+    let whole = (spent.drawing + spent.evaluation + spent.tally).as_secs_f64();
+    let stages = [
+        ("drawing", spent.drawing),
+        ("assembly", spent.assembly),
+        ("spectra of the samples", spent.spectra),
+        ("classification and verdicts", spent.verdicts),
+        ("eigenvectors of unstable modes", spent.vectors),
+        ("names, with spectra and vectors on the way", spent.names),
+        ("net work", spent.net_work),
+        ("tally", spent.tally),
+    ];
+    let row = |(stage, seconds): (_, f64)| Stage { stage, us: 1e6 * seconds / solved, share: seconds / whole };
+    let rest = whole - stages.iter().map(|(_, spent)| spent.as_secs_f64()).sum::<f64>();
+    Ok(stages.into_iter().map(|(stage, spent)| (stage, spent.as_secs_f64())).chain([("rest", rest)]).map(row).collect())
+}
+
+/// One block in all scenes, as the study does it, and each scene once more by stages.
+fn evaluate(study: &Study<'_>, first: u64, spent: &mut Spent) -> Result<(), BenchError> {
+    let seed = study.plan().case.seed;
+    let draw = || -> Result<Vec<Sample>, squeal::Error> {
+        (first..first + BLOCK).map(|index| study.draw(&mut stream(seed, index))).collect()
+    };
+    let samples = timed(&mut spent.drawing, draw)?;
+    let borrowed: Vec<&Sample> = samples.iter().collect();
+    let (mut scratch, mut replay) = (Scratch::default(), Replay::default());
+    let mut out = Vec::new();
+    let mut results: Vec<Vec<_>> = samples.iter().map(|_| Vec::new()).collect();
+    for scene in 0..study.scenes() {
+        timed(&mut spent.evaluation, || study.evaluate_block(scene, &borrowed, &mut scratch, &mut out));
+        for (of_sample, result) in results.iter_mut().zip(out.drain(..)) {
+            of_sample.push(result);
+        }
+        replay.scene(study, scene, &borrowed, spent)?;
+    }
+    let mut tally = Tally::empty(study.plan());
+    timed(&mut spent.tally, || {
+        for ((index, sample), results) in (first..).zip(&samples).zip(&results) {
+            tally.record(&Runs { index, sample, results });
+        }
+    });
+    Ok(())
+}
+
+/// The stages of one block in one scene.
+#[derive(Default)]
+struct Replay {
+    systems: Vec<SecondOrder>,
+    spectra: Vec<Result<Spectrum, CeaError>>,
+    work: Workspace,
+}
+
+impl Replay {
+    fn scene(
+        &mut self,
+        study: &Study<'_>,
+        at: usize,
+        samples: &[&Sample],
+        spent: &mut Spent,
+    ) -> Result<(), BenchError> {
+        let (plan, reference) = (study.plan(), &study.references()[at]);
+        let scene = &plan.scenes[at];
+        let Self { systems, spectra, work } = self;
+        systems.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
+        timed(&mut spent.assembly, || {
+            samples.iter().zip(&mut *systems).try_for_each(|(sample, system)| plan.linearise(scene, sample, system))
+        })?;
+        timed(&mut spent.spectra, || BatchSolver.eigenvalues_of_all(systems, work, spectra));
+        // A stage at a time for the whole block: reading the clock takes as long as some verdicts.
+        let unstable: Vec<Vec<Complex<f64>>> = timed(&mut spent.verdicts, || {
+            systems.iter().zip(&*spectra).map(|(system, found)| unstable(system, found, work)).collect::<Result<_, _>>()
+        })?;
+        let modes: Vec<Vec<Mode>> = timed(&mut spent.vectors, || {
+            systems.iter().zip(&unstable).map(|(system, at)| Mode::at(system, at, work)).collect::<Result<_, _>>()
+        })?;
+        let to = (&reference.system, &reference.modes[..]);
+        timed(&mut spent.names, || {
+            let mut some = systems.iter().zip(&modes).filter(|(_, modes)| !modes.is_empty());
+            some.try_for_each(|(system, modes)| identify(&BatchSolver, (system, modes), to, work).map(drop))
+        })?;
+        if scene.wants_work {
+            timed(&mut spent.net_work, || {
+                let mut each = samples.iter().zip(&modes);
+                each.try_for_each(|(sample, modes)| modes.iter().try_for_each(|mode| net_work(plan, at, sample, mode)))
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn unstable(
+    system: &SecondOrder,
+    found: &Result<Spectrum, CeaError>,
+    work: &mut Workspace,
+) -> Result<Vec<Complex<f64>>, CeaError> {
+    let spectrum = found.as_ref().map_err(Clone::clone)?;
+    let mut unstable = Vec::new();
+    for lambda in Modes::classify(system, spectrum, work)?.oscillatory {
+        if verdict(system, lambda, spectrum.scale, work)? == Verdict::Unstable {
+            unstable.push(lambda);
+        }
+    }
+    Ok(unstable)
+}
+
+fn net_work(plan: &Plan, scene: usize, sample: &Sample, mode: &Mode) -> Result<(), squeal::Error> {
+    let lattice = plan.lattice(&plan.scenes[scene]);
+    let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
+    lattice.linearise_friction(&plan.sliding(&plan.scenes[scene], sample)?, &mut friction)?;
+    let work = mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?;
+    std::hint::black_box(work.net());
+    Ok(())
+}

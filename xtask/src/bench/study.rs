@@ -1,0 +1,73 @@
+//! The whole study of the paper's case, timed.
+
+use std::path::Path;
+
+use cpu_time::ProcessTime;
+use serde::Serialize;
+use squeal::report::{Times, draw_paper};
+use squeal::run_study;
+use squeal::study::Plan;
+
+use super::error::BenchError;
+use super::stages::{Stage, stages};
+
+/// The study, from its references to its figures.
+#[derive(Debug, Clone, Serialize)]
+pub struct StudyTimes {
+    /// Complex eigenvalue analyses that the results stand for.
+    pub ceas: u64,
+    /// Eigenvalue problems solved for them.
+    pub solved: u64,
+    /// Samples of each scene.
+    pub samples: u64,
+    /// Wall-clock time of all of it.
+    pub seconds: f64,
+    /// Processor time of all threads.
+    pub processor_seconds: f64,
+    /// Wall-clock time of its parts.
+    pub parts: Times,
+    /// Most memory that the process has held, megabytes; `null` where the system does not tell.
+    pub peak_mb: Option<f64>,
+    /// Worker threads.
+    pub threads: usize,
+    /// Where the time of the samples goes, on one thread.
+    pub stages: Vec<Stage>,
+}
+
+impl StudyTimes {
+    /// Runs the study in `folder`, which is emptied first, and then the stages of `blocks` of its blocks.
+    ///
+    /// # Errors
+    /// Those of the study.
+    pub fn measure(plan: &Plan, folder: &Path, blocks: u64) -> Result<Self, BenchError> {
+        // A study that is found finished is not run again.
+        if folder.exists() {
+            let failed = |source| BenchError::Remove { path: folder.to_owned(), source };
+            std::fs::remove_dir_all(folder).map_err(failed)?;
+        }
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let start = ProcessTime::now();
+        let manifest = run_study(plan, folder, Some(threads), &mut |results, dir| draw_paper(results, dir))?;
+        let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
+        let parts = manifest.seconds;
+        Ok(Self {
+            ceas: manifest.analyses,
+            solved: manifest.solved,
+            samples: manifest.samples,
+            seconds: parts.references + parts.samples + parts.report,
+            processor_seconds,
+            parts,
+            peak_mb,
+            threads,
+            stages: stages(plan, blocks)?,
+        })
+    }
+}
+
+/// The high-water mark of the resident memory, as Linux keeps it.
+fn peak_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: f64 = line.trim().trim_end_matches(" kB").parse().ok()?;
+    Some(kibibytes * 1024.0 / 1e6)
+}
