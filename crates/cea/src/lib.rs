@@ -15,6 +15,7 @@ mod qr;
 mod scaling;
 mod solver;
 mod spectrum;
+mod split;
 mod stability;
 mod track;
 mod vectors;
