@@ -23,7 +23,7 @@ mod vectors;
 pub use batch::BatchSolver;
 pub use error::CeaError;
 #[cfg(feature = "lapack")]
-pub use lapack::LapackSolver;
+pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers};
 pub use qr::QrSolver;
