@@ -45,7 +45,7 @@ pub struct Certified {
 /// Backward errors, condition numbers and verdicts of all finite eigenvalues of `spectrum`.
 ///
 /// Costs one factorisation of Q(lambda) for each conjugate pair, and a second one with residuals in double-double where
-/// the backward error is more than rounding or |Re lambda| is within its bound.
+/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states.
 ///
 /// # Errors
 /// [`CeaError::NoEigenvector`] where an eigenvalue is none of this system.

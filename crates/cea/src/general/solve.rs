@@ -31,8 +31,8 @@ pub enum Route {
     Qz,
     /// QZ iteration after the infinite and zero eigenvalues were deflated.
     DeflatedQz,
-    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is singular but for rounding, or
-    /// the damping spreads the eigenvalues over more than a double's digits. Some fifty times slower.
+    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is nearly singular, or the damping
+    /// spreads the eigenvalues over more than a double's digits. Ten to twenty times slower.
     ExtendedQz,
     /// Every eigenvalue is exactly infinite or zero; nothing was left to iterate on.
     Deflation,
