@@ -182,7 +182,8 @@ fn the_route_follows_the_matrices() {
         ("damped_beam200", Route::Standard),
         ("disk_brake100_w4pi", Route::Qz),
         ("mobile_manipulator", Route::DeflatedQz),
-        ("omnicam1", Route::DeflatedQz),
+        ("spring_dashpot10", Route::DeflatedQz),
+        ("omnicam1", Route::ExtendedQz),
     ];
     for (name, route) in routes {
         assert_eq!(case(name).spectrum.route, route, "{name}");

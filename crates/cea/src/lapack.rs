@@ -1,7 +1,8 @@
 //! LAPACK as an oracle and a peer to measure against, behind the feature `lapack` (system OpenBLAS).
 
 use linsys::SecondOrder;
-use nalgebra_lapack::Eigen;
+use nalgebra::DMatrix;
+use nalgebra_lapack::{Eigen, GeneralizedEigen};
 use num_complex::Complex;
 
 use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, sort};
@@ -16,19 +17,32 @@ impl EigenSolver for LapackSolver {
         let (dimension, scale) = (state.nrows(), gamma * state.norm());
         work.counters.eigenvalue_solves += 1;
         let failed = CeaError::NoConvergence { iterations: 30 * dimension.max(10), dimension };
-        let found = Eigen::new(state, false, false).ok_or(failed)?;
-        let parts = found.eigenvalues_re.iter().zip(&found.eigenvalues_im);
-        let mut eigenvalues: Vec<_> = parts.map(|(&re, &im)| Complex::new(re, im) * gamma).collect();
+        let mut eigenvalues = dgeev(state).ok_or(failed)?;
+        eigenvalues.iter_mut().for_each(|sigma| *sigma *= gamma);
         sort(&mut eigenvalues);
         Ok(Spectrum { eigenvalues, scale })
     }
+}
+
+/// Eigenvalues of a square matrix by `dgeev`, which balances it first; none where it fails.
+pub fn dgeev(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let found = Eigen::new(matrix, false, false)?;
+    Some(found.eigenvalues_re.iter().zip(&found.eigenvalues_im).map(|(&re, &im)| Complex::new(re, im)).collect())
+}
+
+/// Eigenvalues of the pencil `a - lambda b` by `dggev`, which does not balance; none where it fails. Those with
+/// `beta = 0`, which it takes for infinite, are left out.
+pub fn dggev(a: DMatrix<f64>, b: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let found = GeneralizedEigen::try_new(a, b)?;
+    let ratios = found.raw_eigenvalues();
+    Some(ratios.iter().filter(|(_, beta)| *beta != 0.0).map(|(alpha, beta)| alpha / beta).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{BatchSolver, QrSolver};
-    use nalgebra::DMatrix;
+    use nalgebra::dmatrix;
 
     #[test]
     fn lapack_agrees_with_our_own_iterations() {
@@ -45,5 +59,11 @@ mod tests {
                 assert!(nearest < 1e-12 * lapack.scale, "{a}: {nearest}");
             }
         }
+    }
+
+    #[test]
+    fn a_pencil_with_a_singular_b_has_an_infinite_eigenvalue() {
+        let found = dggev(dmatrix![6.0, 0.0; 0.0, 1.0], dmatrix![2.0, 0.0; 0.0, 0.0]).unwrap();
+        assert_eq!(found, [Complex::from(3.0)]);
     }
 }

@@ -15,6 +15,7 @@ mod qr;
 mod scaling;
 mod solver;
 mod spectrum;
+mod split;
 mod stability;
 mod track;
 mod vectors;
@@ -23,7 +24,7 @@ mod walk;
 pub use batch::BatchSolver;
 pub use error::CeaError;
 #[cfg(feature = "lapack")]
-pub use lapack::LapackSolver;
+pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers};
 pub use qr::QrSolver;

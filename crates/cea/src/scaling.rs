@@ -16,6 +16,17 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 
 use crate::CeaError;
+use crate::split::split;
+
+/// Largest `|C~| / gamma`, Frobenius norm, that a QR iteration is used for: a slow eigenvalue that strong dashpots leave
+/// has the square of it as a factor on its error.
+pub(crate) const STRONGEST_DAMPING: f64 = 100.0;
+/// Largest `a / gamma` of a state that the scalar iteration takes with the rest. It errs by rounding errors of the fastest
+/// state; splitting that off costs next to nothing.
+const FAST_STATE: f64 = 40.0;
+/// The same for the batched iteration, which has no split: 128 times condition number times epsilon was the worst of its
+/// errors up to here, and to hand a lane back costs several spectra.
+pub(crate) const FASTEST_LANE: f64 = 100.0;
 
 /// A state matrix of order one, and what its eigenvalues must be multiplied by.
 #[derive(Debug, Clone)]
@@ -72,6 +83,33 @@ impl StandardForm {
             state[(at, at)] = -system.internal.decay[state_index] / gamma;
         }
         Ok(Self { state, gamma, state_weights })
+    }
+
+    /// Dashpots or internal states are so much faster than the rest that the batched iteration would lose digits.
+    pub(crate) fn is_steep(&self) -> bool {
+        self.is_strongly_damped() || self.fastest_state() > FASTEST_LANE
+    }
+
+    /// Matrices that a QR iteration can take, whose eigenvalues together are those of the state matrix; none where the
+    /// dashpots or some but not all of the states are too fast.
+    pub(crate) fn into_blocks(self) -> Option<Vec<DMatrix<f64>>> {
+        if self.is_strongly_damped() {
+            None
+        } else if self.fastest_state() > FAST_STATE {
+            split(&self.state, self.state_weights.len()).map(Vec::from)
+        } else {
+            Some(vec![self.state])
+        }
+    }
+
+    fn is_strongly_damped(&self) -> bool {
+        let n = (self.state.nrows() - self.state_weights.len()) / 2;
+        self.state.view((n, n), (n, n)).norm() > STRONGEST_DAMPING
+    }
+
+    fn fastest_state(&self) -> f64 {
+        let dimension = self.state.nrows();
+        (dimension - self.state_weights.len()..dimension).map(|i| self.state[(i, i)].abs()).fold(0.0, f64::max)
     }
 }
 

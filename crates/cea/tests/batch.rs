@@ -51,6 +51,20 @@ fn bits(spectra: &[Result<Spectrum, CeaError>]) -> Vec<Vec<(u64, u64)>> {
 }
 
 #[test]
+fn what_is_too_fast_for_a_lane_is_handed_over_and_its_neighbours_are_not() {
+    let ordinary = chain(6, 2, 0.1);
+    let (mut fast, mut dashpot, mut full) = (ordinary.clone(), ordinary.clone(), ordinary.clone());
+    fast.internal.decay.fill(1e9);
+    dashpot.c[(1, 1)] = 1e9;
+    (full.m[(0, 1)], full.m[(1, 0)], full.c[(1, 1)]) = (0.1, 0.1, 1e9);
+    let systems = [ordinary.clone(), fast, dashpot, full, ordinary];
+    let (batch, scalar) = (solve(&BatchSolver, &systems), solve(&QrSolver, &systems));
+    assert_eq!(bits(&batch[1..4]), bits(&scalar[1..4]));
+    let alone = solve(&BatchSolver, &systems[..1]);
+    assert_eq!((bits(&batch[..1]), bits(&batch[4..])), (bits(&alone), bits(&alone)));
+}
+
+#[test]
 fn agrees_with_the_scalar_solver_whatever_the_size() {
     for (n, s) in [(1, 0), (1, 1), (2, 0), (3, 0), (3, 2), (10, 0), (30, 0), (30, 9), (100, 0)] {
         let systems: Vec<_> = (0..11).map(|i| chain(n, s, 0.02 * f64::from(i))).collect();

@@ -9,7 +9,8 @@ use linsys::SecondOrder;
 use montecarlo::Study as _;
 use num_complex::Complex;
 use squeal::accuracy::{
-    AccuracyError, Exact, Family, TaylorOrder, exact, monte_carlo, perturbation, quasi_monte_carlo, refine, refine_all,
+    AccuracyError, Exact, Family, HardResult, TaylorOrder, exact, extremes, monte_carlo, perturbation,
+    quasi_monte_carlo, refine, refine_all,
 };
 use squeal::case::{Case, Law};
 use squeal::study::{Plan, Sample, Study};
@@ -180,6 +181,26 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
     let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));
     assert!(second < 1e-4 && second < first && first < 0.01, "{first} {second}");
     assert!(error(&[coupled], TaylorOrder::First) > 0.01);
+}
+
+#[test]
+fn the_lattice_at_its_extremes_is_solved_to_its_targets() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
+    let mut case = Case::read(path).unwrap();
+    case.laws = vec![Law::AmontonsCoulomb, Law::LuGre];
+    let plan = Plan::new(case).unwrap();
+    let scene = |law| plan.scenes.iter().find(|s| s.key.law == law).unwrap();
+    for case in extremes(&plan, scene(Law::AmontonsCoulomb), scene(Law::LuGre)).unwrap() {
+        // Strong dashpots take nine of thirty modes the oscillation: two real eigenvalues each.
+        let modes = case.system.order() + if case.name.starts_with("lateral") { 9 } else { 0 };
+        assert_eq!(case.reference.len(), modes, "{}", case.name);
+        for result in case.judge().iter().filter(|r| ["QrSolver + verdict", "general + certify"].contains(&r.route())) {
+            let HardResult::Judged(judged) = result else { panic!("{result:?}") };
+            assert!(judged.max_error_in_condition_epsilon <= 100.0, "{judged:?}");
+            assert!(judged.max_backward_error <= 1e-14, "{judged:?}");
+            assert_eq!((judged.wrong_signs, judged.false_instabilities), (0, 0), "{judged:?}");
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use cea::{BatchSolver, CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Workspace, identify, verdict};
+use cea::{BatchSolver, CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict};
 use cpu_time::ThreadTime;
 use num_complex::Complex;
 use serde::Serialize;
@@ -19,7 +19,7 @@ use squeal::work::mode_work;
 use super::error::BenchError;
 
 /// Samples evaluated together, as in a run.
-const BLOCK: u64 = 8;
+const BLOCK: u64 = 64;
 
 /// One stage of a study.
 #[derive(Debug, Clone, Serialize)]
@@ -135,12 +135,14 @@ impl Replay {
             systems.iter().zip(&*spectra).map(|(system, found)| unstable(system, found, work)).collect::<Result<_, _>>()
         })?;
         let modes: Vec<Vec<Mode>> = timed(&mut spent.vectors, || {
-            systems.iter().zip(&unstable).map(|(system, at)| Mode::at(system, at, work)).collect::<Result<_, _>>()
+            let of: Vec<_> = systems.iter().zip(&unstable).map(|(system, at)| (system, at.as_slice())).collect();
+            Mode::of_all(&of, work).into_iter().collect::<Result<_, _>>()
         })?;
         let to = (&reference.system, &reference.modes[..]);
         timed(&mut spent.names, || {
-            let mut some = systems.iter().zip(&modes).filter(|(_, modes)| !modes.is_empty());
-            some.try_for_each(|(system, modes)| identify(&BatchSolver, (system, modes), to, work).map(drop))
+            let each = systems.iter().zip(&modes);
+            let ways: Vec<_> = each.map(|(system, modes)| Way { from: (system, modes), to }).collect();
+            identify_all(&BatchSolver, &ways, work).into_iter().try_for_each(|links| links.map(drop))
         })?;
         if scene.wants_work {
             timed(&mut spent.net_work, || {

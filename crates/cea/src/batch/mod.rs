@@ -37,8 +37,8 @@ use pack::Scale;
 /// All eigenvalues of many systems at once, for studies.
 ///
 /// Accuracy is that of [`QrSolver`]: normwise backward stable on the same scaled [`StandardForm`](crate::StandardForm).
-/// A sample that does not converge, is malformed or cannot be scaled is handed to `QrSolver`, which solves it or
-/// says what is wrong.
+/// A sample that does not converge, is malformed, cannot be scaled, or has dashpots or internal states a hundred times
+/// faster than its vibrations is handed to `QrSolver`, which solves it or says what is wrong.
 ///
 /// ```
 /// use cea::{BatchSolver, EigenSolver, Workspace};

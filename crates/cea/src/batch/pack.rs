@@ -11,6 +11,7 @@ use pulp::{Simd, bytemuck};
 use super::layout::Layout;
 use super::ops::Ops;
 use crate::StandardForm;
+use crate::scaling::{FASTEST_LANE, STRONGEST_DAMPING};
 
 /// n and s, if all matrices have the shapes that they imply.
 pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {
@@ -24,12 +25,13 @@ pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale<V> {
     pub gamma: V,
-    /// gamma times the Frobenius norm of the state matrix; not finite where the system is not.
+    /// gamma times the Frobenius norm of the state matrix; not finite where the system is not, or where damping or states
+    /// are too fast for a QR iteration.
     pub size: V,
 }
 
 /// Fills `a` with the state matrices of `systems`, at most one per lane and all of shape `(n, s)`; spare lanes
-/// become zero matrices. A lane that cannot be scaled has size NaN.
+/// become zero matrices. A lane that cannot be scaled or is too steep has size NaN.
 #[inline(always)]
 pub(super) fn pack<S: Simd>(
     o: Ops<S>,
@@ -66,7 +68,7 @@ pub(super) fn pack<S: Simd>(
     let mut scale = scale_lanes(o, a, layout, (n, s), weights);
     for (lane, system) in systems.iter().enumerate() {
         if !is_positive_diagonal(&system.m) {
-            let form = StandardForm::new(system).ok();
+            let form = StandardForm::new(system).ok().filter(|form| !form.is_steep());
             let (gamma, size) = form.as_ref().map_or((1.0, f64::NAN), |f| (f.gamma, f.gamma * f.state.norm()));
             floats(&mut scale.gamma)[lane] = gamma;
             floats(&mut scale.size)[lane] = size;
@@ -124,6 +126,7 @@ fn scale_lanes<S: Simd>(
     let minus_rate = o.neg(rate);
     let minus_square = o.mul(rate, minus_rate);
 
+    let mut is_steep = o.lt(o.splat(STRONGEST_DAMPING * STRONGEST_DAMPING), o.mul(damping, o.mul(rate, rate)));
     // Sum of squares of the state matrix; the unit block first.
     let mut size = o.splat(n as f64);
     for j in 0..n {
@@ -158,7 +161,9 @@ fn scale_lanes<S: Simd>(
         }
         let decay = o.mul(minus_rate, a[layout.at(k, k)]);
         a[layout.at(k, k)] = decay;
+        is_steep = o.or(is_steep, o.lt(o.splat(FASTEST_LANE), o.abs(decay)));
         size = o.fma(decay, decay, size);
     }
-    Scale { gamma, size: o.mul(gamma, o.sqrt(size)) }
+    let size = o.select(is_steep, o.splat(f64::NAN), o.mul(gamma, o.sqrt(size)));
+    Scale { gamma, size }
 }

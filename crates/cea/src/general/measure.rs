@@ -17,7 +17,7 @@ use crate::{CeaError, Verdict};
 /// Half the distance from 1 to the next double: the relative size of a rounding error.
 pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
 /// Backward errors up to this many units are rounding and not worth a Newton step.
-const GOOD: f64 = 4.0 * UNIT;
+pub(super) const GOOD: f64 = 4.0 * UNIT;
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
 const FINE: f64 = 1e-6;
 
@@ -41,6 +41,11 @@ pub(super) struct State {
 impl State {
     pub(super) fn conjugate(&self) -> Self {
         Self { sigma: self.sigma.conj(), x: self.x.conjugate(), y: self.y.conjugate(), ..self.clone() }
+    }
+
+    /// The larger backward error.
+    pub(super) fn error(&self) -> f64 {
+        self.backward_error.max(self.scaled_error)
     }
 
     /// How far sigma may move, to first order, for its own backward error or that of rounded data.
@@ -104,16 +109,16 @@ impl Measure {
         pairs.map(state).collect()
     }
 
-    /// Vectors by inverse iteration, then the eigenvalue improved if its backward error is more than rounding.
-    pub(super) fn first_look(&self, sigma: Complex<f64>, gap: f64) -> Result<State, CeaError> {
+    /// Vectors by inverse iteration, then the eigenvalue improved if its backward error exceeds `threshold`.
+    pub(super) fn first_look(&self, sigma: Complex<f64>, gap: f64, threshold: f64) -> Result<State, CeaError> {
         let factor = Factor::new(&self.scaled, sigma);
         let failed = || CeaError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
         let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
         let mut state = self.state(sigma, x[0].clone(), y[0].clone());
-        if state.backward_error.max(state.scaled_error) > GOOD {
+        if state.error() > threshold {
             let reach = (4.0 * SAFETY * state.shift()).min(0.45 * gap);
             match self.refine(&state, reach) {
-                Some((better, _)) if better.backward_error <= state.backward_error => state = better,
+                Some((better, _)) if better.error() <= GOOD.max(state.error()) => state = better,
                 _ => {}
             }
         }

@@ -16,8 +16,9 @@ use crate::{CeaError, Workspace, francis, sort};
 const LARGEST_MASS_CONDITION: f64 = 100.0;
 /// Largest ratio of damping to stiffness and mass, in the scaled problem, that double precision is used for.
 const LARGEST_OVERDAMPING: f64 = 1e5;
-/// Least relative pivot of the deflated matrices that double precision is used for.
-const LEAST_DEPTH: f64 = 1e-12;
+/// Least relative pivot of the deflated matrices that double precision is used for: QZ loses the digits of eigenvalues
+/// that are this much slower or faster than the scale, while their condition numbers may be small.
+const LEAST_DEPTH: f64 = 1e-6;
 /// QR steps allowed per eigenvalue; a healthy matrix takes 2 to 4.
 const STEPS_PER_EIGENVALUE: usize = 60;
 
@@ -30,8 +31,8 @@ pub enum Route {
     Qz,
     /// QZ iteration after the infinite and zero eigenvalues were deflated.
     DeflatedQz,
-    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is singular but for rounding, or
-    /// the damping spreads the eigenvalues over more than a double's digits. Some fifty times slower.
+    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is nearly singular, or the damping
+    /// spreads the eigenvalues over more than a double's digits. Ten to twenty times slower.
     ExtendedQz,
     /// Every eigenvalue is exactly infinite or zero; nothing was left to iterate on.
     Deflation,

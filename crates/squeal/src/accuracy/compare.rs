@@ -90,7 +90,7 @@ pub fn compare_routes(groups: &[(String, bool, Vec<HardCase>)]) -> Vec<RouteRow>
             }
             times.sort_by(f64::total_cmp);
             let of_case = |(case, found): (&HardCase, &Option<Vec<Complex<f64>>>)| {
-                let wanted: Vec<_> = case.reference.iter().map(|r| r.lambda).collect();
+                let wanted: Vec<_> = case.reference.iter().map(|r| r.lambda).filter(|l| l.im > 0.0).collect();
                 let errors = found.as_ref().map(|found| relative_errors(&wanted, found)).unwrap_or_default();
                 errors.into_iter().fold(0.0, f64::max)
             };

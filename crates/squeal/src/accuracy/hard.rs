@@ -6,13 +6,11 @@ use cea::{Workspace, general};
 use linsys::{SecondOrder, read_market};
 use num_complex::Complex;
 
+use super::peers::judge_peers;
 use super::refine::Refined;
 use super::routes::matches;
-use super::worst::{HardCase, HardResult};
+use super::worst::{GENERAL, HardCase, HardResult};
 use crate::Error;
-
-/// The only route that takes all of them.
-const ROUTE: &str = "general + certify";
 
 /// Solves and judges every problem in the folders of `folder`, by name.
 ///
@@ -22,10 +20,14 @@ pub fn judge_folder(folder: &Path) -> Result<Vec<HardResult>, Error> {
     let entries = std::fs::read_dir(folder).map_err(|source| Error::Read { path: folder.to_owned(), source })?;
     let mut cases: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| p.is_dir()).collect();
     cases.sort();
-    cases.iter().map(|case| judge(case)).collect()
+    let mut results = Vec::new();
+    for case in &cases {
+        results.extend(judge(case)?);
+    }
+    Ok(results)
 }
 
-fn judge(folder: &Path) -> Result<HardResult, Error> {
+fn judge(folder: &Path) -> Result<Vec<HardResult>, Error> {
     let case = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let matrix = |name: &str| {
         let path = folder.join(name);
@@ -38,7 +40,7 @@ fn judge(folder: &Path) -> Result<HardResult, Error> {
         .and_then(|spectrum| general::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
     let (spectrum, certified) = match solved {
         Ok(solved) => solved,
-        Err(error) => return Ok(HardResult::Refused { case, route: ROUTE, reason: error.to_string() }),
+        Err(error) => return Ok(vec![HardResult::Refused { case, route: GENERAL, reason: error.to_string() }]),
     };
     let (wanted, infinite) = reference(&folder.join("eigs.csv"))?;
     let found: Vec<_> = certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect();
@@ -46,13 +48,16 @@ fn judge(folder: &Path) -> Result<HardResult, Error> {
     let condition = |at: Option<usize>| at.map_or(f64::NAN, |at| certified.eigenvalues[at].condition);
     let refined = |(&lambda, at): (&Complex<f64>, Option<usize>)| Refined { lambda, condition: condition(at) };
     let reference = wanted.iter().zip(matches(&wanted, &lambdas)).map(refined).collect();
-    let mut judged = HardCase { name: case, system, reference }.compare(ROUTE, &found);
+    let case = HardCase { name: case, system, reference };
+    let mut judged = case.compare(GENERAL, &found);
     // The certificate's own: with the vector that it has, and not the best one.
     judged.max_backward_error = certified.eigenvalues.iter().map(|c| c.backward_error).fold(0.0, f64::max);
     if infinite != spectrum.infinite || wanted.len() != found.len() {
         judged.max_error = f64::INFINITY;
     }
-    Ok(HardResult::Judged(judged))
+    let mut results = vec![HardResult::Judged(judged)];
+    results.extend(judge_peers(&case));
+    Ok(results)
 }
 
 /// The finite eigenvalues and the number of infinite ones.

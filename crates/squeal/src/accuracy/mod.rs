@@ -26,6 +26,7 @@ mod exact;
 mod family;
 mod hard;
 mod integral;
+mod peers;
 mod perturbation;
 mod refine;
 mod report;

@@ -1,8 +1,8 @@
 //! Eigenvalues to more digits than a double has, as references: Newton's method on (lambda, x) with the residual in
 //! double-double arithmetic.
 //!
-//! Internal states stay in the vector, `w = (x, z)`, so that the equations are polynomial. For a pair that is double or
-//! nearly so, two vectors are found together with a 2 x 2 matrix S whose eigenvalues are those of the pair:
+//! Internal states stay in the vector, `w = (x, z)`, so that the equations are polynomial. For k eigenvalues that are equal
+//! or nearly so, k vectors are found together with a k x k matrix S whose eigenvalues they are:
 //!
 //! ```text
 //! M X S^2 + C X S + K X - F Z = 0,   Z S + a Z - E X S = 0,   W_0^H W = I,   W = (X, Z)
@@ -14,7 +14,7 @@
 
 use cea::Workspace;
 use linsys::{Internal, SecondOrder};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 use twofloat::TwoFloat;
 
@@ -24,10 +24,12 @@ type Long = Complex<TwoFloat>;
 
 /// Newton steps; each gains the digits that the factorisation is good for.
 const MOST_STEPS: usize = 30;
-/// Relative size of the last step.
+/// Relative size of a step that needs no other.
 const SETTLED: f64 = 1e-22;
-/// Two eigenvalues closer than this, relatively, may be one that is double.
-const DOUBLE: f64 = 1e-7;
+/// Largest relative size of the last step: where the condition number is above 1e8, double-double settles no further.
+const ACCEPTED: f64 = 1e-18;
+/// Eigenvalues closer than this, relatively, may be one that is multiple.
+const MULTIPLE: f64 = 1e-7;
 
 /// An eigenvalue known better than any double-precision solver can know it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,8 +37,8 @@ pub struct Refined {
     /// lambda, rad/s, each part rounded to a double.
     pub lambda: Complex<f64>,
     /// Normwise relative condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q' phi|)`
-    /// (Tisseur, Linear Algebra Appl. 309, 2000, theorem 5); for a double eigenvalue with the least singular value of
-    /// `Psi^H Q' Phi` in place of the scalar.
+    /// (Tisseur, Linear Algebra Appl. 309, 2000, theorem 5), with the share of internal states where there are some; for a
+    /// multiple eigenvalue with the least singular value of `Psi^H Q' Phi` in place of the scalar.
     pub condition: f64,
 }
 
@@ -48,26 +50,25 @@ pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<Refined, Accu
     Ok(refine_block(system, &[start])?.swap_remove(0))
 }
 
-/// Refines all of `starts`, the eigenvalues of a system that are wanted; double ones as a pair.
+/// Refines all of `starts`, the eigenvalues of a system that are wanted; multiple ones together.
 ///
 /// # Errors
-/// [`AccuracyError::NoConvergence`] for a triple eigenvalue, most defective ones, a start that is none.
+/// [`AccuracyError::NoConvergence`] for most defective eigenvalues, and for a start that is none.
 pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Refined>, AccuracyError> {
     let mut refined: Vec<Option<Refined>> = vec![None; starts.len()];
     for (i, &start) in starts.iter().enumerate() {
         if refined[i].is_some() {
             continue;
         }
-        let is_twin = |j: &usize| *j != i && (starts[*j] - start).norm() <= DOUBLE * start.norm();
-        let twin = (0..starts.len()).find(is_twin);
-        refined[i] = match (refine(system, start), twin) {
-            (Err(AccuracyError::NoConvergence { .. }), Some(j)) => {
-                let pair = refine_block(system, &[start, starts[j]])?;
-                refined[j] = Some(pair[1]);
-                Some(pair[0])
+        let near = |j: &usize| (starts[*j] - start).norm() <= MULTIPLE * start.norm();
+        let together: Vec<usize> = (0..starts.len()).filter(near).collect();
+        match refine(system, start) {
+            Err(AccuracyError::NoConvergence { .. }) if together.len() > 1 => {
+                let of: Vec<_> = together.iter().map(|&j| starts[j]).collect();
+                together.into_iter().zip(refine_block(system, &of)?).for_each(|(j, r)| refined[j] = Some(r));
             }
-            (simple, _) => Some(simple?),
-        };
+            simple => refined[i] = Some(simple?),
+        }
     }
     Ok(refined.into_iter().flatten().collect())
 }
@@ -111,7 +112,7 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
             break;
         }
     }
-    if left.is_nan() || left > SETTLED {
+    if left.is_nan() || left > ACCEPTED {
         return Err(AccuracyError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
     }
     let lambdas = match small.as_slice() {
@@ -121,7 +122,17 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
             let root = short(difference * difference + a[1] * b[0]).sqrt();
             vec![short(mean + long(root)), short(mean - long(root))]
         }
-        _ => vec![short(small[0][0])],
+        [a] => vec![short(a[0])],
+        // The offsets from the mean are small, and so are the errors of their eigenvalues.
+        _ => {
+            let of_mean = Long::new(TwoFloat::from(1.0 / k as f64), TwoFloat::from(0.0));
+            let mean = (0..k).fold(long(Complex::default()), |sum, j| sum + small[j][j]) * of_mean;
+            let offset = |i: usize, j: usize| short(if i == j { small[j][j] - mean } else { small[j][i] });
+            let failed = || AccuracyError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_STEPS };
+            let schur = Schur::try_new(DMatrix::from_fn(k, k, offset), f64::EPSILON, 100 * k).ok_or_else(failed)?;
+            let offsets = schur.eigenvalues().ok_or_else(failed)?;
+            offsets.iter().map(|&d| short(mean + long(d))).collect()
+        }
     };
     lambdas.iter().map(|&lambda| Ok(Refined { lambda, condition: condition(system, lambda, &lambdas)? })).collect()
 }
@@ -151,12 +162,16 @@ pub(super) fn transposed(system: &SecondOrder) -> SecondOrder {
     }
 }
 
-/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share: the size of the terms of Q(lambda).
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share: what relative changes of M, C, K, E, F and a amount to in
+/// Q(lambda). A state's gain g = lambda / (lambda + a) changes by `|a / (lambda + a)|` of itself.
 pub(super) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
     let l = lambda.norm();
     let states = (0..system.states()).map(|s| {
-        let gain = (lambda / (lambda + system.internal.decay[s])).norm();
-        gain * system.internal.drive.row(s).norm() * system.internal.force.column(s).norm()
+        let (decay, sum) = (system.internal.decay[s], (lambda + system.internal.decay[s]).norm());
+        l / sum
+            * (1.0 + decay.abs() / sum)
+            * system.internal.drive.row(s).norm()
+            * system.internal.force.column(s).norm()
     });
     l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states.sum::<f64>()
 }
@@ -164,8 +179,24 @@ pub(super) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
 /// The smallest normwise backward error with which `lambda` is an eigenvalue: the least singular value of Q(lambda) over
 /// the size of its terms.
 pub(super) fn least_backward_error(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
-    let values = system.dynamic_stiffness(lambda).singular_values();
-    values.min() / size(system, lambda).max(f64::MIN_POSITIVE)
+    least_singular_value(system.dynamic_stiffness(lambda)) / size(system, lambda).max(f64::MIN_POSITIVE)
+}
+
+/// By inverse iteration from both sides in turn; 0 where the factorisation finds an exact zero.
+fn least_singular_value(q: DMatrix<Complex<f64>>) -> f64 {
+    let mut x = DVector::from_fn(q.nrows(), |i, _| Complex::from_polar(1.0, ((i + 1) * (i + 2)) as f64)).normalize();
+    let (adjoint, factor) = (q.adjoint().lu(), q.lu());
+    let mut least = f64::INFINITY;
+    for _ in 0..3 {
+        for side in [&adjoint, &factor] {
+            if !side.solve_mut(&mut x) {
+                return 0.0;
+            }
+            least = least.min(1.0 / x.norm());
+            x.normalize_mut();
+        }
+    }
+    least
 }
 
 /// The Jacobian of the equations with S = lambda I, (n + s + k) x (n + s + k).
@@ -292,6 +323,22 @@ mod tests {
         for refined in refine_all(&system, &[exact + 1e-9, exact - 1e-9]).unwrap() {
             assert!((refined.lambda - exact).norm() < 1e-15, "{refined:?}");
             assert!(refined.condition < 10.0);
+        }
+    }
+
+    #[test]
+    fn three_eigenvalues_that_differ_in_their_last_digits_are_told_apart() {
+        // K = I + 1e-11 diag(0, 1, 2), seen in turned coordinates.
+        let axis = DVector::from_vec(vec![0.6, 0.48, 0.64]);
+        let turn = DMatrix::identity(3, 3) - &axis * axis.transpose() * 2.0;
+        let offsets = DMatrix::from_diagonal(&DVector::from_vec(vec![0.0, 1e-11, 2e-11]));
+        let k = DMatrix::identity(3, 3) + &turn * offsets * &turn;
+        let system = SecondOrder::new(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), k).unwrap();
+        let starts = [0.0, 0.5e-11, 1e-11].map(|d| Complex::new(1e-12, 1.0 + d));
+        let mut found: Vec<f64> = refine_block(&system, &starts).unwrap().iter().map(|r| r.lambda.im - 1.0).collect();
+        found.sort_by(f64::total_cmp);
+        for (found, exact) in found.into_iter().zip([0.0, 0.5e-11, 1e-11]) {
+            assert!((found - exact).abs() < 1e-15, "{found:e} {exact:e}");
         }
     }
 

@@ -46,23 +46,34 @@ fn by_schur_scaled(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {
     Some(by_schur(form.state)?.into_iter().map(|sigma| sigma * form.gamma).collect())
 }
 
-/// The state matrix as textbooks print it, `[0 I 0; -M^-1 K, -M^-1 C, M^-1 F; 0 E -a]`.
 fn by_schur_raw(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {
-    let (n, s) = (system.order(), system.states());
-    let mass = system.m.clone().lu();
-    let mut state = DMatrix::zeros(2 * n + s, 2 * n + s);
-    state.view_mut((0, n), (n, n)).fill_with_identity();
-    state.view_mut((n, 0), (n, n)).copy_from(&-mass.solve(&system.k)?);
-    state.view_mut((n, n), (n, n)).copy_from(&-mass.solve(&system.c)?);
-    if s > 0 {
-        state.view_mut((n, 2 * n), (n, s)).copy_from(&mass.solve(&system.internal.force)?);
-        state.view_mut((2 * n, n), (s, n)).copy_from(&system.internal.drive);
-        state.view_mut((2 * n, 2 * n), (s, s)).copy_from(&DMatrix::from_diagonal(&-&system.internal.decay));
-    }
-    by_schur(state)
+    by_schur(raw_state(system)?)
 }
 
-fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+/// The state matrix as textbooks print it, `[0 I 0; -M^-1 K, -M^-1 C, M^-1 F; 0 E -a]`; none where M is singular.
+pub(super) fn raw_state(system: &SecondOrder) -> Option<DMatrix<f64>> {
+    let n = system.order();
+    let (mut state, _) = raw_pencil(system);
+    let rows = system.m.clone().lu().solve(&state.rows(n, n))?;
+    state.rows_mut(n, n).copy_from(&rows);
+    Some(state)
+}
+
+/// A and B of the pencil A - lambda B as textbooks print it, `[0 I 0; -K -C F; 0 E -a]` and `diag(I, M, I)`.
+pub(super) fn raw_pencil(system: &SecondOrder) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (n, s) = (system.order(), system.states());
+    let (mut a, mut b) = (DMatrix::zeros(2 * n + s, 2 * n + s), DMatrix::identity(2 * n + s, 2 * n + s));
+    a.view_mut((0, n), (n, n)).fill_with_identity();
+    a.view_mut((n, 0), (n, n)).copy_from(&-&system.k);
+    a.view_mut((n, n), (n, n)).copy_from(&-&system.c);
+    a.view_mut((n, 2 * n), (n, s)).copy_from(&system.internal.force);
+    a.view_mut((2 * n, n), (s, n)).copy_from(&system.internal.drive);
+    a.view_mut((2 * n, 2 * n), (s, s)).set_diagonal(&-&system.internal.decay);
+    b.view_mut((n, n), (n, n)).copy_from(&system.m);
+    (a, b)
+}
+
+pub(super) fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let schur = Schur::try_new(state, f64::EPSILON, MOST_STEPS)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }

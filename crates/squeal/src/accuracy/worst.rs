@@ -1,13 +1,14 @@
 //! The lattice at its worst: systems on which a solver or a verdict could go wrong, each judged against eigenvalues refined
 //! in double-double.
 
-use cea::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, general, verdict};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace, general, verdict};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use osc_model::{Lateral, Linearise};
 use serde::Serialize;
 
+use super::peers::judge_peers;
 use super::refine::{Refined, least_backward_error, refine, refine_all};
 use super::routes::matches;
 use super::{AccuracyError, Crossing, ExceptionalPoint};
@@ -17,13 +18,20 @@ use crate::study::{FrictionDraw, Plan, Sample, Scene};
 /// Below this part of |lambda| a refined real part counts as exactly zero.
 const NEUTRAL: f64 = 1e-18;
 
-/// A hard system with its refined modes.
+/// |Im lambda| / |lambda| of a pair that may be two real eigenvalues.
+const NEARLY_REAL: f64 = 1e-7;
+
+/// The certified routes of ours.
+pub(super) const STANDARD: &str = "QrSolver + verdict";
+pub(super) const GENERAL: &str = "general + certify";
+
+/// A hard system with its refined eigenvalues.
 pub struct HardCase {
     /// What is hard about it.
     pub name: String,
     /// The system.
     pub system: SecondOrder,
-    /// Its oscillating modes, those that could be refined.
+    /// Eigenvalues of its structure with Im lambda >= 0, those that could be refined.
     pub reference: Vec<Refined>,
 }
 
@@ -51,7 +59,7 @@ pub struct Judged {
     pub case: String,
     /// The route.
     pub route: &'static str,
-    /// Modes judged.
+    /// Eigenvalues judged.
     pub modes: usize,
     /// Largest relative error of an eigenvalue.
     pub max_error: f64,
@@ -71,33 +79,48 @@ pub struct Judged {
     pub wrong_by_bare_sign: usize,
 }
 
+impl HardResult {
+    /// The case.
+    pub fn case(&self) -> &str {
+        let (Self::Judged(Judged { case, .. }) | Self::Refused { case, .. }) = self;
+        case
+    }
+
+    /// The route.
+    pub fn route(&self) -> &'static str {
+        let (Self::Judged(Judged { route, .. }) | Self::Refused { route, .. }) = self;
+        route
+    }
+}
+
 impl HardCase {
-    /// A case whose modes are refined from QrSolver's eigenvalues.
+    /// A case whose eigenvalues are refined from those of QrSolver; internal states, which nobody asks for, left out.
     ///
     /// # Errors
-    /// Those of the solver.
+    /// Those of the solver and of [`Modes::classify`].
     pub fn new(name: String, system: SecondOrder) -> Result<Self, AccuracyError> {
-        let lambdas: Vec<_> = QrSolver.eigenvalues(&system, &mut Workspace::default())?.oscillatory().collect();
+        let (lambdas, _) = of_structure(&system)?;
         let one_by_one = || lambdas.iter().filter_map(|&l| refine(&system, l).ok()).collect();
         let reference = refine_all(&system, &lambdas).unwrap_or_else(|_| one_by_one());
         Ok(Self { name, system, reference })
     }
 
-    /// Both certified routes on this case, or why one refused it.
-    pub fn judge(&self) -> [HardResult; 2] {
+    /// Both certified routes on this case, or why one refused it, and what users script.
+    pub fn judge(&self) -> Vec<HardResult> {
         let result = |route: &'static str, found: Result<Vec<(Complex<f64>, Verdict)>, CeaError>| match found {
             Ok(found) => HardResult::Judged(self.compare(route, &found)),
             Err(error) => HardResult::Refused { case: self.name.clone(), route, reason: error.to_string() },
         };
-        [result("QrSolver + verdict", self.standard()), result("general + certify", self.general())]
+        let mut results = vec![result(STANDARD, self.standard()), result(GENERAL, self.general())];
+        results.extend(judge_peers(self));
+        results
     }
 
-    /// The oscillating modes as a study sees them.
+    /// The eigenvalues as a study sees them.
     fn standard(&self) -> Result<Vec<(Complex<f64>, Verdict)>, CeaError> {
         let mut work = Workspace::default();
-        let spectrum = QrSolver.eigenvalues(&self.system, &mut work)?;
-        let of = |lambda| Ok((lambda, verdict(&self.system, lambda, spectrum.scale, &mut work)?));
-        spectrum.oscillatory().map(of).collect()
+        let (lambdas, scale) = of_structure(&self.system)?;
+        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, scale, &mut work)?))).collect()
     }
 
     fn general(&self) -> Result<Vec<(Complex<f64>, Verdict)>, CeaError> {
@@ -123,9 +146,10 @@ impl HardCase {
             undecided: 0,
             wrong_by_bare_sign: 0,
         };
-        for (refined, at) in self.reference.iter().zip(matches(&wanted, &lambdas)) {
+        let places = matches(&wanted, &lambdas);
+        for (refined, at) in self.reference.iter().zip(places) {
             let Some((lambda, verdict)) = at.map(|at| found[at]) else {
-                judged.max_error = f64::INFINITY;
+                (judged.max_error, judged.max_error_in_condition_epsilon) = (f64::INFINITY, f64::INFINITY);
                 continue;
             };
             let exact = refined.lambda;
@@ -154,6 +178,17 @@ impl HardCase {
         }
         judged
     }
+}
+
+/// QrSolver's eigenvalues of the structure with Im lambda >= 0, and the scale of their errors. Of two equal real ones that
+/// rounding made a pair both are there.
+fn of_structure(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, f64), CeaError> {
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+    let modes = Modes::classify(system, &spectrum, &mut work)?;
+    let nearly_real = modes.oscillatory.iter().filter(|l| l.im <= NEARLY_REAL * l.norm()).map(|l| l.conj());
+    let real = modes.real.iter().map(|&l| Complex::from(l));
+    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum.scale))
 }
 
 /// The system of a scene with one draw in all contacts, its lateral coefficient given apart.
