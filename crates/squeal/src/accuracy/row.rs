@@ -87,17 +87,12 @@ impl Row {
     }
 
     /// Newton's method for the part of a way, 0 to 1, and the frequency at which `Q(i omega)` is singular.
-    fn crossing(
-        &mut self,
-        lambda: Complex<f64>,
-        other: Complex<f64>,
-        step: &mut dyn FnMut(&mut Self, f64, Complex<f64>, &mut Vectors) -> Option<(Complex<f64>, Complex<f64>)>,
-    ) -> Option<(f64, Crossing)> {
+    fn crossing(&mut self, lambda: Complex<f64>, other: Complex<f64>, step: &mut Step<'_>) -> Option<(f64, Crossing)> {
         let mut part = (lambda.re / (lambda.re - other.re)).clamp(0.0, 1.0);
         let mut axis = Complex::new(0.0, lambda.im + part * (other.im - lambda.im));
         let mut vectors = Vectors::new(self.system.order());
         for _ in 0..MOST_STEPS {
-            let (off, rate) = step(self, part, axis, &mut vectors)?;
+            let Motion { off, rate } = step(self, part, axis, &mut vectors)?;
             let change = -off.re / rate.re;
             if change.abs() <= SETTLED {
                 let is_inside = (-SETTLED..=1.0 + SETTLED).contains(&part);
@@ -118,10 +113,10 @@ impl Row {
         change: &DMatrix<Complex<f64>>,
         axis: Complex<f64>,
         vectors: &mut Vectors,
-    ) -> Option<(Complex<f64>, Complex<f64>)> {
+    ) -> Option<Motion> {
         vectors.iterate(&q)?;
         let derivative = vectors.between(&self.system.dynamic_stiffness_derivative(axis));
-        Some((-vectors.between(&q) / derivative, -vectors.between(change) / derivative))
+        Some(Motion { off: -vectors.between(&q) / derivative, rate: -vectors.between(change) / derivative })
     }
 
     /// lambda_mu and lambda_H.
@@ -129,6 +124,15 @@ impl Row {
         let derivative = vectors.between(&self.system.dynamic_stiffness_derivative(axis));
         [-vectors.between(&self.linear) / derivative, -axis * vectors.between(&self.unit_slope) / derivative]
     }
+}
+
+/// A step of Newton's method at a part of a way and a point of the axis.
+type Step<'a> = dyn FnMut(&mut Row, f64, Complex<f64>, &mut Vectors) -> Option<Motion> + 'a;
+
+/// How far an eigenvalue is from a point of the axis, and how fast it moves along a way.
+struct Motion {
+    off: Complex<f64>,
+    rate: Complex<f64>,
 }
 
 /// Left and right vector of a nearly singular matrix, improved by inverse iteration as the matrix changes.
