@@ -40,20 +40,27 @@ pub(super) fn near_coalescence(
             exact.integral.pieces.windows(2).filter(|pair| is_own(&pair[0].unstable) != is_own(&pair[1].unstable));
         let reach = onsets.map(|pair| (pair[1].from - median).abs()).fold(0.0, f64::max).min(widest);
         let radius = if reach > 0.0 { reach } else { widest };
-        if nearest_branch_point(family, median, index, radius)? < radius {
+        if nearest_branch_point(family, median, index, [radius, widest])? < radius {
             near.extend(names);
         }
     }
     Ok(near)
 }
 
-/// How far from `median` the nearest branch point of a mode is, among those near the real mu within `radius`.
-fn nearest_branch_point(family: &mut Family<'_>, median: f64, index: usize, radius: f64) -> Result<f64, AccuracyError> {
+/// How far from `median` the nearest branch point of a mode is, among those near the real mu within `radius`. All modes
+/// share the steps of `widest`, and so their spectra.
+fn nearest_branch_point(
+    family: &mut Family<'_>,
+    median: f64,
+    index: usize,
+    [radius, widest]: [f64; 2],
+) -> Result<f64, AccuracyError> {
     let mut nearest = f64::INFINITY;
     for direction in [-1.0, 1.0] {
         let (mut mu, mut mode) = (median, index);
-        for step in 1..=STEPS {
-            let next = (median + direction * radius * step as f64 / STEPS as f64).max(0.0);
+        let steps = (1..=STEPS).map(|step| widest * step as f64 / STEPS as f64);
+        for distance in steps.take_while(|distance| distance - widest / STEPS as f64 <= radius) {
+            let next = (median + direction * distance).max(0.0);
             mode = family.link(mu, mode, next)?.to;
             mu = next;
             for point in branch_points(family, mu, mode)? {

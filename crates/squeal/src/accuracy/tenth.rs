@@ -56,7 +56,7 @@ struct OneScene {
     solutions: u64,
 }
 
-/// Every `every`-th class of unconstrained arrangements under each law of `case` and each speed range.
+/// Every `every`-th class of unconstrained arrangements, from the last on, under each law of `case` and each speed range.
 ///
 /// # Errors
 /// Those of the estimators.
@@ -73,7 +73,7 @@ pub fn time_to_a_tenth(case: &Case, every: usize) -> Result<Vec<TenthRow>, Accur
         keys.dedup();
         for key in keys {
             let of_key = |&at: &usize| plan.scenes[at].key.speed == key.speed;
-            let scenes: Vec<usize> = (0..plan.scenes.len()).filter(of_key).step_by(every).collect();
+            let scenes: Vec<usize> = (0..plan.scenes.len()).rev().filter(of_key).step_by(every).collect();
             rows.push(row(&study, key, &scenes)?);
         }
     }
