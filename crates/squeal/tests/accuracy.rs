@@ -9,8 +9,8 @@ use linsys::SecondOrder;
 use montecarlo::Study as _;
 use num_complex::Complex;
 use squeal::accuracy::{
-    AccuracyError, Exact, Family, HardResult, TaylorOrder, exact, extremes, monte_carlo, perturbation,
-    quasi_monte_carlo, refine, refine_all,
+    AccuracyError, Exact, Family, FrictionPoints, HardResult, TaylorOrder, controlled, exact, extremes, monte_carlo,
+    perturbation, quasi_monte_carlo, refine, refine_all,
 };
 use squeal::case::{Case, Law};
 use squeal::study::{Plan, Sample, Study};
@@ -215,4 +215,44 @@ fn what_is_no_family_is_refused() {
         assert!(matches!(refused, Err(AccuracyError::NotOneParameter { .. })));
     }
     assert_eq!(plan(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
+}
+
+#[test]
+fn the_control_variate_agrees_with_plain_samples() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/two-by-two.toml"));
+    let mut case = Case::read(path).unwrap();
+    case.constraints.truncate(1);
+    case.laws = vec![Law::VelocityDependent, Law::LuGre];
+    let plan = Plan::new(case).unwrap();
+    let study = Study::new(&plan, &BatchSolver).unwrap();
+    for (scene, of) in plan.scenes.iter().enumerate() {
+        let points = FrictionPoints::new(&plan, of.key, 1e4, 1 << 12, 8).unwrap();
+        let found = controlled(&study, scene, &points, 1, 5e-3).unwrap();
+        assert!(
+            found.half_width() <= 5e-3 && found.solved == 5_000,
+            "{scene}: {} {}",
+            found.half_width(),
+            found.solved
+        );
+        let plain = monte_carlo(&study, scene, 2, 4_000).unwrap();
+        assert!(!plain.modes.is_empty());
+        for (name, mode) in &plain.modes {
+            let Some(other) = found.modes.get(name) else {
+                assert!(mode.occurrence.upper - mode.half_width < found.unseen, "{scene} {name}");
+                continue;
+            };
+            // Not 95 %: many intervals have to hold at once.
+            let tolerance = 1.7 * mode.half_width + other.half_width;
+            assert!((mode.occurrence.lower - other.occurrence.lower).abs() < tolerance, "{scene} {name}");
+        }
+    }
+}
+
+#[test]
+fn the_guess_is_right_for_nearly_every_sample() {
+    let plan = plan("[[1,3,4,5,6,8]]", "velocity-dependent", &[]);
+    let study = Study::new(&plan, &BatchSolver).unwrap();
+    let points = FrictionPoints::new(&plan, plan.scenes[0].key, 1.14e4, 1 << 12, 2).unwrap();
+    let found = controlled(&study, 0, &points, 1, 1.0).unwrap();
+    assert!(found.wrong < 25, "{} of {}", found.wrong, found.solved);
 }

@@ -85,11 +85,17 @@ fn solve_on(arch: Arch, systems: &[SecondOrder], work: &mut Workspace, out: &mut
     out.clear();
     let mut found = Vec::with_capacity(systems.len());
     for group in systems.chunk_by(|a, b| pack::shape(a) == pack::shape(b)) {
-        match group.first().and_then(pack::shape) {
-            Some(shape) => {
-                arch.dispatch(Kernel { systems: group, shape, scratch: &mut work.scratch, found: &mut found })
-            }
-            None => found.extend(group.iter().map(|_| None)),
+        let Some(shape) = group.first().and_then(pack::shape) else {
+            found.extend(group.iter().map(|_| None));
+            continue;
+        };
+        let (wide, few) = group.split_at(wide_part(group.len()));
+        let scratch = &mut work.scratch;
+        if !wide.is_empty() {
+            arch.dispatch(Kernel { systems: wide, shape, scratch, found: &mut found });
+        }
+        if !few.is_empty() {
+            narrow(arch, Kernel { systems: few, shape, scratch, found: &mut found });
         }
     }
     for (system, spectrum) in systems.iter().zip(found) {
@@ -101,6 +107,22 @@ fn solve_on(arch: Arch, systems: &[SecondOrder], work: &mut Workspace, out: &mut
             None => hand_back(system, work),
         });
     }
+}
+
+/// How many of `systems` fill the wide registers of AVX-512 better than the narrow ones of AVX2: all but the last four or
+/// fewer. An operation on the wide registers takes up to twice as long, whatever the number of lanes in use.
+fn wide_part(systems: usize) -> usize {
+    let left = systems % 8;
+    if left <= 4 { systems - left } else { systems }
+}
+
+/// Runs a kernel on at most four lanes where there are such registers with the same bits, otherwise as usual.
+fn narrow(arch: Arch, kernel: Kernel<'_>) {
+    #[cfg(target_arch = "x86_64")]
+    if let (Arch::V4(_), Some(avx2)) = (arch, pulp::x86::V3::try_new()) {
+        return Simd::vectorize(avx2, kernel);
+    }
+    arch.dispatch(kernel);
 }
 
 /// What a lane could not do.

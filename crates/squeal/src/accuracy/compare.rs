@@ -1,5 +1,6 @@
 //! What is measured: routes and estimators, time against error, away from coalescence and near it.
 
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 use cea::QrSolver;
@@ -7,15 +8,13 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 use serde::Serialize;
 
+use super::near::near_coalescence;
 use super::routes::{relative_errors, routes};
 use super::sampling::{Estimates, monte_carlo, quasi_monte_carlo};
 use super::worst::HardCase;
-use super::{AccuracyError, Exact, Family, Integral, TaylorOrder, exact, perturbation};
+use super::{AccuracyError, Family, Integral, TaylorOrder, exact, perturbation};
 use crate::study::Study;
 
-/// A crossing this near in mu to a coalescence in the complex plane, by the first order of `(lambda_1 - lambda_2)^2`, is
-/// near coalescence: half of the standard deviation of mu in the paper's case.
-const NEAR: f64 = 0.05;
 /// Times that a route solves its systems; the median counts.
 const REPEATS: usize = 5;
 
@@ -53,9 +52,9 @@ pub struct EstimatorRow {
     pub seconds: f64,
     /// Mean number of spectra per scene.
     pub spectra: f64,
-    /// Largest error of an occurrence that no coalescence is near, and their number.
+    /// Largest error of an occurrence of a mode whose expansion no coalescence ends before the onset.
     pub max_error_away: f64,
-    /// Largest error of an occurrence whose onset is near a coalescence.
+    /// Largest error of an occurrence of the other modes.
     pub max_error_near: f64,
 }
 
@@ -138,6 +137,7 @@ pub fn compare_estimators(
         rows: Vec::new(),
     };
     let mut wanted: Vec<Wanted> = Vec::new();
+    let mut all_near: BTreeSet<(usize, u16)> = BTreeSet::new();
     let (mut seconds, mut spectra) = (0.0, 0);
     for &scene in scenes {
         let start = Instant::now();
@@ -146,7 +146,7 @@ pub fn compare_estimators(
         seconds += start.elapsed().as_secs_f64();
         spectra += found.counters.eigenvalue_solves;
         result.reference_bound = result.reference_bound.max(found.error);
-        let near = names_near_coalescence(&found, &mut family)?;
+        let near = near_coalescence(plan, &study.references()[scene], &found, &mut family)?;
         for (&name, occurrence) in &found.integral.occurrences {
             let value = 0.5 * (occurrence.lower + occurrence.upper);
             let is_near = near.contains(&name);
@@ -155,6 +155,7 @@ pub fn compare_estimators(
             result.samples_to_a_tenth_of_a_point = result.samples_to_a_tenth_of_a_point.max(needed);
             wanted.push(Wanted { scene, name, value, is_near });
         }
+        all_near.extend(near.into_iter().map(|name| (scene, name)));
     }
     let count = scenes.len() as f64;
     result.rows.push(EstimatorRow {
@@ -177,13 +178,12 @@ pub fn compare_estimators(
                 Some((lower - w.value).abs().max((upper - w.value).abs()))
             };
             let missed = wanted.iter().filter(|w| w.is_near == is_near).filter_map(of).fold(0.0, f64::max);
-            // A mode that is never unstable and was said to be counts with those away from coalescence.
+            // A mode that is never unstable and was said to be.
             let is_known = |scene: usize, name: u16| wanted.iter().any(|w| w.scene == scene && w.name == name);
+            let is_invented =
+                |scene: usize, name: u16| !is_known(scene, name) && all_near.contains(&(scene, name)) == is_near;
             let invented = found.iter().flat_map(|(scene, f)| {
-                f.occurrences
-                    .iter()
-                    .filter(|(name, _)| !is_near && !is_known(*scene, *name))
-                    .map(|(_, [_, upper])| *upper)
+                f.occurrences.iter().filter(|(name, _)| is_invented(*scene, *name)).map(|(_, [_, upper])| *upper)
             });
             invented.fold(missed, f64::max)
         };
@@ -234,18 +234,4 @@ impl Found {
     fn of(&self, name: u16) -> [f64; 2] {
         self.occurrences.iter().find(|(n, _)| *n == name).map_or([0.0; 2], |(_, limits)| *limits)
     }
-}
-
-/// Names of the modes with a crossing near a coalescence.
-fn names_near_coalescence(exact: &Exact, family: &mut Family<'_>) -> Result<Vec<u16>, AccuracyError> {
-    let mut names = Vec::new();
-    for (crossing, pieces) in exact.crossings.crossings.iter().zip(exact.integral.pieces.windows(2)) {
-        if family.coalescence_distance(crossing.mu, Complex::new(0.0, crossing.omega))? > NEAR {
-            continue;
-        }
-        let [below, above] = [&pieces[0].unstable, &pieces[1].unstable];
-        let changed = below.iter().filter(|m| !above.contains(m)).chain(above.iter().filter(|m| !below.contains(m)));
-        names.extend(changed.flatten().copied());
-    }
-    Ok(names)
 }

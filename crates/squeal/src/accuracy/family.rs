@@ -158,24 +158,6 @@ impl<'a> Family<'a> {
         Ok((lambda, slope))
     }
 
-    /// About how far, in the complex plane of mu, the nearest coalescence of the mode at `near` lies: the zero of
-    /// `(lambda_1 - lambda_2)^2` to first order, `|lambda_1 - lambda_2| / (2 |lambda_1' - lambda_2'|)`.
-    ///
-    /// # Errors
-    /// Those of [`Family::lambdas`] and [`Family::derivative`].
-    pub fn coalescence_distance(&mut self, mu: f64, near: Complex<f64>) -> Result<f64, AccuracyError> {
-        let lambdas = self.lambdas(mu)?.to_vec();
-        let mut order: Vec<usize> = (0..lambdas.len()).collect();
-        order.sort_by(|&a, &b| (lambdas[a] - near).norm().total_cmp(&(lambdas[b] - near).norm()));
-        let (own, slope) = self.point(mu, order[0])?;
-        let mut distance = f64::INFINITY;
-        for &other in &order[1..] {
-            let (lambda, other_slope) = self.point(mu, other)?;
-            distance = distance.min((lambda - own).norm() / (2.0 * (other_slope - slope).norm()));
-        }
-        Ok(distance)
-    }
-
     /// The derivative of the eigenvalue `lambda` at `mu`.
     ///
     /// # Errors

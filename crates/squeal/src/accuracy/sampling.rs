@@ -11,7 +11,7 @@ use crate::case::{Case, Law};
 use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
 
 /// Samples handed to the solver together.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,7 +125,7 @@ fn count(
 }
 
 /// The sample at a Sobol point; the parameters that matter most take the first, best distributed dimensions.
-fn sobol_sample(case: &Case, law: Law, index: u32, seed: u32) -> Sample {
+pub(super) fn sobol_sample(case: &Case, law: Law, index: u32, seed: u32) -> Sample {
     let from = &case.friction;
     let mut draw: FrictionDraw = *Sample::median(case).contact(0);
     // 24 bits in [0, 1); the middle of each step, for the quantiles at 0 and 1 are infinite.
