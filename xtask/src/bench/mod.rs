@@ -64,7 +64,7 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
     let case = read("paper.toml")?;
     let studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
     let studied = squeal::commands::overridden(studied, args.samples, None, None)?;
-    let (rounds, blocks) = if args.quick { (1, 1) } else { (25, 4) };
+    let rounds = if args.quick { 1 } else { 25 };
     // A folder that cannot be made is found before minutes have gone by.
     if let Some(folder) = args.json.as_deref().and_then(Path::parent) {
         make_folder(folder)?;
@@ -84,7 +84,7 @@ pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
     println!("{}", table::routes(&rows));
 
     let plan = Plan::new(studied)?;
-    let study = StudyTimes::measure(&plan, &root.join("target/bench"), blocks)?;
+    let study = StudyTimes::measure(&plan, &root.join("target/bench"))?;
     print!("{}", table::study(&study));
     if let Some(path) = &args.json {
         let report = BenchReport { machine, routes: rows, study };
@@ -125,7 +125,7 @@ mod tests {
         let mut small = Case::read(&root.join("cases/two-by-two.toml")).unwrap();
         small.samples = 8;
         let folder = tempfile::tempdir().unwrap();
-        let study = StudyTimes::measure(&Plan::new(small).unwrap(), &folder.path().join("study"), 1).unwrap();
+        let study = StudyTimes::measure(&Plan::new(small).unwrap(), &folder.path().join("study")).unwrap();
         let table = table::routes(&routes);
         let report = BenchReport { machine: Machine::this(), routes, study };
 

@@ -1,6 +1,6 @@
 //! Where the time of a study goes: some of its samples in all scenes, on one thread.
 //!
-//! Each block is evaluated as the study does it, and then once more stage by stage through the public function of each
+//! A block is evaluated as the study does it, and then once more stage by stage through the public function of each
 //! stage; what the study takes beyond their sum is the last row. It is negative where the study saves itself a part of
 //! a stage.
 
@@ -52,17 +52,15 @@ fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// The stages of `blocks` blocks of the study's samples.
+/// The stages of the first block of the study.
 ///
 /// # Errors
 /// Those of the study.
-pub fn stages(plan: &Plan, blocks: u64) -> Result<Vec<Stage>, BenchError> {
+pub fn stages(plan: &Plan) -> Result<Vec<Stage>, BenchError> {
     let study = Study::new(plan, &BatchSolver)?;
     let mut spent = Spent::default();
-    for block in 0..blocks {
-        evaluate(&study, BLOCK * block, &mut spent)?;
-    }
-    let solved = (blocks * BLOCK) as f64 * study.scenes() as f64;
+    evaluate(&study, &mut spent)?;
+    let solved = BLOCK as f64 * study.scenes() as f64;
     let whole = (spent.drawing + spent.evaluation + spent.tally).as_secs_f64();
     let stages = [
         ("drawing", spent.drawing),
@@ -80,10 +78,10 @@ pub fn stages(plan: &Plan, blocks: u64) -> Result<Vec<Stage>, BenchError> {
 }
 
 /// One block in all scenes, as the study does it, and each scene once more by stages.
-fn evaluate(study: &Study<'_>, first: u64, spent: &mut Spent) -> Result<(), BenchError> {
+fn evaluate(study: &Study<'_>, spent: &mut Spent) -> Result<(), BenchError> {
     let seed = study.plan().case.seed;
     let draw = || -> Result<Vec<Sample>, squeal::Error> {
-        (first..first + BLOCK).map(|index| study.draw(&mut stream(seed, index))).collect()
+        (0..BLOCK).map(|index| study.draw(&mut stream(seed, index))).collect()
     };
     let samples = timed(&mut spent.drawing, draw)?;
     let borrowed: Vec<&Sample> = samples.iter().collect();
@@ -99,7 +97,7 @@ fn evaluate(study: &Study<'_>, first: u64, spent: &mut Spent) -> Result<(), Benc
     }
     let mut tally = Tally::empty(study.plan());
     timed(&mut spent.tally, || {
-        for ((index, sample), results) in (first..).zip(&samples).zip(&results) {
+        for ((index, sample), results) in (0..).zip(&samples).zip(&results) {
             tally.record(&Runs { index, sample, results });
         }
     });

@@ -35,11 +35,11 @@ pub struct StudyTimes {
 }
 
 impl StudyTimes {
-    /// Runs the study in `folder`, which is emptied first, and then the stages of `blocks` of its blocks.
+    /// Runs the study in `folder`, which is emptied first, and then one block of it by stages.
     ///
     /// # Errors
     /// Those of the study.
-    pub fn measure(plan: &Plan, folder: &Path, blocks: u64) -> Result<Self, BenchError> {
+    pub fn measure(plan: &Plan, folder: &Path) -> Result<Self, BenchError> {
         // A study that is found finished is not run again.
         if folder.exists() {
             let failed = |source| BenchError::Remove { path: folder.to_owned(), source };
@@ -59,7 +59,7 @@ impl StudyTimes {
             parts,
             peak_mb,
             threads,
-            stages: stages(plan, blocks)?,
+            stages: stages(plan)?,
         })
     }
 }
