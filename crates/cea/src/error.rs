@@ -50,6 +50,14 @@ pub enum CeaError {
         /// Smallest normwise backward error reached.
         residual: f64,
     },
+    /// Channels of a change that do not fit the system, or a system that cannot have any.
+    #[error("the channels do not fit a system of order {order} with {states} internal states, which must be none")]
+    Channels {
+        /// Degrees of freedom of the system.
+        order: usize,
+        /// Its internal states.
+        states: usize,
+    },
     /// Two sets of modes that should correspond do not have the same number of members.
     #[error("{left} modes cannot be matched to {right}")]
     ModeCount {

@@ -6,6 +6,7 @@
 mod batch;
 mod error;
 mod francis;
+mod gain;
 pub mod general;
 #[cfg(feature = "lapack")]
 mod lapack;
@@ -23,6 +24,7 @@ mod walk;
 
 pub use batch::BatchSolver;
 pub use error::CeaError;
+pub use gain::{Channels, peak_gain};
 #[cfg(feature = "lapack")]
 pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mac::{Mode, mac};

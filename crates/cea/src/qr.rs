@@ -6,7 +6,7 @@ use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, francis, g
 
 /// QR steps allowed per eigenvalue: LAPACK's cap. A healthy matrix takes 2 to 4; clusters of equal bristles have been
 /// seen to take more than 60.
-const MOST_STEPS: usize = 300;
+pub(crate) const MOST_STEPS: usize = 300;
 
 /// One system at a time by Francis' QR iteration on the [`StandardForm`], with a cap on its steps.
 ///

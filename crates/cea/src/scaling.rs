@@ -46,7 +46,10 @@ impl StandardForm {
     /// [`CeaError::MassNotPositiveDefinite`] where it is not.
     pub fn new(system: &SecondOrder) -> Result<Self, CeaError> {
         let (n, s) = (system.order(), system.states());
-        let Reduced { stiffness, damping, drive, force } = mass_normalised(system)?;
+        let root = MassRoot::new(&system.m)?;
+        let both = |a: &DMatrix<f64>| root.reading(&root.force(a)?);
+        let (stiffness, damping) = (both(&system.k)?, both(&system.c)?);
+        let (drive, force) = (root.reading(&system.internal.drive)?, root.force(&system.internal.force)?);
 
         let mut gamma = stiffness.norm().sqrt();
         if gamma == 0.0 {
@@ -113,18 +116,42 @@ impl StandardForm {
     }
 }
 
-/// The system in coordinates in which the mass matrix is the identity.
-struct Reduced {
-    stiffness: DMatrix<f64>,
-    damping: DMatrix<f64>,
-    drive: DMatrix<f64>,
-    force: DMatrix<f64>,
+/// The root L of a mass matrix `M = L L^T`, which takes it out of the equations: with `y = L^T u` the mass is the identity.
+pub(crate) enum MassRoot {
+    /// `L^-1` of a diagonal mass matrix.
+    Diagonal(DVector<f64>),
+    /// L, lower triangular.
+    Full(DMatrix<f64>),
 }
 
-fn mass_normalised(system: &SecondOrder) -> Result<Reduced, CeaError> {
-    match diagonal(&system.m) {
-        Some(masses) => diagonal_mass(system, &masses),
-        None => full_mass(system),
+impl MassRoot {
+    pub(crate) fn new(m: &DMatrix<f64>) -> Result<Self, CeaError> {
+        match diagonal(m) {
+            Some(masses) => match masses.iter().position(|&x| x <= 0.0) {
+                Some(row) => Err(CeaError::MassNotPositiveDefinite { row: row + 1 }),
+                None => Ok(Self::Diagonal(masses.map(|x| 1.0 / x.sqrt()))),
+            },
+            None => cholesky(m).map(Self::Full),
+        }
+    }
+
+    /// `L^-1 a`: what acts as a force.
+    pub(crate) fn force(&self, a: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
+        match self {
+            Self::Diagonal(w) => Ok(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * w[i])),
+            Self::Full(lower) => {
+                lower.solve_lower_triangular(a).ok_or(CeaError::MassNotPositiveDefinite { row: lower.nrows() })
+            }
+        }
+    }
+
+    /// `a L^-T`: what reads displacements or velocities.
+    pub(crate) fn reading(&self, a: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
+        match self {
+            Self::Diagonal(w) => Ok(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * w[j])),
+            // a L^-T = (L^-1 a^T)^T.
+            Self::Full(_) => Ok(self.force(&a.transpose())?.transpose()),
+        }
     }
 }
 
@@ -133,22 +160,7 @@ fn diagonal(m: &DMatrix<f64>) -> Option<DVector<f64>> {
     (!m.iter().enumerate().any(off_diagonal)).then(|| m.diagonal())
 }
 
-fn diagonal_mass(system: &SecondOrder, masses: &DVector<f64>) -> Result<Reduced, CeaError> {
-    if let Some(row) = masses.iter().position(|&x| x <= 0.0) {
-        return Err(CeaError::MassNotPositiveDefinite { row: row + 1 });
-    }
-    let w = masses.map(|x| 1.0 / x.sqrt());
-    let both = |a: &DMatrix<f64>| DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * w[i] * w[j]);
-    Ok(Reduced {
-        stiffness: both(&system.k),
-        damping: both(&system.c),
-        drive: DMatrix::from_fn(system.states(), w.len(), |i, j| system.internal.drive[(i, j)] * w[j]),
-        force: DMatrix::from_fn(w.len(), system.states(), |i, j| system.internal.force[(i, j)] * w[i]),
-    })
-}
-
-fn full_mass(system: &SecondOrder) -> Result<Reduced, CeaError> {
-    let m = &system.m;
+fn cholesky(m: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
     let tolerance = f64::EPSILON * m.amax() * m.nrows() as f64;
     if let Some(row) = (0..m.nrows()).find(|&i| (0..i).any(|j| (m[(i, j)] - m[(j, i)]).abs() > tolerance)) {
         return Err(CeaError::MassNotPositiveDefinite { row: row + 1 });
@@ -157,20 +169,10 @@ fn full_mass(system: &SecondOrder) -> Result<Reduced, CeaError> {
         // The leading minor that fails, for the message.
         (1..=m.nrows()).find(|&k| m.view((0, 0), (k, k)).into_owned().cholesky().is_none()).unwrap_or(m.nrows())
     };
-    let lower = match m.clone().cholesky() {
-        Some(factor) => factor.unpack(),
-        None => return Err(CeaError::MassNotPositiveDefinite { row: first_bad() }),
-    };
-    let singular = || CeaError::MassNotPositiveDefinite { row: m.nrows() };
-    let left = |a: &DMatrix<f64>| lower.solve_lower_triangular(a).ok_or_else(singular);
-    // X L^-T = (L^-1 X^T)^T.
-    let right = |a: &DMatrix<f64>| Ok::<_, CeaError>(left(&a.transpose())?.transpose());
-    Ok(Reduced {
-        stiffness: right(&left(&system.k)?)?,
-        damping: right(&left(&system.c)?)?,
-        drive: right(&system.internal.drive)?,
-        force: left(&system.internal.force)?,
-    })
+    match m.clone().cholesky() {
+        Some(factor) => Ok(factor.unpack()),
+        None => Err(CeaError::MassNotPositiveDefinite { row: first_bad() }),
+    }
 }
 
 #[cfg(test)]

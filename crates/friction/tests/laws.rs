@@ -71,6 +71,18 @@ proptest! {
     }
 
     #[test]
+    fn growing_motion_sees_a_slope_in_the_disc(p in lugre_parameters(), v in 0.01..10.0, size in -3.0..9.0, angle in -90.0..90.0_f64) {
+        let tangent = LuGre::new(p).unwrap().tangent_at(v).unwrap();
+        let [a, b] = tangent.slope_extremes();
+        let (centre, radius) = (0.5 * (a + b), 0.5 * (a - b).abs());
+        let at = |angle: f64| (tangent.complex_slope(Complex::from_polar(10f64.powf(size), angle.to_radians())) - centre).norm();
+        let rounding = 1e-14 * (a.abs() + b.abs());
+        prop_assert!(at(angle) <= radius + rounding);
+        // The axis is mapped to the circle itself.
+        prop_assert!((at(90.0) - radius).abs() <= rounding);
+    }
+
+    #[test]
     fn slopes_are_derivatives(p in lugre_parameters(), alpha in 0.1..5.0, v in 0.05..10.0) {
         let laws: [Box<dyn FrictionLaw>; 4] = [
             Box::new(AmontonsCoulomb::new(p.mu_s).unwrap()),

@@ -48,6 +48,7 @@
 
 mod arrangement;
 mod assembly;
+mod channels;
 mod dof;
 mod error;
 mod lattice;
@@ -59,6 +60,7 @@ mod readings;
 mod symmetry;
 
 pub use arrangement::ContactArrangement;
+pub use channels::FrictionChannels;
 pub use dof::{Axis, Body, Dof};
 pub use error::{Allowed, OscModelError};
 pub use lattice::LatticeModel;

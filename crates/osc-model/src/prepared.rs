@@ -90,6 +90,10 @@ impl PreparedLattice {
         &self.contacts
     }
 
+    pub(crate) fn lateral(&self) -> Lateral {
+        self.lateral
+    }
+
     pub(crate) fn plate(&self) -> [Option<usize>; 3] {
         self.plate
     }

@@ -44,6 +44,31 @@ fn structure_and_friction_make_the_whole() {
 }
 
 #[test]
+fn channels_are_where_friction_enters() {
+    let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 4, 5, 8]).unwrap();
+    let lattice = model(Lateral::None, "x1 z4 yp").prepare(&arrangement).unwrap();
+    let mut sliding = shared(coulomb(0.0), 5);
+    for (i, point) in sliding.contacts.iter_mut().enumerate() {
+        let i = i as f64;
+        (point.tangent.mu, point.tangent.slope, point.normal_load) = (0.1 + 0.2 * i, 0.3 - 0.1 * i, 400.0 + 50.0 * i);
+    }
+    let mut friction = SecondOrder::zeros(lattice.structural().order(), 0);
+    lattice.linearise_friction(&sliding, &mut friction).unwrap();
+    let channels = lattice.friction_channels().unwrap();
+    let diagonal = |of: fn(&ContactPoint) -> f64| {
+        nalgebra::DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(5, sliding.contacts.iter().map(of)))
+    };
+    let k = &channels.force * diagonal(|point| point.tangent.mu) * &channels.coupling;
+    let c = &channels.force * diagonal(|p| p.normal_load * p.tangent.slope) * channels.force.transpose();
+    assert!((k - &friction.k).amax() < 1e-14 * friction.k.amax());
+    assert!((c - &friction.c).amax() < 1e-14 * friction.c.amax());
+
+    for lateral in [Lateral::Vector, Lateral::Coupled { sign: Sign::Plus }] {
+        assert_eq!(model(lateral, "").prepare(&arrangement).unwrap().friction_channels(), None);
+    }
+}
+
+#[test]
 fn a_contact_fades_into_an_open_one() {
     let faded = |factor: f64| {
         let mut sliding = shared(coulomb(0.5), 9);

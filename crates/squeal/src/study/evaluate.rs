@@ -1,4 +1,4 @@
-//! One block of samples in one scene: spectra, verdicts on the modes near or past the axis, names, net work.
+//! One block of samples in one scene: certificates, spectra, verdicts on the modes near or past the axis, names, net work.
 
 use cea::{
     CeaError, Counters, EigenSolver, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict,
@@ -9,12 +9,13 @@ use num_complex::Complex;
 use osc_model::{Linearise, PreparedLattice, Sliding};
 use work::mode_work;
 
+use super::certificate::{Certificate, certificates};
 use super::reference::{Reference, references};
 use super::{Plan, Sample, Scene};
 use crate::Error;
 
 /// What one CEA of a study says.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
     /// The unstable modes, ascending in frequency.
     pub unstable: Vec<UnstableMode>,
@@ -40,16 +41,18 @@ pub struct Study<'a> {
     plan: &'a Plan,
     solver: &'a dyn EigenSolver,
     references: Vec<Reference>,
+    certificates: Vec<Certificate>,
 }
 
 impl<'a> Study<'a> {
-    /// Finds the reference modes of every scene.
+    /// Finds the reference modes of every scene and certifies what it can of every lattice.
     ///
     /// # Errors
     /// Those of the model and of the solver.
     pub fn new(plan: &'a Plan, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         let failed = |source| Error::Median { path: plan.case.path.clone(), source: Box::new(source) };
-        Ok(Self { references: references(plan, solver).map_err(failed)?, plan, solver })
+        let references = references(plan, solver).map_err(failed)?;
+        Ok(Self { references, certificates: certificates(plan)?, plan, solver })
     }
 
     /// The plan.
@@ -60,6 +63,11 @@ impl<'a> Study<'a> {
     /// The reference of each scene.
     pub fn references(&self) -> &[Reference] {
         &self.references
+    }
+
+    /// The certificate of each lattice.
+    pub fn certificates(&self) -> &[Certificate] {
+        &self.certificates
     }
 
     /// What the unstable modes of a sample are called, and their net work.
@@ -168,16 +176,21 @@ impl montecarlo::Study for Study<'_> {
         let Scratch { systems, spectra, work } = scratch;
         let (at, scene) = (scene, &self.plan.scenes[scene]);
         let lattice = self.plan.lattice(scene);
+        let certificate = &self.certificates[scene.lattice];
         systems.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
-        // A sample that cannot be linearised must not leave its lane empty for the others: it gets no lane.
+        // A sample that is certified stable or cannot be linearised must not leave its lane empty for the others: it
+        // gets no lane.
         let mut slidings: Vec<Sliding> = Vec::with_capacity(samples.len());
-        let mut lanes: Vec<Result<usize, Error>> = Vec::with_capacity(samples.len());
+        let mut lanes: Vec<Result<Option<usize>, Error>> = Vec::with_capacity(samples.len());
         for sample in samples {
             lanes.push(self.plan.sliding(scene, sample).and_then(|sliding| {
+                if certificate.covers(&sliding) {
+                    return Ok(None);
+                }
                 let lane = slidings.len();
                 lattice.linearise(&sliding, &mut systems[lane])?;
                 slidings.push(sliding);
-                Ok(lane)
+                Ok(Some(lane))
             }));
         }
         let systems = &systems[..slidings.len()];
@@ -200,7 +213,7 @@ impl montecarlo::Study for Study<'_> {
         let links = identify_all(self.solver, &ways, work);
 
         out.extend(lanes.into_iter().map(|lane| {
-            let lane = lane?;
+            let Some(lane) = lane? else { return Ok(Outcome::default()) };
             let growing = growing[lane].as_ref().map_err(CeaError::clone)?;
             let modes = modes[lane].as_ref().map_err(CeaError::clone)?;
             let links = links[lane].as_ref().map_err(CeaError::clone)?;

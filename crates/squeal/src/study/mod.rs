@@ -5,6 +5,7 @@
 //! the other way round, one draw in all scenes, so that scenes are compared on the same draws and memory does not grow
 //! with the number of samples.
 
+mod certificate;
 mod compare;
 mod draw;
 mod evaluate;
@@ -12,6 +13,7 @@ mod reference;
 mod scene;
 mod tally;
 
+pub use certificate::Certificate;
 pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use draw::{FrictionDraw, Sample};
 pub use evaluate::{Outcome, Scratch, Study, UnstableMode};

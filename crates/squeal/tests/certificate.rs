@@ -1,0 +1,150 @@
+//! Certified samples against the full solver: none of them may have a mode that is not stable.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::Path;
+
+use cea::{BatchSolver, EigenSolver, Modes, Spectrum, Verdict, Workspace, verdict};
+use linsys::SecondOrder;
+use montecarlo::{Study as _, stream};
+use rayon::prelude::*;
+use squeal::case::Case;
+use squeal::study::{Plan, Sample, Scene, Study};
+
+/// Samples solved at a time.
+const LANES: usize = 8;
+
+/// What the full solver says of some samples, and what the certificates say.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+struct Count {
+    samples: u64,
+    stable: u64,
+    certified: u64,
+    /// Certified, but with a mode that is unstable or undecided, or divergence.
+    disagree: u64,
+}
+
+impl Count {
+    fn and(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            stable: self.stable + other.stable,
+            certified: self.certified + other.certified,
+            disagree: self.disagree + other.disagree,
+        }
+    }
+}
+
+fn is_stable(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> bool {
+    let modes = Modes::classify(system, spectrum, work).unwrap();
+    let mut verdicts = modes.oscillatory.iter().map(|&lambda| verdict(system, lambda, spectrum.scale, work).unwrap());
+    verdicts.all(|verdict| verdict == Verdict::Stable) && modes.real.iter().all(|&re| re <= 0.0)
+}
+
+/// Counts `samples` draws in each scene.
+fn count(case: Case, samples: u64) -> Vec<Count> {
+    let plan = Plan::new(case).unwrap();
+    let study = Study::new(&plan, &BatchSolver).unwrap();
+    // Not those of the pilots, which are the first of the case's own seed.
+    let draw = |index| Sample::draw(&plan.case, &mut stream(plan.case.seed + 1, index)).unwrap();
+    let of_scene = |scene: &Scene| {
+        let (mut count, mut work, mut spectra) = (Count::default(), Workspace::default(), Vec::new());
+        for first in (0..samples).step_by(LANES) {
+            let samples: Vec<Sample> = (first..samples.min(first + LANES as u64)).map(draw).collect();
+            let mut systems = vec![SecondOrder::zeros(1, 0); samples.len()];
+            for (sample, system) in samples.iter().zip(&mut systems) {
+                plan.linearise(scene, sample, system).unwrap();
+            }
+            BatchSolver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
+            for ((sample, system), spectrum) in samples.iter().zip(&systems).zip(&spectra) {
+                let stable = is_stable(system, spectrum.as_ref().unwrap(), &mut work);
+                let certified = study.certificates()[scene.lattice].covers(&plan.sliding(scene, sample).unwrap());
+                count = count.and(Count {
+                    samples: 1,
+                    stable: stable.into(),
+                    certified: certified.into(),
+                    disagree: (certified && !stable).into(),
+                });
+            }
+        }
+        count
+    };
+    plan.scenes.par_iter().map(of_scene).collect()
+}
+
+/// Less friction than the made-up case has, which is nearly always unstable.
+const LESS: [(&str, &str); 3] = [
+    ("from = 0.3, to = 0.7", "from = 0.02, to = 0.4"),
+    ("mean = 0.55, deviation = 0.05", "mean = 0.25, deviation = 0.1"),
+    ("mean = 0.45, deviation = 0.05", "mean = 0.2, deviation = 0.1"),
+];
+
+fn case(name: &str, changes: &[(&str, &str)]) -> Case {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "the case has no {from:?}");
+        text = text.replacen(from, to, 1);
+    }
+    Case::parse(&path, text).unwrap()
+}
+
+#[test]
+fn what_is_certified_is_stable() {
+    let one_for_each = ("draws = \"shared\"", "draws = \"each\"");
+    let loads = ("preload = { per_contact = 500.0 }", "preload = { equilibrium = 500.0 }");
+    for change in [None, Some(one_for_each), Some(loads)] {
+        let changes: Vec<_> = LESS.into_iter().chain(change).collect();
+        let counts = count(case("two-by-two.toml", &changes), 60);
+        let all = counts.iter().copied().fold(Count::default(), Count::and);
+        println!("{change:?}: {all:?}");
+        assert_eq!(all.disagree, 0, "{change:?}: {all:?}");
+        assert!(all.certified > all.samples / 10 && all.stable < all.samples, "{change:?}: {all:?}");
+    }
+}
+
+#[test]
+fn friction_across_the_sliding_is_not_certified() {
+    let counts = count(case("two-by-two.toml", &[("lateral = \"none\"", "lateral = \"vector\"")]), 4);
+    assert!(counts.iter().all(|count| count.certified == 0));
+}
+
+#[test]
+fn a_certified_sample_has_the_outcome_of_a_stable_one() {
+    let plan = Plan::new(case("two-by-two.toml", &LESS)).unwrap();
+    let study = Study::new(&plan, &BatchSolver).unwrap();
+    let (mut certified, mut open) = (0, 0);
+    for index in 0..40 {
+        let sample = study.draw(&mut stream(1, index)).unwrap();
+        for (at, scene) in plan.scenes.iter().enumerate() {
+            let mut scratch = Default::default();
+            let outcome = study.evaluate(at, &sample, &mut scratch).unwrap();
+            let solves = scratch.counters().eigenvalue_solves;
+            if study.certificates()[scene.lattice].covers(&plan.sliding(scene, &sample).unwrap()) {
+                assert_eq!((outcome, solves), (Default::default(), 0));
+                certified += 1;
+            } else {
+                assert!(solves > 0);
+                open += 1;
+            }
+        }
+    }
+    assert!(certified > 0 && open > 0);
+}
+
+#[test]
+#[ignore = "some minutes: cargo test --release -p squeal --test certificate -- --ignored --nocapture"]
+fn a_million_samples_of_the_papers_case() {
+    let case = case("paper.toml", &[]);
+    let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
+    let plan = Plan::new(case.clone()).unwrap();
+    let counts = count(case, 1_000_000_u64.div_ceil(plan.scenes.len() as u64));
+    for (constraints, name) in names.iter().enumerate() {
+        let of_set = plan.scenes.iter().zip(&counts).filter(|(scene, _)| scene.key.constraints == constraints);
+        println!("{name}: {:?}", of_set.map(|(_, &count)| count).fold(Count::default(), Count::and));
+    }
+    let all = counts.iter().copied().fold(Count::default(), Count::and);
+    println!("all: {all:?}");
+    assert!(all.samples >= 1_000_000 && all.certified > all.samples / 3);
+    assert_eq!(all.disagree, 0);
+}
