@@ -105,10 +105,11 @@ fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
 fn report(manifest: &Manifest, out: &Path) {
     let seconds = manifest.seconds;
     println!(
-        "\n{} CEAs, {} solved, {} failures; {:.1} s for reference modes, {:.1} s for samples, {:.1} s for the report; \
-         results in {}",
+        "\n{} CEAs, {} solved, {} of them by a certificate of stability, {} failures; {:.1} s for reference modes, {:.1} s \
+         for samples, {:.1} s for the report; results in {}",
         manifest.analyses,
         manifest.solved,
+        manifest.certified,
         manifest.failures,
         seconds.references,
         seconds.samples,

@@ -18,6 +18,8 @@ pub struct StudyTimes {
     pub ceas: u64,
     /// Eigenvalue problems solved for them.
     pub solved: u64,
+    /// Those among them that were proven to be stable without a spectrum.
+    pub certified: u64,
     /// Samples of each scene.
     pub samples: u64,
     /// Wall-clock time of all of it.
@@ -53,6 +55,7 @@ impl StudyTimes {
         Ok(Self {
             ceas: manifest.analyses,
             solved: manifest.solved,
+            certified: manifest.certified,
             samples: manifest.samples,
             seconds: parts.references + parts.samples + parts.report,
             processor_seconds,

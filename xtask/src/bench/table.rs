@@ -62,10 +62,11 @@ pub fn study(study: &StudyTimes) -> String {
     for row in &study.stages {
         lines.push([row.stage.to_owned(), format!("{:.2}", row.us), format!("{:.1} %", 100.0 * row.share)]);
     }
-    let StudyTimes { ceas, solved, samples, seconds, processor_seconds, parts, threads, .. } = study;
+    let StudyTimes { ceas, solved, certified, samples, seconds, processor_seconds, parts, threads, .. } = study;
     let peak = study.peak_mb.map(|peak| format!(", peak memory {peak:.0} MB")).unwrap_or_default();
     format!(
-        "{}\nThe whole study, {samples} samples, {ceas} CEAs ({solved} solved): {seconds:.1} s on {threads} threads{peak}\n\
+        "{}\nThe whole study, {samples} samples, {ceas} CEAs ({solved} solved, {certified} of them by a certificate): \
+         {seconds:.1} s on {threads} threads{peak}\n\
          ({:.1} s reference modes, {:.1} s samples, {:.1} s tables and figures; {processor_seconds:.1} s of processor time)\n",
         aligned(&lines, 1),
         parts.references,

@@ -74,9 +74,10 @@ impl RunArgs {
             }
             writeln!(
                 out,
-                "{} CEAs ({} solved) in {:.1} s, {} failures; results in {}",
+                "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.1} s, {} failures; results in {}",
                 manifest.analyses,
                 manifest.solved,
+                manifest.certified,
                 manifest.seconds.samples,
                 manifest.failures,
                 self.out.display()

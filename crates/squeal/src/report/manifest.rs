@@ -40,6 +40,8 @@ pub struct Manifest {
     /// Eigenvalue problems solved for them: one per symmetry class, and per law rather than per speed where no speed is
     /// in it.
     pub solved: u64,
+    /// Those among them that were proven to be stable without a spectrum.
+    pub certified: u64,
     /// Contact arrangements by number in contact.
     pub arrangements: Vec<(usize, usize)>,
     /// Samples or evaluations that failed; each is listed in failures.csv.
@@ -70,6 +72,7 @@ impl Manifest {
             threads,
             analyses: results.plan().analyses_per_sample() * summary.samples,
             solved: sum(|tally| tally.solved),
+            certified: sum(|tally| tally.certified),
             arrangements: case.panels.iter().map(|(number, list)| (*number, list.len())).collect(),
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),

@@ -23,6 +23,8 @@ pub struct Outcome {
     pub divergent: u32,
     /// Modes whose verdict the error bound leaves open.
     pub undecided: u32,
+    /// Whether the system was proven to be stable without a spectrum.
+    pub is_certified: bool,
 }
 
 /// One unstable mode of one CEA.
@@ -90,7 +92,7 @@ impl<'a> Study<'a> {
             Ok(UnstableMode { rank, names, net_work: net_work(mode)? })
         };
         let unstable = growing.ranks.iter().zip(modes).zip(links).map(describe).collect::<Result<_, Error>>()?;
-        Ok(Outcome { unstable, divergent: growing.divergent, undecided: growing.undecided })
+        Ok(Outcome { unstable, divergent: growing.divergent, undecided: growing.undecided, is_certified: false })
     }
 }
 
@@ -213,7 +215,7 @@ impl montecarlo::Study for Study<'_> {
         let links = identify_all(self.solver, &ways, work);
 
         out.extend(lanes.into_iter().map(|lane| {
-            let Some(lane) = lane? else { return Ok(Outcome::default()) };
+            let Some(lane) = lane? else { return Ok(Outcome { is_certified: true, ..Outcome::default() }) };
             let growing = growing[lane].as_ref().map_err(CeaError::clone)?;
             let modes = modes[lane].as_ref().map_err(CeaError::clone)?;
             let links = links[lane].as_ref().map_err(CeaError::clone)?;

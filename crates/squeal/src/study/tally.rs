@@ -32,8 +32,10 @@ struct Layout {
 /// Counts of one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SceneTally {
-    /// Samples solved.
+    /// Samples solved, those proven to be stable among them.
     pub solved: u64,
+    /// Samples proven to be stable without a spectrum.
+    pub certified: u64,
     /// Samples with any unstable mode or divergence.
     pub any_unstable: u64,
     /// Unstable modes in all samples.
@@ -79,6 +81,7 @@ impl Tally {
 impl SceneTally {
     fn record(&mut self, outcome: &Outcome) {
         self.solved += 1;
+        self.certified += u64::from(outcome.is_certified);
         self.any_unstable += u64::from(!outcome.unstable.is_empty() || outcome.divergent > 0);
         self.unstable_modes += outcome.unstable.len() as u64;
         self.divergent += u64::from(outcome.divergent);
@@ -107,6 +110,7 @@ impl SceneTally {
 
     fn merge(&mut self, later: Self) {
         self.solved += later.solved;
+        self.certified += later.certified;
         self.any_unstable += later.any_unstable;
         self.unstable_modes += later.unstable_modes;
         self.ambiguous_modes += later.ambiguous_modes;
