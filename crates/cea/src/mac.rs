@@ -56,16 +56,21 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// `M phi` of a symmetric M, often diagonal.
 pub(crate) fn times(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let mut product = DVector::zeros(phi.len());
-    for (j, (column, &u)) in mass.column_iter().zip(phi).enumerate() {
-        let is_diagonal = column.iter().enumerate().all(|(i, &m)| i == j || m == 0.0);
-        if is_diagonal {
+    let n = phi.len();
+    let mut product = DVector::zeros(n);
+    for (j, (column, &u)) in mass.as_slice().chunks_exact(n).zip(phi).enumerate() {
+        if is_zero(&column[..j]) && is_zero(&column[j + 1..]) {
             product[j] += u * column[j];
         } else {
-            product.zip_apply(&column, |row, m| *row += u * m);
+            product.iter_mut().zip(column).for_each(|(row, &m)| *row += u * m);
         }
     }
     product
+}
+
+/// Without a branch for each number, so that many are looked at together.
+fn is_zero(numbers: &[f64]) -> bool {
+    numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
 }
 
 /// What one old mode became.

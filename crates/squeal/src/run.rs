@@ -76,7 +76,7 @@ pub fn run_study(
 
 /// Samples evaluated together: as many as fill the lanes of the solver again and again, but few enough for many threads.
 fn block(samples: u64) -> u64 {
-    (samples / 16).next_multiple_of(8).clamp(8, 64)
+    (samples / 8).next_multiple_of(8).clamp(8, 128)
 }
 
 /// Whether `dir` is the folder of this study already; `false` is a new or empty one.

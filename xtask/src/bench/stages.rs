@@ -19,7 +19,7 @@ use squeal::work::mode_work;
 use super::error::BenchError;
 
 /// Samples evaluated together, as in a run.
-const BLOCK: u64 = 64;
+const BLOCK: u64 = 128;
 
 /// One stage of a study.
 #[derive(Debug, Clone, Serialize)]
