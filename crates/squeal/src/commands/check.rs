@@ -51,6 +51,7 @@ impl CheckArgs {
 
 fn in_words(seconds: f64) -> String {
     match seconds {
+        s if s < 1.0 => "a second".into(),
         s if s < 100.0 => format!("{s:.0} s"),
         s if s < 6000.0 => format!("{:.0} min", s / 60.0),
         s => format!("{:.1} h", s / 3600.0),

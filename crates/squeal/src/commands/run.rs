@@ -74,7 +74,7 @@ impl RunArgs {
             }
             writeln!(
                 out,
-                "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.1} s, {} failures; results in {}",
+                "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
                 manifest.analyses,
                 manifest.solved,
                 manifest.certified,
