@@ -147,13 +147,7 @@ impl WithSimd for Kernel<'_> {
         let o = Ops(simd);
         let lanes = S::F64_LANES;
         let layout = Layout::new(2 * self.shape.0 + self.shape.1);
-        let needed = (layout.len() + hessenberg::scratch_len(layout)) * lanes;
-        // From the start of a cache line, 8 numbers long, so that no register straddles two.
-        if self.scratch.len() < needed + 8 {
-            self.scratch.resize(needed + 8, 0.0);
-        }
-        let start = self.scratch.as_ptr().align_offset(64).min(8);
-        let (registers, _) = S::as_mut_simd_f64s(&mut self.scratch[start..start + needed]);
+        let registers = ops::registers::<S>(self.scratch, layout.len() + hessenberg::scratch_len(layout));
         let (a, vectors) = registers.split_at_mut(layout.len());
         for samples in self.systems.chunks(lanes) {
             let mut scale = pack::pack(o, a, layout, samples, self.shape, vectors);

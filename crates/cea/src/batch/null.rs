@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
-use super::ops::Ops;
+use super::ops::{Ops, registers};
 use super::pair::{Pair, conj_fma, fma, pair, scale, square};
 
 /// Inverse iterations with `Q^H Q`; the first does nearly all.
@@ -43,12 +43,7 @@ impl WithSimd for Kernel<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let (o, lanes, n) = (Ops(simd), S::F64_LANES, self.start.len());
-        let needed = 2 * (n * n + 2 * n) * lanes;
-        if self.scratch.len() < needed + 8 {
-            self.scratch.resize(needed + 8, 0.0);
-        }
-        let from = self.scratch.as_ptr().align_offset(64).min(8);
-        let (registers, _) = S::as_mut_simd_f64s(&mut self.scratch[from..from + needed]);
+        let registers = registers::<S>(self.scratch, 2 * (n * n + 2 * n));
         let (pairs, _) = registers.as_chunks_mut::<2>();
         let (r, rest) = pairs.split_at_mut(n * n);
         let (x, v) = rest.split_at_mut(n);

@@ -86,3 +86,14 @@ impl<S: Simd> Ops<S> {
         self.0.select_f64s(mask, a, b)
     }
 }
+
+/// `number` registers in `scratch`, which grows as needed, from the start of a cache line: 8 numbers long, so that no
+/// register straddles two.
+pub(super) fn registers<S: Simd>(scratch: &mut Vec<f64>, number: usize) -> &mut [S::f64s] {
+    let needed = number * S::F64_LANES;
+    if scratch.len() < needed + 8 {
+        scratch.resize(needed + 8, 0.0);
+    }
+    let start = scratch.as_ptr().align_offset(64).min(8);
+    S::as_mut_simd_f64s(&mut scratch[start..start + needed]).0
+}
