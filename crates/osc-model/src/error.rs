@@ -150,6 +150,30 @@ pub enum OscModelError {
         /// What is allowed.
         allowed: Allowed,
     },
+    /// A sliding state breaks the symmetry by which its lattice is split.
+    #[error(
+        "the contacts of oscillators {first} and {second} differ; allowed: alike, where the lattice is split into sectors"
+    )]
+    UnequalContacts {
+        /// An oscillator, from 1.
+        first: usize,
+        /// One that the symmetry carries it into.
+        second: usize,
+    },
+    /// A system that is not of the lattice that was split.
+    #[error(
+        "a system of {order} degrees of freedom and {states} states; allowed: {expected}, and 0 or {contacts} states"
+    )]
+    OtherSystem {
+        /// Its degrees of freedom.
+        order: usize,
+        /// Its internal states.
+        states: usize,
+        /// Free degrees of freedom of the lattice.
+        expected: usize,
+        /// Contacts of the lattice.
+        contacts: usize,
+    },
     /// In static equilibrium with friction drag an oscillator in contact is not pressed on the plate.
     #[error("oscillator {oscillator} lifts off in static equilibrium: normal load {load} N; allowed: > 0")]
     LostContact {

@@ -47,6 +47,12 @@ impl LatticeModel {
     pub fn dof_map(&self) -> &DofMap {
         &self.dofs
     }
+
+    /// Refuses an arrangement of a lattice of another size.
+    pub(crate) fn check_size(&self, arrangement: &ContactArrangement) -> Result<(), OscModelError> {
+        let (arrangement, oscillators) = (arrangement.oscillators(), self.parameters.grid.oscillators());
+        if arrangement == oscillators { Ok(()) } else { Err(OscModelError::OtherLattice { arrangement, oscillators }) }
+    }
 }
 
 impl BrakeModel for LatticeModel {
@@ -55,10 +61,7 @@ impl BrakeModel for LatticeModel {
     type Prepared = PreparedLattice;
 
     fn prepare(&self, arrangement: &ContactArrangement) -> Result<PreparedLattice, OscModelError> {
-        let oscillators = self.parameters.grid.oscillators();
-        if arrangement.oscillators() != oscillators {
-            return Err(OscModelError::OtherLattice { arrangement: arrangement.oscillators(), oscillators });
-        }
+        self.check_size(arrangement)?;
         let SecondOrder { m, c, k, .. } = assemble(&self.parameters, arrangement);
         let [m, c, k] = [m, c, k].map(|full| self.dofs.reduce(&full));
         let structure = SecondOrder::new(m, c, k)?;

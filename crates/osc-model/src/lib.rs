@@ -57,6 +57,7 @@ mod parameters;
 mod preload;
 mod prepared;
 mod readings;
+mod sectors;
 mod symmetry;
 
 pub use arrangement::ContactArrangement;
@@ -68,4 +69,5 @@ pub use model::{BrakeModel, Linearise};
 pub use parameters::{Grid, LatticeParameters, PlateParameters};
 pub use prepared::{ContactPoint, PreparedLattice, Sliding};
 pub use readings::{Lateral, Lean, Preload, Sign};
+pub use sectors::{Sector, Sectors};
 pub use symmetry::{Member, Reversal, SymmetryClass};

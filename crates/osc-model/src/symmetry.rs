@@ -87,10 +87,7 @@ impl LatticeModel {
     /// # Errors
     /// An arrangement of a lattice of another size.
     pub fn symmetry_classes(&self, arrangements: &[ContactArrangement]) -> Result<Vec<SymmetryClass>, OscModelError> {
-        let oscillators = self.parameters().grid.oscillators();
-        if let Some(other) = arrangements.iter().find(|a| a.oscillators() != oscillators) {
-            return Err(OscModelError::OtherLattice { arrangement: other.oscillators(), oscillators });
-        }
+        arrangements.iter().try_for_each(|arrangement| self.check_size(arrangement))?;
         let symmetries = self.symmetries();
         let mut classes: Vec<SymmetryClass> = Vec::new();
         for (place, arrangement) in arrangements.iter().enumerate() {
@@ -110,7 +107,8 @@ impl LatticeModel {
         Ok(classes)
     }
 
-    fn carries(&self, reversal: Reversal, from: &ContactArrangement, to: &ContactArrangement) -> bool {
+    /// Whether a reversal carries one arrangement into another.
+    pub(crate) fn carries(&self, reversal: Reversal, from: &ContactArrangement, to: &ContactArrangement) -> bool {
         let grid = self.parameters().grid;
         from.in_contact().len() == to.in_contact().len()
             && from.in_contact().iter().all(|&i| to.contains(reversal.oscillator(grid, i)))

@@ -1,11 +1,10 @@
-//! Relabelling: classes of arrangements, sectors of the whole lattice.
+//! Relabelling: classes of arrangements.
 
 #![allow(clippy::unwrap_used)]
 
 mod common;
 
-use common::{coulomb, eigenvalues, lugre, model, set_distance, shared, spectrum, table_1};
-use linsys::{Internal, SecondOrder};
+use common::{coulomb, lugre, model, set_distance, shared, spectrum, table_1};
 use nalgebra::DMatrix;
 use osc_model::{BrakeModel, ContactArrangement, Lateral, LatticeModel, Linearise, Reversal, Sign};
 
@@ -82,50 +81,4 @@ fn what_breaks_the_symmetry_is_noticed() {
     assert_eq!(reversals(&|p| p.contact_stiffness[5] *= 1.0 + 1e-15, ""), [Reversal::None, Reversal::Rows]);
     assert_eq!(reversals(&|p| p.x_damping[4] += 1.0, ""), [Reversal::None, Reversal::Rows]);
     assert_eq!(reversals(&|p| p.oscillator_mass[4] *= 2.0, ""), Reversal::ALL);
-}
-
-/// Orthonormal vectors over u with parity `rows` under the reversal of rows and `columns` under that of columns.
-fn sector(rows: f64, columns: f64) -> DMatrix<f64> {
-    let grid = table_1().grid;
-    let mut basis = Vec::new();
-    for dof in 0..30 {
-        let orbit = Reversal::ALL.map(|reversal| reversal.dof(grid, dof));
-        if orbit.iter().any(|&image| image < dof) {
-            continue;
-        }
-        let mut vector = nalgebra::DVector::zeros(30);
-        for (image, parity) in orbit.into_iter().zip([1.0, rows, columns, rows * columns]) {
-            vector[image] += parity;
-        }
-        if vector.norm() > 0.5 {
-            basis.push(vector.normalize());
-        }
-    }
-    DMatrix::from_columns(&basis)
-}
-
-#[test]
-fn four_sectors_equal_the_whole() {
-    let lattice = model(Lateral::Vector, "").prepare(&ContactArrangement::full(9)).unwrap();
-    let whole = lattice.linearised(&shared(lugre(0.4), 9)).unwrap();
-    let mut parts = Vec::new();
-    for (rows, columns, order) in [(1.0, 1.0, 15), (1.0, -1.0, 6), (-1.0, 1.0, 6), (-1.0, -1.0, 3)] {
-        let q = sector(rows, columns);
-        assert_eq!(q.ncols(), order);
-        let part = |a: &DMatrix<f64>| q.transpose() * a * &q;
-        // Bristles have parities as the oscillators have: take those combinations that the sector drives.
-        let drive = &whole.internal.drive * &q;
-        let bristles = drive.clone().svd(true, false);
-        let rank = bristles.rank(1e-9 * drive.amax());
-        let u = bristles.u.unwrap().columns(0, rank).into_owned();
-        let internal = Internal {
-            decay: whole.internal.decay.rows(0, rank).into_owned(),
-            drive: u.transpose() * drive,
-            force: q.transpose() * &whole.internal.force * &u,
-        };
-        let system = SecondOrder::with_internal(part(&whole.m), part(&whole.c), part(&whole.k), internal).unwrap();
-        parts.extend(eigenvalues(&system));
-    }
-    let distance = set_distance(&eigenvalues(&whole), &parts);
-    assert!(distance < 1e-10, "{distance:e}");
 }
