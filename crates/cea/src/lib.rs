@@ -28,11 +28,11 @@ pub use gain::{Channels, peak_gain};
 #[cfg(feature = "lapack")]
 pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mac::{Mode, mac};
-pub use modes::{Modes, mass_norm_squared, pair_numbers};
+pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
 pub use qr::QrSolver;
 pub use scaling::StandardForm;
 pub use solver::{Counters, EigenSolver, Workspace};
-pub use spectrum::{Spectrum, Verdict, damping_ratio, frequency_hz, sort};
+pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;
 pub use track::{Links, Way, follow, identify, identify_all, with_idle_states};
 pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all};

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
+use crate::vectors::fix_phase;
 use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
 
 /// Least MAC of a match that is beyond doubt.
@@ -35,16 +36,18 @@ impl Mode {
     /// [`Mode::at`] of several systems, one result each: cheaper together.
     pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
         let shapes = right_vectors_of_all(of, work);
-        of.iter().zip(shapes).map(|(&(system, lambdas), shapes)| Ok(normalised(system, lambdas, shapes?))).collect()
+        let modes = |(&(system, lambdas), shapes): (&(&SecondOrder, &[Complex<f64>]), Result<Vec<_>, _>)| {
+            Ok(lambdas.iter().zip(shapes?).map(|(&lambda, shape)| Self::normalised(system, lambda, shape)).collect())
+        };
+        of.iter().zip(shapes).map(modes).collect()
     }
-}
 
-fn normalised(system: &SecondOrder, lambdas: &[Complex<f64>], shapes: Vec<DVector<Complex<f64>>>) -> Vec<Mode> {
-    let mode = |(&lambda, mut shape): (&Complex<f64>, DVector<Complex<f64>>)| {
+    /// The mode of `system` at `lambda` with a multiple of this shape.
+    pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
+        fix_phase(&mut shape);
         shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
-        Mode { lambda, shape }
-    };
-    lambdas.iter().zip(shapes).map(mode).collect()
+        Self { lambda, shape }
+    }
 }
 
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`

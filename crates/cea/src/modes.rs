@@ -4,7 +4,7 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use crate::{CeaError, Spectrum, StandardForm, Workspace, right_vector};
+use crate::{CeaError, Spectrum, StandardForm, Workspace, by_frequency, right_vector};
 
 /// How far an eigenvalue may lie from the decay rate of its internal state to be told by it alone.
 const NEAR_DECAY: f64 = 0.5;
@@ -73,6 +73,21 @@ impl Modes {
     }
 }
 
+/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
+/// its order. As [`Modes::rank`] of the one; equal eigenvalues rank in the order of their systems.
+pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
+    let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
+    let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
+    let places = |(system, modes): (usize, &&Modes)| (0..modes.oscillatory.len()).map(move |index| (system, index));
+    let mut order: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
+    let lambda = |(system, index): (usize, usize)| &systems[system].oscillatory[index];
+    order.sort_by(|&a, &b| by_frequency(lambda(a), lambda(b)));
+    for (place, (system, index)) in order.into_iter().enumerate() {
+        ranks[system][index] = overdamped + place + 1;
+    }
+    ranks
+}
+
 /// Numbers of a mode among all 2 n eigenvalues ordered by |Im lambda|: 2 r - 1 and 2 r for rank r.
 ///
 /// A paper that speaks of "mode 29" of a system with 30 degrees of freedom may mean rank 29 or, so, rank 15.
@@ -139,6 +154,21 @@ mod tests {
         assert_eq!((modes.oscillatory.len(), modes.real.len(), modes.count()), (1, 2, 2));
         assert_eq!(modes.rank(0), 2);
         assert_eq!(pair_numbers(modes.rank(0)), (3, 4));
+    }
+
+    #[test]
+    fn uncoupled_systems_rank_as_the_one_that_they_are() {
+        let i = |im| Complex::new(-0.1, im);
+        let modes = |oscillatory: &[f64], real: &[f64]| Modes {
+            oscillatory: oscillatory.iter().map(|&im| i(im)).collect(),
+            real: real.to_vec(),
+            internal: Vec::new(),
+        };
+        // Of the three real eigenvalues two are an overdamped mode, whichever system they are of.
+        let systems = [modes(&[2.0, 5.0], &[-1.0]), modes(&[], &[-3.0]), modes(&[1.0, 2.0, 7.0], &[-4.0])];
+        assert_eq!(ranks_together(&systems.each_ref()), [vec![3, 5], vec![], vec![2, 4, 6]]);
+        let one = modes(&[1.0, 2.0, 2.0, 5.0, 7.0], &[-4.0, -3.0, -1.0]);
+        assert_eq!(ranks_together(&[&one])[0], [0, 1, 2, 3, 4].map(|index| one.rank(index)));
     }
 
     #[test]

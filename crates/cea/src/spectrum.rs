@@ -1,5 +1,6 @@
 //! Eigenvalues and what engineers read off them.
 
+use std::cmp::Ordering;
 use std::fmt;
 
 use num_complex::Complex;
@@ -15,10 +16,14 @@ pub struct Spectrum {
     pub scale: f64,
 }
 
-/// Orders eigenvalues by |Im|, then Re, then Im: real ones first, conjugates next to each other.
+/// Sorts eigenvalues as [`by_frequency`] orders them.
 pub fn sort(eigenvalues: &mut [Complex<f64>]) {
-    eigenvalues
-        .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
+    eigenvalues.sort_by(by_frequency);
+}
+
+/// Orders eigenvalues by |Im|, then Re, then Im: real ones first, conjugates next to each other.
+pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
+    a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im))
 }
 
 impl Spectrum {

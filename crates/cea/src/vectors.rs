@@ -195,7 +195,8 @@ fn has_converged([before, now]: [f64; 2]) -> bool {
     now <= 1e-14 || (now <= LARGEST_RESIDUAL && now >= 0.5 * before)
 }
 
-fn fix_phase(x: &mut DVector<Complex<f64>>) {
+/// Turns the largest component real and positive.
+pub(crate) fn fix_phase(x: &mut DVector<Complex<f64>>) {
     let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
     let largest = x.iter().fold(Complex::from(0.0), larger);
     let turn = largest.conj() / largest.norm();

@@ -1,16 +1,14 @@
-//! One block of samples in one scene: certificates, spectra, verdicts on the modes near or past the axis, names, net work.
+//! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{
-    CeaError, Counters, EigenSolver, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict,
-};
+use cea::{CeaError, Counters, EigenSolver, Mode, Spectrum, Workspace, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
-use num_complex::Complex;
-use osc_model::{Linearise, PreparedLattice, Sliding};
+use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
 use work::mode_work;
 
 use super::certificate::{Certificate, certificates};
-use super::reference::{Reference, references};
+use super::part::{Part, Unstable, solve};
+use super::reference::{Reference, References, references};
 use super::{Plan, Sample, Scene};
 use crate::Error;
 
@@ -43,6 +41,7 @@ pub struct Study<'a> {
     plan: &'a Plan,
     solver: &'a dyn EigenSolver,
     references: Vec<Reference>,
+    sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
 }
 
@@ -53,8 +52,9 @@ impl<'a> Study<'a> {
     /// Those of the model and of the solver.
     pub fn new(plan: &'a Plan, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         let failed = |source| Error::Median { path: plan.case.path.clone(), source: Box::new(source) };
-        let references = references(plan, solver).map_err(failed)?;
-        Ok(Self { references, certificates: certificates(plan)?, plan, solver })
+        let references = references(plan, solver).map_err(failed)?.into_iter();
+        let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
+        Ok(Self { references, sector_references, certificates: certificates(plan)?, plan, solver })
     }
 
     /// The plan.
@@ -67,76 +67,49 @@ impl<'a> Study<'a> {
         &self.references
     }
 
+    /// The reference of each sector of each scene, in the order of its lattice's sectors.
+    pub fn sector_references(&self) -> &[Vec<Reference>] {
+        &self.sector_references
+    }
+
     /// The certificate of each lattice.
     pub fn certificates(&self) -> &[Certificate] {
         &self.certificates
     }
 
-    /// What the unstable modes of a sample are called, and their net work.
-    fn outcome(
-        &self,
-        scene: &Scene,
-        sliding: &Sliding,
-        growing: &Growing,
-        (modes, links): (&[Mode], &Links),
-        names: &[Vec<u16>],
-    ) -> Result<Outcome, Error> {
-        let net_work = |mode: &Mode| match scene.wants_work {
-            true => net_work(self.plan.lattice(scene), sliding, mode).map(Some),
-            false => Ok(None),
-        };
-        let describe = |((&rank, mode), link): ((&u16, &Mode), &Vec<usize>)| {
-            let mut names: Vec<u16> = link.iter().flat_map(|&to| names[to].iter().copied()).collect();
-            names.sort_unstable();
-            names.dedup();
-            Ok(UnstableMode { rank, names, net_work: net_work(mode)? })
-        };
-        let unstable = growing.ranks.iter().zip(modes).zip(links).map(describe).collect::<Result<_, Error>>()?;
-        Ok(Outcome { unstable, divergent: growing.divergent, undecided: growing.undecided, is_certified: false })
-    }
-}
-
-/// Net work per body of a mode with `phi^H M phi = 1`.
-fn net_work(lattice: &PreparedLattice, sliding: &Sliding, mode: &Mode) -> Result<Vec<f64>, Error> {
-    let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
-    lattice.linearise_friction(sliding, &mut friction)?;
-    Ok(mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?.net())
-}
-
-/// The eigenvalues of one sample that call for more than themselves.
-#[derive(Debug, Default)]
-struct Growing {
-    /// Unstable modes, ascending in frequency.
-    lambdas: Vec<Complex<f64>>,
-    /// The frequency rank of each.
-    ranks: Vec<u16>,
-    divergent: u32,
-    undecided: u32,
-}
-
-impl Growing {
-    fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
-        let modes = Modes::classify(system, spectrum, work)?;
-        let mut growing = Self::default();
-        for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-            match verdict(system, lambda, spectrum.scale, work)? {
-                Verdict::Unstable => {
-                    growing.lambdas.push(lambda);
-                    growing.ranks.push(modes.rank(index) as u16);
-                }
-                Verdict::Marginal { .. } | Verdict::Undecided { .. } => growing.undecided += 1,
-                Verdict::Stable => {}
+    /// What the sectors of one sample say together.
+    fn outcome(&self, scene: &Scene, sliding: &Sliding, parts: &[&Part]) -> Result<Outcome, Error> {
+        let mut outcome = Outcome::default();
+        let ranks = ranks_together(&parts.iter().map(|part| &part.modes).collect::<Vec<_>>());
+        for ((part, ranks), sector) in parts.iter().zip(ranks).zip(self.plan.sectors[scene.lattice].iter()) {
+            for Unstable { index, mode, names } in &part.unstable {
+                let net_work = match scene.wants_work {
+                    true => Some(net_work(self.plan.lattice(scene), sector, sliding, mode)?),
+                    false => None,
+                };
+                outcome.unstable.push(UnstableMode { rank: ranks[*index] as u16, names: names.clone(), net_work });
             }
+            outcome.divergent += part.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
+            outcome.undecided += part.undecided;
         }
-        growing.divergent = modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
-        Ok(growing)
+        outcome.unstable.sort_by_key(|mode| mode.rank);
+        Ok(outcome)
     }
+}
+
+/// Net work per body of a mode of a sector, with `phi^H M phi = 1`.
+fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode: &Mode) -> Result<Vec<f64>, Error> {
+    let shape = sector.expand(&mode.shape);
+    let mut friction = SecondOrder::zeros(shape.len(), 0);
+    lattice.linearise_friction(sliding, &mut friction)?;
+    Ok(mode_work(lattice.structural(), &friction, mode.lambda, &shape, lattice.bodies())?.net())
 }
 
 /// Working memory of one block.
 #[derive(Default)]
 pub struct Scratch {
-    systems: Vec<SecondOrder>,
+    /// Of each sector, those of the samples.
+    systems: Vec<Vec<SecondOrder>>,
     spectra: Vec<Result<Spectrum, CeaError>>,
     work: Workspace,
 }
@@ -176,10 +149,14 @@ impl montecarlo::Study for Study<'_> {
         out: &mut Vec<Result<Outcome, Error>>,
     ) {
         let Scratch { systems, spectra, work } = scratch;
-        let (at, scene) = (scene, &self.plan.scenes[scene]);
-        let lattice = self.plan.lattice(scene);
-        let certificate = &self.certificates[scene.lattice];
-        systems.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
+        let (references, scene) = (&self.sector_references[scene], &self.plan.scenes[scene]);
+        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
+        let (certificate, mut whole) = (&self.certificates[scene.lattice], SecondOrder::zeros(1, 0));
+        systems.resize_with(systems.len().max(references.len()), Vec::new);
+        let systems = &mut systems[..references.len()];
+        for of_sector in &mut *systems {
+            of_sector.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
+        }
         // A sample that is certified stable or cannot be linearised must not leave its lane empty for the others: it
         // gets no lane.
         let mut slidings: Vec<Sliding> = Vec::with_capacity(samples.len());
@@ -190,36 +167,23 @@ impl montecarlo::Study for Study<'_> {
                     return Ok(None);
                 }
                 let lane = slidings.len();
-                lattice.linearise(&sliding, &mut systems[lane])?;
+                let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
+                sectors.linearise(lattice, &sliding, &mut whole, of_lane)?;
                 slidings.push(sliding);
                 Ok(Some(lane))
             }));
         }
-        let systems = &systems[..slidings.len()];
 
-        self.solver.eigenvalues_of_all(systems, work, spectra);
-        let growing: Vec<Result<Growing, CeaError>> = systems
-            .iter()
-            .zip(spectra)
-            .map(|(system, spectrum)| Growing::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work))
-            .collect();
-
-        let lambdas = growing.iter().map(|growing| growing.as_ref().map_or(&[][..], |growing| &growing.lambdas[..]));
-        let modes = Mode::of_all(&systems.iter().zip(lambdas).collect::<Vec<_>>(), work);
-
-        let modes_of = |lane: usize| modes[lane].as_deref().unwrap_or_default();
-        let reference = &self.references[at];
-        let to = (&reference.system, &reference.modes[..]);
-        let ways: Vec<Way<'_>> =
-            (0..systems.len()).map(|lane| Way { from: (&systems[lane], modes_of(lane)), to }).collect();
-        let links = identify_all(self.solver, &ways, work);
+        let solve = |(systems, reference): (&mut Vec<SecondOrder>, &Reference)| {
+            solve(self.solver, &systems[..slidings.len()], reference, spectra, work)
+        };
+        let parts: Vec<Vec<Result<Part, CeaError>>> = systems.iter_mut().zip(references).map(solve).collect();
 
         out.extend(lanes.into_iter().map(|lane| {
             let Some(lane) = lane? else { return Ok(Outcome { is_certified: true, ..Outcome::default() }) };
-            let growing = growing[lane].as_ref().map_err(CeaError::clone)?;
-            let modes = modes[lane].as_ref().map_err(CeaError::clone)?;
-            let links = links[lane].as_ref().map_err(CeaError::clone)?;
-            self.outcome(scene, &slidings[lane], growing, (modes, links), &reference.names)
+            let parts = parts.iter().map(|of_sector| of_sector[lane].as_ref());
+            let parts = parts.collect::<Result<Vec<&Part>, _>>().map_err(CeaError::clone)?;
+            self.outcome(scene, &slidings[lane], &parts)
         }));
     }
 }

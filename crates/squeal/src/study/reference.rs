@@ -5,18 +5,20 @@
 //! continuation in the contact stiffness of the oscillators that leave contact; each scene has its own modes at median
 //! parameters of its law and speed, linked to those of its lattice by continuation in the law. Samples are then
 //! matched to the modes of their scene.
+//!
+//! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
-use cea::{EigenSolver, Mode, Modes, Way, Workspace, follow, identify, with_idle_states};
+use cea::{EigenSolver, Mode, Modes, Way, Workspace, by_frequency, follow, identify, ranks_together, with_idle_states};
 use linsys::SecondOrder;
-use osc_model::{BrakeModel, ContactArrangement, Linearise};
+use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 
-use super::scene::sliding;
+use super::scene::{sectors, sliding};
 use super::{Plan, Sample, Scene};
 use crate::Error;
 use crate::case::Law;
 
-/// The modes of one scene at median parameters.
+/// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
 pub struct Reference {
     /// The system.
@@ -28,12 +30,47 @@ pub struct Reference {
     pub names: Vec<Vec<u16>>,
 }
 
+/// The modes of one scene at median parameters, as a whole and by sectors.
+#[derive(Debug, Clone)]
+pub struct References {
+    /// The whole lattice.
+    pub whole: Reference,
+    /// Each of its sectors.
+    pub sectors: Vec<Reference>,
+}
+
 impl Reference {
-    fn new(solver: &dyn EigenSolver, system: SecondOrder, work: &mut Workspace) -> Result<Self, Error> {
+    /// The modes of `system`, without names.
+    fn unnamed(solver: &dyn EigenSolver, system: SecondOrder, work: &mut Workspace) -> Result<(Self, Modes), Error> {
         let spectrum = solver.eigenvalues(&system, work)?;
-        let modes = Modes::classify(&system, &spectrum, work)?;
-        let names = (0..modes.oscillatory.len()).map(|i| vec![modes.rank(i) as u16]).collect();
-        Ok(Self { modes: Mode::at(&system, &modes.oscillatory, work)?, system, names })
+        let found = Modes::classify(&system, &spectrum, work)?;
+        let modes = Mode::at(&system, &found.oscillatory, work)?;
+        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system }, found))
+    }
+
+    /// The whole that sectors make up.
+    fn joined(system: SecondOrder, sectors: &Sectors, parts: &[Self]) -> Self {
+        let named = |(sector, part): (&Sector, &Self)| {
+            let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
+            part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
+        };
+        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(parts).flat_map(named).collect();
+        all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
+        let (modes, names) = all.into_iter().unzip();
+        Self { system, modes, names }
+    }
+
+    /// Those modes of a whole lattice that are of one sector.
+    fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
+        let mut part = Self { system: reduced(sector, &self.system)?, modes: Vec::new(), names: Vec::new() };
+        for (mode, names) in self.modes.iter().zip(&self.names) {
+            let shape = sector.project(&mode.shape);
+            if shape.norm_squared() > 0.5 * mode.shape.norm_squared() {
+                part.modes.push(Mode::normalised(&part.system, mode.lambda, shape));
+                part.names.push(names.clone());
+            }
+        }
+        Ok(part)
     }
 
     /// The modes of `system`, named by continuation from this reference: all the way, or, for a `near` system, where MAC
@@ -45,7 +82,7 @@ impl Reference {
         near: bool,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
-        let mut next = Self::new(solver, system, work)?;
+        let (mut next, _) = Self::unnamed(solver, system, work)?;
         let padded;
         let from = if self.system.states() == next.system.states() {
             &self.system
@@ -55,7 +92,6 @@ impl Reference {
         };
         let link = if near { identify } else { follow };
         let links = link(solver, Way { from: (from, &self.modes), to: (&next.system, &next.modes) }, work)?;
-        next.names = vec![Vec::new(); next.modes.len()];
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
                 next.names[to].extend(names);
@@ -69,11 +105,17 @@ impl Reference {
     }
 }
 
-/// The reference of each scene of `plan`, in their order.
+fn reduced(sector: &Sector, whole: &SecondOrder) -> Result<SecondOrder, OscModelError> {
+    let mut part = SecondOrder::zeros(sector.order(), 0);
+    sector.reduce(whole, &mut part)?;
+    Ok(part)
+}
+
+/// The references of each scene of `plan`, in their order.
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn references(plan: &Plan, solver: &dyn EigenSolver) -> Result<Vec<Reference>, Error> {
+pub(super) fn references(plan: &Plan, solver: &dyn EigenSolver) -> Result<Vec<References>, Error> {
     let median = Sample::median(&plan.case);
     let of_set = |constraints: usize| full_contact(plan, constraints, &median, solver);
     let bases = (0..plan.models.len()).map(of_set).collect::<Result<Vec<_>, Error>>()?;
@@ -90,11 +132,18 @@ fn full_contact(
     median: &Sample,
     solver: &dyn EigenSolver,
 ) -> Result<Reference, Error> {
+    let (model, mut work) = (&plan.models[constraints], Workspace::default());
     let all = ContactArrangement::full(plan.case.lattice.grid.oscillators());
-    let lattice = plan.models[constraints].prepare(&all)?;
+    let (lattice, sectors) = (model.prepare(&all)?, sectors(&plan.case, model, &all)?);
     let speed = plan.case.speeds[0].quantile(0.5);
-    let at = sliding(&plan.case, &lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?;
-    Reference::new(solver, lattice.linearised(&at)?, &mut Workspace::default())
+    let system = lattice.linearised(&sliding(&plan.case, &lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?)?;
+    let of_sector = |sector: &Sector| Reference::unnamed(solver, reduced(sector, &system)?, &mut work);
+    let (mut parts, found): (Vec<_>, Vec<_>) =
+        sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
+        part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
+    }
+    Ok(Reference::joined(system, &sectors, &parts))
 }
 
 fn of_lattice(
@@ -103,26 +152,44 @@ fn of_lattice(
     base: &Reference,
     median: &Sample,
     solver: &dyn EigenSolver,
-) -> Result<Reference, Error> {
-    let (_, lattice) = &plan.lattices[at];
+) -> Result<References, Error> {
+    let ((_, lattice), sectors) = (&plan.lattices[at], &plan.sectors[at]);
     let speed = plan.case.speeds[0].quantile(0.5);
     let system = lattice.linearised(&sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?)?;
+    let from = sectors.iter().map(|sector| base.within(sector)).collect::<Result<Vec<_>, _>>()?;
     // The straight line from one system to the other takes the stiffness and the load of the contacts that differ
     // from 1 to 0 together.
-    base.linked(solver, system, false, &mut Workspace::default())
+    References::linked(&from, solver, sectors, system, false)
 }
 
 fn of_scene(
     plan: &Plan,
     scene: &Scene,
-    lattice: &Reference,
+    lattice: &References,
     median: &Sample,
     solver: &dyn EigenSolver,
-) -> Result<Reference, Error> {
-    let mut system = SecondOrder::zeros(lattice.system.order(), 0);
+) -> Result<References, Error> {
+    let mut system = SecondOrder::zeros(1, 0);
     plan.linearise(scene, median, &mut system)?;
-    if system == lattice.system {
+    if system == lattice.whole.system {
         return Ok(lattice.clone());
     }
-    lattice.linked(solver, system, true, &mut Workspace::default())
+    References::linked(&lattice.sectors, solver, &plan.sectors[scene.lattice], system, true)
+}
+
+impl References {
+    /// The modes of `system`, those of each sector named as [`Reference::linked`] names them `from` its reference.
+    fn linked(
+        from: &[Reference],
+        solver: &dyn EigenSolver,
+        sectors: &Sectors,
+        system: SecondOrder,
+        near: bool,
+    ) -> Result<Self, Error> {
+        let mut work = Workspace::default();
+        let of_sector =
+            |(from, sector): (&Reference, &Sector)| from.linked(solver, reduced(sector, &system)?, near, &mut work);
+        let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;
+        Ok(Self { whole: Reference::joined(system, sectors, &parts), sectors: parts })
+    }
 }

@@ -2,8 +2,8 @@
 
 use linsys::SecondOrder;
 use osc_model::{
-    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, Linearise, Member, PreparedLattice, Reversal,
-    Sliding, SymmetryClass,
+    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, Linearise, Member, OscModelError,
+    PreparedLattice, Reversal, Sectors, Sliding, SymmetryClass,
 };
 
 use super::Sample;
@@ -48,6 +48,8 @@ pub struct Plan {
     pub models: Vec<LatticeModel>,
     /// One per constraint set and arrangement class: (constraint set, lattice).
     pub lattices: Vec<(usize, PreparedLattice)>,
+    /// The sectors of each lattice, in which its samples are solved.
+    pub sectors: Vec<Sectors>,
     /// The scenes, ordered by constraints, panel, class, law, speed.
     pub scenes: Vec<Scene>,
 }
@@ -55,13 +57,13 @@ pub struct Plan {
 impl Plan {
     /// Lays out the scenes of a case.
     ///
-    /// Arrangements of one symmetry class share a scene where the draws keep the symmetry; a law without speed in it
+    /// Where the draws keep the symmetry, arrangements of one symmetry class share a scene, solved by sectors; a law without speed in it
     /// has one scene for all speed ranges.
     ///
     /// # Errors
     /// What the model refuses.
     pub fn new(case: Case) -> Result<Self, Error> {
-        let mut plan = Self { models: Vec::new(), lattices: Vec::new(), scenes: Vec::new(), case };
+        let mut plan = Self { models: Vec::new(), lattices: Vec::new(), sectors: Vec::new(), scenes: Vec::new(), case };
         for (constraints, set) in plan.case.constraints.iter().enumerate() {
             let model = LatticeModel::new(plan.case.lattice.clone(), plan.case.readings.lateral, &set.fixed)?;
             for (panel, (_, arrangements)) in plan.case.panels.iter().enumerate() {
@@ -77,6 +79,7 @@ impl Plan {
                         }
                     }
                     plan.lattices.push((constraints, model.prepare(arrangement)?));
+                    plan.sectors.push(sectors(&plan.case, &model, arrangement)?);
                 }
             }
             plan.models.push(model);
@@ -162,6 +165,18 @@ fn classes(
             })
             .collect(),
     })
+}
+
+/// What the samples of an arrangement, or its modes at median parameters, are solved in.
+pub(super) fn sectors(
+    case: &Case,
+    model: &LatticeModel,
+    arrangement: &ContactArrangement,
+) -> Result<Sectors, OscModelError> {
+    match case.readings.draws {
+        Draws::Shared => model.sectors(arrangement),
+        Draws::Each => model.one_sector(arrangement),
+    }
 }
 
 fn speeds_of(case: &Case, law: Law) -> Vec<Option<usize>> {

@@ -1,0 +1,99 @@
+//! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
+
+use cea::{CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use super::Reference;
+
+/// The modes of one sector of one sample.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// All of them.
+    pub modes: Modes,
+    /// The unstable ones, ascending in frequency.
+    pub unstable: Vec<Unstable>,
+    /// Modes whose verdict the error bound leaves open.
+    pub undecided: u32,
+}
+
+/// An unstable mode of a sector.
+#[derive(Debug)]
+pub(super) struct Unstable {
+    /// Its place among the oscillating modes of the sector.
+    pub index: usize,
+    /// Itself, its shape in the basis of the sector.
+    pub mode: Mode,
+    /// Names it may have as a tracked mode.
+    pub names: Vec<u16>,
+}
+
+/// Solves `systems`, one sector of some samples, and names its unstable modes after `reference`, that sector of their
+/// scene. `spectra` is memory.
+pub(super) fn solve(
+    solver: &dyn EigenSolver,
+    systems: &[SecondOrder],
+    reference: &Reference,
+    spectra: &mut Vec<Result<Spectrum, CeaError>>,
+    work: &mut Workspace,
+) -> Vec<Result<Part, CeaError>> {
+    solver.eigenvalues_of_all(systems, work, spectra);
+    let judged: Vec<Result<Judged, CeaError>> = systems
+        .iter()
+        .zip(spectra)
+        .map(|(system, spectrum)| Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work))
+        .collect();
+
+    let lambdas: Vec<Vec<Complex<f64>>> =
+        judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
+    let of: Vec<_> = systems.iter().zip(&lambdas).map(|(system, lambdas)| (system, lambdas.as_slice())).collect();
+    let shaped = Mode::of_all(&of, work);
+
+    let to = (&reference.system, &reference.modes[..]);
+    let ways: Vec<Way<'_>> = systems
+        .iter()
+        .zip(&shaped)
+        .map(|(system, modes)| Way { from: (system, modes.as_deref().unwrap_or_default()), to })
+        .collect();
+    let links = identify_all(solver, &ways, work);
+
+    let named = |((judged, modes), links): ((Result<Judged, _>, Result<Vec<Mode>, _>), Result<Vec<Vec<usize>>, _>)| {
+        let Judged { modes: all, unstable, undecided } = judged?;
+        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| {
+            let mut names: Vec<u16> = link.into_iter().flat_map(|to| reference.names[to].iter().copied()).collect();
+            names.sort_unstable();
+            names.dedup();
+            Unstable { index, mode, names }
+        };
+        let unstable = unstable.into_iter().zip(modes?).zip(links?).map(mode).collect();
+        Ok(Part { modes: all, unstable, undecided })
+    };
+    judged.into_iter().zip(shaped).zip(links).map(named).collect()
+}
+
+/// The modes of one system, with verdicts.
+struct Judged {
+    modes: Modes,
+    /// Places of the unstable ones among the oscillating modes.
+    unstable: Vec<usize>,
+    undecided: u32,
+}
+
+impl Judged {
+    fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
+        let modes = Modes::classify(system, spectrum, work)?;
+        let (mut unstable, mut undecided) = (Vec::new(), 0);
+        for (index, &lambda) in modes.oscillatory.iter().enumerate() {
+            match verdict(system, lambda, spectrum.scale, work)? {
+                Verdict::Unstable => unstable.push(index),
+                Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
+                Verdict::Stable => {}
+            }
+        }
+        Ok(Self { modes, unstable, undecided })
+    }
+
+    fn lambdas(&self) -> Vec<Complex<f64>> {
+        self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
+    }
+}
