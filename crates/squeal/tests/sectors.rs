@@ -1,0 +1,173 @@
+//! Scenes solved by sectors against the same scenes solved whole.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::Path;
+use std::sync::Mutex;
+
+use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
+use linsys::SecondOrder;
+use montecarlo::{Study as _, stream};
+use rayon::prelude::*;
+use squeal::case::Case;
+use squeal::study::{Outcome, Plan, Sample, Study};
+
+fn case(name: &str, changes: &[(&str, &str)]) -> Case {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+    let mut text = std::fs::read_to_string(&path).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "the case has no {from:?}");
+        text = text.replacen(from, to, 1);
+    }
+    Case::parse(&path, text).unwrap()
+}
+
+/// The plan of a case in which every lattice is its only sector.
+fn whole(case: Case) -> Plan {
+    let mut plan = Plan::new(case).unwrap();
+    let one = |(set, lattice): &(usize, osc_model::PreparedLattice)| {
+        plan.models[*set].one_sector(lattice.arrangement()).unwrap()
+    };
+    plan.sectors = plan.lattices.iter().map(one).collect();
+    plan
+}
+
+fn sectors_of(plan: &Plan, scene: usize) -> usize {
+    plan.sectors[plan.scenes[scene].lattice].iter().len()
+}
+
+/// What two ways of solving the same samples say.
+#[derive(Debug, Default, Clone, Copy)]
+struct Count {
+    samples: usize,
+    modes: usize,
+    /// Modes whose names the whole leaves open and the sectors do not, or not as far.
+    closed: usize,
+    /// Modes with other names.
+    renamed: usize,
+    /// Largest difference of a body's net work, relative to the largest of the mode.
+    net_work: f64,
+}
+
+impl Count {
+    fn and(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            modes: self.modes + other.modes,
+            closed: self.closed + other.closed,
+            renamed: self.renamed + other.renamed,
+            net_work: self.net_work.max(other.net_work),
+        }
+    }
+
+    fn of(sectors: &Outcome, whole: &Outcome) -> Self {
+        let ranks = |outcome: &Outcome| outcome.unstable.iter().map(|mode| mode.rank).collect::<Vec<_>>();
+        let verdicts = |outcome: &Outcome| (outcome.divergent, outcome.undecided, outcome.is_certified);
+        assert_eq!((ranks(sectors), verdicts(sectors)), (ranks(whole), verdicts(whole)));
+        let mut count = Self { samples: 1, modes: whole.unstable.len(), ..Self::default() };
+        for (ours, theirs) in sectors.unstable.iter().zip(&whole.unstable) {
+            if ours.names != theirs.names {
+                let is_part = !ours.names.is_empty() && ours.names.iter().all(|name| theirs.names.contains(name));
+                *(if is_part { &mut count.closed } else { &mut count.renamed }) += 1;
+            }
+            assert_eq!(ours.net_work.is_some(), theirs.net_work.is_some());
+            if let (Some(ours), Some(theirs)) = (&ours.net_work, &theirs.net_work) {
+                let largest = theirs.iter().fold(0.0_f64, |most, work| most.max(work.abs()));
+                let difference = |(a, b): (&f64, &f64)| (a - b).abs() / largest;
+                count.net_work = ours.iter().zip(theirs).map(difference).fold(count.net_work, f64::max);
+            }
+        }
+        count
+    }
+}
+
+/// Compares `samples` draws in each scene that falls apart.
+fn compare(case: &Case, samples: u64) -> Count {
+    let (split, whole) = (Plan::new(case.clone()).unwrap(), whole(case.clone()));
+    let [split, whole] = [&split, &whole].map(|plan| Study::new(plan, &BatchSolver).unwrap());
+    let draws: Vec<Sample> = (0..samples).map(|index| split.draw(&mut stream(7, index)).unwrap()).collect();
+    let draws: Vec<&Sample> = draws.iter().collect();
+    let of_scene = |scene: usize| {
+        let outcomes = [&split, &whole].map(|study| {
+            let mut out = Vec::new();
+            study.evaluate_block(scene, &draws, &mut Default::default(), &mut out);
+            out
+        });
+        let counts = outcomes[0].iter().zip(&outcomes[1]).map(|(a, b)| match (a, b) {
+            (Ok(a), Ok(b)) => Count::of(a, b),
+            (a, b) => {
+                assert_eq!(a.as_ref().map_err(ToString::to_string), b.as_ref().map_err(ToString::to_string));
+                Count::default()
+            }
+        });
+        counts.fold(Count::default(), Count::and)
+    };
+    let scenes = (0..split.scenes()).into_par_iter().filter(|&scene| sectors_of(split.plan(), scene) > 1);
+    scenes.map(of_scene).reduce(Count::default, Count::and)
+}
+
+#[test]
+fn sectors_say_what_the_whole_says() {
+    let readings = [
+        vec![],
+        vec![("lateral = \"none\"", "lateral = \"vector\"")],
+        vec![("lateral = \"none\"", "lateral = \"coupled\"")],
+        vec![("preload = { per_contact = 500.0 }", "preload = { equilibrium = 500.0 }")],
+    ];
+    let mut all = Count::default();
+    for changes in &readings {
+        let count = compare(&case("two-by-two.toml", changes), 60);
+        println!("{changes:?}: {count:?}");
+        all = all.and(count);
+    }
+    let nine = compare(&case("paper.toml", &[("[9, 8, 7, 6]", "[9]")]), 12);
+    println!("nine in contact: {nine:?}");
+    assert!(all.modes > 500 && nine.modes > 100, "{all:?}, {nine:?}");
+    for count in [all, nine] {
+        assert!(count.renamed == 0 && count.net_work < 1e-9, "{count:?}");
+    }
+}
+
+/// A solver that notes how large its systems are.
+#[derive(Default)]
+struct Noting(Mutex<Vec<usize>>);
+
+impl EigenSolver for Noting {
+    fn eigenvalues(&self, system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError> {
+        self.0.lock().unwrap().push(system.dimension());
+        QrSolver.eigenvalues(system, work)
+    }
+}
+
+#[test]
+fn a_sample_costs_small_systems_only() {
+    let sizes = |changes: &[(&str, &str)], lugre: bool| {
+        let plan = Plan::new(case("paper.toml", &[&[("[9, 8, 7, 6]", "[9]")], changes].concat())).unwrap();
+        let solver = Noting::default();
+        let study = Study::new(&plan, &solver).unwrap();
+        let scene = plan.scenes.iter().position(|scene| lugre == (scene.key.law == squeal::case::Law::LuGre)).unwrap();
+        // One whose modes are told by their shapes alone.
+        for index in 0..16 {
+            let sample = study.draw(&mut stream(1, index)).unwrap();
+            solver.0.lock().unwrap().clear();
+            let mut scratch = Default::default();
+            let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
+            if !outcome.is_certified && scratch.counters().continuations == 0 {
+                return solver.0.lock().unwrap().clone();
+            }
+        }
+        Vec::new()
+    };
+    // Twice the shapes of each sector, and its bristles.
+    assert_eq!(sizes(&[], false), [30, 12, 12, 6]);
+    assert_eq!(sizes(&[], true), [34, 14, 14, 7]);
+    assert_eq!(sizes(&[("draws = \"shared\"", "draws = \"each\"")], false), [60]);
+}
+
+#[test]
+#[ignore = "some minutes: cargo test --release -p squeal --test sectors -- --ignored --nocapture"]
+fn thousands_of_samples_of_the_papers_case() {
+    let count = compare(&case("paper.toml", &[]), 200);
+    println!("{count:?}");
+    assert!(count.samples > 60_000 && count.net_work < 1e-9);
+}
