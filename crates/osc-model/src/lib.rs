@@ -49,6 +49,7 @@
 mod arrangement;
 mod assembly;
 mod channels;
+mod coupling;
 mod dof;
 mod error;
 mod lattice;

@@ -10,21 +10,25 @@
 //! Q^T M Q,  Q^T C Q,  Q^T K Q,  U^T E Q,  Q^T F U,  a of one bristle of each combination
 //! ```
 //!
-//! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). The eigenvalues of all sectors
-//! together are those of the whole.
+//! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). Of these, what
+//! no spring, dashpot or friction couples is a sector of its own: the plate across the sliding, where there is no friction.
+//! The eigenvalues of all sectors together are those of the whole, but for the -a of bristles that act on nothing.
 
+use friction::{InternalTangent, Tangent};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use crate::coupling::first_coupled;
 use crate::{
-    ContactArrangement, ContactPoint, LatticeModel, Linearise, OscModelError, PreparedLattice, Reversal, Sliding,
+    BrakeModel, ContactArrangement, ContactPoint, LatticeModel, Linearise, OscModelError, PreparedLattice, Reversal,
+    Sliding,
 };
 
 /// Normal loads of a static equilibrium keep the symmetry up to rounding errors; this much, relatively, passes for them.
 const LOAD_ROUNDING: f64 = 1e-9;
 
-/// The sectors of one arrangement: one, the whole lattice, where nothing carries it into itself.
+/// The sectors of one arrangement: one, the whole lattice, where nothing carries it into itself and all is coupled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sectors {
     sectors: Vec<Sector>,
@@ -60,10 +64,14 @@ impl LatticeModel {
     /// # Errors
     /// An arrangement of a lattice of another size.
     pub fn sectors(&self, arrangement: &ContactArrangement) -> Result<Sectors, OscModelError> {
-        self.check_size(arrangement)?;
+        let lattice = self.prepare(arrangement)?;
         let mut group = self.symmetries();
         group.retain(|&reversal| self.carries(reversal, arrangement, arrangement));
-        Ok(self.split(arrangement, &group))
+        let mut sectors = self.split(arrangement, &group);
+        let coupled = |sector: &Sector| sector.coupled(&[lattice.structural(), &any_friction(&lattice)?]);
+        let parts = sectors.sectors.iter().map(coupled).collect::<Result<Vec<_>, _>>()?;
+        sectors.sectors = parts.into_iter().flatten().collect();
+        Ok(sectors)
     }
 
     /// The whole lattice as its only sector, for any sliding states.
@@ -88,11 +96,24 @@ impl LatticeModel {
             order: dofs.free().len(),
             contacts: contacts.len(),
         };
-        // Bristles of a sector without shapes act on nothing.
-        let sectors = characters(group).into_iter().map(sector).filter(|sector| sector.order() > 0).collect();
         let first = |i: usize| group.iter().map(|&reversal| contact(reversal, i)).min().unwrap_or(i);
-        Sectors { sectors, like: (0..contacts.len()).map(first).collect(), oscillators: contacts.to_vec() }
+        Sectors {
+            sectors: characters(group).into_iter().map(sector).collect(),
+            like: (0..contacts.len()).map(first).collect(),
+            oscillators: contacts.to_vec(),
+        }
     }
+}
+
+/// Friction with everything in it that any law has.
+fn any_friction(lattice: &PreparedLattice) -> Result<SecondOrder, OscModelError> {
+    let internal = Some(InternalTangent { decay: 1.0, drive: 1.0, force: 1.0 });
+    let tangent = Tangent { mu: 1.0, slope: 1.0, internal };
+    let contact = ContactPoint { tangent, lateral_mu: 1.0, normal_load: 1.0, stiffness_factor: 1.0 };
+    let contacts = vec![contact; lattice.arrangement().in_contact().len()];
+    let mut friction = SecondOrder::zeros(lattice.structural().order(), 0);
+    lattice.linearise_friction(&Sliding { speed: 1.0, contacts }, &mut friction)?;
+    Ok(friction)
 }
 
 /// The ways in which shapes can keep or change their sign under a group of reversals.
@@ -171,6 +192,23 @@ impl Sectors {
 }
 
 impl Sector {
+    /// The parts of this sector that nothing in the `whole` systems couples. Bristles that act on nothing have no part.
+    fn coupled(&self, whole: &[&SecondOrder]) -> Result<Vec<Self>, OscModelError> {
+        let mut systems = vec![SecondOrder::zeros(1, 0); whole.len()];
+        whole.iter().zip(&mut systems).try_for_each(|(whole, part)| self.reduce(whole, part))?;
+        let first = first_coupled(&systems);
+        let (shapes, bristles) = first.split_at(self.order());
+        let of = |all: &[Combination], firsts: &[usize], first: usize| {
+            all.iter().zip(firsts).filter(|(_, other)| **other == first).map(|(c, _)| c.clone()).collect()
+        };
+        let part = |first: usize| Self {
+            shapes: of(&self.shapes, shapes, first),
+            bristles: of(&self.bristles, bristles, first),
+            ..*self
+        };
+        Ok((0..self.order()).filter(|&i| shapes[i] == i).map(part).collect())
+    }
+
     /// Number of shapes.
     pub fn order(&self) -> usize {
         self.shapes.len()
