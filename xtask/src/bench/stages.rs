@@ -1,8 +1,8 @@
 //! Where the time of a study goes: some of its samples in all scenes, on one thread.
 //!
-//! A block is evaluated as the study does it, and then once more stage by stage through the public function of each
-//! stage, without the samples that are certified stable; what the study takes beyond their sum is the last row. It is
-//! negative where the study saves itself a part of a stage.
+//! A block is evaluated as the study does it, and then once more stage by stage and sector by sector through the public
+//! function of each stage, without the samples that are certified stable; what the study takes beyond their sum is the
+//! last row. It is negative where the study saves itself a part of a stage.
 
 use std::time::Duration;
 
@@ -12,8 +12,8 @@ use num_complex::Complex;
 use serde::Serialize;
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::{Runs, Study as _, Tally as _, stream};
-use squeal::osc_model::Linearise;
-use squeal::study::{Plan, Sample, Scratch, Study, Tally};
+use squeal::osc_model::{Linearise, Sector};
+use squeal::study::{Plan, Reference, Sample, Scene, Scratch, Study, Tally};
 use squeal::work::mode_work;
 
 use super::error::BenchError;
@@ -26,7 +26,7 @@ const BLOCK: u64 = 128;
 pub struct Stage {
     /// What is done.
     pub stage: &'static str,
-    /// Processor time per eigenvalue problem solved, microseconds.
+    /// Processor time per sample solved, in all its sectors, microseconds.
     pub us: f64,
     /// Part of the whole time.
     pub share: f64,
@@ -108,7 +108,8 @@ fn evaluate(study: &Study<'_>, spent: &mut Spent) -> Result<(), BenchError> {
 /// The stages of one block in one scene.
 #[derive(Default)]
 struct Replay {
-    systems: Vec<SecondOrder>,
+    /// Of each sector, those of the samples.
+    systems: Vec<Vec<SecondOrder>>,
     spectra: Vec<Result<Spectrum, CeaError>>,
     work: Workspace,
 }
@@ -121,9 +122,9 @@ impl Replay {
         samples: &[&Sample],
         spent: &mut Spent,
     ) -> Result<(), BenchError> {
-        let (plan, reference) = (study.plan(), &study.references()[at]);
+        let (plan, references) = (study.plan(), &study.sector_references()[at]);
         let scene = &plan.scenes[at];
-        let Self { systems, spectra, work } = self;
+        let (lattice, sectors) = (plan.lattice(scene), &plan.sectors[scene.lattice]);
         let certificate = &study.certificates()[scene.lattice];
         let mut open = Vec::with_capacity(samples.len());
         for &sample in samples {
@@ -131,12 +132,37 @@ impl Replay {
                 open.push(sample);
             }
         }
-        let samples = open;
-        spent.solved += samples.len() as u64;
-        systems.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
+        spent.solved += open.len() as u64;
+        self.systems.resize_with(references.len(), Vec::new);
+        for of_sector in &mut self.systems {
+            of_sector.resize_with(open.len(), || SecondOrder::zeros(1, 0));
+        }
+        let mut whole = SecondOrder::zeros(1, 0);
+        let systems = &mut self.systems;
         timed(&mut spent.assembly, || {
-            samples.iter().zip(&mut *systems).try_for_each(|(sample, system)| plan.linearise(scene, sample, system))
+            open.iter().enumerate().try_for_each(|(lane, sample)| -> Result<(), squeal::Error> {
+                let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
+                Ok(sectors.linearise(lattice, &plan.sliding(scene, sample)?, &mut whole, of_lane)?)
+            })
         })?;
+        for (place, (sector, reference)) in sectors.iter().zip(references).enumerate() {
+            let modes = self.sector(place, reference, spent)?;
+            if scene.wants_work {
+                timed(&mut spent.net_work, || {
+                    let mut each = open.iter().zip(&modes);
+                    each.try_for_each(|(sample, modes)| {
+                        modes.iter().try_for_each(|mode| net_work(plan, scene, sector, sample, mode))
+                    })
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The unstable modes of one sector, named.
+    fn sector(&mut self, place: usize, reference: &Reference, spent: &mut Spent) -> Result<Vec<Vec<Mode>>, BenchError> {
+        let Self { systems, spectra, work } = self;
+        let systems = &systems[place];
         timed(&mut spent.spectra, || BatchSolver.eigenvalues_of_all(systems, work, spectra));
         // A stage at a time for the whole block: reading the clock takes as long as some verdicts.
         let unstable: Vec<Vec<Complex<f64>>> = timed(&mut spent.verdicts, || {
@@ -152,13 +178,7 @@ impl Replay {
             let ways: Vec<_> = each.map(|(system, modes)| Way { from: (system, modes), to }).collect();
             identify_all(&BatchSolver, &ways, work).into_iter().try_for_each(|links| links.map(drop))
         })?;
-        if scene.wants_work {
-            timed(&mut spent.net_work, || {
-                let mut each = samples.iter().zip(&modes);
-                each.try_for_each(|(sample, modes)| modes.iter().try_for_each(|mode| net_work(plan, at, sample, mode)))
-            })?;
-        }
-        Ok(())
+        Ok(modes)
     }
 }
 
@@ -177,11 +197,11 @@ fn unstable(
     Ok(unstable)
 }
 
-fn net_work(plan: &Plan, scene: usize, sample: &Sample, mode: &Mode) -> Result<(), squeal::Error> {
-    let lattice = plan.lattice(&plan.scenes[scene]);
-    let mut friction = SecondOrder::zeros(mode.shape.len(), 0);
-    lattice.linearise_friction(&plan.sliding(&plan.scenes[scene], sample)?, &mut friction)?;
-    let work = mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies())?;
+fn net_work(plan: &Plan, scene: &Scene, sector: &Sector, sample: &Sample, mode: &Mode) -> Result<(), squeal::Error> {
+    let (lattice, shape) = (plan.lattice(scene), sector.expand(&mode.shape));
+    let mut friction = SecondOrder::zeros(shape.len(), 0);
+    lattice.linearise_friction(&plan.sliding(scene, sample)?, &mut friction)?;
+    let work = mode_work(lattice.structural(), &friction, mode.lambda, &shape, lattice.bodies())?;
     std::hint::black_box(work.net());
     Ok(())
 }

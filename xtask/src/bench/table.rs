@@ -58,7 +58,7 @@ pub fn routes(rows: &[RouteRow]) -> String {
 
 /// The stages, then the whole run.
 pub fn study(study: &StudyTimes) -> String {
-    let mut lines = vec![["stage", "us per spectrum", "share"].map(String::from)];
+    let mut lines = vec![["stage", "us per sample", "share"].map(String::from)];
     for row in &study.stages {
         lines.push([row.stage.to_owned(), format!("{:.2}", row.us), format!("{:.1} %", 100.0 * row.share)]);
     }
