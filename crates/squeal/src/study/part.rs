@@ -1,6 +1,6 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
-use cea::{CeaError, EigenSolver, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict};
+use cea::{CeaError, EigenSolver, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
@@ -57,18 +57,8 @@ pub(super) fn solve(
         .collect();
     let links = identify_all(solver, &ways, work);
 
-    let named = |((judged, modes), links): ((Result<Judged, _>, Result<Vec<Mode>, _>), Result<Vec<Vec<usize>>, _>)| {
-        let Judged { modes: all, unstable, undecided } = judged?;
-        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| {
-            let mut names: Vec<u16> = link.into_iter().flat_map(|to| reference.names[to].iter().copied()).collect();
-            names.sort_unstable();
-            names.dedup();
-            Unstable { index, mode, names }
-        };
-        let unstable = unstable.into_iter().zip(modes?).zip(links?).map(mode).collect();
-        Ok(Part { modes: all, unstable, undecided })
-    };
-    judged.into_iter().zip(shaped).zip(links).map(named).collect()
+    let named = judged.into_iter().zip(shaped).zip(links);
+    named.map(|((judged, modes), links)| Ok(judged?.named(modes?, links?, reference))).collect()
 }
 
 /// The modes of one system, with verdicts.
@@ -95,5 +85,16 @@ impl Judged {
 
     fn lambdas(&self) -> Vec<Complex<f64>> {
         self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
+    }
+
+    fn named(self, modes: Vec<Mode>, links: Links, reference: &Reference) -> Part {
+        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| {
+            let mut names: Vec<u16> = link.into_iter().flat_map(|to| reference.names[to].iter().copied()).collect();
+            names.sort_unstable();
+            names.dedup();
+            Unstable { index, mode, names }
+        };
+        let unstable = self.unstable.into_iter().zip(modes).zip(links).map(mode).collect();
+        Part { modes: self.modes, unstable, undecided: self.undecided }
     }
 }
