@@ -18,6 +18,7 @@ mod solver;
 mod spectrum;
 mod split;
 mod stability;
+mod trace;
 mod track;
 mod vectors;
 mod walk;

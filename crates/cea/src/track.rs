@@ -5,9 +5,11 @@
 //! until every match is beyond doubt. A pair that stays in doubt at the smallest step passes so near a coalescence
 //! that which of the two is which has no answer; such modes are reported with all their candidates, never guessed.
 
-use linsys::SecondOrder;
+use linsys::{Internal, SecondOrder};
+use nalgebra::DMatrix;
 
-use crate::mac::match_modes;
+use crate::mac::{Match, match_modes};
+use crate::trace::trace;
 use crate::walk::Walk;
 use crate::{CeaError, EigenSolver, Mode, Workspace};
 
@@ -25,6 +27,20 @@ pub struct Way<'a> {
     pub from: (&'a SecondOrder, &'a [Mode]),
     /// The system at the end, and its modes.
     pub to: (&'a SecondOrder, &'a [Mode]),
+}
+
+impl Way<'_> {
+    /// `(1 - t) from + t to`, all matrices.
+    pub(crate) fn system(&self, t: f64) -> SecondOrder {
+        let (from, to) = (self.from.0, self.to.0);
+        let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);
+        let internal = Internal {
+            decay: &from.internal.decay * (1.0 - t) + &to.internal.decay * t,
+            drive: mix(&from.internal.drive, &to.internal.drive),
+            force: mix(&from.internal.force, &to.internal.force),
+        };
+        SecondOrder { m: mix(&from.m, &to.m), c: mix(&from.c, &to.c), k: mix(&from.k, &to.k), internal }
+    }
 }
 
 /// For each mode at the beginning of a way, the indices of those that it may have become: one where it is known,
@@ -49,23 +65,44 @@ pub fn identify(solver: &dyn EigenSolver, way: Way<'_>, work: &mut Workspace) ->
 }
 
 /// [`identify`] on many ways, one result each: what has to be followed shares the solver's lanes.
+///
+/// A mode in doubt is traced by its derivative, and walked with all its rivals only where that leaves a doubt.
 pub fn identify_all(solver: &dyn EigenSolver, ways: &[Way<'_>], work: &mut Workspace) -> Vec<Result<Links, CeaError>> {
-    let mut links: Vec<Result<Links, CeaError>> = Vec::with_capacity(ways.len());
-    let (mut doubts, mut walks) = (Vec::new(), Vec::new());
-    for (at, &Way { from: (system, start), to }) in ways.iter().enumerate() {
-        let matches = match_modes(start, to.1, &system.m);
-        let far: Vec<usize> = (0..start.len()).filter(|&i| !matches[i].is_clear()).collect();
-        if !far.is_empty() {
-            work.counters.continuations += far.len() as u64;
-            walks.push(Walk::new(ways[at], far.iter().map(|&i| start[i].clone()).collect(), 0));
-            doubts.push((at, far));
-        }
-        links.push(Ok(matches.iter().map(|m| m.to.into_iter().collect()).collect()));
+    let by_mac = |way: &Way<'_>| match_modes(way.from.1, way.to.1, &way.from.0.m);
+    let matches: Vec<Vec<Match>> = ways.iter().map(by_mac).collect();
+    let in_doubt = matches
+        .iter()
+        .enumerate()
+        .flat_map(|(at, matches)| (0..matches.len()).filter(|&i| !matches[i].is_clear()).map(move |i| (at, i)));
+    let in_doubt: Vec<(usize, usize)> = in_doubt.collect();
+    work.counters.continuations += in_doubt.len() as u64;
+
+    let to_trace: Vec<(Way<'_>, &Mode)> = in_doubt.iter().map(|&(at, i)| (ways[at], &ways[at].from.1[i])).collect();
+    let mut ends: Vec<Vec<Option<usize>>> =
+        matches.iter().map(|matches| matches.iter().map(|m| m.to.filter(|_| m.is_clear())).collect()).collect();
+    for (&(at, i), end) in in_doubt.iter().zip(trace(&to_trace, work)) {
+        ends[at][i] = end;
     }
-    for ((at, far), found) in doubts.into_iter().zip(Walk::all(solver, walks, work)) {
-        match (&mut links[at], found) {
-            (Ok(links), Ok(found)) => far.into_iter().zip(found).for_each(|(i, candidates)| links[i] = candidates),
-            (link, Err(error)) => *link = Err(error),
+    // Two modes do not become one.
+    let is_sure = |&(at, i): &(usize, usize)| {
+        ends[at][i].is_some_and(|to| ends[at].iter().filter(|end| **end == Some(to)).count() == 1)
+    };
+    let lost: Vec<(usize, usize)> = in_doubt.into_iter().filter(|doubt| !is_sure(doubt)).collect();
+
+    let mut links: Vec<Result<Links, CeaError>> = Vec::with_capacity(ways.len());
+    for ends in ends {
+        links.push(Ok(ends.into_iter().map(|end| end.into_iter().collect()).collect()));
+    }
+    let lost: Vec<&[(usize, usize)]> = lost.chunk_by(|a, b| a.0 == b.0).collect();
+    let start = |of_way: &&[(usize, usize)]| {
+        let way = ways[of_way[0].0];
+        Walk::new(way, of_way.iter().map(|&(_, i)| way.from.1[i].clone()).collect(), 0)
+    };
+    for (of_way, found) in lost.iter().zip(Walk::all(solver, lost.iter().map(start).collect(), work)) {
+        let link = &mut links[of_way[0].0];
+        match (&mut *link, found) {
+            (Ok(link), Ok(found)) => of_way.iter().zip(found).for_each(|(&(_, i), candidates)| link[i] = candidates),
+            (_, Err(error)) => *link = Err(error),
             (Err(_), Ok(_)) => {}
         }
     }
@@ -85,7 +122,7 @@ pub fn with_idle_states(system: &SecondOrder, like: &SecondOrder) -> SecondOrder
 mod tests {
     use super::*;
     use crate::{Modes, QrSolver};
-    use nalgebra::{DMatrix, DVector, dmatrix};
+    use nalgebra::{DVector, dmatrix};
 
     fn modes(system: &SecondOrder) -> Vec<Mode> {
         let mut work = Workspace::default();

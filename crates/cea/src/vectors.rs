@@ -183,7 +183,7 @@ fn null_vector(
 
 /// Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and differs
 /// from the start that found the vectors to avoid.
-fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
+pub(crate) fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
     DVector::from_fn(n, |i, _| {
         let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + to_avoid) as f64;
         Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle)

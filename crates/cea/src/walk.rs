@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use linsys::SecondOrder;
-use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use crate::mac::match_modes;
@@ -174,10 +173,8 @@ fn solve_asked(solver: &dyn EigenSolver, walks: &mut [Result<Walk<'_>, CeaError>
     for (i, walk) in walks.iter_mut().enumerate() {
         let Ok(walk) = walk else { continue };
         for at in walk.asked.drain(..) {
-            let mut system = walk.way.from.0.clone();
-            interpolate(walk.way.from.0, walk.way.to.0, at, &mut system);
             places.push((i, at));
-            systems.push(system);
+            systems.push(walk.way.system(at));
         }
     }
     let mut spectra = Vec::with_capacity(systems.len());
@@ -225,17 +222,4 @@ fn shape_next(walks: &mut [Result<Walk<'_>, CeaError>], work: &mut Workspace) {
 
 fn is_multiple(a: &Mode, b: &Mode) -> bool {
     (a.lambda - b.lambda).norm() <= MULTIPLE * a.lambda.norm()
-}
-
-/// `(1 - t) from + t to`, all matrices.
-fn interpolate(from: &SecondOrder, to: &SecondOrder, t: f64, out: &mut SecondOrder) {
-    let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>, out: &mut DMatrix<f64>| {
-        out.zip_zip_apply(a, b, |x, a, b| *x = (1.0 - t) * a + t * b);
-    };
-    mix(&from.m, &to.m, &mut out.m);
-    mix(&from.c, &to.c, &mut out.c);
-    mix(&from.k, &to.k, &mut out.k);
-    mix(&from.internal.drive, &to.internal.drive, &mut out.internal.drive);
-    mix(&from.internal.force, &to.internal.force, &mut out.internal.force);
-    out.internal.decay = &from.internal.decay * (1.0 - t) + &to.internal.decay * t;
 }

@@ -1,0 +1,266 @@
+//! Tracing: one mode along a way by its own derivative, without the spectra on the way.
+//!
+//! The singular vectors x and y of the smallest singular value of `Q(lambda, t)` next to an eigenvalue give that eigenvalue
+//! to second order and how it moves along the way,
+//!
+//! ```text
+//! lambda - y^H Q x / y^H Q' x,        d lambda / d t = -y^H (d Q / d t) x / y^H Q' x
+//! ```
+//!
+//! (Lancaster, Numer. Math. 6, 1964). One factorisation of Q is a small part of the price of a spectrum.
+//!
+//! **Steps.** With d the distance to the next branch point, an eigenvalue there is a smooth function plus a square root; a
+//! step s errs by `s / 4 d` times as much by the trapezoidal rule for `d lambda / d t` as by the tangent alone, whatever
+//! value and slope of the smooth function. A step is taken where that ratio is small and the shape has hardly changed; one
+//! that would jump to another mode has a ratio near 1. What does not get on with steps of reasonable length is left to
+//! [`Walk`](crate::walk::Walk), which sees all modes on the way.
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::batch::null_vectors;
+use crate::mac::{Mode, mac, match_modes};
+use crate::track::Way;
+use crate::vectors::start;
+use crate::{Workspace, mass_norm_squared};
+
+/// The first step, as a part of the way.
+const FIRST: f64 = 0.2;
+/// Steps that are taken have at most this ratio of errors, and the next one aims at two thirds of it.
+const RATIO: f64 = 0.3;
+/// Errors of the tangent that are no errors, relative to the eigenvalue.
+const NO_ERROR: f64 = 1e-5;
+/// Least MAC of the shapes before and after a step.
+const LEAST_MAC: f64 = 0.8;
+/// Shorter steps are left to the walk.
+const SHORTEST: f64 = 1.0 / 512.0;
+/// A correction of the eigenvalue after which another would not be felt, relatively.
+const SETTLED: f64 = 5e-5;
+/// Corrections of a guess at most.
+const MOST_CORRECTIONS: usize = 4;
+/// So are more attempts than these.
+const MOST_ATTEMPTS: usize = 48;
+/// How far aside of the predicted eigenvalue Q is factorised, relatively: on an eigenvalue there is no y but rounding.
+const ASIDE: f64 = 1e-7;
+
+/// One mode on its way.
+struct Trace<'a> {
+    way: Way<'a>,
+    /// Part of the way gone.
+    at: f64,
+    step: f64,
+    here: Point,
+    /// Second derivative of the eigenvalue, from the last step.
+    bend: Complex<f64>,
+    attempts: usize,
+}
+
+/// A mode and how its eigenvalue moves along the way.
+#[derive(Debug, Clone)]
+struct Point {
+    mode: Mode,
+    rate: Complex<f64>,
+}
+
+enum Next {
+    Go,
+    Arrived(usize),
+    Lost,
+}
+
+/// The index of the mode at the end of each way that the mode at its beginning becomes; `None` where that is in doubt.
+pub(crate) fn trace(of: &[(Way<'_>, &Mode)], work: &mut Workspace) -> Vec<Option<usize>> {
+    let begin: Vec<_> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).collect();
+    let mut traces: Vec<(usize, Trace<'_>)> = points(&begin, work)
+        .into_iter()
+        .zip(of)
+        .enumerate()
+        .filter_map(|(i, (here, (way, mode)))| {
+            let is_it = |point: &Point| (point.mode.lambda - mode.lambda).norm() <= NO_ERROR * mode.lambda.norm();
+            let here = here.filter(is_it)?;
+            Some((i, Trace { way: *way, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
+        })
+        .collect();
+    let mut found = vec![None; of.len()];
+    while !traces.is_empty() {
+        let ahead: Vec<_> = traces.iter().map(|(_, trace)| trace.ahead()).collect();
+        let mut points = points(&ahead, work).into_iter();
+        traces.retain_mut(|(i, trace)| match trace.go(points.next().flatten()) {
+            Next::Go => true,
+            Next::Arrived(to) => {
+                found[*i] = Some(to);
+                false
+            }
+            Next::Lost => false,
+        });
+    }
+    found
+}
+
+impl<'a> Trace<'a> {
+    /// Where the next step leads, and the eigenvalue to be expected there.
+    fn ahead(&self) -> (Way<'a>, f64, Complex<f64>) {
+        let step = self.step.min(1.0 - self.at);
+        (self.way, self.at + step, self.here.mode.lambda + (self.here.rate + self.bend * (0.5 * step)) * step)
+    }
+
+    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not.
+    fn go(&mut self, there: Option<Point>) -> Next {
+        self.attempts += 1;
+        let step = self.step.min(1.0 - self.at);
+        match there.map(|there| (self.ratio(&there, step), there)) {
+            Some((ratio, there)) if ratio <= RATIO => {
+                self.bend = (there.rate - self.here.rate) / step;
+                self.here = there;
+                self.at += step;
+                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.6, 2.0);
+                if let Some(to) = self.end() {
+                    return Next::Arrived(to);
+                }
+            }
+            other => {
+                // The larger of a NaN and a number is the number.
+                let ratio = other.map_or(f64::INFINITY, |(ratio, _)| ratio).max(RATIO);
+                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.25, 0.6);
+            }
+        }
+        let is_lost = self.at == 1.0 || self.step < SHORTEST || self.attempts >= MOST_ATTEMPTS;
+        if is_lost { Next::Lost } else { Next::Go }
+    }
+
+    /// The known mode at the end that this one is or, beyond doubt, becomes.
+    fn end(&self) -> Option<usize> {
+        let known = self.way.to.1;
+        let matched = match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.from.0.m).remove(0);
+        if matched.is_clear() {
+            matched.to
+        } else if self.at == 1.0 {
+            self.nearest(known)
+        } else {
+            None
+        }
+    }
+
+    /// How badly a step can be trusted.
+    fn ratio(&self, there: &Point, step: f64) -> f64 {
+        let Point { mode: Mode { lambda, .. }, rate } = &self.here;
+        let moved = there.mode.lambda - lambda;
+        let tangent = (moved - rate * step).norm();
+        let trapezoid = (moved - (rate + there.rate) * (0.5 * step)).norm();
+        let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
+        let is_alike = mac(before, after, &self.way.from.0.m)[(0, 0)] >= LEAST_MAC;
+        if is_alike { trapezoid / tangent.max(NO_ERROR * lambda.norm()) } else { f64::INFINITY }
+    }
+
+    /// Where the trace has ended among the known modes.
+    fn nearest(&self, known: &[Mode]) -> Option<usize> {
+        let lambda = self.here.mode.lambda;
+        let mut order: Vec<(f64, usize)> =
+            known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let &(best, j) = order.first()?;
+        let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
+        (best <= NO_ERROR * lambda.norm() && second >= 10.0 * NO_ERROR * lambda.norm()).then_some(j)
+    }
+}
+
+/// The mode next to a guess of its eigenvalue at a part of a way; `None` where there is none.
+fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Point>> {
+    let mut at = at.to_vec();
+    let mut found = vec![None; at.len()];
+    let mut open: Vec<usize> = (0..at.len()).collect();
+    for _ in 0..MOST_CORRECTIONS {
+        let asked: Vec<_> = open.iter().map(|&i| at[i]).collect();
+        let mut corrected = corrected(&asked, work).into_iter();
+        open.retain(|&i| {
+            let Some(point) = corrected.next().flatten() else { return false };
+            let correction = (point.mode.lambda - at[i].2).norm();
+            at[i].2 = point.mode.lambda;
+            let is_settled = correction <= SETTLED * point.mode.lambda.norm();
+            if is_settled {
+                found[i] = Some(point);
+            }
+            !is_settled
+        });
+        if open.is_empty() {
+            break;
+        }
+    }
+    found
+}
+
+/// One step of Newton's method at each guess.
+fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Point>> {
+    let mut found = Vec::with_capacity(at.len());
+    for group in at.chunk_by(|a, b| a.0.from.0.order() == b.0.from.0.order()) {
+        let Some(n) = group.first().map(|(way, ..)| way.from.0.order()) else { continue };
+        let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
+        let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();
+        let stiffness: Vec<_> =
+            systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();
+        let vectors = null_vectors(&stiffness, &start(n, 0), &mut work.scratch);
+        work.counters.factorisations += group.len() as u64;
+        for (i, vector) in vectors.into_iter().enumerate() {
+            found
+                .push(vector.and_then(|found| point(group[i].0, &systems[i], guesses[i], &stiffness[i], found.vector)));
+        }
+    }
+    found
+}
+
+/// The mode whose right singular vector x is at `lambda`, next to its eigenvalue.
+fn point(
+    way: Way<'_>,
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    stiffness: &DMatrix<Complex<f64>>,
+    mut x: DVector<Complex<f64>>,
+) -> Option<Point> {
+    let mut y = stiffness * &x;
+    let size = y.norm();
+    y.unscale_mut(size);
+    let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * &x));
+    let rate = -y.dotc(&change(way, system, lambda, &x)) / slope;
+    let lambda = lambda - size / slope;
+    x.unscale_mut(mass_norm_squared(system, &x).abs().sqrt());
+    (lambda.is_finite() && rate.is_finite()).then_some(Point { mode: Mode { lambda, shape: x }, rate })
+}
+
+/// `d Q(lambda) / d t x` on a way, in its system at some t.
+fn change(
+    way: Way<'_>,
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    x: &DVector<Complex<f64>>,
+) -> DVector<Complex<f64>> {
+    let [from, to] = [way.from.0, way.to.0];
+    let square = lambda * lambda;
+    let mut change = DVector::zeros(x.len());
+    for (j, &x) in x.iter().enumerate() {
+        for i in 0..change.len() {
+            let at = (i, j);
+            change[i] +=
+                x * (square * (to.m[at] - from.m[at]) + lambda * (to.c[at] - from.c[at]) + (to.k[at] - from.k[at]));
+        }
+    }
+    let (a, b, here) = (&from.internal, &to.internal, &system.internal);
+    for s in 0..system.states() {
+        // Of the product -gain (force drive^T) each factor changes.
+        let gain = lambda / (lambda + here.decay[s]);
+        let gain_rate = -gain * (b.decay[s] - a.decay[s]) / (lambda + here.decay[s]);
+        let (mut reading, mut reading_rate) = (Complex::default(), Complex::default());
+        for (j, x) in x.iter().enumerate() {
+            reading += x * here.drive[(s, j)];
+            reading_rate += x * (b.drive[(s, j)] - a.drive[(s, j)]);
+        }
+        let (of_force, of_force_rate) = (gain_rate * reading + gain * reading_rate, gain * reading);
+        for i in 0..change.len() {
+            change[i] -= of_force * here.force[(i, s)] + of_force_rate * (b.force[(i, s)] - a.force[(i, s)]);
+        }
+    }
+    change
+}
+
+#[cfg(test)]
+mod tests;
