@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::batch::null_vectors;
-use crate::mac::{Mode, mac, match_modes};
+use crate::mac::{Match, Mode, mac, match_modes};
 use crate::track::Way;
 use crate::vectors::start;
 use crate::{Workspace, mass_norm_squared};
@@ -47,6 +47,7 @@ const ASIDE: f64 = 1e-7;
 /// One mode on its way.
 struct Trace<'a> {
     way: Way<'a>,
+    near: bool,
     /// Part of the way gone.
     at: f64,
     step: f64,
@@ -70,7 +71,9 @@ enum Next {
 }
 
 /// The index of the mode at the end of each way that the mode at its beginning becomes; `None` where that is in doubt.
-pub(crate) fn trace(of: &[(Way<'_>, &Mode)], work: &mut Workspace) -> Vec<Option<usize>> {
+///
+/// Where a way is `near`, a trace ends as soon as MAC with the end is beyond doubt, and goes all the way where not.
+pub(crate) fn trace(of: &[(Way<'_>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
     let begin: Vec<_> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).collect();
     let mut traces: Vec<(usize, Trace<'_>)> = points(&begin, work)
         .into_iter()
@@ -79,7 +82,7 @@ pub(crate) fn trace(of: &[(Way<'_>, &Mode)], work: &mut Workspace) -> Vec<Option
         .filter_map(|(i, (here, (way, mode)))| {
             let is_it = |point: &Point| (point.mode.lambda - mode.lambda).norm() <= NO_ERROR * mode.lambda.norm();
             let here = here.filter(is_it)?;
-            Some((i, Trace { way: *way, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
+            Some((i, Trace { way: *way, near, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
         })
         .collect();
     let mut found = vec![None; of.len()];
@@ -132,14 +135,11 @@ impl<'a> Trace<'a> {
     /// The known mode at the end that this one is or, beyond doubt, becomes.
     fn end(&self) -> Option<usize> {
         let known = self.way.to.1;
-        let matched = match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.from.0.m).remove(0);
-        if matched.is_clear() {
-            matched.to
-        } else if self.at == 1.0 {
-            self.nearest(known)
-        } else {
-            None
+        if self.at == 1.0 {
+            return self.nearest(known);
         }
+        let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.from.0.m).remove(0);
+        if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
     }
 
     /// How badly a step can be trusted.

@@ -52,7 +52,7 @@ pub type Links = Vec<Vec<usize>>;
 /// # Errors
 /// Those of the solver and of the eigenvectors on the way.
 pub fn follow(solver: &dyn EigenSolver, way: Way<'_>, work: &mut Workspace) -> Result<Links, CeaError> {
-    Walk::all(solver, vec![Walk::new(way, way.from.1.to_vec(), STATIONS)], work).remove(0)
+    link_all(solver, &[way], Closeness::Far, work).remove(0)
 }
 
 /// Which of the known modes the modes at the beginning are: by MAC where that is beyond doubt, by following those
@@ -65,22 +65,40 @@ pub fn identify(solver: &dyn EigenSolver, way: Way<'_>, work: &mut Workspace) ->
 }
 
 /// [`identify`] on many ways, one result each: what has to be followed shares the solver's lanes.
-///
-/// A mode in doubt is traced by its derivative, and walked with all its rivals only where that leaves a doubt.
 pub fn identify_all(solver: &dyn EigenSolver, ways: &[Way<'_>], work: &mut Workspace) -> Vec<Result<Links, CeaError>> {
-    let by_mac = |way: &Way<'_>| match_modes(way.from.1, way.to.1, &way.from.0.m);
-    let matches: Vec<Vec<Match>> = ways.iter().map(by_mac).collect();
-    let in_doubt = matches
-        .iter()
-        .enumerate()
-        .flat_map(|(at, matches)| (0..matches.len()).filter(|&i| !matches[i].is_clear()).map(move |i| (at, i)));
-    let in_doubt: Vec<(usize, usize)> = in_doubt.collect();
+    link_all(solver, ways, Closeness::Near, work)
+}
+
+/// Whether MAC can tell modes at the ends of a way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Closeness {
+    Near,
+    Far,
+}
+
+/// Links all modes: by MAC where it is to be trusted and beyond doubt; those left traced each by its derivative; and those
+/// that are then left walked with all their rivals.
+fn link_all(
+    solver: &dyn EigenSolver,
+    ways: &[Way<'_>],
+    closeness: Closeness,
+    work: &mut Workspace,
+) -> Vec<Result<Links, CeaError>> {
+    let near = closeness == Closeness::Near;
+    let by_mac = |way: &Way<'_>| -> Vec<Option<usize>> {
+        let clear = |found: Match| found.to.filter(|_| found.is_clear());
+        match near {
+            true => match_modes(way.from.1, way.to.1, &way.from.0.m).into_iter().map(clear).collect(),
+            false => vec![None; way.from.1.len()],
+        }
+    };
+    let mut ends: Vec<Vec<Option<usize>>> = ways.iter().map(by_mac).collect();
+    let places = ends.iter().enumerate().flat_map(|(at, ends)| (0..ends.len()).map(move |i| (at, i)));
+    let in_doubt: Vec<(usize, usize)> = places.filter(|&(at, i)| ends[at][i].is_none()).collect();
     work.counters.continuations += in_doubt.len() as u64;
 
     let to_trace: Vec<(Way<'_>, &Mode)> = in_doubt.iter().map(|&(at, i)| (ways[at], &ways[at].from.1[i])).collect();
-    let mut ends: Vec<Vec<Option<usize>>> =
-        matches.iter().map(|matches| matches.iter().map(|m| m.to.filter(|_| m.is_clear())).collect()).collect();
-    for (&(at, i), end) in in_doubt.iter().zip(trace(&to_trace, work)) {
+    for (&(at, i), end) in in_doubt.iter().zip(trace(&to_trace, near, work)) {
         ends[at][i] = end;
     }
     // Two modes do not become one.
@@ -96,7 +114,8 @@ pub fn identify_all(solver: &dyn EigenSolver, ways: &[Way<'_>], work: &mut Works
     let lost: Vec<&[(usize, usize)]> = lost.chunk_by(|a, b| a.0 == b.0).collect();
     let start = |of_way: &&[(usize, usize)]| {
         let way = ways[of_way[0].0];
-        Walk::new(way, of_way.iter().map(|&(_, i)| way.from.1[i].clone()).collect(), 0)
+        let stations = if near { 0 } else { STATIONS };
+        Walk::new(way, of_way.iter().map(|&(_, i)| way.from.1[i].clone()).collect(), stations)
     };
     for (of_way, found) in lost.iter().zip(Walk::all(solver, lost.iter().map(start).collect(), work)) {
         let link = &mut links[of_way[0].0];

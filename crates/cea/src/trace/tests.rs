@@ -15,14 +15,14 @@ fn modes(system: &SecondOrder) -> Vec<Mode> {
 fn traced(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     let (start, end) = (modes(from), modes(to));
     let way = Way { from: (from, &start), to: (to, &end) };
-    trace(&start.iter().map(|mode| (way, mode)).collect::<Vec<_>>(), &mut Workspace::default())
+    trace(&start.iter().map(|mode| (way, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
 }
 
 /// The eigenvalue at the end of a trace that knows no modes there; `None` where it does not get there.
 fn end_of(way: Way<'_>, mode: &Mode) -> Option<Complex<f64>> {
     let mut work = Workspace::default();
     let here = points(&[(way, 0.0, mode.lambda)], &mut work).remove(0)?;
-    let mut trace = Trace { way, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 };
+    let mut trace = Trace { way, near: false, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 };
     while let Next::Go = trace.go(points(&[trace.ahead()], &mut work).remove(0)) {}
     (trace.at == 1.0).then_some(trace.here.mode.lambda)
 }
