@@ -10,8 +10,9 @@
 //! Q^T M Q,  Q^T C Q,  Q^T K Q,  U^T E Q,  Q^T F U,  a of one bristle of each combination
 //! ```
 //!
-//! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). Of these, what
-//! no spring, dashpot or friction couples is a sector of its own: the plate across the sliding, where there is no friction.
+//! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). Of these, what no spring,
+//! dashpot or friction couples, whichever contacts are closed, is a sector of its own: the plate across the sliding, where
+//! there is no friction.
 //! The eigenvalues of all sectors together are those of the whole, but for the -a of bristles that act on nothing.
 
 use friction::{InternalTangent, Tangent};
@@ -61,14 +62,23 @@ type Parity = (Reversal, f64);
 impl LatticeModel {
     /// The sectors of an arrangement, for sliding states that are alike in all contacts.
     ///
+    /// Nothing is split that the other contacts couple when they close, or that is alike then: a mode is of one sector all
+    /// the way from every oscillator in contact to this arrangement.
+    ///
     /// # Errors
     /// An arrangement of a lattice of another size.
     pub fn sectors(&self, arrangement: &ContactArrangement) -> Result<Sectors, OscModelError> {
-        let lattice = self.prepare(arrangement)?;
-        let mut group = self.symmetries();
+        let all = ContactArrangement::full(arrangement.oscillators());
+        let (lattice, closed) = (self.prepare(arrangement)?, self.prepare(&all)?);
+        let symmetries = self.symmetries();
+        let mut group = symmetries.clone();
         group.retain(|&reversal| self.carries(reversal, arrangement, arrangement));
         let mut sectors = self.split(arrangement, &group);
-        let coupled = |sector: &Sector| sector.coupled(&[lattice.structural(), &any_friction(&lattice)?]);
+        let bristle = InternalTangent { decay: 1.0, drive: 1.0, force: 1.0 };
+        let mut ties = vec![any_friction(&lattice, Some(bristle))?, any_friction(&closed, None)?];
+        ties.extend(symmetries.into_iter().map(|reversal| self.tie(reversal)));
+        ties.push(closed.structural().clone());
+        let coupled = |sector: &Sector| sector.coupled(&ties);
         let parts = sectors.sectors.iter().map(coupled).collect::<Result<Vec<_>, _>>()?;
         sectors.sectors = parts.into_iter().flatten().collect();
         Ok(sectors)
@@ -81,6 +91,18 @@ impl LatticeModel {
     pub fn one_sector(&self, arrangement: &ContactArrangement) -> Result<Sectors, OscModelError> {
         self.check_size(arrangement)?;
         Ok(self.split(arrangement, &[Reversal::None]))
+    }
+
+    /// A system that couples what a reversal exchanges.
+    fn tie(&self, reversal: Reversal) -> SecondOrder {
+        let (grid, dofs) = (self.parameters().grid, self.dof_map());
+        let mut tie = SecondOrder::zeros(dofs.free().len(), 0);
+        for (column, &i) in dofs.free().iter().enumerate() {
+            if let Some(row) = dofs.position(reversal.dof(grid, i)) {
+                tie.k[(row, column)] = 1.0;
+            }
+        }
+        tie
     }
 
     /// Sectors by a group of reversals, the identity first, that carry the arrangement into itself.
@@ -105,9 +127,8 @@ impl LatticeModel {
     }
 }
 
-/// Friction with everything in it that any law has.
-fn any_friction(lattice: &PreparedLattice) -> Result<SecondOrder, OscModelError> {
-    let internal = Some(InternalTangent { decay: 1.0, drive: 1.0, force: 1.0 });
+/// Friction with everything in it that any law has, and these bristles.
+fn any_friction(lattice: &PreparedLattice, internal: Option<InternalTangent>) -> Result<SecondOrder, OscModelError> {
     let tangent = Tangent { mu: 1.0, slope: 1.0, internal };
     let contact = ContactPoint { tangent, lateral_mu: 1.0, normal_load: 1.0, stiffness_factor: 1.0 };
     let contacts = vec![contact; lattice.arrangement().in_contact().len()];
@@ -193,7 +214,7 @@ impl Sectors {
 
 impl Sector {
     /// The parts of this sector that nothing in the `whole` systems couples. Bristles that act on nothing have no part.
-    fn coupled(&self, whole: &[&SecondOrder]) -> Result<Vec<Self>, OscModelError> {
+    fn coupled(&self, whole: &[SecondOrder]) -> Result<Vec<Self>, OscModelError> {
         let mut systems = vec![SecondOrder::zeros(1, 0); whole.len()];
         whole.iter().zip(&mut systems).try_for_each(|(whole, part)| self.reduce(whole, part))?;
         let first = first_coupled(&systems);
