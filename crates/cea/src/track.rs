@@ -106,26 +106,55 @@ fn link_all(
         ends[at][i].is_some_and(|to| ends[at].iter().filter(|end| **end == Some(to)).count() == 1)
     };
     let lost: Vec<(usize, usize)> = in_doubt.into_iter().filter(|doubt| !is_sure(doubt)).collect();
+    lost.iter().for_each(|&(at, i)| ends[at][i] = None);
+    let lost: Vec<Lost> = lost.chunk_by(|a, b| a.0 == b.0).map(|of_way| Lost::new(of_way, ways, &ends)).collect();
+    let stations = if near { 0 } else { STATIONS };
+    let walks = lost.iter().map(|lost| Walk::new(lost.way(ways), lost.start(ways), stations)).collect();
+    let found = Walk::all(solver, walks, work);
 
-    let mut links: Vec<Result<Links, CeaError>> = Vec::with_capacity(ways.len());
-    for ends in ends {
-        links.push(Ok(ends.into_iter().map(|end| end.into_iter().collect()).collect()));
-    }
-    let lost: Vec<&[(usize, usize)]> = lost.chunk_by(|a, b| a.0 == b.0).collect();
-    let start = |of_way: &&[(usize, usize)]| {
-        let way = ways[of_way[0].0];
-        let stations = if near { 0 } else { STATIONS };
-        Walk::new(way, of_way.iter().map(|&(_, i)| way.from.1[i].clone()).collect(), stations)
-    };
-    for (of_way, found) in lost.iter().zip(Walk::all(solver, lost.iter().map(start).collect(), work)) {
-        let link = &mut links[of_way[0].0];
-        match (&mut *link, found) {
-            (Ok(link), Ok(found)) => of_way.iter().zip(found).for_each(|(&(_, i), candidates)| link[i] = candidates),
-            (_, Err(error)) => *link = Err(error),
+    let sure = |ends: Vec<Option<usize>>| Ok(ends.into_iter().map(|end| end.into_iter().collect()).collect());
+    let mut links: Vec<Result<Links, CeaError>> = ends.into_iter().map(sure).collect();
+    for (lost, found) in lost.iter().zip(found) {
+        match (&mut links[lost.at], found) {
+            (Ok(links), Ok(found)) => lost.modes.iter().zip(found).for_each(|(&i, to)| links[i] = lost.original(&to)),
+            (links, Err(error)) => *links = Err(error),
             (Err(_), Ok(_)) => {}
         }
     }
     links
+}
+
+/// Modes of one way that have to be walked, and the known modes that no other one became.
+struct Lost {
+    /// Index of the way.
+    at: usize,
+    /// Indices of the modes at its beginning.
+    modes: Vec<usize>,
+    left: Vec<Mode>,
+    /// Index of each of `left` among all known modes.
+    originals: Vec<usize>,
+}
+
+impl Lost {
+    fn new(of_way: &[(usize, usize)], ways: &[Way<'_>], ends: &[Vec<Option<usize>>]) -> Self {
+        let (at, modes) = (of_way[0].0, of_way.iter().map(|&(_, i)| i).collect());
+        let is_left = |to: usize| !ends[at].contains(&Some(to));
+        let (left, originals) = ways[at].to.1.iter().cloned().zip(0..).filter(|&(_, to)| is_left(to)).unzip();
+        Self { at, modes, left, originals }
+    }
+
+    fn way<'a>(&'a self, ways: &[Way<'a>]) -> Way<'a> {
+        let Way { from, to: (end, _) } = ways[self.at];
+        Way { from, to: (end, &self.left) }
+    }
+
+    fn start(&self, ways: &[Way<'_>]) -> Vec<Mode> {
+        self.modes.iter().map(|&i| ways[self.at].from.1[i].clone()).collect()
+    }
+
+    fn original(&self, to: &[usize]) -> Vec<usize> {
+        to.iter().map(|&to| self.originals[to]).collect()
+    }
 }
 
 /// `system` with the internal states of `like`, which do not act back on it: the same modes, a common shape.
