@@ -128,6 +128,19 @@ fn sectors_say_what_the_whole_says() {
     }
 }
 
+#[test]
+fn no_reference_mode_loses_its_name() {
+    // With fewer in contact the sectors are others than where the names come from.
+    for contacts in ["[9, 8]", "[6]"] {
+        let plan = Plan::new(case("paper.toml", &[("[9, 8, 7, 6]", contacts)])).unwrap();
+        let study = Study::new(&plan, &BatchSolver).unwrap();
+        for (scene, reference) in study.references().iter().enumerate() {
+            assert_eq!(reference.names.len(), reference.modes.len());
+            assert!(reference.names.iter().all(|names| !names.is_empty()), "scene {scene}: {:?}", reference.names);
+        }
+    }
+}
+
 /// A solver that notes how large its systems are.
 #[derive(Default)]
 struct Noting(Mutex<Vec<usize>>);
