@@ -239,9 +239,11 @@ fn change(
     let mut change = DVector::zeros(x.len());
     for (j, &x) in x.iter().enumerate() {
         for i in 0..change.len() {
-            let at = (i, j);
-            change[i] +=
-                x * (square * (to.m[at] - from.m[at]) + lambda * (to.c[at] - from.c[at]) + (to.k[at] - from.k[at]));
+            let [m, c, k] = [(&from.m, &to.m), (&from.c, &to.c), (&from.k, &to.k)].map(|(a, b)| b[(i, j)] - a[(i, j)]);
+            // Few entries change.
+            if m != 0.0 || c != 0.0 || k != 0.0 {
+                change[i] += x * (square * m + lambda * c + k);
+            }
         }
     }
     let (a, b, here) = (&from.internal, &to.internal, &system.internal);

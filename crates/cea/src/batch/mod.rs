@@ -109,7 +109,7 @@ fn solve_on(arch: Arch, systems: &[SecondOrder], work: &mut Workspace, out: &mut
     }
 }
 
-/// How many of `systems` fill the wide registers of AVX-512 better than the narrow ones of AVX2: all but the last four or
+/// How many of some systems fill the wide registers of AVX-512 better than the narrow ones of AVX2: all but the last four or
 /// fewer. An operation on the wide registers takes up to twice as long, whatever the number of lanes in use.
 fn wide_part(systems: usize) -> usize {
     let left = systems % 8;
@@ -117,12 +117,12 @@ fn wide_part(systems: usize) -> usize {
 }
 
 /// Runs a kernel on at most four lanes where there are such registers with the same bits, otherwise as usual.
-fn narrow(arch: Arch, kernel: Kernel<'_>) {
+fn narrow<K: WithSimd>(arch: Arch, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if let (Arch::V4(_), Some(avx2)) = (arch, pulp::x86::V3::try_new()) {
         return Simd::vectorize(avx2, kernel);
     }
-    arch.dispatch(kernel);
+    arch.dispatch(kernel)
 }
 
 /// What a lane could not do.

@@ -10,6 +10,7 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::ops::{Ops, registers};
 use super::pair::{Pair, conj_fma, fma, pair, scale, square};
+use super::{narrow, wide_part};
 
 /// Inverse iterations with `Q^H Q`; the first does nearly all.
 const STEPS: usize = 3;
@@ -28,7 +29,11 @@ pub(crate) fn null_vectors(
     start: &DVector<Complex<f64>>,
     scratch: &mut Vec<f64>,
 ) -> Vec<Option<NullVector>> {
-    Arch::new().dispatch(Kernel { matrices, start, scratch })
+    let arch = Arch::new();
+    let (wide, few) = matrices.split_at(wide_part(matrices.len()));
+    let mut found = arch.dispatch(Kernel { matrices: wide, start, scratch });
+    found.extend(narrow(arch, Kernel { matrices: few, start, scratch }));
+    found
 }
 
 struct Kernel<'a> {
