@@ -128,6 +128,27 @@ fn a_sector_is_the_projection_of_the_whole() {
 }
 
 #[test]
+fn every_oscillator_in_contact_joins_no_sectors_of_an_arrangement() {
+    for (lateral, constraints) in LATERALS.into_iter().flat_map(|l| CONSTRAINTS.map(|c| (l, c))) {
+        let model = model(lateral, constraints);
+        let full = model.prepare(&ContactArrangement::full(9)).unwrap();
+        for tangent in tangents().into_iter().filter(|tangent| tangent.internal.is_none()) {
+            let whole = full.linearised(&shared(tangent, 9)).unwrap();
+            for (arrangement, sector) in arrangements(&model).iter().flat_map(|a| {
+                let sectors: Vec<_> = model.sectors(a).unwrap().iter().cloned().collect();
+                sectors.into_iter().map(move |sector| (a.clone(), sector))
+            }) {
+                let (q, mut part) = (basis(&sector), SecondOrder::zeros(1, 0));
+                sector.reduce(&whole, &mut part).unwrap();
+                for (whole, part) in [(&whole.c, &part.c), (&whole.k, &part.k)] {
+                    assert!((whole * &q - &q * part).amax() <= 1e-14 * whole.amax(), "{constraints}: {arrangement}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn the_spectra_of_the_sectors_are_that_of_the_whole_and_their_shapes_solve_it() {
     let (mut worst, mut worst_shape, mut work) = (0.0_f64, 0.0_f64, Workspace::default());
     for (lateral, constraints) in LATERALS.into_iter().flat_map(|l| CONSTRAINTS.map(|c| (l, c))) {
