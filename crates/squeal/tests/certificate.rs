@@ -1,4 +1,4 @@
-//! Certified samples against the full solver: none of them may have a mode that is not stable.
+//! The verdicts of a study, with its certificates and sectors, against the full solver: every one must be the same.
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
@@ -9,18 +9,18 @@ use linsys::SecondOrder;
 use montecarlo::{Study as _, stream};
 use rayon::prelude::*;
 use squeal::case::Case;
-use squeal::study::{Outcome, Plan, Sample, Scene, Study};
+use squeal::study::{Outcome, Plan, Sample, Study};
 
 /// Samples solved at a time.
-const LANES: usize = 8;
+const BLOCK: u64 = 64;
 
-/// What the full solver says of some samples, and what the certificates say.
+/// What the full solver says of some samples, and what the study says.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 struct Count {
     samples: u64,
     stable: u64,
     certified: u64,
-    /// Certified, but with a mode that is unstable or undecided, or divergence.
+    /// Samples of which the study says anything else: ranks of unstable modes, divergence, modes left open.
     disagree: u64,
 }
 
@@ -35,10 +35,25 @@ impl Count {
     }
 }
 
-fn is_stable(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> bool {
+/// Ranks of the unstable modes, divergent real eigenvalues, and modes that the error bound leaves open.
+type Verdicts = (Vec<usize>, usize, usize);
+
+fn full(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Verdicts {
     let modes = Modes::classify(system, spectrum, work).unwrap();
-    let mut verdicts = modes.oscillatory.iter().map(|&lambda| verdict(system, lambda, spectrum.scale, work).unwrap());
-    verdicts.all(|verdict| verdict == Verdict::Stable) && modes.real.iter().all(|&re| re <= 0.0)
+    let (mut unstable, mut open) = (Vec::new(), 0);
+    for (index, &lambda) in modes.oscillatory.iter().enumerate() {
+        match verdict(system, lambda, spectrum.scale, work).unwrap() {
+            Verdict::Unstable => unstable.push(modes.rank(index)),
+            Verdict::Stable => {}
+            Verdict::Marginal { .. } | Verdict::Undecided { .. } => open += 1,
+        }
+    }
+    (unstable, modes.real.iter().filter(|&&re| re > 0.0).count(), open)
+}
+
+fn of_study(outcome: &Outcome) -> Verdicts {
+    let ranks = outcome.unstable.iter().map(|mode| usize::from(mode.rank)).collect();
+    (ranks, outcome.divergent as usize, outcome.undecided as usize)
 }
 
 /// Counts `samples` draws in each scene.
@@ -47,29 +62,30 @@ fn count(case: Case, samples: u64) -> Vec<Count> {
     let study = Study::new(&plan, &BatchSolver).unwrap();
     // Not those of the pilots, which are the first of the case's own seed.
     let draw = |index| Sample::draw(&plan.case, &mut stream(plan.case.seed + 1, index)).unwrap();
-    let of_scene = |scene: &Scene| {
+    let of_scene = |scene: usize| {
         let (mut count, mut work, mut spectra) = (Count::default(), Workspace::default(), Vec::new());
-        for first in (0..samples).step_by(LANES) {
-            let samples: Vec<Sample> = (first..samples.min(first + LANES as u64)).map(draw).collect();
+        let (mut scratch, mut outcomes) = (Default::default(), Vec::new());
+        for first in (0..samples).step_by(BLOCK as usize) {
+            let samples: Vec<Sample> = (first..samples.min(first + BLOCK)).map(draw).collect();
             let mut systems = vec![SecondOrder::zeros(1, 0); samples.len()];
             for (sample, system) in samples.iter().zip(&mut systems) {
-                plan.linearise(scene, sample, system).unwrap();
+                plan.linearise(&plan.scenes[scene], sample, system).unwrap();
             }
             BatchSolver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
-            for ((sample, system), spectrum) in samples.iter().zip(&systems).zip(&spectra) {
-                let stable = is_stable(system, spectrum.as_ref().unwrap(), &mut work);
-                let certified = study.certificates()[scene.lattice].covers(&plan.sliding(scene, sample).unwrap());
+            study.evaluate_block(scene, &samples.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
+            for ((system, spectrum), outcome) in systems.iter().zip(&spectra).zip(outcomes.drain(..)) {
+                let (full, outcome) = (full(system, spectrum.as_ref().unwrap(), &mut work), outcome.unwrap());
                 count = count.and(Count {
                     samples: 1,
-                    stable: stable.into(),
-                    certified: certified.into(),
-                    disagree: (certified && !stable).into(),
+                    stable: (full == Verdicts::default()).into(),
+                    certified: outcome.is_certified.into(),
+                    disagree: (full != of_study(&outcome)).into(),
                 });
             }
         }
         count
     };
-    plan.scenes.par_iter().map(of_scene).collect()
+    (0..plan.scenes.len()).into_par_iter().map(of_scene).collect()
 }
 
 /// Less friction than the made-up case has, which is nearly always unstable.
@@ -90,7 +106,7 @@ fn case(name: &str, changes: &[(&str, &str)]) -> Case {
 }
 
 #[test]
-fn what_is_certified_is_stable() {
+fn a_study_has_the_verdicts_of_the_full_solver() {
     let one_for_each = ("draws = \"shared\"", "draws = \"each\"");
     let loads = ("preload = { per_contact = 500.0 }", "preload = { equilibrium = 500.0 }");
     for change in [None, Some(one_for_each), Some(loads)] {
