@@ -22,7 +22,6 @@ use montecarlo::{Confidence, Study as _};
 use statrs::function::beta::beta_reg;
 
 use super::draws::{FrictionPoints, tangent};
-use super::sampling::BLOCK;
 use super::{AccuracyError, Estimated, Occurrence, Table};
 use crate::study::{Sample, Scratch, Study, unstable_names};
 
@@ -30,7 +29,7 @@ use crate::study::{Sample, Scratch, Study, unstable_names};
 const GUESS_TAIL: f64 = 0.005;
 const SHARE_TAIL: f64 = 0.001;
 /// The looks at the counts: the error probability that each may use, and its samples in those of the first.
-const LOOKS: [(f64, f64); 3] = [(0.034, 1.0), (0.008, 2.2), (0.002, 4.0)];
+const LOOKS: [(f64, f64); 3] = [(0.034, 1.0), (0.008, 2.5), (0.002, 4.0)];
 /// Part of a look's probability for the clear samples.
 const CLEAR: f64 = 0.85;
 /// Part of a probability that the upper of four limits use; the lower ones help where guess and truth often differ.
@@ -40,6 +39,8 @@ const UPPER: f64 = 0.9;
 const FOR_DOUBTS: f64 = 0.15;
 const WRONG: f64 = 0.15;
 const DEVIATE: f64 = 2.6;
+/// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes.
+const BLOCK: usize = 512;
 /// Fewest and most doubtful samples of the first look.
 const DOUBTFUL_SAMPLES: (u64, u64) = (120, 4_000);
 
@@ -235,9 +236,9 @@ impl<'a> Samples<'a> {
     /// Until there are `sizes` clear and doubtful ones.
     fn solve(&mut self, sizes: [u64; 2]) -> Result<(), AccuracyError> {
         let (plan, key) = (self.study.plan(), self.study.plan().scenes[self.scene].key);
-        for kind in 0..2 {
-            while self.strata[kind].samples < sizes[kind] {
-                let wanted = ((sizes[kind] - self.strata[kind].samples) as usize).min(BLOCK);
+        for (kind, size) in sizes.into_iter().enumerate() {
+            while self.strata[kind].samples < size {
+                let wanted = ((size - self.strata[kind].samples) as usize).min(BLOCK);
                 while self.waiting[kind].len() < wanted {
                     let sample = Sample::draw(&plan.case, &mut montecarlo::stream(self.seed, self.next));
                     let sample = sample.map_err(crate::Error::from)?;

@@ -11,7 +11,7 @@ use crate::case::{Case, Law};
 use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
 
 /// Samples handed to the solver together.
-pub(super) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,11 +2,11 @@
 //!
 //! The peer needs `p (1 - p) (1.96 / 0.001)^2` samples for its occurrence nearest to one half. Its time is extrapolated from
 //! `dgeev` measured on samples of the same scene, next to the estimator's own run: eigenvalues alone, neither vectors nor
-//! names, which the estimator's time includes. Times are processor times. Without the feature `lapack` the peer is not
-//! measured.
+//! names, which the estimator's time includes. Times are processor times of one thread. Without the feature `lapack` the
+//! peer is not measured.
 
 use cea::{BatchSolver, QrSolver};
-use cpu_time::ProcessTime;
+use cpu_time::ThreadTime;
 use serde::Serialize;
 
 use super::{AccuracyError, Family, FrictionPoints, Occurrence, controlled, exact};
@@ -85,7 +85,7 @@ pub fn time_to_a_tenth(case: &Case, every: usize) -> Result<Vec<TenthRow>, Accur
 
 fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, AccuracyError> {
     let plan = study.plan();
-    let start = ProcessTime::now();
+    let start = ThreadTime::now();
     let points = match key.law {
         Law::AmontonsCoulomb => None,
         _ => Some(FrictionPoints::new(plan, key, least_stable_frequency(study, scenes), POINTS[0], POINTS[1])?),
@@ -132,7 +132,7 @@ fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, A
 }
 
 fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, AccuracyError> {
-    let start = ProcessTime::now();
+    let start = ThreadTime::now();
     let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver)?;
     let found = exact(study.plan(), &study.references()[scene], &mut family)?;
     Ok(OneScene {
@@ -144,7 +144,7 @@ fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, AccuracyErro
 }
 
 fn by_control(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<OneScene, AccuracyError> {
-    let start = ProcessTime::now();
+    let start = ThreadTime::now();
     let found = controlled(study, scene, points, SEED, HALF_WIDTH)?;
     Ok(OneScene {
         half_width: found.half_width(),
@@ -178,7 +178,7 @@ fn dgeev_seconds(plan: &Plan, scene: usize) -> Result<Option<f64>, AccuracyError
     let systems = (0..samples).map(system).collect::<Result<Vec<_>, AccuracyError>>()?;
     let mut shortest = f64::INFINITY;
     for _ in 0..repetitions {
-        let start = ProcessTime::now();
+        let start = ThreadTime::now();
         for system in &systems {
             LapackSolver.eigenvalues(system, &mut Workspace::default())?;
         }
