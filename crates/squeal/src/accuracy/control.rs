@@ -19,9 +19,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use friction::Tangent;
 use montecarlo::{Confidence, Study as _};
-use statrs::function::beta::beta_reg;
 
 use super::draws::{FrictionPoints, tangent};
+use super::stratum::Stratum;
 use super::{AccuracyError, Estimated, Occurrence, Table};
 use crate::study::{Sample, Scratch, Study, unstable_names};
 
@@ -32,8 +32,6 @@ const SHARE_TAIL: f64 = 0.001;
 const LOOKS: [(f64, f64); 3] = [(0.034, 1.0), (0.008, 2.5), (0.002, 4.0)];
 /// Part of a look's probability for the clear samples.
 const CLEAR: f64 = 0.85;
-/// Part of a probability that the upper of four limits use; the lower ones help where guess and truth often differ.
-const UPPER: f64 = 0.9;
 /// Part of the half width for which the doubtful samples are sized, the part of them in which the guess is then taken to
 /// be wrong, and the deviate of their limits.
 const FOR_DOUBTS: f64 = 0.15;
@@ -65,17 +63,6 @@ impl Controlled {
         let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
         self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
     }
-}
-
-/// In how many samples guess and truth of a mode differed.
-#[derive(Debug, Clone, Copy, Default)]
-struct Differences {
-    /// Surely unstable: in truth and not by the guess, by the guess and not in truth.
-    sure: [u64; 2],
-    /// The same of perhaps unstable.
-    perhaps: [u64; 2],
-    /// Either.
-    any: u64,
 }
 
 /// The occurrences of a scene to `half_width` at 95 %, or as near as the last look gets.
@@ -167,53 +154,6 @@ fn student(values: impl Iterator<Item = f64> + Clone, tail: f64) -> (f64, f64) {
     (mean, t * (variance / count as f64).sqrt())
 }
 
-/// Counts of samples of one kind: those of which the guess is clear, or doubtful.
-#[derive(Debug, Clone, Default)]
-struct Stratum {
-    samples: u64,
-    differences: BTreeMap<u16, Differences>,
-    wrong: u64,
-}
-
-impl Stratum {
-    /// Guess and truth of one sample, by name: whether it is sure that the mode is unstable, or open.
-    fn enter(&mut self, guess: &BTreeMap<u16, bool>, truth: &BTreeMap<u16, bool>) {
-        let names: BTreeSet<u16> =
-            guess.keys().chain(truth.keys()).copied().filter(|name| guess.get(name) != truth.get(name)).collect();
-        for name in &names {
-            let difference = self.differences.entry(*name).or_default();
-            let mut count = |counts: fn(&mut Differences) -> &mut [u64; 2], guess: bool, truth: bool| {
-                counts(difference)[0] += u64::from(truth && !guess);
-                counts(difference)[1] += u64::from(guess && !truth);
-            };
-            let (guess, truth) = (guess.get(name), truth.get(name));
-            count(|d| &mut d.sure, guess == Some(&true), truth == Some(&true));
-            count(|d| &mut d.perhaps, guess.is_some(), truth.is_some());
-            difference.any += 1;
-        }
-        self.samples += 1;
-        self.wrong += u64::from(!names.is_empty());
-    }
-
-    /// By how much the probability of a mode among such samples may be below and above that of the guess.
-    fn limits(&self, name: u16, tail: f64, is_joint: bool) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
-        if is_joint {
-            // One limit of the probability that guess and truth differ, whichever way.
-            return [upper_limit(d.any, self.samples, tail); 2];
-        }
-        let at_most = |hits: u64| upper_limit(hits, self.samples, 0.5 * UPPER * tail);
-        let at_least = |hits: u64| lower_limit(hits, self.samples, 0.5 * (1.0 - UPPER) * tail);
-        [at_most(d.sure[1]) - at_least(d.sure[0]), at_most(d.perhaps[0]) - at_least(d.perhaps[1])]
-    }
-
-    /// By how much that of a mode surely, and of a mode perhaps unstable seems to be above the guess.
-    fn shift(&self, name: u16) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
-        [d.sure, d.perhaps].map(|[more, less]| (more as f64 - less as f64) / self.samples.max(1) as f64)
-    }
-}
-
 /// The samples of a scene, drawn in the study's order and solved as many of each kind as are asked for.
 struct Samples<'a> {
     study: &'a Study<'a>,
@@ -294,45 +234,10 @@ fn intervals(guessed: &Guessed, strata: &[Stratum; 2], tail: f64, is_first: bool
     }
 }
 
-/// The probability at which at most `hits` in `trials` has the probability `tail`.
-fn upper_limit(hits: u64, trials: u64, tail: f64) -> f64 {
-    if hits >= trials {
-        return 1.0;
-    }
-    let (mut low, mut high) = (hits as f64 / trials as f64, 1.0);
-    while high - low > 1e-9 * high {
-        let middle = 0.5 * (low + high);
-        // P(more than `hits`).
-        if beta_reg(hits as f64 + 1.0, (trials - hits) as f64, middle) < 1.0 - tail {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
-}
-
-fn lower_limit(hits: u64, trials: u64, tail: f64) -> f64 {
-    if hits == 0 { 0.0 } else { 1.0 - upper_limit(trials - hits, trials, tail) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
-
-    #[test]
-    fn limits_are_those_of_clopper_and_pearson() {
-        // R. G. Newcombe, Stat. Med. 17 (1998) 857, table I, method 5.
-        for (hits, trials, lower, upper) in
-            [(81, 263, 0.2527, 0.3676), (15, 148, 0.0578, 0.1617), (0, 20, 0.0, 0.1684), (1, 29, 0.0009, 0.1776)]
-        {
-            assert_abs_diff_eq!(lower_limit(hits, trials, 0.025), lower, epsilon = 5e-5);
-            assert_abs_diff_eq!(upper_limit(hits, trials, 0.025), upper, epsilon = 5e-5);
-        }
-        assert_abs_diff_eq!(upper_limit(0, 5_000, 0.02), 1.0 - 0.02_f64.powf(1.0 / 5_000.0), epsilon = 1e-10);
-        assert_eq!(upper_limit(7, 7, 0.02), 1.0);
-    }
 
     /// The intervals of a guess that is always `guess`, in one stratum.
     fn found(guess: bool, truths: impl Iterator<Item = Option<bool>>) -> Controlled {
@@ -381,21 +286,5 @@ mod tests {
         let mode = found.modes[&7];
         assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
         assert!(mode.half_width < 0.0018 && found.wrong == [0, 100], "{found:?}");
-    }
-
-    #[test]
-    fn the_limits_keep_their_promise_for_any_probability() {
-        // P(upper limit < p) summed over all numbers of hits that have too small a limit.
-        let n = 50_u64;
-        for p in [0.01, 0.1, 0.37, 0.8] {
-            let mut term = (1.0_f64 - p).powi(50);
-            let (mut above, mut below) = (0.0, 0.0);
-            for k in 0..=n {
-                above += if upper_limit(k, n, 0.02) < p { term } else { 0.0 };
-                below += if lower_limit(k, n, 0.02) > p { term } else { 0.0 };
-                term *= (n - k) as f64 / (k + 1) as f64 * p / (1.0 - p);
-            }
-            assert!(above <= 0.02 && below <= 0.02, "{p}: {above} {below}");
-        }
     }
 }

@@ -36,6 +36,7 @@ mod report;
 mod routes;
 mod sampling;
 mod sheet;
+mod stratum;
 mod table;
 mod tenth;
 mod worst;
