@@ -16,6 +16,7 @@
 //! does not know, the interval is as right and wider.
 
 mod branches;
+mod cells;
 mod coalescence;
 mod compare;
 mod control;
