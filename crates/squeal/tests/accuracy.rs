@@ -228,12 +228,7 @@ fn the_control_variate_agrees_with_plain_samples() {
     for (scene, of) in plan.scenes.iter().enumerate() {
         let points = FrictionPoints::new(&plan, of.key, 1e4, 1 << 12, 8).unwrap();
         let found = controlled(&study, scene, &points, 1, 5e-3).unwrap();
-        assert!(
-            found.half_width() <= 5e-3 && found.solved == 5_000,
-            "{scene}: {} {}",
-            found.half_width(),
-            found.solved
-        );
+        assert!(found.half_width() <= 5e-3 && found.solved < 5_000, "{scene}: {} {}", found.half_width(), found.solved);
         let plain = monte_carlo(&study, scene, 2, 4_000).unwrap();
         assert!(!plain.modes.is_empty());
         for (name, mode) in &plain.modes {
@@ -252,7 +247,37 @@ fn the_control_variate_agrees_with_plain_samples() {
 fn the_guess_is_right_for_nearly_every_sample() {
     let plan = plan("[[1,3,4,5,6,8]]", "velocity-dependent", &[]);
     let study = Study::new(&plan, &BatchSolver).unwrap();
-    let points = FrictionPoints::new(&plan, plan.scenes[0].key, 1.14e4, 1 << 12, 2).unwrap();
-    let found = controlled(&study, 0, &points, 1, 1.0).unwrap();
-    assert!(found.wrong < 25, "{} of {}", found.wrong, found.solved);
+    let points = FrictionPoints::new(&plan, plan.scenes[0].key, 1.14e4, 1 << 12, 8).unwrap();
+    let found = controlled(&study, 0, &points, 1, 5e-3).unwrap();
+    assert!(found.wrong[0] <= 1 && found.doubtful < 0.01, "{:?} of {}, {}", found.wrong, found.solved, found.doubtful);
+}
+
+/// A scene of each law and speed range to 0.1 percentage points, against 200,000 plain samples.
+///
+/// `cargo test --release -p squeal --test accuracy -- --ignored --nocapture`: some minutes.
+#[test]
+#[ignore = "solves 800,000 samples"]
+fn occurrences_to_a_tenth_agree_with_many_plain_samples() {
+    for law in ["velocity-dependent", "lugre"] {
+        let plan = plan("[[1,3,4,5,6,8]]", law, &[]);
+        let study = Study::new(&plan, &BatchSolver).unwrap();
+        for (scene, of) in plan.scenes.iter().enumerate() {
+            let points = FrictionPoints::new(&plan, of.key, 1.14e4, 1 << 15, 32).unwrap();
+            let found = controlled(&study, scene, &points, 1, 1e-3).unwrap();
+            let plain = monte_carlo(&study, scene, 2, 200_000).unwrap();
+            println!("{law}, range {scene}: half width {:.2e}, {} solved", found.half_width(), found.solved);
+            for (name, mode) in &plain.modes {
+                let other = found.modes.get(name).map(|mode| mode.occurrence).unwrap_or_default();
+                let half_width = found.modes.get(name).map_or(found.unseen, |mode| mode.half_width);
+                println!(
+                    "  {name}: {other:?} +- {half_width:.1e}, plain {:?} +- {:.1e}",
+                    mode.occurrence, mode.half_width
+                );
+                // Not 95 %: many intervals have to hold at once.
+                let tolerance = 1.5 * (mode.half_width + half_width);
+                assert!((mode.occurrence.lower - other.lower).abs() < tolerance, "{law} {scene} {name}");
+                assert!((mode.occurrence.upper - other.upper).abs() < tolerance, "{law} {scene} {name}");
+            }
+        }
+    }
 }

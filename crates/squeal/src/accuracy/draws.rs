@@ -12,18 +12,15 @@ use super::sampling::sobol_sample;
 use crate::case::Draws;
 use crate::study::{Plan, Sample, SceneKey};
 
-/// Slopes at which critical coefficients are computed.
-const ROWS: usize = 25;
-
-/// Scrambled Sobol points of a law's tangents, and the rows between which critical coefficients are interpolated.
+/// Scrambled Sobol points of a law's tangents.
 #[derive(Debug, Clone)]
 pub struct FrictionPoints {
     /// Points by scrambling.
     pub(super) scramblings: Vec<Vec<Tangent>>,
-    /// A sample of each row, by ascending real part of the slope.
-    pub(super) rows: Vec<Sample>,
-    /// Smallest and largest mu of all points.
-    pub(super) range: [f64; 2],
+    /// Points of one more scrambling. What a guess is made from must not depend on those that its mean is taken over.
+    pub(super) own: Vec<Tangent>,
+    /// A frequency near the axis, rad/s.
+    pub(super) omega: f64,
 }
 
 impl FrictionPoints {
@@ -44,13 +41,20 @@ impl FrictionPoints {
             let of_index = |i: u32| tangent(plan, key, &sobol_sample(case, key.law, i, seed));
             (0..points).map(of_index).collect::<Result<Vec<Tangent>, AccuracyError>>()
         };
-        // The rows have points of their own: the guess must not depend on those that its mean is taken over.
-        let own = of_scrambling(0)?;
-        let scramblings = (1..=scramblings).map(of_scrambling).collect::<Result<Vec<_>, AccuracyError>>()?;
-        let mus = || own.iter().map(|t| t.mu);
-        let range = [mus().fold(f64::INFINITY, f64::min), mus().fold(f64::NEG_INFINITY, f64::max)];
-        Ok(Self { rows: rows(plan, key, omega, &own), scramblings, range })
+        let scrambled = (1..=scramblings).map(of_scrambling).collect::<Result<_, AccuracyError>>()?;
+        Ok(Self { scramblings: scrambled, own: of_scrambling(0)?, omega })
     }
+
+    /// Where a tangent lies: mu, Re H and Im H / Re H at [`FrictionPoints::omega`].
+    pub(super) fn place(&self, tangent: &Tangent) -> [f64; 3] {
+        place(tangent, self.omega)
+    }
+}
+
+/// mu, Re H and Im H / Re H of a tangent at a frequency, rad/s.
+pub(super) fn place(tangent: &Tangent, omega: f64) -> [f64; 3] {
+    let slope = tangent.complex_slope(Complex::new(0.0, omega));
+    [tangent.mu, slope.re, if slope.re == 0.0 { 0.0 } else { slope.im / slope.re }]
 }
 
 /// The tangent of a sample in the scenes of `key`.
@@ -58,32 +62,4 @@ pub(super) fn tangent(plan: &Plan, key: SceneKey, sample: &Sample) -> Result<Tan
     let bristle_damping = plan.case.readings.bristle_damping;
     let tangent = sample.contact(0).tangent(key.law, plan.speed(key, sample), bristle_damping);
     Ok(tangent.map_err(crate::Error::from)?)
-}
-
-/// Points to stand for a slope each: half-way between equal steps of the slope and equal parts of the probability, and in
-/// the middle of the imaginary parts around it.
-fn rows(plan: &Plan, key: SceneKey, omega: f64, tangents: &[Tangent]) -> Vec<Sample> {
-    let slope = |t: &Tangent| t.complex_slope(Complex::new(0.0, omega));
-    let mut order: Vec<(Complex<f64>, usize)> = tangents.iter().enumerate().map(|(i, t)| (slope(t), i)).collect();
-    order.sort_by(|a, b| a.0.re.total_cmp(&b.0.re));
-    let last = order.len() - 1;
-    let (low, high) = (order[0].0.re, order[last].0.re);
-    let mut found: Vec<(f64, usize)> = Vec::with_capacity(ROWS);
-    for k in 0..ROWS {
-        let part = k as f64 / (ROWS - 1) as f64;
-        let wanted = 0.5 * (low + part * (high - low) + order[(part * last as f64) as usize].0.re);
-        let at = order.partition_point(|(s, _)| s.re < wanted).min(last);
-        // Around a far row there are few points, and none may belong to the row after it.
-        let reach = (order.len() / (16 * ROWS)).min(at / 8).min((last - at) / 8);
-        let mut near = order[at - reach..=at + reach].to_vec();
-        near.sort_by(|a, b| a.0.im.total_cmp(&b.0.im));
-        let (s, index) = near[near.len() / 2];
-        if found.last().is_none_or(|&(before, _)| s.re > before) {
-            found.push((s.re, index));
-        }
-    }
-    if found.len() == 1 {
-        found.push(found[0]);
-    }
-    found.into_iter().map(|(_, i)| sobol_sample(&plan.case, key.law, i as u32, 0)).collect()
 }

@@ -10,12 +10,13 @@
 //! | velocity-dependent, Stribeck | mu, slope h | [`controlled`] |
 //! | LuGre | mu, complex slope H(i omega) | [`controlled`] |
 //!
-//! [`controlled`] guesses from the critical coefficients of a few slopes which modes are unstable, has the mean of the guess
+//! [`controlled`] guesses from a table of eigenvalues over mu and H which modes are unstable, has the mean of the guess
 //! from scrambled Sobol points without an eigenproblem, and corrects it by full solutions of independent samples. Its
 //! interval rests on the counts of the correction alone and holds for any guess. With lateral friction, which the guess
 //! does not know, the interval is as right and wider.
 
 mod branches;
+mod cells;
 mod coalescence;
 mod compare;
 mod control;
@@ -28,14 +29,16 @@ mod family;
 mod hard;
 mod integral;
 mod near;
+mod node;
 mod peers;
 mod perturbation;
 mod refine;
 mod report;
 mod routes;
-mod row;
 mod sampling;
-mod surface;
+mod sheet;
+mod stratum;
+mod table;
 mod tenth;
 mod worst;
 
@@ -55,6 +58,6 @@ pub use refine::{Refined, refine, refine_all};
 pub use report::{AccuracyReport, Effort, accuracy};
 pub use routes::{Route, Spectra, relative_errors, routes};
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
-pub use surface::Surface;
+pub use table::Table;
 pub use tenth::{TenthRow, time_to_a_tenth};
 pub use worst::{HardCase, HardResult, Judged, approach, extremes, onset, with_lateral};

@@ -265,22 +265,24 @@ impl AccuracyReport {
 impl AccuracyReport {
     fn tenth_markdown(&self, text: &mut String) {
         *text += "\n## Every occurrence to 0.1 percentage points\n\nUnconstrained scenes; 95 % for each occurrence. \
-                  Amontons-Coulomb by the exact integral, the others by the critical surface with control variate. Plain \
+                  Amontons-Coulomb by the exact integral, the others by a table of eigenvalues with control variate. Plain \
                   Monte Carlo is extrapolated: its samples for the worst occurrence of each scene, times dgeev's time \
                   measured next to it, eigenvalues alone";
         if self.tenth.iter().all(|row| row.dgeev_us.is_none()) {
             *text += " (not measured: feature `lapack`)";
         }
-        *text += ".\n\n| scenes | number | occurrences | reached | largest half width | s per scene | solutions, mean | \
+        *text += ".\n\n| scenes | number | occurrences | reached | largest half width | largest open | s per scene | solutions, mean | \
                   largest | plain samples per scene | dgeev \u{b5}s | ratio | smallest of a scene |\n\
-                  | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+                  | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
         for row in &self.tenth {
-            let TenthRow { scenes_of, scenes, occurrences, reached, largest_half_width, solutions, .. } = row;
+            let TenthRow {
+                scenes_of, scenes, occurrences, reached, largest_half_width, largest_open, solutions, ..
+            } = row;
             let (seconds, plain) = (row.seconds / *scenes as f64, row.plain_samples / *scenes as f64);
             let number = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.0}"));
             let _ = writeln!(
                 text,
-                "| {scenes_of} | {scenes} | {occurrences} | {reached} | {largest_half_width:.1e} | {seconds:.2} | {:.0} | \
+                "| {scenes_of} | {scenes} | {occurrences} | {reached} | {largest_half_width:.1e} | {largest_open:.1e} | {seconds:.2} | {:.0} | \
                  {:.0} | {plain:.0} | {} | {} | {} |",
                 solutions[0],
                 solutions[1],

@@ -11,7 +11,7 @@ use crate::case::{Case, Law};
 use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
 
 /// Samples handed to the solver together.
-pub(super) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,11 +137,14 @@ pub(super) fn sobol_sample(case: &Case, law: Law, index: u32, seed: u32) -> Samp
     draw.mu_k = quantile(from.mu_k, u(0));
     draw.mu_s = quantile(from.mu_s, u(2)).max(draw.mu_k);
     draw.lateral_mu = quantile(from.mu, u(3));
-    draw.alpha = quantile(from.alpha, u(4));
-    draw.v_s = quantile(from.v_s, u(5));
-    draw.sigma0 = quantile(from.sigma0, u(6));
-    draw.sigma1 = quantile(from.sigma1, u(7));
-    draw.sigma2 = quantile(from.sigma2, u(8));
+    if law == Law::VelocityDependent {
+        draw.alpha = quantile(from.alpha, u(4));
+    } else {
+        draw.v_s = quantile(from.v_s, u(5));
+        draw.sigma0 = quantile(from.sigma0, u(6));
+        draw.sigma1 = quantile(from.sigma1, u(7));
+        draw.sigma2 = quantile(from.sigma2, u(8));
+    }
     Sample::shared(draw, u(1))
 }
 

@@ -2,14 +2,14 @@
 //!
 //! The peer needs `p (1 - p) (1.96 / 0.001)^2` samples for its occurrence nearest to one half. Its time is extrapolated from
 //! `dgeev` measured on samples of the same scene, next to the estimator's own run: eigenvalues alone, neither vectors nor
-//! names, which the estimator's time includes. Without the feature `lapack` the peer is not measured.
-
-use std::time::Instant;
+//! names, which the estimator's time includes. Times are processor times of one thread. Without the feature `lapack` the
+//! peer is not measured.
 
 use cea::{BatchSolver, QrSolver};
+use cpu_time::ThreadTime;
 use serde::Serialize;
 
-use super::{AccuracyError, Family, FrictionPoints, controlled, exact};
+use super::{AccuracyError, Family, FrictionPoints, Occurrence, controlled, exact};
 use crate::case::{Case, Law};
 use crate::study::{Plan, SceneKey, Study};
 
@@ -34,8 +34,11 @@ pub struct TenthRow {
     pub occurrences: usize,
     /// Scenes in which every half width is at most 0.1 percentage points.
     pub reached: usize,
-    /// Largest half width of a 95 % interval; of the exact integral its error bound.
+    /// Largest half width of a 95 % interval; of the exact integral its error bound. What open names leave open is not
+    /// in it, since it is no error of the estimator.
     pub largest_half_width: f64,
+    /// Largest part of an occurrence that open names leave open.
+    pub largest_open: f64,
     /// Seconds for all scenes.
     pub seconds: f64,
     /// Spectra of full solutions: mean and largest number per scene.
@@ -51,7 +54,7 @@ pub struct TenthRow {
 /// What it took for one scene.
 struct OneScene {
     half_width: f64,
-    occurrences: Vec<f64>,
+    occurrences: Vec<Occurrence>,
     seconds: f64,
     solutions: u64,
 }
@@ -82,7 +85,7 @@ pub fn time_to_a_tenth(case: &Case, every: usize) -> Result<Vec<TenthRow>, Accur
 
 fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, AccuracyError> {
     let plan = study.plan();
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let points = match key.law {
         Law::AmontonsCoulomb => None,
         _ => Some(FrictionPoints::new(plan, key, least_stable_frequency(study, scenes), POINTS[0], POINTS[1])?),
@@ -100,7 +103,8 @@ fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, A
         peers.push(dgeev_seconds(plan, scene)?);
     }
     let needed = |one: &OneScene| {
-        one.occurrences.iter().map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
+        let middle = one.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper));
+        middle.map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
     };
     let seconds = found.iter().map(|one| one.seconds).sum::<f64>();
     let peers: Option<Vec<f64>> = peers.into_iter().collect();
@@ -118,6 +122,7 @@ fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, A
         occurrences: found.iter().map(|one| one.occurrences.len()).sum(),
         reached: found.iter().filter(|one| one.half_width <= HALF_WIDTH).count(),
         largest_half_width: found.iter().map(|one| one.half_width).fold(0.0, f64::max),
+        largest_open: found.iter().flat_map(|one| &one.occurrences).map(|o| o.upper - o.lower).fold(0.0, f64::max),
         seconds,
         solutions: [solutions.clone().sum::<f64>() / found.len().max(1) as f64, solutions.fold(0.0, f64::max)],
         plain_samples: found.iter().map(needed).sum(),
@@ -127,26 +132,23 @@ fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TenthRow, A
 }
 
 fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, AccuracyError> {
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver)?;
     let found = exact(study.plan(), &study.references()[scene], &mut family)?;
-    let occurrences = found.integral.occurrences.values();
-    let open = occurrences.clone().map(|o| 0.5 * (o.upper - o.lower)).fold(0.0, f64::max);
     Ok(OneScene {
-        half_width: found.error + open,
-        occurrences: occurrences.map(|o| 0.5 * (o.lower + o.upper)).collect(),
+        half_width: found.error,
+        occurrences: found.integral.occurrences.values().copied().collect(),
         seconds: start.elapsed().as_secs_f64(),
         solutions: found.counters.eigenvalue_solves,
     })
 }
 
 fn by_control(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<OneScene, AccuracyError> {
-    let start = Instant::now();
+    let start = ThreadTime::now();
     let found = controlled(study, scene, points, SEED, HALF_WIDTH)?;
-    let middle = |mode: &super::Estimated| 0.5 * (mode.occurrence.lower + mode.occurrence.upper);
     Ok(OneScene {
         half_width: found.half_width(),
-        occurrences: found.modes.values().map(middle).collect(),
+        occurrences: found.modes.values().map(|mode| mode.occurrence).collect(),
         seconds: start.elapsed().as_secs_f64(),
         solutions: found.solved,
     })
@@ -176,7 +178,7 @@ fn dgeev_seconds(plan: &Plan, scene: usize) -> Result<Option<f64>, AccuracyError
     let systems = (0..samples).map(system).collect::<Result<Vec<_>, AccuracyError>>()?;
     let mut shortest = f64::INFINITY;
     for _ in 0..repetitions {
-        let start = Instant::now();
+        let start = ThreadTime::now();
         for system in &systems {
             LapackSolver.eigenvalues(system, &mut Workspace::default())?;
         }

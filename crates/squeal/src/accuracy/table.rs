@@ -1,0 +1,175 @@
+//! Which modes are unstable, from a table instead of a spectrum: a guess in nanoseconds.
+//!
+//! A tangent has a place in the space of mu, Re H and Im H / Re H (see [`FrictionPoints`]). The part of it where samples
+//! fall is halved into cells. At the corners of a cell the eigenvalues near the axis are known, with derivatives and names;
+//! within it each is a polynomial in mu and H, of which it is an analytic function but at coalescences. The guess is
+//! *doubtful* where an eigenvalue is nearer to the axis than its polynomial is to the corners, and where the corners
+//! do not agree about a name. Cells with many doubtful points are halved again.
+
+use friction::Tangent;
+
+use super::AccuracyError;
+use super::cells::{Build, Part};
+use super::draws::{FrictionPoints, place};
+use super::sheet::Sheet;
+use crate::study::Study;
+
+/// Cells halved in one go, so that spectra fill the solver's lanes.
+const TOGETHER: usize = 8;
+/// Part of the points that may be doubtful.
+const DOUBTFUL: f64 = 2e-3;
+/// Corners after which no cell is halved.
+const MOST_CORNERS: usize = 200;
+/// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
+const SAFETY: f64 = 2.0;
+/// Corners of a cell.
+pub(super) const CORNERS: usize = 8;
+
+/// The guess of one scene.
+#[derive(Debug, Clone)]
+pub struct Table {
+    names: Vec<u16>,
+    omega: f64,
+    cells: Vec<Cell>,
+    corners: usize,
+}
+
+/// Sets of names, as bits by place in [`Table::names`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Names {
+    /// Those of a mode that has no other.
+    pub sure: u64,
+    /// These, and those that a mode with an open name may have.
+    pub perhaps: u64,
+}
+
+impl Names {
+    pub fn or(self, more: Self) -> Self {
+        Self { sure: self.sure | more.sure, perhaps: self.perhaps | more.perhaps }
+    }
+}
+
+/// What a table says of a tangent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Guess {
+    /// Names of the unstable modes.
+    pub unstable: Names,
+    /// Whether it may well be wrong.
+    pub is_doubtful: bool,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Cell {
+    /// Below `middle` in a direction, and not below.
+    Halved {
+        direction: usize,
+        middle: f64,
+        halves: [usize; 2],
+    },
+    Leaf(Leaf),
+    /// Without any point.
+    Empty,
+}
+
+/// A cell that is not halved. Corner k of eight is on the upper side in direction d where bit d of k is set.
+#[derive(Debug, Clone)]
+pub(super) struct Leaf {
+    /// Where its halves would meet.
+    pub middle: [f64; 3],
+    /// Modes that are unstable in the whole cell.
+    pub unstable: Named,
+    /// Modes that may cross the axis.
+    pub crossing: Vec<(Sheet, Named)>,
+    /// Whether a mode was lost between corners.
+    pub is_doubtful: bool,
+}
+
+/// What modes are called near each corner of a cell.
+#[derive(Debug, Clone)]
+pub(super) struct Named {
+    pub at: [Names; CORNERS],
+    /// Whether the corners disagree, or none knows.
+    pub is_doubtful: bool,
+}
+
+impl Named {
+    pub fn new(at: [Names; CORNERS]) -> Self {
+        Self { is_doubtful: at.iter().any(|&names| names != at[0]), at }
+    }
+}
+
+impl Table {
+    /// Finds the eigenvalues of a scene where `points` need them.
+    ///
+    /// # Errors
+    /// What the model and the solver refuse.
+    pub fn new(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<Self, AccuracyError> {
+        let mut build = Build::new(study, scene, points)?;
+        let mut pending = build.first();
+        let mut done: Vec<(usize, Part)> = Vec::new();
+        let allowed = (DOUBTFUL * points.own.len() as f64) as usize;
+        while !pending.is_empty() {
+            build.solve(&pending)?;
+            for part in pending.drain(..) {
+                let leaf = build.leaf(&part);
+                let is_doubtful = |&&i: &&u32| {
+                    let i = i as usize;
+                    leaf.guess(&points.own[i], &build.places[i]).is_doubtful
+                };
+                let doubts = part.points.iter().filter(is_doubtful).count();
+                build.cells[part.cell] = Cell::Leaf(leaf);
+                done.push((doubts, part));
+            }
+            done.sort_by_key(|(doubts, _)| *doubts);
+            if done.iter().map(|(doubts, _)| doubts).sum::<usize>() <= allowed || build.corners.len() >= MOST_CORNERS {
+                break;
+            }
+            for _ in 0..TOGETHER {
+                if let Some((_, part)) = done.pop().filter(|(doubts, _)| *doubts > 0) {
+                    pending.extend(build.halve(part).into_iter().filter(|half| !half.points.is_empty()));
+                }
+            }
+        }
+        Ok(Self { names: build.names, omega: points.omega, cells: build.cells, corners: build.corners.len() })
+    }
+
+    /// The modes that may be unstable.
+    pub fn names(&self) -> &[u16] {
+        &self.names
+    }
+
+    /// Number of corners, for each of which one system was solved.
+    pub fn corners(&self) -> usize {
+        self.corners
+    }
+
+    /// What is unstable under a tangent, as far as can be guessed.
+    pub(super) fn guess(&self, tangent: &Tangent) -> Guess {
+        let place = place(tangent, self.omega);
+        let mut at = 0;
+        loop {
+            match &self.cells[at] {
+                Cell::Halved { direction, middle, halves } => at = halves[usize::from(place[*direction] >= *middle)],
+                Cell::Leaf(leaf) => return leaf.guess(tangent, &place),
+                Cell::Empty => return Guess { unstable: Names::default(), is_doubtful: true },
+            }
+        }
+    }
+}
+
+impl Leaf {
+    pub fn guess(&self, tangent: &Tangent, place: &[f64; 3]) -> Guess {
+        let corner = (0..3).map(|d| usize::from(place[d] >= self.middle[d]) << d).sum::<usize>();
+        let mut guess =
+            Guess { unstable: self.unstable.at[corner], is_doubtful: self.is_doubtful || self.unstable.is_doubtful };
+        for (sheet, named) in &self.crossing {
+            let growth = sheet.lambda(tangent).re;
+            guess.is_doubtful |= growth.abs() < SAFETY * sheet.miss;
+            if growth > 0.0 {
+                guess.unstable = guess.unstable.or(named.at[corner]);
+                guess.is_doubtful |= named.is_doubtful;
+            }
+        }
+        guess
+    }
+}
