@@ -237,12 +237,14 @@ fn change(
     let [from, to] = [way.from.0, way.to.0];
     let square = lambda * lambda;
     let mut change = DVector::zeros(x.len());
-    for (j, &x) in x.iter().enumerate() {
-        for i in 0..change.len() {
-            let [m, c, k] = [(&from.m, &to.m), (&from.c, &to.c), (&from.k, &to.k)].map(|(a, b)| b[(i, j)] - a[(i, j)]);
-            // Few entries change.
-            if m != 0.0 || c != 0.0 || k != 0.0 {
-                change[i] += x * (square * m + lambda * c + k);
+    for (a, b, factor) in [(&from.m, &to.m, square), (&from.c, &to.c, lambda), (&from.k, &to.k, Complex::new(1.0, 0.0))]
+    {
+        let columns = a.as_slice().chunks_exact(x.len()).zip(b.as_slice().chunks_exact(x.len()));
+        for ((a, b), x) in columns.zip(x) {
+            // Few columns change.
+            if a != b {
+                let factor = factor * x;
+                change.iter_mut().zip(a.iter().zip(b)).for_each(|(change, (a, b))| *change += factor * (b - a));
             }
         }
     }
