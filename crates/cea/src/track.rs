@@ -52,7 +52,7 @@ pub type Links = Vec<Vec<usize>>;
 /// # Errors
 /// Those of the solver and of the eigenvectors on the way.
 pub fn follow(solver: &dyn EigenSolver, way: Way<'_>, work: &mut Workspace) -> Result<Links, CeaError> {
-    link_all(solver, &[way], Closeness::Far, work).remove(0)
+    link_all(solver, &[way], false, work).remove(0)
 }
 
 /// Which of the known modes the modes at the beginning are: by MAC where that is beyond doubt, by following those
@@ -66,25 +66,17 @@ pub fn identify(solver: &dyn EigenSolver, way: Way<'_>, work: &mut Workspace) ->
 
 /// [`identify`] on many ways, one result each: what has to be followed shares the solver's lanes.
 pub fn identify_all(solver: &dyn EigenSolver, ways: &[Way<'_>], work: &mut Workspace) -> Vec<Result<Links, CeaError>> {
-    link_all(solver, ways, Closeness::Near, work)
+    link_all(solver, ways, true, work)
 }
 
-/// Whether MAC can tell modes at the ends of a way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Closeness {
-    Near,
-    Far,
-}
-
-/// Links all modes: by MAC where it is to be trusted and beyond doubt; those left traced each by its derivative; and those
-/// that are then left walked with all their rivals.
+/// Links all modes: by MAC where it is beyond doubt and the systems are `near`; those left traced each by its derivative;
+/// and those that are then left walked with all their rivals.
 fn link_all(
     solver: &dyn EigenSolver,
     ways: &[Way<'_>],
-    closeness: Closeness,
+    near: bool,
     work: &mut Workspace,
 ) -> Vec<Result<Links, CeaError>> {
-    let near = closeness == Closeness::Near;
     let by_mac = |way: &Way<'_>| -> Vec<Option<usize>> {
         let clear = |found: Match| found.to.filter(|_| found.is_clear());
         match near {
