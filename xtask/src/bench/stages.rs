@@ -69,7 +69,7 @@ pub fn stages(plan: &Plan) -> Result<Vec<Stage>, BenchError> {
         ("spectra of the samples", spent.spectra),
         ("classification and verdicts", spent.verdicts),
         ("eigenvectors of unstable modes", spent.vectors),
-        ("names, with spectra and vectors on the way", spent.names),
+        ("names, continuations included", spent.names),
         ("net work", spent.net_work),
         ("tally", spent.tally),
     ];
