@@ -221,24 +221,19 @@ fn point(
     let size = y.norm();
     y.unscale_mut(size);
     let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * &x));
-    let rate = -y.dotc(&change(way, system, lambda, &x)) / slope;
+    let rate = -y.dotc(&change(way, lambda, &x)) / slope;
     let lambda = lambda - size / slope;
     x.unscale_mut(mass_norm_squared(system, &x).abs().sqrt());
     (lambda.is_finite() && rate.is_finite()).then_some(Point { mode: Mode { lambda, shape: x }, rate })
 }
 
-/// `d Q(lambda) / d t x` on a way, in its system at some t.
-fn change(
-    way: Way<'_>,
-    system: &SecondOrder,
-    lambda: Complex<f64>,
-    x: &DVector<Complex<f64>>,
-) -> DVector<Complex<f64>> {
+/// `d Q(lambda) / d t x = (Q_to(lambda) - Q_from(lambda)) x` on a way.
+fn change(way: Way<'_>, lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let [from, to] = [way.from.0, way.to.0];
-    let square = lambda * lambda;
     let mut change = DVector::zeros(x.len());
-    for (a, b, factor) in [(&from.m, &to.m, square), (&from.c, &to.c, lambda), (&from.k, &to.k, Complex::new(1.0, 0.0))]
-    {
+    let matrices =
+        [(&from.m, &to.m, lambda * lambda), (&from.c, &to.c, lambda), (&from.k, &to.k, Complex::new(1.0, 0.0))];
+    for (a, b, factor) in matrices {
         let columns = a.as_slice().chunks_exact(x.len()).zip(b.as_slice().chunks_exact(x.len()));
         for ((a, b), x) in columns.zip(x) {
             // Few columns change.
@@ -248,19 +243,11 @@ fn change(
             }
         }
     }
-    let (a, b, here) = (&from.internal, &to.internal, &system.internal);
-    for s in 0..system.states() {
-        // Of the product -gain (force drive^T) each factor changes.
-        let gain = lambda / (lambda + here.decay[s]);
-        let gain_rate = -gain * (b.decay[s] - a.decay[s]) / (lambda + here.decay[s]);
-        let (mut reading, mut reading_rate) = (Complex::default(), Complex::default());
-        for (j, x) in x.iter().enumerate() {
-            reading += x * here.drive[(s, j)];
-            reading_rate += x * (b.drive[(s, j)] - a.drive[(s, j)]);
-        }
-        let (of_force, of_force_rate) = (gain_rate * reading + gain * reading_rate, gain * reading);
-        for i in 0..change.len() {
-            change[i] -= of_force * here.force[(i, s)] + of_force_rate * (b.force[(i, s)] - a.force[(i, s)]);
+    for (end, sign) in [(&from.internal, 1.0), (&to.internal, -1.0)] {
+        for (s, &decay) in end.decay.iter().enumerate() {
+            let reading: Complex<f64> = end.drive.row(s).iter().zip(x).map(|(drive, x)| x * drive).sum();
+            let gain = sign * lambda / (lambda + decay) * reading;
+            change.iter_mut().zip(&end.force.column(s)).for_each(|(change, force)| *change += gain * force);
         }
     }
     change

@@ -18,9 +18,9 @@ const STATIONS: usize = 7;
 
 /// From some modes of one system to another system whose modes are known.
 ///
-/// The way is the straight line between the two systems, which must have the same shape (see
-/// [`with_idle_states`]); where the systems differ in the stiffness of a contact, this is the continuation in that
-/// stiffness.
+/// The way is the straight line `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1, between two systems with
+/// as many degrees of freedom; internal states may differ, in number too. Where the systems differ in the stiffness of a
+/// contact, this is the continuation in that stiffness.
 #[derive(Debug, Clone, Copy)]
 pub struct Way<'a> {
     /// The system at the beginning, and those of its modes that are asked for.
@@ -30,15 +30,18 @@ pub struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// `(1 - t) from + t to`, all matrices.
+    /// The system at t. It has the states of both ends, whose forces come and go.
     pub(crate) fn system(&self, t: f64) -> SecondOrder {
         let (from, to) = (self.from.0, self.to.0);
         let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);
-        let internal = Internal {
-            decay: &from.internal.decay * (1.0 - t) + &to.internal.decay * t,
-            drive: mix(&from.internal.drive, &to.internal.drive),
-            force: mix(&from.internal.force, &to.internal.force),
-        };
+        let (n, first, all) = (from.order(), from.states(), from.states() + to.states());
+        let mut internal = Internal::zeros(n, all);
+        for (end, at, part) in [(&from.internal, 0, 1.0 - t), (&to.internal, first, t)] {
+            let states = end.decay.len();
+            internal.decay.rows_mut(at, states).copy_from(&end.decay);
+            internal.drive.rows_mut(at, states).copy_from(&end.drive);
+            internal.force.columns_mut(at, states).copy_from(&(&end.force * part));
+        }
         SecondOrder { m: mix(&from.m, &to.m), c: mix(&from.c, &to.c), k: mix(&from.k, &to.k), internal }
     }
 }
@@ -149,20 +152,12 @@ impl Lost {
     }
 }
 
-/// `system` with the internal states of `like`, which do not act back on it: the same modes, a common shape.
-///
-/// `like` must have as many degrees of freedom, and `system` no states of its own.
-pub fn with_idle_states(system: &SecondOrder, like: &SecondOrder) -> SecondOrder {
-    let mut internal = like.internal.clone();
-    internal.force.fill(0.0);
-    SecondOrder { m: system.m.clone(), c: system.c.clone(), k: system.k.clone(), internal }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Modes, QrSolver};
     use nalgebra::{DVector, dmatrix};
+    use num_complex::Complex;
 
     fn modes(system: &SecondOrder) -> Vec<Mode> {
         let mut work = Workspace::default();
@@ -217,16 +212,21 @@ mod tests {
     }
 
     #[test]
-    fn idle_states_change_no_mode() {
+    fn internal_states_of_the_ends_come_and_go() {
         let plain = diagonal(&[1.0, 4.0]);
-        let mut like = SecondOrder::zeros(2, 1);
-        like.internal.decay[0] = 3.0;
-        like.internal.drive[(0, 1)] = 1.0;
-        like.internal.force[(1, 0)] = 5.0;
-        let padded = with_idle_states(&plain, &like);
-        assert_eq!(padded.states(), 1);
-        for (a, b) in modes(&plain).iter().zip(&modes(&padded)) {
-            assert!((a.lambda - b.lambda).norm() < 1e-14 * a.lambda.norm());
+        let mut other = SecondOrder::zeros(2, 1);
+        (other.m, other.c, other.k) = (plain.m.clone(), plain.c.clone(), diagonal(&[2.0, 3.0]).k);
+        other.internal.decay[0] = 3.0;
+        other.internal.drive[(0, 1)] = 1.0;
+        other.internal.force[(1, 0)] = 0.5;
+        let way = Way { from: (&other, &[]), to: (&plain, &[]) };
+        let lambda = Complex::new(-0.1, 1.7);
+        for t in [0.0, 0.3, 1.0] {
+            let line = other.dynamic_stiffness(lambda) * Complex::from(1.0 - t)
+                + plain.dynamic_stiffness(lambda) * Complex::from(t);
+            assert!((way.system(t).dynamic_stiffness(lambda) - line).norm() < 1e-14);
         }
+        assert_eq!(linked(&plain, &other), [vec![0], vec![1]]);
+        assert_eq!(linked(&other, &plain), [vec![0], vec![1]]);
     }
 }

@@ -8,7 +8,7 @@
 //!
 //! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
-use cea::{EigenSolver, Mode, Modes, Way, Workspace, by_frequency, follow, identify, ranks_together, with_idle_states};
+use cea::{EigenSolver, Mode, Modes, Way, Workspace, by_frequency, follow, identify, ranks_together};
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
@@ -83,15 +83,8 @@ impl Reference {
         work: &mut Workspace,
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
-        let padded;
-        let from = if self.system.states() == next.system.states() {
-            &self.system
-        } else {
-            padded = with_idle_states(&self.system, &next.system);
-            &padded
-        };
         let link = if near { identify } else { follow };
-        let links = link(solver, Way { from: (from, &self.modes), to: (&next.system, &next.modes) }, work)?;
+        let links = link(solver, Way { from: (&self.system, &self.modes), to: (&next.system, &next.modes) }, work)?;
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
                 next.names[to].extend(names);
