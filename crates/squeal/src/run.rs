@@ -13,7 +13,7 @@ use crate::study::{Plan, Study, Tally};
 use crate::{Error, study};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 2;
+const TALLY_VERSION: u32 = 3;
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
 /// Time between two checkpoints.
