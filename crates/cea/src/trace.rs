@@ -47,6 +47,7 @@ const ASIDE: f64 = 1e-7;
 /// One mode on its way.
 struct Trace<'a> {
     way: Way<'a>,
+    /// Whether MAC with the end may end it.
     near: bool,
     /// Part of the way gone.
     at: f64,
