@@ -11,6 +11,10 @@ use num_complex::Complex;
 /// Steps without deflation before an exceptional shift.
 const PATIENCE: usize = 10;
 
+/// A subdiagonal entry this small, relative to its neighbours on the diagonal, is none, whatever stands above it: equal
+/// diagonal entries absorb the shifts, and the iteration would not make it any smaller.
+const NOTHING: f64 = 1e-60;
+
 /// All eigenvalues of a square matrix, or `None` if one does not settle within `cap` steps or an entry is not finite.
 pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
     let n = matrix.nrows();
@@ -60,6 +64,7 @@ fn deflate(h: &mut DMatrix<f64>, last: usize, tiny: f64) -> usize {
             size += if k < last { h[(k + 1, k)].abs() } else { 0.0 };
         }
         let small = below <= tiny
+            || below <= NOTHING * size
             || below <= f64::EPSILON * size && {
                 let (ab, ba) = (below.max(above), below.min(above));
                 let (aa, bb) = (d.abs().max((a - d).abs()), d.abs().min((a - d).abs()));

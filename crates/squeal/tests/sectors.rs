@@ -178,6 +178,26 @@ fn a_sample_costs_small_systems_only() {
 }
 
 #[test]
+fn bristles_that_hardly_couple_are_no_obstacle() {
+    // At 8 m/s the coupling of the bristles is a factor of 1e-138, far below rounding and far above the smallest number.
+    let one = ("in_contact = [9, 8, 7, 6]", "arrangements = [[1, 3, 4, 5, 6, 8]]");
+    let plan = Plan::new(case("paper.toml", &[one])).unwrap();
+    let wanted = |scene: &&squeal::study::Scene| {
+        scene.key.law == squeal::case::Law::LuGre && scene.key.speed == Some(1) && scene.key.constraints == 0
+    };
+    let scene = plan.scenes.iter().find(wanted).unwrap();
+    let sample = Sample::draw(&plan.case, &mut stream(2, 5184)).unwrap();
+    let (sectors, mut whole) = (&plan.sectors[scene.lattice], SecondOrder::zeros(1, 0));
+    let mut parts = vec![SecondOrder::zeros(1, 0); sectors.iter().len()];
+    let state = plan.sliding(scene, &sample).unwrap();
+    sectors.linearise(plan.lattice(scene), &state, &mut whole, parts.iter_mut()).unwrap();
+    for part in &parts {
+        let spectrum = QrSolver.eigenvalues(part, &mut Workspace::default()).unwrap();
+        assert_eq!(spectrum.eigenvalues.len(), part.dimension());
+    }
+}
+
+#[test]
 fn a_sector_without_friction_is_solved_once_for_a_block() {
     let plan = Plan::new(case("paper.toml", &[("[9, 8, 7, 6]", "[9]")])).unwrap();
     let solver = Noting::default();
