@@ -55,10 +55,7 @@ fn named(family: &mut Family<'_>, mu: f64, median: f64, reference: &Reference) -
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
     let name = |index: usize| {
         let ends = family.follow(mu, index, median)?;
-        let mut names: Vec<u16> = ends.into_iter().flat_map(|i| reference.names[i].iter().copied()).collect();
-        names.sort_unstable();
-        names.dedup();
-        Ok(names)
+        Ok(reference.names_of(ends))
     };
     unstable.into_iter().map(name).collect()
 }

@@ -102,7 +102,7 @@ impl<'a> Nodes<'a> {
         let links = identify_all(&BatchSolver, &ways, &mut self.work);
         for (node, links) in nodes.iter_mut().zip(links) {
             for (mode, link) in node.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
-                mode.names = link.into_iter().flat_map(|to| reference.names[to].iter().copied()).collect();
+                mode.names = reference.names_of(link);
             }
         }
         Ok(nodes)

@@ -96,11 +96,10 @@ impl Judged {
     }
 
     fn named(self, modes: Vec<Mode>, links: Links, reference: &Reference) -> Part {
-        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| {
-            let mut names: Vec<u16> = link.into_iter().flat_map(|to| reference.names[to].iter().copied()).collect();
-            names.sort_unstable();
-            names.dedup();
-            Unstable { index, mode, names }
+        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| Unstable {
+            index,
+            mode,
+            names: reference.names_of(link),
         };
         let unstable = self.unstable.into_iter().zip(modes).zip(links).map(mode).collect();
         Part { modes: self.modes, unstable, undecided: self.undecided }

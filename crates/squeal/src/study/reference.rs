@@ -10,7 +10,7 @@
 
 use cea::{EigenSolver, Mode, Modes, Way, Workspace, by_frequency, follow, identify, ranks_together};
 use linsys::SecondOrder;
-use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, Sector, Sectors};
+use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, PreparedLattice, Sector, Sectors};
 use rayon::prelude::*;
 
 use super::scene::{sectors, sliding};
@@ -46,6 +46,14 @@ impl Reference {
         let found = Modes::classify(&system, &spectrum, work)?;
         let modes = Mode::at(&system, &found.oscillatory, work)?;
         Ok((Self { names: vec![Vec::new(); modes.len()], modes, system }, found))
+    }
+
+    /// The names of a mode that may have become any of the modes of `link`, ascending, each once.
+    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<u16> {
+        let mut names: Vec<u16> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
     }
 
     /// The whole that sectors make up.
@@ -118,6 +126,13 @@ pub(super) fn references(plan: &Plan, solver: &dyn EigenSolver) -> Result<Vec<Re
     plan.scenes.par_iter().map(of_scene).collect()
 }
 
+/// A lattice with median Amontons-Coulomb friction.
+fn amontons_coulomb(plan: &Plan, lattice: &PreparedLattice, median: &Sample) -> Result<SecondOrder, Error> {
+    let speed = plan.case.speeds[0].quantile(0.5);
+    let state = sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?;
+    Ok(lattice.linearised(&state)?)
+}
+
 /// Every oscillator in contact, Amontons-Coulomb: where the names come from.
 fn full_contact(
     plan: &Plan,
@@ -128,8 +143,7 @@ fn full_contact(
     let (model, mut work) = (&plan.models[constraints], Workspace::default());
     let all = ContactArrangement::full(plan.case.lattice.grid.oscillators());
     let (lattice, sectors) = (model.prepare(&all)?, sectors(&plan.case, model, &all)?);
-    let speed = plan.case.speeds[0].quantile(0.5);
-    let system = lattice.linearised(&sliding(&plan.case, &lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?)?;
+    let system = amontons_coulomb(plan, &lattice, median)?;
     let of_sector = |sector: &Sector| Reference::unnamed(solver, reduced(sector, &system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
         sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
@@ -147,8 +161,7 @@ fn of_lattice(
     solver: &dyn EigenSolver,
 ) -> Result<References, Error> {
     let ((_, lattice), sectors) = (&plan.lattices[at], &plan.sectors[at]);
-    let speed = plan.case.speeds[0].quantile(0.5);
-    let system = lattice.linearised(&sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?)?;
+    let system = amontons_coulomb(plan, lattice, median)?;
     let from = sectors.iter().map(|sector| base.within(sector)).collect::<Result<Vec<_>, _>>()?;
     // The straight line from one system to the other takes the stiffness and the load of the contacts that differ
     // from 1 to 0 together.
