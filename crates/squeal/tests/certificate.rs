@@ -2,9 +2,10 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-use std::path::Path;
+mod common;
 
 use cea::{BatchSolver, EigenSolver, Modes, Spectrum, Verdict, Workspace, verdict};
+use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Study as _, stream};
 use rayon::prelude::*;
@@ -94,16 +95,6 @@ const LESS: [(&str, &str); 3] = [
     ("mean = 0.55, deviation = 0.05", "mean = 0.25, deviation = 0.1"),
     ("mean = 0.45, deviation = 0.05", "mean = 0.2, deviation = 0.1"),
 ];
-
-fn case(name: &str, changes: &[(&str, &str)]) -> Case {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
-    let mut text = std::fs::read_to_string(&path).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "the case has no {from:?}");
-        text = text.replacen(from, to, 1);
-    }
-    Case::parse(&path, text).unwrap()
-}
 
 #[test]
 fn a_study_has_the_verdicts_of_the_full_solver() {

@@ -2,25 +2,17 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-use std::path::Path;
+mod common;
+
 use std::sync::Mutex;
 
 use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
+use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Study as _, stream};
 use rayon::prelude::*;
 use squeal::case::Case;
 use squeal::study::{Outcome, Plan, Sample, Study};
-
-fn case(name: &str, changes: &[(&str, &str)]) -> Case {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
-    let mut text = std::fs::read_to_string(&path).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "the case has no {from:?}");
-        text = text.replacen(from, to, 1);
-    }
-    Case::parse(&path, text).unwrap()
-}
 
 /// The plan of a case in which every lattice is its only sector.
 fn whole(case: Case) -> Plan {

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-use std::path::Path;
+mod common;
 
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
@@ -14,13 +14,7 @@ use work::mode_work;
 
 /// The paper's case with some of its text replaced.
 fn case(changes: &[(&str, &str)]) -> Case {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
-    let mut text = std::fs::read_to_string(&path).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "the case has no {from:?}");
-        text = text.replacen(from, to, 1);
-    }
-    Case::parse(&path, text).unwrap()
+    common::case("paper.toml", changes)
 }
 
 /// One arrangement only: the reference modes of all take their time.
