@@ -41,6 +41,8 @@ pub struct Counters {
     pub factorisations: u64,
     /// Right or left eigenvectors computed.
     pub eigenvectors: u64,
+    /// Values of secular equations.
+    pub secular_values: u64,
     /// Modes that had to be followed by continuation, because MAC alone left a doubt.
     pub continuations: u64,
 }

@@ -22,8 +22,8 @@ use num_complex::Complex;
 
 use crate::coupling::first_coupled;
 use crate::{
-    BrakeModel, ContactArrangement, ContactPoint, LatticeModel, Linearise, OscModelError, PreparedLattice, Reversal,
-    Sliding,
+    BrakeModel, ContactArrangement, ContactPoint, FrictionChannels, LatticeModel, Linearise, OscModelError,
+    PreparedLattice, Reversal, Sliding,
 };
 
 /// Normal loads of a static equilibrium keep the symmetry up to rounding errors; this much, relatively, passes for them.
@@ -271,6 +271,18 @@ impl Sector {
             *decay = whole.internal.decay[if is_whole { state } else { bristles[state].signs[0].0 }];
         }
         Ok(())
+    }
+
+    /// The part in this sector of channels of friction that is alike in all contacts.
+    pub fn channels(&self, whole: &FrictionChannels) -> FrictionChannels {
+        let (shapes, contacts) = (&self.shapes, &self.bristles);
+        let mut part = FrictionChannels {
+            force: DMatrix::zeros(shapes.len(), contacts.len()),
+            coupling: DMatrix::zeros(contacts.len(), shapes.len()),
+        };
+        reduce(&whole.force, shapes, contacts, &mut part.force);
+        reduce(&whole.coupling, contacts, shapes, &mut part.coupling);
+        part
     }
 
     /// `Q phi`: a shape of this sector over the free degrees of freedom of the lattice.

@@ -20,6 +20,7 @@ mod ops;
 mod pack;
 mod pair;
 mod reflector;
+mod response;
 mod shifts;
 mod sweep;
 #[cfg(test)]
@@ -33,6 +34,7 @@ use layout::Layout;
 pub(crate) use null::{NullVector, null_vectors};
 use ops::Ops;
 use pack::Scale;
+pub(crate) use response::characteristic;
 
 /// All eigenvalues of many systems at once, for studies.
 ///

@@ -153,6 +153,7 @@ fn sum(a: Counters, b: Counters) -> Counters {
         eigenvalue_solves: a.eigenvalue_solves + b.eigenvalue_solves,
         factorisations: a.factorisations + b.factorisations,
         eigenvectors: a.eigenvectors + b.eigenvectors,
+        secular_values: a.secular_values + b.secular_values,
         continuations: a.continuations + b.continuations,
     }
 }

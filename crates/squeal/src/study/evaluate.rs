@@ -1,12 +1,13 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, Counters, EigenSolver, Mode, Spectrum, Workspace, ranks_together};
+use cea::{CeaError, Counters, EigenSolver, Growing, Mode, Pilots, Spectrum, Workspace, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
 use work::mode_work;
 
 use super::certificate::{Certificate, certificates};
+use super::growing::{Equations, Searches, equations, pilots};
 use super::part::{Part, Unstable, solve};
 use super::reference::{Reference, References, references};
 use super::{Plan, Sample, Scene};
@@ -43,6 +44,10 @@ pub struct Study<'a> {
     references: Vec<Reference>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
+    /// Of each lattice.
+    equations: Vec<Equations>,
+    /// Of each sector of each scene.
+    pilots: Vec<Vec<Option<Pilots>>>,
 }
 
 impl<'a> Study<'a> {
@@ -54,7 +59,9 @@ impl<'a> Study<'a> {
         let failed = |source| Error::Median { path: plan.case.path.clone(), source: Box::new(source) };
         let references = references(plan, solver).map_err(failed)?.into_iter();
         let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
-        Ok(Self { references, sector_references, certificates: certificates(plan)?, plan, solver })
+        let (certificates, equations) = (certificates(plan)?, equations(plan)?);
+        let pilots = pilots(plan, &equations, &certificates, solver)?;
+        Ok(Self { references, sector_references, certificates, equations, pilots, plan, solver })
     }
 
     /// The plan.
@@ -75,6 +82,63 @@ impl<'a> Study<'a> {
     /// The certificate of each lattice.
     pub fn certificates(&self) -> &[Certificate] {
         &self.certificates
+    }
+
+    /// What is to be said of each of these states, which no certificate covers.
+    fn open_samples(&self, scene: usize, states: &[Sliding], scratch: &mut Scratch) -> Vec<Result<Outcome, Error>> {
+        let Scratch { systems, spectra, work } = scratch;
+        let (references, pilots) = (&self.sector_references[scene], &self.pilots[scene]);
+        let scene = &self.plan.scenes[scene];
+        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
+
+        let mut known = Searches { equations: &self.equations[scene.lattice], pilots }.growing(states, work);
+        let damps = |found: &Option<Growing>| found.as_ref().is_some_and(|found| found.frequencies().next().is_none());
+
+        systems.resize_with(systems.len().max(references.len()), Vec::new);
+        let systems = &mut systems[..references.len()];
+        for of_sector in &mut *systems {
+            of_sector.resize_with(states.len(), || SecondOrder::zeros(1, 0));
+        }
+        // What cannot be linearised must not leave its lane empty for the others: it gets no lane.
+        let (mut lanes, mut whole) = (Vec::with_capacity(states.len()), SecondOrder::zeros(1, 0));
+        let mut outcomes: Vec<Option<Result<Outcome, Error>>> = Vec::with_capacity(states.len());
+        for (at, state) in states.iter().enumerate() {
+            if known.iter().all(|of_sector| damps(&of_sector[at])) {
+                outcomes.push(Some(Ok(Outcome::default())));
+                continue;
+            }
+            let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lanes.len()]);
+            outcomes.push(match sectors.linearise(lattice, state, &mut whole, of_lane) {
+                Ok(()) => {
+                    lanes.push(at);
+                    None
+                }
+                Err(error) => Some(Err(error.into())),
+            });
+        }
+
+        let mut parts = Vec::with_capacity(references.len());
+        for ((systems, reference), known) in systems.iter().zip(references).zip(&mut known) {
+            let known = lanes.iter().map(|&at| known[at].take()).collect();
+            parts.push(solve(self.solver, &systems[..lanes.len()], known, reference, spectra, work));
+        }
+        for (lane, &at) in lanes.iter().enumerate() {
+            for sector in 0..parts.len() {
+                let blurs = |part: &Part| {
+                    let other = |other: usize| parts[other][lane].as_ref().is_ok_and(|other| part.blurs(other));
+                    (0..parts.len()).any(|at| at != sector && other(at))
+                };
+                if parts[sector][lane].as_ref().is_ok_and(blurs) {
+                    let system = std::slice::from_ref(&systems[sector][lane]);
+                    let mut exact = solve(self.solver, system, vec![None], &references[sector], spectra, work);
+                    parts[sector][lane] = exact.remove(0);
+                }
+            }
+            let parts = parts.iter().map(|of_sector| of_sector[lane].as_ref());
+            let parts = parts.collect::<Result<Vec<&Part>, _>>().map_err(|error| error.clone().into());
+            outcomes[at] = Some(parts.and_then(|parts| self.outcome(scene, &states[at], &parts)));
+        }
+        outcomes.into_iter().flatten().collect()
     }
 
     /// What the sectors of one sample say together.
@@ -148,42 +212,25 @@ impl montecarlo::Study for Study<'_> {
         scratch: &mut Scratch,
         out: &mut Vec<Result<Outcome, Error>>,
     ) {
-        let Scratch { systems, spectra, work } = scratch;
-        let (references, scene) = (&self.sector_references[scene], &self.plan.scenes[scene]);
-        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
-        let (certificate, mut whole) = (&self.certificates[scene.lattice], SecondOrder::zeros(1, 0));
-        systems.resize_with(systems.len().max(references.len()), Vec::new);
-        let systems = &mut systems[..references.len()];
-        for of_sector in &mut *systems {
-            of_sector.resize_with(samples.len(), || SecondOrder::zeros(1, 0));
-        }
-        // A sample that is certified stable or cannot be linearised must not leave its lane empty for the others: it
-        // gets no lane.
-        let mut slidings: Vec<Sliding> = Vec::with_capacity(samples.len());
-        let mut lanes: Vec<Result<Option<usize>, Error>> = Vec::with_capacity(samples.len());
-        for sample in samples {
-            lanes.push(self.plan.sliding(scene, sample).and_then(|sliding| {
-                if certificate.covers(&sliding) {
-                    return Ok(None);
+        let certificate = &self.certificates[self.plan.scenes[scene].lattice];
+        let (mut open, mut states) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
+        let mut outcomes: Vec<Option<Result<Outcome, Error>>> = Vec::with_capacity(samples.len());
+        for (at, sample) in samples.iter().enumerate() {
+            outcomes.push(match self.plan.sliding(&self.plan.scenes[scene], sample) {
+                Ok(state) if certificate.covers(&state) => {
+                    Some(Ok(Outcome { is_certified: true, ..Outcome::default() }))
                 }
-                let lane = slidings.len();
-                let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
-                sectors.linearise(lattice, &sliding, &mut whole, of_lane)?;
-                slidings.push(sliding);
-                Ok(Some(lane))
-            }));
+                Ok(state) => {
+                    open.push(at);
+                    states.push(state);
+                    None
+                }
+                Err(error) => Some(Err(error)),
+            });
         }
-
-        let solve = |(systems, reference): (&mut Vec<SecondOrder>, &Reference)| {
-            solve(self.solver, &systems[..slidings.len()], reference, spectra, work)
-        };
-        let parts: Vec<Vec<Result<Part, CeaError>>> = systems.iter_mut().zip(references).map(solve).collect();
-
-        out.extend(lanes.into_iter().map(|lane| {
-            let Some(lane) = lane? else { return Ok(Outcome { is_certified: true, ..Outcome::default() }) };
-            let parts = parts.iter().map(|of_sector| of_sector[lane].as_ref());
-            let parts = parts.collect::<Result<Vec<&Part>, _>>().map_err(CeaError::clone)?;
-            self.outcome(scene, &slidings[lane], &parts)
-        }));
+        for (at, outcome) in open.into_iter().zip(self.open_samples(scene, &states, scratch)) {
+            outcomes[at] = Some(outcome);
+        }
+        out.extend(outcomes.into_iter().flatten());
     }
 }

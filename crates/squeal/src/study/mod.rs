@@ -9,6 +9,7 @@ mod certificate;
 mod compare;
 mod draw;
 mod evaluate;
+mod growing;
 mod part;
 mod reference;
 mod scene;

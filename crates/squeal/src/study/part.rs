@@ -1,6 +1,8 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
-use cea::{CeaError, EigenSolver, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict};
+use cea::{
+    CeaError, EigenSolver, Growing, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict,
+};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
@@ -15,6 +17,18 @@ pub(super) struct Part {
     pub unstable: Vec<Unstable>,
     /// Modes whose verdict the error bound leaves open.
     pub undecided: u32,
+    /// Bounds of the errors of the modes; none where rounding errors are all.
+    pub radii: Vec<f64>,
+}
+
+impl Part {
+    /// Whether the bounds of its modes leave the rank open of a mode of another part.
+    pub fn blurs(&self, other: &Self) -> bool {
+        let frequency = |mode: &Unstable| other.modes.oscillatory[mode.index].im;
+        other.unstable.iter().map(frequency).any(|im| {
+            self.modes.oscillatory.iter().zip(&self.radii).any(|(mode, radius)| (mode.im - im).abs() < *radius)
+        })
+    }
 }
 
 /// An unstable mode of a sector.
@@ -28,29 +42,38 @@ pub(super) struct Unstable {
     pub names: Vec<u16>,
 }
 
-/// Solves `systems`, one sector of some samples, and names its unstable modes after `reference`, that sector of their
-/// scene. `spectra` is memory.
+/// Names the unstable modes of `systems`, one sector of some samples, after `reference`, that sector of their scene. What
+/// is not `known` of the modes of a system is solved for. `spectra` is memory.
 pub(super) fn solve(
     solver: &dyn EigenSolver,
     systems: &[SecondOrder],
+    known: Vec<Option<Growing>>,
     reference: &Reference,
     spectra: &mut Vec<Result<Spectrum, CeaError>>,
     work: &mut Workspace,
 ) -> Vec<Result<Part, CeaError>> {
+    let is_unknown = known.iter().all(Option::is_none);
     // Friction does not reach every sector: where it does not, all samples are one.
-    if let [first, others @ ..] = systems
+    if let ([first, others @ ..], true) = (systems, is_unknown)
         && !others.is_empty()
         && others.iter().all(|other| other == first)
     {
-        let part = solve(solver, std::slice::from_ref(first), reference, spectra, work).remove(0);
+        let part = solve(solver, std::slice::from_ref(first), vec![None], reference, spectra, work).remove(0);
         return vec![part; systems.len()];
     }
-    solver.eigenvalues_of_all(systems, work, spectra);
-    let judged: Vec<Result<Judged, CeaError>> = systems
-        .iter()
-        .zip(spectra)
-        .map(|(system, spectrum)| Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work))
-        .collect();
+    let judged: Vec<Result<Judged, CeaError>> = if is_unknown {
+        solver.eigenvalues_of_all(systems, work, spectra);
+        let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
+            Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
+        };
+        systems.iter().zip(&*spectra).map(judge).collect()
+    } else {
+        let judge = |(system, known): (&SecondOrder, Option<Growing>)| match known {
+            Some(known) => Ok(Judged::known(known)),
+            None => Judged::new(system, &solver.eigenvalues(system, work)?, work),
+        };
+        systems.iter().zip(known).map(judge).collect()
+    };
 
     let lambdas: Vec<Vec<Complex<f64>>> =
         judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
@@ -75,9 +98,16 @@ struct Judged {
     /// Places of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
     undecided: u32,
+    radii: Vec<f64>,
 }
 
 impl Judged {
+    fn known(Growing { modes, radii }: Growing) -> Self {
+        let unstable = modes.iter().enumerate().filter(|(_, lambda)| lambda.re > 0.0).map(|(index, _)| index).collect();
+        let modes = Modes { oscillatory: modes, real: Vec::new(), internal: Vec::new() };
+        Self { modes, unstable, undecided: 0, radii }
+    }
+
     fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         let modes = Modes::classify(system, spectrum, work)?;
         let (mut unstable, mut undecided) = (Vec::new(), 0);
@@ -88,7 +118,7 @@ impl Judged {
                 Verdict::Stable => {}
             }
         }
-        Ok(Self { modes, unstable, undecided })
+        Ok(Self { modes, unstable, undecided, radii: Vec::new() })
     }
 
     fn lambdas(&self) -> Vec<Complex<f64>> {
@@ -102,6 +132,6 @@ impl Judged {
             names: reference.names_of(link),
         };
         let unstable = self.unstable.into_iter().zip(modes).zip(links).map(mode).collect();
-        Part { modes: self.modes, unstable, undecided: self.undecided }
+        Part { modes: self.modes, unstable, undecided: self.undecided, radii: self.radii }
     }
 }

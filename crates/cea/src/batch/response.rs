@@ -1,0 +1,203 @@
+//! The characteristic polynomial of a structure with feedback at many points, one point per lane.
+//!
+//! `det Q(sigma) = prod_k (sigma - p_k)(sigma - conj p_k) det(I + p G(sigma) + sigma v(sigma) H(sigma))` up to the mass:
+//! the sums G and H over the modes of the structure, m x m, then the determinant of so small a matrix. 3 m^2 n fused
+//! multiply-adds for each of the two parts of a complex number.
+
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+
+use super::ops::{Ops, registers};
+use super::pair::{Pair, fma, pair, scale, square};
+use super::{narrow, wide_part};
+use crate::secular::{Gain, Resolvent};
+
+/// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
+const SIDE_BY_SIDE: usize = 4;
+/// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away: a
+/// rounding error.
+const AT_POLE: f64 = 1e-32;
+
+/// The characteristic polynomial at each point, in the units of the resolvent; divided by `(sigma + decay)^m` where the
+/// feedback has internal states.
+pub(crate) fn characteristic(
+    resolvent: &Resolvent,
+    points: &[(Complex<f64>, Gain)],
+    scratch: &mut Vec<f64>,
+    out: &mut Vec<Complex<f64>>,
+) {
+    let arch = Arch::new();
+    let (wide, few) = points.split_at(wide_part(points.len()));
+    out.clear();
+    if !wide.is_empty() {
+        arch.dispatch(Kernel { resolvent, points: wide, scratch: &mut *scratch, out: &mut *out });
+    }
+    if !few.is_empty() {
+        narrow(arch, Kernel { resolvent, points: few, scratch, out });
+    }
+}
+
+struct Kernel<'a> {
+    resolvent: &'a Resolvent,
+    points: &'a [(Complex<f64>, Gain)],
+    scratch: &'a mut Vec<f64>,
+    out: &'a mut Vec<Complex<f64>>,
+}
+
+impl WithSimd for Kernel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (o, lanes) = (Ops(simd), S::F64_LANES);
+        let Resolvent { poles, places, reading, mobility, .. } = self.resolvent;
+        let (n, m) = (poles.len(), *places);
+        let registers = registers::<S>(self.scratch, 4 * n + 4 * m * m);
+        let (modes, rest) = registers.split_at_mut(4 * n);
+        let (modes, _) = modes.as_chunks_mut::<4>();
+        let (matrix, sums) = rest.as_chunks_mut::<2>().0.split_at_mut(m * m);
+        for points in self.points.chunks(lanes) {
+            let [re, im, position, velocity, lag, decay] = gather::<S>(o, points);
+            let sigma = Pair { re, im };
+            let product = fill(o, sigma, poles, modes);
+            add_up(o, modes, reading, matrix);
+            for entry in &mut *matrix {
+                *entry = scale(o, pair(*entry), position).registers();
+            }
+            if points.iter().any(|(_, gain)| !gain.is_still()) {
+                let half = &mut sums[..m * (m + 1) / 2];
+                add_up(o, modes, mobility, half);
+                // v + lag / (sigma + decay), times sigma.
+                let pole = Pair { re: o.add(sigma.re, decay), im: sigma.im };
+                let part = o.div(lag, square(o, pole, o.splat(0.0)));
+                let slope = Pair { re: o.fma(pole.re, part, velocity), im: o.neg(o.mul(pole.im, part)) };
+                let slope = times(o, slope, sigma);
+                let mut upper = half.iter();
+                for i in 0..m {
+                    for (j, &sum) in (i..m).zip(upper.by_ref()) {
+                        matrix[i * m + j] = fma(o, slope, pair(sum), pair(matrix[i * m + j])).registers();
+                        if i != j {
+                            matrix[j * m + i] = fma(o, slope, pair(sum), pair(matrix[j * m + i])).registers();
+                        }
+                    }
+                }
+            }
+            for diagonal in matrix.iter_mut().step_by(m + 1) {
+                diagonal[0] = o.add(diagonal[0], o.splat(1.0));
+            }
+            let value = times(o, determinant(o, matrix, m), product).registers();
+            let numbers: &[f64] = bytemuck::cast_slice(&value);
+            for lane in 0..points.len() {
+                self.out.push(Complex::new(numbers[lane], numbers[lanes + lane]));
+            }
+        }
+    }
+}
+
+/// The numbers of one point in each lane; the spare lanes hold the first.
+#[inline(always)]
+fn gather<S: Simd>(o: Ops<S>, points: &[(Complex<f64>, Gain)]) -> [S::f64s; 6] {
+    let mut registers = [o.splat(0.0); 6];
+    let numbers: &mut [f64] = bytemuck::cast_slice_mut(&mut registers);
+    for lane in 0..S::F64_LANES {
+        let (sigma, gain) = points.get(lane).unwrap_or(&points[0]);
+        let of_point = [sigma.re, sigma.im, gain.position, gain.velocity, gain.lag, gain.decay];
+        for (register, number) in of_point.into_iter().enumerate() {
+            numbers[register * S::F64_LANES + lane] = number;
+        }
+    }
+    registers
+}
+
+/// `a b`.
+#[inline(always)]
+fn times<S: Simd>(o: Ops<S>, a: Pair<S::f64s>, b: Pair<S::f64s>) -> Pair<S::f64s> {
+    Pair { re: o.fnma(a.im, b.im, o.mul(a.re, b.re)), im: o.fma(a.im, b.re, o.mul(a.re, b.im)) }
+}
+
+/// For each mode `d = 1 / ((sigma - p)(sigma - conj p))` and `sigma d`; returns the product of all 1 / d.
+#[inline(always)]
+fn fill<S: Simd>(o: Ops<S>, sigma: Pair<S::f64s>, poles: &[Complex<f64>], modes: &mut [[S::f64s; 4]]) -> Pair<S::f64s> {
+    let (one, floor) = (o.splat(1.0), o.splat(AT_POLE));
+    let mut product = Pair { re: one, im: o.splat(0.0) };
+    for (pole, mode) in poles.iter().zip(modes) {
+        let re = o.sub(sigma.re, o.splat(pole.re));
+        let near = Pair { re, im: o.sub(sigma.im, o.splat(pole.im)) };
+        let is_there = o.lt(square(o, near, o.splat(0.0)), floor);
+        let near = Pair { re: o.select(is_there, o.splat(AT_POLE.sqrt()), near.re), im: near.im };
+        let both = times(o, near, Pair { re, im: o.add(sigma.im, o.splat(pole.im)) });
+        product = times(o, product, both);
+        let part = o.div(one, square(o, both, o.splat(0.0)));
+        let d = Pair { re: o.mul(both.re, part), im: o.neg(o.mul(both.im, part)) };
+        let e = times(o, sigma, d);
+        *mode = [d.re, d.im, e.re, e.im];
+    }
+    product
+}
+
+/// Each entry's sum of `U sigma d + V d` over the modes.
+#[inline(always)]
+fn add_up<S: Simd>(o: Ops<S>, modes: &[[S::f64s; 4]], parts: &[[f64; 2]], sums: &mut [[S::f64s; 2]]) {
+    let (n, side_by_side) = (modes.len(), sums.len() - sums.len() % SIDE_BY_SIDE);
+    let (sums, rest) = sums.split_at_mut(side_by_side);
+    for (sums, parts) in sums.chunks_exact_mut(SIDE_BY_SIDE).zip(parts.chunks_exact(SIDE_BY_SIDE * n.max(1))) {
+        add_up_some::<S, SIDE_BY_SIDE>(o, modes, parts, sums);
+    }
+    for (sums, parts) in rest.chunks_exact_mut(1).zip(parts[side_by_side * n..].chunks_exact(n.max(1))) {
+        add_up_some::<S, 1>(o, modes, parts, sums);
+    }
+}
+
+#[inline(always)]
+fn add_up_some<S: Simd, const N: usize>(
+    o: Ops<S>,
+    modes: &[[S::f64s; 4]],
+    parts: &[[f64; 2]],
+    sums: &mut [[S::f64s; 2]],
+) {
+    let mut of = [[o.splat(0.0); 2]; N];
+    let n = modes.len();
+    for (k, &[d_re, d_im, e_re, e_im]) in modes.iter().enumerate() {
+        for i in 0..N {
+            let [u, v] = parts[i * n + k];
+            let (u, v) = (o.splat(u), o.splat(v));
+            of[i][0] = o.fma(u, e_re, o.fma(v, d_re, of[i][0]));
+            of[i][1] = o.fma(u, e_im, o.fma(v, d_im, of[i][1]));
+        }
+    }
+    sums.copy_from_slice(&of);
+}
+
+/// By elimination with partial pivoting, each lane with its own; the matrix is overwritten.
+#[inline(always)]
+fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> Pair<S::f64s> {
+    let mut product = Pair { re: o.splat(1.0), im: o.splat(0.0) };
+    for c in 0..m {
+        for i in c + 1..m {
+            let (below, pivot) = (matrix[i * m + c], matrix[c * m + c]);
+            let is_larger = o.lt(o.add(o.abs(pivot[0]), o.abs(pivot[1])), o.add(o.abs(below[0]), o.abs(below[1])));
+            for j in c..m {
+                let (upper, lower) = (matrix[c * m + j], matrix[i * m + j]);
+                for part in 0..2 {
+                    matrix[c * m + j][part] = o.select(is_larger, lower[part], upper[part]);
+                    // The sign of a row that changes places keeps the determinant.
+                    matrix[i * m + j][part] = o.select(is_larger, o.neg(upper[part]), lower[part]);
+                }
+            }
+        }
+        let pivot = pair(matrix[c * m + c]);
+        product = times(o, product, pivot);
+        let part = o.div(o.splat(1.0), square(o, pivot, o.splat(0.0)));
+        let inverse = Pair { re: o.mul(pivot.re, part), im: o.neg(o.mul(pivot.im, part)) };
+        let (above, rest) = matrix.split_at_mut((c + 1) * m);
+        let row = &above[c * m..];
+        for other in rest.chunks_exact_mut(m) {
+            let factor = times(o, pair(other[c]), inverse);
+            let factor = Pair { re: o.neg(factor.re), im: o.neg(factor.im) };
+            for j in c + 1..m {
+                other[j] = fma(o, factor, pair(row[j]), pair(other[j])).registers();
+            }
+        }
+    }
+    product
+}

@@ -1,0 +1,107 @@
+//! The growing modes of a structure with friction, without its spectrum.
+//!
+//! Friction that is alike in m places changes a structure by a matrix of rank m: its eigenvalues are the zeros of the
+//! determinant of an m x m matrix, the secular equation
+//!
+//! ```text
+//! det(I + p G(lambda) + lambda v(lambda) H(lambda)) = 0,   G = R Q_0^-1 B,  H = B^T Q_0^-1 B
+//! ```
+//!
+//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). It takes a small part of a spectrum to
+//! evaluate. Eigenvalues are guessed from those of *pilots*, states solved beforehand, and corrected one by one. The
+//! corrections bound all of them at once ([`enclosure`]): modes that damp stay guesses whose bounds lie left of the axis
+//! and away from the frequencies of those that grow, and only the latter are found to the last digits.
+
+mod enclosure;
+mod pilot;
+mod resolvent;
+mod search;
+
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use crate::{CeaError, Spectrum, Workspace};
+pub use pilot::Pilots;
+pub use resolvent::Feedback;
+pub(crate) use resolvent::Resolvent;
+
+/// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gain {
+    /// p.
+    pub position: f64,
+    /// v, Ns/m.
+    pub velocity: f64,
+    /// What an internal state adds, N/m; 0 for none.
+    pub lag: f64,
+    /// Its decay rate, 1/s.
+    pub decay: f64,
+}
+
+impl Gain {
+    /// Whether forces do not depend on velocities.
+    pub(crate) fn is_still(&self) -> bool {
+        self.velocity == 0.0 && self.lag == 0.0
+    }
+
+    /// `v + lag / (lambda + decay)`.
+    fn slope(&self, lambda: Complex<f64>) -> Complex<f64> {
+        if self.lag == 0.0 { Complex::from(self.velocity) } else { self.velocity + self.lag / (lambda + self.decay) }
+    }
+
+    fn in_units(&self, unit: f64) -> Self {
+        Self { lag: self.lag / unit, decay: self.decay / unit, ..*self }
+    }
+}
+
+/// A structure with feedback, ready for many gains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Secular {
+    resolvent: Resolvent,
+}
+
+/// The modes of one system, those that grow exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growing {
+    /// An eigenvalue with Im > 0 of each mode, ascending in frequency, rad/s: that of a mode that grows, and a guess for one
+    /// that damps. The rank of a mode that grows is right.
+    pub modes: Vec<Complex<f64>>,
+    /// A bound of the error of each that damps; 0 for those that grow, of which rounding errors are all.
+    pub radii: Vec<f64>,
+}
+
+impl Growing {
+    /// Those of the modes that grow, rad/s.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
+        self.modes.iter().filter(|mode| mode.re > 0.0).map(|mode| mode.im)
+    }
+
+    /// Whether the bounds leave open which modes are below one of these frequencies, rad/s.
+    pub fn blurs(&self, frequencies: &[f64]) -> bool {
+        let mut bounds = self.modes.iter().zip(&self.radii);
+        bounds.any(|(mode, radius)| frequencies.iter().any(|im| (mode.im - im).abs() < *radius))
+    }
+}
+
+impl Secular {
+    /// `None` where the structure or the number of places makes spectra the better way.
+    ///
+    /// # Errors
+    /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
+        Ok(Resolvent::new(structure, feedback, work)?.map(|resolvent| Self { resolvent }))
+    }
+
+    /// Takes states whose spectra are known as pilots. Those with overdamped modes are left out.
+    pub fn pilots(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Pilots {
+        Pilots::new(&self.resolvent, states, work)
+    }
+
+    /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
+    /// plain which are lower; `None` where a doubt is left.
+    ///
+    /// What is found for a gain does not depend on the others, to the last bit.
+    pub fn growing(&self, pilots: &Pilots, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
+        search::search(&self.resolvent, pilots, gains, work)
+    }
+}

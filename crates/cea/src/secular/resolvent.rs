@@ -1,0 +1,144 @@
+//! A structure seen through the places where friction acts: its response there as a sum over its own modes.
+//!
+//! ```text
+//! R Q_0(lambda)^-1 B = sum_k (U_k lambda + V_k) / ((lambda - p_k)(lambda - conj p_k))
+//! ```
+//!
+//! with the eigenvalues p_k of the structure, which come in pairs, and real m x m matrices: what each mode moves in the
+//! places read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
+//! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
+
+use linsys::{Internal, SecondOrder};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
+
+/// Eigenvalues nearer to each other than this, relatively, are one; their vectors span one space.
+const ONE: f64 = 1e-7;
+/// Largest relative error of the sums, seen at some lambda against factorisations of Q.
+const LARGEST_ERROR: f64 = 1e-11;
+
+/// Forces that act on a structure and what the forces depend on: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with
+/// numbers p and v.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feedback {
+    /// B, the directions of the forces and of the velocities that they depend on, n x m.
+    pub force: DMatrix<f64>,
+    /// R, what they read of the displacements, m x n.
+    pub reading: DMatrix<f64>,
+}
+
+/// The response of a structure at the places of a [`Feedback`]. Eigenvalues and their unit: [`Resolvent::unit`] rad/s.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Resolvent {
+    /// The unit of eigenvalues, rad/s: the geometric mean of the structure's.
+    pub unit: f64,
+    /// The p_k with Im > 0, multiple ones repeated; in units.
+    pub poles: Vec<Complex<f64>>,
+    /// m.
+    pub places: usize,
+    /// U and V of `R Q_0^-1 B`: those of all poles for the first entry, then for the second, by rows.
+    pub reading: Vec<[f64; 2]>,
+    /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
+    pub mobility: Vec<[f64; 2]>,
+}
+
+impl Resolvent {
+    /// `None` for a structure that has overdamped modes or internal states, that is not symmetric where friction acts, or
+    /// whose modes do not add up to its response.
+    ///
+    /// # Errors
+    /// Those of the eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
+        let (n, m) = (structure.order(), feedback.force.ncols());
+        if feedback.force.nrows() != n || feedback.reading.shape() != (m, n) {
+            return Err(CeaError::Channels { order: n, states: structure.states() });
+        }
+        let lambdas: Vec<Complex<f64>> = QrSolver.eigenvalues(structure, work)?.oscillatory().collect();
+        if structure.states() > 0 || lambdas.len() != n {
+            return Ok(None);
+        }
+        let unit = (lambdas.iter().map(|l| l.norm().ln()).sum::<f64>() / n as f64).exp();
+        let transposed = SecondOrder {
+            m: structure.m.transpose(),
+            c: structure.c.transpose(),
+            k: structure.k.transpose(),
+            internal: Internal::zeros(n, 0),
+        };
+        let (right, left) = (right_vectors(structure, &lambdas, work)?, right_vectors(&transposed, &lambdas, work)?);
+        let mut resolvent = Self {
+            unit,
+            poles: Vec::with_capacity(n),
+            places: m,
+            reading: vec![[0.0; 2]; m * m * n],
+            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * n],
+        };
+        let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
+        let mut first = 0;
+        while first < n {
+            let is_one = |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= ONE * lambdas[first].norm();
+            let group = first..first + lambdas[first..].iter().take_while(is_one).count();
+            let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
+            let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
+            let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
+            let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else { return Ok(None) };
+            let moved = x * acted;
+            resolvent.add(first, pole / unit, &(&reading * &moved), &(force.transpose() * moved));
+            (first..group.end).for_each(|_| resolvent.poles.push(pole / unit));
+            first = group.end;
+        }
+        Ok(resolvent.is_right(structure, feedback).then_some(resolvent))
+    }
+
+    /// Enters the residues of a pole, where they are not rounding errors.
+    fn add(
+        &mut self,
+        at: usize,
+        pole: Complex<f64>,
+        reading: &DMatrix<Complex<f64>>,
+        mobility: &DMatrix<Complex<f64>>,
+    ) {
+        let (n, m, unit) = (self.reading.len() / (self.places * self.places).max(1), self.places, self.unit);
+        // r / (l - p) + conj = (2 Re r l - 2 Re(r conj p)) / ((l - p)(l - conj p)).
+        let real = |residue: Complex<f64>| [2.0 * residue.re, -2.0 * (residue * pole.conj()).re];
+        let mut upper = 0;
+        for i in 0..m {
+            for j in 0..m {
+                self.reading[(i * m + j) * n + at] = real(reading[(i, j)] / unit);
+                if j >= i {
+                    self.mobility[upper * n + at] = real(0.5 * (mobility[(i, j)] + mobility[(j, i)]));
+                    upper += 1;
+                }
+            }
+        }
+    }
+
+    /// Whether the sums are what factorisations of Q say.
+    fn is_right(&self, structure: &SecondOrder, feedback: &Feedback) -> bool {
+        let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
+        [Complex::new(0.3, 0.0), Complex::new(0.1, 0.7), Complex::new(0.05, 1.4)].into_iter().all(|sigma| {
+            let Some(moved) = structure.dynamic_stiffness(sigma * self.unit).lu().solve(&force) else { return false };
+            let [by_modes, mobility] = self.at(sigma);
+            let is_near = |a: DMatrix<Complex<f64>>, b: DMatrix<Complex<f64>>| {
+                (&a - b).norm() <= LARGEST_ERROR * a.norm() || a.norm() < 1e-60
+            };
+            is_near(&reading * &moved, by_modes)
+                && is_near(force.transpose() * moved * Complex::from(self.unit), mobility)
+        })
+    }
+
+    /// Both sums.
+    fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
+        let (n, m) = (self.poles.len(), self.places);
+        let sum = |entry: &[[f64; 2]]| -> Complex<f64> {
+            let term = |(&[u, v], p): (&[f64; 2], &Complex<f64>)| (sigma * u + v) / ((sigma - p) * (sigma - p.conj()));
+            entry.iter().zip(&self.poles).map(term).sum()
+        };
+        let upper = |i: usize, j: usize| i * m - i * (i + 1) / 2 + j;
+        [
+            DMatrix::from_fn(m, m, |i, j| sum(&self.reading[(i * m + j) * n..][..n])),
+            DMatrix::from_fn(m, m, |i, j| sum(&self.mobility[upper(i.min(j), i.max(j)) * n..][..n])),
+        ]
+    }
+}
