@@ -33,7 +33,7 @@ pub use mac::{Mode, mac};
 pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
 pub use qr::QrSolver;
 pub use scaling::StandardForm;
-pub use secular::{Feedback, Gain, Growing, Pilots, Secular};
+pub use secular::{Feedback, Gain, Growing, Line, Pilots, Secular};
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;

@@ -19,11 +19,11 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use crate::batch::null_vectors;
+use crate::batch::{NullVector, null_vectors};
 use crate::mac::{Match, Mode, mac, match_modes};
 use crate::track::Way;
 use crate::vectors::start;
-use crate::{Workspace, mass_norm_squared};
+use crate::{Workspace, mass_norm_squared, secular};
 
 /// The first step, as a part of the way.
 const FIRST: f64 = 0.2;
@@ -166,19 +166,26 @@ impl<'a> Trace<'a> {
     }
 }
 
+/// Next to an eigenvalue: the next guess of it, how it moves along the way and, where that is known, its shape.
+struct Corrected {
+    lambda: Complex<f64>,
+    rate: Complex<f64>,
+    shape: Option<DVector<Complex<f64>>>,
+}
+
 /// The mode next to a guess of its eigenvalue at a part of a way; `None` where there is none.
 fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Point>> {
     let mut at = at.to_vec();
-    let mut found = vec![None; at.len()];
+    let mut found: Vec<Option<Corrected>> = at.iter().map(|_| None).collect();
     let mut open: Vec<usize> = (0..at.len()).collect();
     for _ in 0..MOST_CORRECTIONS {
         let asked: Vec<_> = open.iter().map(|&i| at[i]).collect();
         let mut corrected = corrected(&asked, work).into_iter();
         open.retain(|&i| {
             let Some(point) = corrected.next().flatten() else { return false };
-            let correction = (point.mode.lambda - at[i].2).norm();
-            at[i].2 = point.mode.lambda;
-            let is_settled = correction <= SETTLED * point.mode.lambda.norm();
+            let correction = (point.lambda - at[i].2).norm();
+            at[i].2 = point.lambda;
+            let is_settled = correction <= SETTLED * point.lambda.norm();
             if is_settled {
                 found[i] = Some(point);
             }
@@ -188,44 +195,68 @@ fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Opti
             break;
         }
     }
-    found
+    let is_shapeless = |i: &usize| found[*i].as_ref().is_some_and(|point| point.shape.is_none());
+    let shapeless: Vec<usize> = (0..at.len()).filter(is_shapeless).collect();
+    let on_lines: Vec<_> = shapeless.iter().filter_map(|&i| Some((at[i].0.line?, at[i].1, at[i].2))).collect();
+    for (i, shape) in shapeless.into_iter().zip(secular::shapes(&on_lines, work)) {
+        found[i].iter_mut().for_each(|point| point.shape = shape.clone());
+    }
+    let point = |(found, (way, ..)): (Option<Corrected>, (Way<'_>, f64, Complex<f64>))| {
+        let Corrected { lambda, rate, shape } = found?;
+        let mut shape = shape?;
+        shape.unscale_mut(mass_norm_squared(way.from.0, &shape).abs().sqrt());
+        Some(Point { mode: Mode { lambda, shape }, rate })
+    };
+    found.into_iter().zip(at).map(point).collect()
 }
 
 /// One step of Newton's method at each guess.
-fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Point>> {
+fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
     let mut found = Vec::with_capacity(at.len());
-    for group in at.chunk_by(|a, b| a.0.from.0.order() == b.0.from.0.order()) {
-        let Some(n) = group.first().map(|(way, ..)| way.from.0.order()) else { continue };
-        let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
-        let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();
-        let stiffness: Vec<_> =
-            systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();
-        let vectors = null_vectors(&stiffness, &start(n, 0), &mut work.scratch);
-        work.counters.factorisations += group.len() as u64;
-        for (i, vector) in vectors.into_iter().enumerate() {
-            found
-                .push(vector.and_then(|found| point(group[i].0, &systems[i], guesses[i], &stiffness[i], found.vector)));
+    let kind = |way: &Way<'_>| (way.line.is_some(), way.from.0.order());
+    for group in at.chunk_by(|a, b| kind(&a.0) == kind(&b.0)) {
+        let on_lines: Vec<_> = group.iter().filter_map(|&(way, t, guess)| Some((way.line?, t, guess))).collect();
+        if on_lines.is_empty() {
+            found.extend(by_vectors(group, work));
+        } else {
+            found.extend(secular::corrected(&on_lines, work).into_iter().map(|[lambda, rate]| {
+                (lambda.is_finite() && rate.is_finite()).then_some(Corrected { lambda, rate, shape: None })
+            }));
         }
     }
     found
 }
 
-/// The mode whose right singular vector x is at `lambda`, next to its eigenvalue.
-fn point(
+/// One step at guesses on ways of one order, by singular vectors.
+fn by_vectors(group: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
+    let Some(n) = group.first().map(|(way, ..)| way.from.0.order()) else { return Vec::new() };
+    let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
+    let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();
+    let stiffness: Vec<_> =
+        systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();
+    let vectors = null_vectors(&stiffness, &start(n, 0), &mut work.scratch);
+    work.counters.factorisations += group.len() as u64;
+    let step = |(i, vector): (usize, Option<NullVector>)| {
+        newton(group[i].0, &systems[i], guesses[i], &stiffness[i], vector?.vector)
+    };
+    vectors.into_iter().enumerate().map(step).collect()
+}
+
+/// One step next to an eigenvalue whose right singular vector at `lambda` is x.
+fn newton(
     way: Way<'_>,
     system: &SecondOrder,
     lambda: Complex<f64>,
     stiffness: &DMatrix<Complex<f64>>,
-    mut x: DVector<Complex<f64>>,
-) -> Option<Point> {
+    x: DVector<Complex<f64>>,
+) -> Option<Corrected> {
     let mut y = stiffness * &x;
     let size = y.norm();
     y.unscale_mut(size);
     let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * &x));
     let rate = -y.dotc(&change(way, lambda, &x)) / slope;
     let lambda = lambda - size / slope;
-    x.unscale_mut(mass_norm_squared(system, &x).abs().sqrt());
-    (lambda.is_finite() && rate.is_finite()).then_some(Point { mode: Mode { lambda, shape: x }, rate })
+    (lambda.is_finite() && rate.is_finite()).then_some(Corrected { lambda, rate, shape: Some(x) })
 }
 
 /// `d Q(lambda) / d t x = (Q_to(lambda) - Q_from(lambda)) x` on a way.

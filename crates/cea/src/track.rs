@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 use crate::mac::{Match, match_modes};
 use crate::trace::trace;
 use crate::walk::Walk;
-use crate::{CeaError, EigenSolver, Mode, Workspace};
+use crate::{CeaError, EigenSolver, Line, Mode, Workspace};
 
 /// Places on the way at which a system that is not known to be near is looked at in any case.
 const STATIONS: usize = 7;
@@ -27,6 +27,8 @@ pub struct Way<'a> {
     pub from: (&'a SecondOrder, &'a [Mode]),
     /// The system at the end, and its modes.
     pub to: (&'a SecondOrder, &'a [Mode]),
+    /// The same way as a line of gains, where both systems are one structure with feedback: cheaper to follow.
+    pub line: Option<Line<'a>>,
 }
 
 impl Way<'_> {
@@ -139,8 +141,8 @@ impl Lost {
     }
 
     fn way<'a>(&'a self, ways: &[Way<'a>]) -> Way<'a> {
-        let Way { from, to: (end, _) } = ways[self.at];
-        Way { from, to: (end, &self.left) }
+        let Way { to: (end, _), .. } = ways[self.at];
+        Way { to: (end, &self.left), ..ways[self.at] }
     }
 
     fn start(&self, ways: &[Way<'_>]) -> Vec<Mode> {
@@ -172,7 +174,7 @@ mod tests {
     }
 
     fn linked(from: &SecondOrder, to: &SecondOrder) -> Vec<Vec<usize>> {
-        let way = Way { from: (from, &modes(from)), to: (to, &modes(to)) };
+        let way = Way { from: (from, &modes(from)), to: (to, &modes(to)), line: None };
         follow(&QrSolver, way, &mut Workspace::default()).unwrap()
     }
 
@@ -205,7 +207,7 @@ mod tests {
     fn a_double_eigenvalue_is_one_group_and_costs_no_small_steps() {
         let (from, to) = (diagonal(&[4.0, 4.0, 9.0]), diagonal(&[4.1, 4.1, 9.0]));
         let mut work = Workspace::default();
-        let way = Way { from: (&from, &modes(&from)), to: (&to, &modes(&to)) };
+        let way = Way { from: (&from, &modes(&from)), to: (&to, &modes(&to)), line: None };
         let links = follow(&QrSolver, way, &mut work).unwrap();
         assert_eq!(links[2], [2]);
         assert_eq!(work.counters.eigenvalue_solves, STATIONS as u64);
@@ -219,7 +221,7 @@ mod tests {
         other.internal.decay[0] = 3.0;
         other.internal.drive[(0, 1)] = 1.0;
         other.internal.force[(1, 0)] = 0.5;
-        let way = Way { from: (&other, &[]), to: (&plain, &[]) };
+        let way = Way { from: (&other, &[]), to: (&plain, &[]), line: None };
         let lambda = Complex::new(-0.1, 1.7);
         for t in [0.0, 0.3, 1.0] {
             let line = other.dynamic_stiffness(lambda) * Complex::from(1.0 - t)

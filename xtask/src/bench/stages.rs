@@ -175,7 +175,7 @@ impl Replay {
         let to = (&reference.system, &reference.modes[..]);
         timed(&mut spent.names, || {
             let each = systems.iter().zip(&modes);
-            let ways: Vec<_> = each.map(|(system, modes)| Way { from: (system, modes), to }).collect();
+            let ways: Vec<_> = each.map(|(system, modes)| Way { from: (system, modes), to, line: None }).collect();
             identify_all(&BatchSolver, &ways, work).into_iter().try_for_each(|links| links.map(drop))
         })?;
         Ok(modes)

@@ -34,7 +34,7 @@ use layout::Layout;
 pub(crate) use null::{NullVector, null_vectors};
 use ops::Ops;
 use pack::Scale;
-pub(crate) use response::characteristic;
+pub(crate) use response::{Point, characteristic, secular_matrices};
 
 /// All eigenvalues of many systems at once, for studies.
 ///

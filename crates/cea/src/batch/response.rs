@@ -4,13 +4,14 @@
 //! the sums G and H over the modes of the structure, m x m, then the determinant of so small a matrix. 3 m^2 n fused
 //! multiply-adds for each of the two parts of a complex number.
 
+use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::ops::{Ops, registers};
 use super::pair::{Pair, fma, pair, scale, square};
 use super::{narrow, wide_part};
-use crate::secular::{Gain, Resolvent};
+use crate::secular::Resolvent;
 
 /// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
 const SIDE_BY_SIDE: usize = 4;
@@ -18,33 +19,62 @@ const SIDE_BY_SIDE: usize = 4;
 /// rounding error.
 const AT_POLE: f64 = 1e-32;
 
-/// The characteristic polynomial at each point, in the units of the resolvent; divided by `(sigma + decay)^m` where the
-/// feedback has internal states.
+/// A place in the plane of eigenvalues and the feedback there, in the units of a resolvent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point {
+    pub sigma: Complex<f64>,
+    /// p.
+    pub position: f64,
+    /// v at sigma.
+    pub slope: Complex<f64>,
+}
+
+/// The characteristic polynomial at each point; divided by `(sigma + decay)^m` where the feedback has internal states.
 pub(crate) fn characteristic(
     resolvent: &Resolvent,
-    points: &[(Complex<f64>, Gain)],
+    points: &[Point],
     scratch: &mut Vec<f64>,
     out: &mut Vec<Complex<f64>>,
 ) {
+    out.clear();
+    run(resolvent, points, scratch, &mut Results::Values(out));
+}
+
+/// `I + p G + sigma v H` at each point.
+pub(crate) fn secular_matrices(
+    resolvent: &Resolvent,
+    points: &[Point],
+    scratch: &mut Vec<f64>,
+) -> Vec<DMatrix<Complex<f64>>> {
+    let mut matrices = Vec::with_capacity(points.len());
+    run(resolvent, points, scratch, &mut Results::Matrices(&mut matrices));
+    matrices
+}
+
+fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut Results<'_>) {
     let arch = Arch::new();
     let (wide, few) = points.split_at(wide_part(points.len()));
-    out.clear();
     if !wide.is_empty() {
-        arch.dispatch(Kernel { resolvent, points: wide, scratch: &mut *scratch, out: &mut *out });
+        arch.dispatch(Kernel { resolvent, points: wide, scratch, results });
     }
     if !few.is_empty() {
-        narrow(arch, Kernel { resolvent, points: few, scratch, out });
+        narrow(arch, Kernel { resolvent, points: few, scratch, results });
     }
 }
 
-struct Kernel<'a> {
-    resolvent: &'a Resolvent,
-    points: &'a [(Complex<f64>, Gain)],
-    scratch: &'a mut Vec<f64>,
-    out: &'a mut Vec<Complex<f64>>,
+enum Results<'a> {
+    Values(&'a mut Vec<Complex<f64>>),
+    Matrices(&'a mut Vec<DMatrix<Complex<f64>>>),
 }
 
-impl WithSimd for Kernel<'_> {
+struct Kernel<'a, 'b> {
+    resolvent: &'a Resolvent,
+    points: &'a [Point],
+    scratch: &'a mut Vec<f64>,
+    results: &'a mut Results<'b>,
+}
+
+impl WithSimd for Kernel<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -57,21 +87,17 @@ impl WithSimd for Kernel<'_> {
         let (modes, _) = modes.as_chunks_mut::<4>();
         let (matrix, sums) = rest.as_chunks_mut::<2>().0.split_at_mut(m * m);
         for points in self.points.chunks(lanes) {
-            let [re, im, position, velocity, lag, decay] = gather::<S>(o, points);
+            let [re, im, position, slope_re, slope_im] = gather::<S>(o, points);
             let sigma = Pair { re, im };
             let product = fill(o, sigma, poles, modes);
             add_up(o, modes, reading, matrix);
             for entry in &mut *matrix {
                 *entry = scale(o, pair(*entry), position).registers();
             }
-            if points.iter().any(|(_, gain)| !gain.is_still()) {
+            if points.iter().any(|point| point.slope != Complex::default()) {
                 let half = &mut sums[..m * (m + 1) / 2];
                 add_up(o, modes, mobility, half);
-                // v + lag / (sigma + decay), times sigma.
-                let pole = Pair { re: o.add(sigma.re, decay), im: sigma.im };
-                let part = o.div(lag, square(o, pole, o.splat(0.0)));
-                let slope = Pair { re: o.fma(pole.re, part, velocity), im: o.neg(o.mul(pole.im, part)) };
-                let slope = times(o, slope, sigma);
+                let slope = times(o, Pair { re: slope_re, im: slope_im }, sigma);
                 let mut upper = half.iter();
                 for i in 0..m {
                     for (j, &sum) in (i..m).zip(upper.by_ref()) {
@@ -85,10 +111,23 @@ impl WithSimd for Kernel<'_> {
             for diagonal in matrix.iter_mut().step_by(m + 1) {
                 diagonal[0] = o.add(diagonal[0], o.splat(1.0));
             }
-            let value = times(o, determinant(o, matrix, m), product).registers();
-            let numbers: &[f64] = bytemuck::cast_slice(&value);
-            for lane in 0..points.len() {
-                self.out.push(Complex::new(numbers[lane], numbers[lanes + lane]));
+            match &mut *self.results {
+                Results::Values(values) => {
+                    let value = times(o, determinant(o, matrix, m), product).registers();
+                    let numbers: &[f64] = bytemuck::cast_slice(&value);
+                    for lane in 0..points.len() {
+                        values.push(Complex::new(numbers[lane], numbers[lanes + lane]));
+                    }
+                }
+                Results::Matrices(matrices) => {
+                    let numbers: &[f64] = bytemuck::cast_slice(matrix);
+                    for lane in 0..points.len() {
+                        let at = |i: usize, j: usize| 2 * (i * m + j) * lanes + lane;
+                        matrices.push(DMatrix::from_fn(m, m, |i, j| {
+                            Complex::new(numbers[at(i, j)], numbers[at(i, j) + lanes])
+                        }));
+                    }
+                }
             }
         }
     }
@@ -96,12 +135,12 @@ impl WithSimd for Kernel<'_> {
 
 /// The numbers of one point in each lane; the spare lanes hold the first.
 #[inline(always)]
-fn gather<S: Simd>(o: Ops<S>, points: &[(Complex<f64>, Gain)]) -> [S::f64s; 6] {
-    let mut registers = [o.splat(0.0); 6];
+fn gather<S: Simd>(o: Ops<S>, points: &[Point]) -> [S::f64s; 5] {
+    let mut registers = [o.splat(0.0); 5];
     let numbers: &mut [f64] = bytemuck::cast_slice_mut(&mut registers);
     for lane in 0..S::F64_LANES {
-        let (sigma, gain) = points.get(lane).unwrap_or(&points[0]);
-        let of_point = [sigma.re, sigma.im, gain.position, gain.velocity, gain.lag, gain.decay];
+        let Point { sigma, position, slope } = points.get(lane).unwrap_or(&points[0]);
+        let of_point = [sigma.re, sigma.im, *position, slope.re, slope.im];
         for (register, number) in of_point.into_iter().enumerate() {
             numbers[register * S::F64_LANES + lane] = number;
         }

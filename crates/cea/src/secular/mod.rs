@@ -13,6 +13,7 @@
 //! and away from the frequencies of those that grow, and only the latter are found to the last digits.
 
 mod enclosure;
+mod line;
 mod pilot;
 mod resolvent;
 mod search;
@@ -20,7 +21,10 @@ mod search;
 use linsys::SecondOrder;
 use num_complex::Complex;
 
+use crate::batch::Point;
 use crate::{CeaError, Spectrum, Workspace};
+pub use line::Line;
+pub(crate) use line::{corrected, shapes};
 pub use pilot::Pilots;
 pub use resolvent::Feedback;
 pub(crate) use resolvent::Resolvent;
@@ -39,14 +43,14 @@ pub struct Gain {
 }
 
 impl Gain {
-    /// Whether forces do not depend on velocities.
-    pub(crate) fn is_still(&self) -> bool {
-        self.velocity == 0.0 && self.lag == 0.0
-    }
-
     /// `v + lag / (lambda + decay)`.
     fn slope(&self, lambda: Complex<f64>) -> Complex<f64> {
         if self.lag == 0.0 { Complex::from(self.velocity) } else { self.velocity + self.lag / (lambda + self.decay) }
+    }
+
+    /// The feedback at an eigenvalue.
+    fn at(&self, sigma: Complex<f64>) -> Point {
+        Point { sigma, position: self.position, slope: self.slope(sigma) }
     }
 
     fn in_units(&self, unit: f64) -> Self {

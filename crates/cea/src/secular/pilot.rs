@@ -103,7 +103,8 @@ impl Pilots {
                 Gain { position: position + steps[0], ..pilot.gain },
                 Gain { velocity: velocity + steps[1], ..pilot.gain },
             ];
-            let points: Vec<_> = gains.iter().flat_map(|&gain| pilot.sigmas.iter().map(move |&s| (s, gain))).collect();
+            let points: Vec<_> =
+                gains.iter().flat_map(|&gain| pilot.sigmas.iter().map(move |&sigma| gain.at(sigma))).collect();
             characteristic(resolvent, &points, &mut work.scratch, &mut values);
             work.counters.secular_values += values.len() as u64;
             let cast = pilot.guess(&pilot.gain);

@@ -9,7 +9,7 @@
 //! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
 
 use linsys::{Internal, SecondOrder};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
@@ -42,6 +42,9 @@ pub(crate) struct Resolvent {
     pub reading: Vec<[f64; 2]>,
     /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
     pub mobility: Vec<[f64; 2]>,
+    /// Of each pole a shape, n, and how strongly each force drives it, m: `Q_0^-1 B` is the sum of their products over
+    /// `lambda - p_k`, and of the conjugates.
+    pub shapes: Vec<[DVector<Complex<f64>>; 2]>,
 }
 
 impl Resolvent {
@@ -73,6 +76,7 @@ impl Resolvent {
             places: m,
             reading: vec![[0.0; 2]; m * m * n],
             mobility: vec![[0.0; 2]; m * (m + 1) / 2 * n],
+            shapes: Vec::with_capacity(n),
         };
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
         let mut first = 0;
@@ -83,6 +87,9 @@ impl Resolvent {
             let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
             let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else { return Ok(None) };
+            for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
+                resolvent.shapes.push([shape.into_owned(), drive.transpose()]);
+            }
             let moved = x * acted;
             resolvent.add(first, pole / unit, &(&reading * &moved), &(force.transpose() * moved));
             (first..group.end).for_each(|_| resolvent.poles.push(pole / unit));
@@ -126,6 +133,22 @@ impl Resolvent {
             is_near(&reading * &moved, by_modes)
                 && is_near(force.transpose() * moved * Complex::from(self.unit), mobility)
         })
+    }
+
+    /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
+    pub fn moved(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        let mut moved = DVector::zeros(self.poles.len());
+        for (pole, [shape, drive]) in self.poles.iter().zip(&self.shapes) {
+            let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
+            for (d, w) in drive.iter().zip(w) {
+                plain += d * w;
+                conjugate += d.conj() * w;
+            }
+            (plain, conjugate) = (plain / (sigma - pole), conjugate / (sigma - pole.conj()));
+            let (sum, difference) = (plain + conjugate, Complex::<f64>::i() * (plain - conjugate));
+            moved.iter_mut().zip(shape).for_each(|(moved, x)| *moved += sum * x.re + difference * x.im);
+        }
+        moved
     }
 
     /// Both sums.

@@ -4,7 +4,7 @@ use num_complex::Complex;
 
 use super::enclosure::{Cast, Enclosure, MOST, enclosure};
 use super::{Gain, Growing, Pilots, Resolvent};
-use crate::batch::characteristic;
+use crate::batch::{Point, characteristic};
 use crate::{Workspace, by_frequency};
 
 /// Rounds of corrections before a search is given up.
@@ -88,17 +88,17 @@ impl Search {
     }
 
     /// Where the polynomial is to be evaluated.
-    fn ask(&self, is_first: bool, places: usize, points: &mut Vec<(Complex<f64>, Gain)>) {
+    fn ask(&self, is_first: bool, places: usize, points: &mut Vec<Point>) {
         match &self.stage {
-            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| (self.cast.sigmas[i], self.gain))),
+            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| self.gain.at(self.cast.sigmas[i]))),
             Stage::Settle(_, secants) => {
                 let open = secants.iter().filter(|secant| !secant.is_settled);
-                points.extend(open.map(|secant| (secant.here, self.gain)));
+                points.extend(open.map(|secant| self.gain.at(secant.here)));
             }
             Stage::GivenUp => {}
         }
         if let (true, Some(bristles)) = (is_first, self.cast.bristles) {
-            points.extend(bristles.guesses(places).map(|(z, _)| (z, self.gain)));
+            points.extend(bristles.guesses(places).map(|(z, _)| self.gain.at(z)));
         }
     }
 

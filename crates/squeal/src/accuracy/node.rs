@@ -98,7 +98,7 @@ impl<'a> Nodes<'a> {
         let reference = &self.study.references()[self.scene];
         let to = (&reference.system, &reference.modes[..]);
         let ways: Vec<Way<'_>> =
-            systems.iter().zip(&right).map(|(system, modes)| Way { from: (system, modes), to }).collect();
+            systems.iter().zip(&right).map(|(system, modes)| Way { from: (system, modes), to, line: None }).collect();
         let links = identify_all(&BatchSolver, &ways, &mut self.work);
         for (node, links) in nodes.iter_mut().zip(links) {
             for (mode, link) in node.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {

@@ -1,14 +1,14 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, Counters, EigenSolver, Growing, Mode, Pilots, Spectrum, Workspace, ranks_together};
+use cea::{CeaError, Counters, EigenSolver, Gain, Mode, Pilots, Spectrum, Workspace, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
 use work::mode_work;
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, Searches, equations, pilots};
-use super::part::{Part, Unstable, solve};
+use super::growing::{Equations, Searches, equations, gain, pilots};
+use super::part::{Known, Part, Solver, Unstable};
 use super::reference::{Reference, References, references};
 use super::{Plan, Sample, Scene};
 use crate::Error;
@@ -48,6 +48,8 @@ pub struct Study<'a> {
     equations: Vec<Equations>,
     /// Of each sector of each scene.
     pilots: Vec<Vec<Option<Pilots>>>,
+    /// Of the reference of each scene.
+    reference_gains: Vec<Option<Gain>>,
 }
 
 impl<'a> Study<'a> {
@@ -61,7 +63,10 @@ impl<'a> Study<'a> {
         let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(plan)?, equations(plan)?);
         let pilots = pilots(plan, &equations, &certificates, solver)?;
-        Ok(Self { references, sector_references, certificates, equations, pilots, plan, solver })
+        let median = Sample::median(&plan.case);
+        let reference_gain = |scene| plan.sliding(scene, &median).map(|state| gain(&state));
+        let reference_gains = plan.scenes.iter().map(reference_gain).collect::<Result<_, _>>()?;
+        Ok(Self { references, sector_references, certificates, equations, pilots, reference_gains, plan, solver })
     }
 
     /// The plan.
@@ -88,11 +93,11 @@ impl<'a> Study<'a> {
     fn open_samples(&self, scene: usize, states: &[Sliding], scratch: &mut Scratch) -> Vec<Result<Outcome, Error>> {
         let Scratch { systems, spectra, work } = scratch;
         let (references, pilots) = (&self.sector_references[scene], &self.pilots[scene]);
-        let scene = &self.plan.scenes[scene];
+        let (place, scene) = (scene, &self.plan.scenes[scene]);
         let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
 
         let mut known = Searches { equations: &self.equations[scene.lattice], pilots }.growing(states, work);
-        let damps = |found: &Option<Growing>| found.as_ref().is_some_and(|found| found.frequencies().next().is_none());
+        let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
 
         systems.resize_with(systems.len().max(references.len()), Vec::new);
         let systems = &mut systems[..references.len()];
@@ -117,10 +122,17 @@ impl<'a> Study<'a> {
             });
         }
 
+        let equations = self.equations[scene.lattice].iter();
+        let solvers = references.iter().zip(equations).map(|(reference, equation)| Solver {
+            spectra: self.solver,
+            reference,
+            equation: equation.as_ref().zip(self.reference_gains[place]),
+        });
+        let solvers: Vec<Solver<'_>> = solvers.collect();
         let mut parts = Vec::with_capacity(references.len());
-        for ((systems, reference), known) in systems.iter().zip(references).zip(&mut known) {
-            let known = lanes.iter().map(|&at| known[at].take()).collect();
-            parts.push(solve(self.solver, &systems[..lanes.len()], known, reference, spectra, work));
+        for ((systems, solver), known) in systems.iter().zip(&solvers).zip(&mut known) {
+            let known: Vec<Known> = lanes.iter().map(|&at| known[at].take()).collect();
+            parts.push(solver.solve(&systems[..lanes.len()], &known, spectra, work));
         }
         for (lane, &at) in lanes.iter().enumerate() {
             for sector in 0..parts.len() {
@@ -130,8 +142,7 @@ impl<'a> Study<'a> {
                 };
                 if parts[sector][lane].as_ref().is_ok_and(blurs) {
                     let system = std::slice::from_ref(&systems[sector][lane]);
-                    let mut exact = solve(self.solver, system, vec![None], &references[sector], spectra, work);
-                    parts[sector][lane] = exact.remove(0);
+                    parts[sector][lane] = solvers[sector].solve(system, &[None], spectra, work).remove(0);
                 }
             }
             let parts = parts.iter().map(|of_sector| of_sector[lane].as_ref());

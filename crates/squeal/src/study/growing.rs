@@ -1,11 +1,12 @@
 //! What finds the growing modes of a scene without spectra: the secular equations of its lattice, and pilots.
 
-use cea::{CeaError, EigenSolver, Feedback, Gain, Growing, Pilots, Secular, Spectrum, Workspace};
+use cea::{CeaError, EigenSolver, Feedback, Gain, Pilots, Secular, Spectrum, Workspace};
 use linsys::SecondOrder;
 use montecarlo::stream;
 use osc_model::{ContactPoint, Linearise, OscModelError, PreparedLattice, Sectors, Sliding};
 use rayon::prelude::*;
 
+use super::part::Known;
 use super::{Certificate, Plan, Sample, Scene};
 use crate::Error;
 
@@ -98,19 +99,23 @@ impl Searches<'_> {
     /// The modes of each state that grow, sector by sector; `None` where they are left to spectra.
     ///
     /// The bounds of other modes leave their order open only among themselves.
-    pub fn growing(&self, states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Option<Growing>>> {
+    pub fn growing(&self, states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Known>> {
         let sectors = self.equations.len();
         let Some(gains) = states.iter().map(gain).collect::<Option<Vec<Gain>>>() else {
             return vec![vec![None; states.len()]; sectors];
         };
         let all: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
-        let mut found: Vec<Vec<Option<Growing>>> = (0..sectors).map(|sector| self.search(sector, &all, work)).collect();
-        let growing = |found: &[Vec<Option<Growing>>], at: usize| -> Vec<f64> {
-            found.iter().filter_map(|of_sector| of_sector[at].as_ref()).flat_map(Growing::frequencies).collect()
+        let mut found: Vec<Vec<Known>> = (0..sectors).map(|sector| self.search(sector, &all, work)).collect();
+        let growing = |at: usize| -> Vec<f64> {
+            found
+                .iter()
+                .filter_map(|of_sector| of_sector[at].as_ref())
+                .flat_map(|(_, found)| found.frequencies())
+                .collect()
         };
-        let frequencies: Vec<Vec<f64>> = (0..states.len()).map(|at| growing(&found, at)).collect();
+        let frequencies: Vec<Vec<f64>> = (0..states.len()).map(growing).collect();
         for (sector, found) in found.iter_mut().enumerate() {
-            let is_open = |&at: &usize| found[at].as_ref().is_some_and(|found| found.blurs(&frequencies[at]));
+            let is_open = |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.blurs(&frequencies[at]));
             let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
             let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
             for (at, again) in open.into_iter().zip(self.search(sector, &again, work)) {
@@ -120,10 +125,11 @@ impl Searches<'_> {
         found
     }
 
-    fn search(&self, sector: usize, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
-        match (&self.equations[sector], &self.pilots[sector]) {
-            (Some(equation), Some(pilots)) => equation.growing(pilots, gains, work),
-            _ => vec![None; gains.len()],
-        }
+    fn search(&self, sector: usize, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
+        let (Some(equation), Some(pilots)) = (&self.equations[sector], &self.pilots[sector]) else {
+            return vec![None; gains.len()];
+        };
+        let found = equation.growing(pilots, gains, work);
+        gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
     }
 }

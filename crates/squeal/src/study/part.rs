@@ -1,7 +1,8 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
 use cea::{
-    CeaError, EigenSolver, Growing, Links, Mode, Modes, Spectrum, Verdict, Way, Workspace, identify_all, verdict,
+    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Secular, Spectrum, Verdict, Way, Workspace,
+    identify_all, verdict,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -42,54 +43,94 @@ pub(super) struct Unstable {
     pub names: Vec<u16>,
 }
 
-/// Names the unstable modes of `systems`, one sector of some samples, after `reference`, that sector of their scene. What
-/// is not `known` of the modes of a system is solved for. `spectra` is memory.
-pub(super) fn solve(
-    solver: &dyn EigenSolver,
-    systems: &[SecondOrder],
-    known: Vec<Option<Growing>>,
-    reference: &Reference,
-    spectra: &mut Vec<Result<Spectrum, CeaError>>,
-    work: &mut Workspace,
-) -> Vec<Result<Part, CeaError>> {
-    let is_unknown = known.iter().all(Option::is_none);
-    // Friction does not reach every sector: where it does not, all samples are one.
-    if let ([first, others @ ..], true) = (systems, is_unknown)
-        && !others.is_empty()
-        && others.iter().all(|other| other == first)
-    {
-        let part = solve(solver, std::slice::from_ref(first), vec![None], reference, spectra, work).remove(0);
-        return vec![part; systems.len()];
+/// The growing modes of a sector of a sample, as its secular equation finds them.
+pub(super) type Known = Option<(Gain, Growing)>;
+
+/// How one sector of a scene is solved.
+pub(super) struct Solver<'a> {
+    pub spectra: &'a dyn EigenSolver,
+    /// What its modes are named after.
+    pub reference: &'a Reference,
+    /// Its secular equation, with the gain of the reference.
+    pub equation: Option<(&'a Secular, Gain)>,
+}
+
+impl Solver<'_> {
+    /// Names the unstable modes of `systems`, this sector of some samples. What is not `known` of the modes of a system is
+    /// solved for. `spectra` is memory.
+    pub fn solve(
+        &self,
+        systems: &[SecondOrder],
+        known: &[Known],
+        spectra: &mut Vec<Result<Spectrum, CeaError>>,
+        work: &mut Workspace,
+    ) -> Vec<Result<Part, CeaError>> {
+        let is_unknown = known.iter().all(Option::is_none);
+        // Friction does not reach every sector: where it does not, all samples are one.
+        if let ([first, others @ ..], true) = (systems, is_unknown)
+            && !others.is_empty()
+            && others.iter().all(|other| other == first)
+        {
+            let part = self.solve(std::slice::from_ref(first), &[None], spectra, work).remove(0);
+            return vec![part; systems.len()];
+        }
+        let judged: Vec<Result<Judged, CeaError>> = if is_unknown {
+            self.spectra.eigenvalues_of_all(systems, work, spectra);
+            let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
+                Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
+            };
+            systems.iter().zip(&*spectra).map(judge).collect()
+        } else {
+            let judge = |(system, known): (&SecondOrder, &Known)| match known {
+                Some((_, known)) => Ok(Judged::known(known)),
+                None => Judged::new(system, &self.spectra.eigenvalues(system, work)?, work),
+            };
+            systems.iter().zip(known).map(judge).collect()
+        };
+
+        let lambdas: Vec<Vec<Complex<f64>>> =
+            judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
+        let shaped = self.shapes(systems, known, &lambdas, work);
+        let to = (&self.reference.system, &self.reference.modes[..]);
+        let each = systems.iter().zip(&shaped).zip(known);
+        let ways = each.map(|((system, modes), known)| Way {
+            from: (system, modes.as_deref().unwrap_or_default()),
+            to,
+            line: known.as_ref().zip(self.equation).map(|((from, _), (secular, to))| Line { secular, from: *from, to }),
+        });
+        let ways: Vec<Way<'_>> = ways.collect();
+        let links = identify_all(self.spectra, &ways, work);
+
+        let named = judged.into_iter().zip(shaped).zip(links);
+        named.map(|((judged, modes), links)| Ok(judged?.named(modes?, links?, self.reference))).collect()
     }
-    let judged: Vec<Result<Judged, CeaError>> = if is_unknown {
-        solver.eigenvalues_of_all(systems, work, spectra);
-        let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
-            Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
-        };
-        systems.iter().zip(&*spectra).map(judge).collect()
-    } else {
-        let judge = |(system, known): (&SecondOrder, Option<Growing>)| match known {
-            Some(known) => Ok(Judged::known(known)),
-            None => Judged::new(system, &solver.eigenvalues(system, work)?, work),
-        };
-        systems.iter().zip(known).map(judge).collect()
-    };
 
-    let lambdas: Vec<Vec<Complex<f64>>> =
-        judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
-    let of: Vec<_> = systems.iter().zip(&lambdas).map(|(system, lambdas)| (system, lambdas.as_slice())).collect();
-    let shaped = Mode::of_all(&of, work);
-
-    let to = (&reference.system, &reference.modes[..]);
-    let ways: Vec<Way<'_>> = systems
-        .iter()
-        .zip(&shaped)
-        .map(|(system, modes)| Way { from: (system, modes.as_deref().unwrap_or_default()), to })
-        .collect();
-    let links = identify_all(solver, &ways, work);
-
-    let named = judged.into_iter().zip(shaped).zip(links);
-    named.map(|((judged, modes), links)| Ok(judged?.named(modes?, links?, reference))).collect()
+    /// The modes of each system at some of its eigenvalues.
+    fn shapes(
+        &self,
+        systems: &[SecondOrder],
+        known: &[Known],
+        lambdas: &[Vec<Complex<f64>>],
+        work: &mut Workspace,
+    ) -> Vec<Result<Vec<Mode>, CeaError>> {
+        let gains = known.iter().map(|known| known.as_ref().map(|(gain, _)| *gain));
+        let asked = systems.iter().zip(lambdas).zip(gains);
+        let by_equation: Vec<_> =
+            asked.clone().filter_map(|((system, lambdas), gain)| Some((system, gain?, &lambdas[..]))).collect();
+        let found = self.equation.map(|(secular, _)| secular.modes(&by_equation, work)).unwrap_or_default();
+        let mut found = found.into_iter();
+        let mut shaped: Vec<Option<Result<Vec<Mode>, CeaError>>> =
+            asked.clone().map(|(_, gain)| gain.and_then(|_| found.next().flatten()).map(Ok)).collect();
+        let of: Vec<_> = shaped
+            .iter()
+            .zip(asked)
+            .filter(|(shaped, _)| shaped.is_none())
+            .map(|(_, ((s, l), _))| (s, &l[..]))
+            .collect();
+        let mut found = Mode::of_all(&of, work).into_iter();
+        shaped.iter_mut().filter(|shaped| shaped.is_none()).for_each(|shaped| *shaped = found.next());
+        shaped.into_iter().flatten().collect()
+    }
 }
 
 /// The modes of one system, with verdicts.
@@ -102,10 +143,10 @@ struct Judged {
 }
 
 impl Judged {
-    fn known(Growing { modes, radii }: Growing) -> Self {
+    fn known(Growing { modes, radii }: &Growing) -> Self {
         let unstable = modes.iter().enumerate().filter(|(_, lambda)| lambda.re > 0.0).map(|(index, _)| index).collect();
-        let modes = Modes { oscillatory: modes, real: Vec::new(), internal: Vec::new() };
-        Self { modes, unstable, undecided: 0, radii }
+        let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
+        Self { modes, unstable, undecided: 0, radii: radii.clone() }
     }
 
     fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {

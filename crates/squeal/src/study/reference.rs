@@ -92,7 +92,8 @@ impl Reference {
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
         let link = if near { identify } else { follow };
-        let links = link(solver, Way { from: (&self.system, &self.modes), to: (&next.system, &next.modes) }, work)?;
+        let way = Way { from: (&self.system, &self.modes), to: (&next.system, &next.modes), line: None };
+        let links = link(solver, way, work)?;
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
                 next.names[to].extend(names);

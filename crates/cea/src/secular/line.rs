@@ -1,0 +1,110 @@
+//! Modes with feedback: their shapes, and how their eigenvalues move along a line of gains.
+
+use std::ptr;
+
+use linsys::SecondOrder;
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::{Gain, Resolvent, Secular};
+use crate::batch::{NullVector, Point, characteristic, null_vectors, secular_matrices};
+use crate::vectors::start;
+use crate::{Mode, Workspace};
+
+/// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the line.
+const DIFFERENCE: f64 = 1e-7;
+/// Largest part of the forces on a mode that does not come back as feedback.
+const LARGEST_RESIDUAL: f64 = 1e-8;
+/// Eigenvalues nearer to each other than this, relatively, may have one shape or two.
+const ONE: f64 = 1e-6;
+
+/// From one gain to another of one structure: `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1.
+#[derive(Debug, Clone, Copy)]
+pub struct Line<'a> {
+    /// The structure.
+    pub secular: &'a Secular,
+    /// The gain at the beginning.
+    pub from: Gain,
+    /// The gain at the end.
+    pub to: Gain,
+}
+
+impl Line<'_> {
+    fn at(&self, t: f64, sigma: Complex<f64>) -> Point {
+        let unit = self.secular.resolvent.unit;
+        let [from, to] = [self.from, self.to].map(|gain| gain.in_units(unit).at(sigma));
+        let mix = 1.0 - t;
+        Point { sigma, position: mix * from.position + t * to.position, slope: from.slope * mix + to.slope * t }
+    }
+}
+
+/// One step of Newton's method at a guess of an eigenvalue at a part of each line, and how the eigenvalue moves along the
+/// line; rad/s.
+pub(crate) fn corrected(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<[Complex<f64>; 2]> {
+    let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
+    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+        let resolvent = &group[0].0.secular.resolvent;
+        let three = |(line, t, guess): &(Line<'_>, f64, Complex<f64>)| {
+            let sigma = guess / resolvent.unit;
+            [line.at(*t, sigma), line.at(*t, sigma * (1.0 + DIFFERENCE)), line.at(t + DIFFERENCE, sigma)]
+        };
+        let points: Vec<Point> = group.iter().flat_map(three).collect();
+        characteristic(resolvent, &points, &mut work.scratch, &mut values);
+        work.counters.secular_values += values.len() as u64;
+        for ((_, _, guess), value) in group.iter().zip(values.as_chunks::<3>().0) {
+            let slope = (value[1] - value[0]) / (guess * DIFFERENCE);
+            found.push([guess - value[0] / slope, (value[0] - value[2]) / (slope * DIFFERENCE)]);
+        }
+    }
+    found
+}
+
+/// The shape of the mode at an eigenvalue at a part of each line.
+pub(crate) fn shapes(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<DVector<Complex<f64>>>> {
+    let mut found = Vec::with_capacity(at.len());
+    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+        let resolvent = &group[0].0.secular.resolvent;
+        let points: Vec<Point> = group.iter().map(|(line, t, lambda)| line.at(*t, lambda / resolvent.unit)).collect();
+        found.extend(moved(resolvent, &points, work).into_iter().map(|shape| shape.map(|(shape, _)| shape)));
+    }
+    found
+}
+
+/// The shape of the mode at each point, and the part of the forces on it that is not feedback.
+fn moved(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<(DVector<Complex<f64>>, f64)>> {
+    let matrices = secular_matrices(resolvent, points, &mut work.scratch);
+    work.counters.secular_values += points.len() as u64;
+    let forces = null_vectors(&matrices, &start(resolvent.places, 0), &mut work.scratch);
+    let shape = |(forces, point): (Option<NullVector>, &Point)| {
+        let NullVector { vector, residuals } = forces?;
+        Some((resolvent.moved(point.sigma, &vector), residuals[1]))
+    };
+    forces.into_iter().zip(points).map(shape).collect()
+}
+
+impl Secular {
+    /// The modes of systems that are this structure with some gain, at some of their eigenvalues, ascending in frequency;
+    /// `None` where the secular equation does not tell their shapes.
+    pub fn modes(&self, of: &[(&SecondOrder, Gain, &[Complex<f64>])], work: &mut Workspace) -> Vec<Option<Vec<Mode>>> {
+        let unit = self.resolvent.unit;
+        let point = |gain: &Gain, lambda: &Complex<f64>| gain.in_units(unit).at(lambda / unit);
+        let of_system = |(_, gain, lambdas): &(_, Gain, &[Complex<f64>])| -> Vec<Point> {
+            lambdas.iter().map(|lambda| point(gain, lambda)).collect()
+        };
+        let points: Vec<Point> = of.iter().flat_map(of_system).collect();
+        let mut shapes = moved(&self.resolvent, &points, work).into_iter();
+        let is_one = |pair: &[Complex<f64>]| (pair[1] - pair[0]).norm() <= ONE * pair[0].norm();
+        let modes = |&(system, _, lambdas): &(&SecondOrder, Gain, &[Complex<f64>])| {
+            let shapes: Vec<_> = shapes.by_ref().take(lambdas.len()).collect();
+            let mode = |(shape, &lambda): (Option<(DVector<Complex<f64>>, f64)>, &Complex<f64>)| {
+                let (shape, residual) = shape?;
+                (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(system, lambda, shape))
+            };
+            let modes: Option<Vec<Mode>> = shapes.into_iter().zip(lambdas).map(mode).collect();
+            modes.filter(|_| !lambdas.windows(2).any(is_one))
+        };
+        let modes: Vec<Option<Vec<Mode>>> = of.iter().map(modes).collect();
+        work.counters.eigenvectors += modes.iter().flatten().flatten().count() as u64;
+        modes
+    }
+}
