@@ -99,26 +99,50 @@ impl Enclosure {
     }
 }
 
-/// The largest radii that keep modes that damp left of the axis and of other frequencies than those that grow and those in
-/// `apart_from`, and what they leave of 1. `bristles` are guesses of internal states with their corrections; they keep off
-/// all modes.
+/// What a search is to find.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Wanted {
+    /// The modes that grow, and which others have lower frequencies.
+    Growing,
+    /// The modes that grow or decay more slowly than this part of |sigma|.
+    Near(f64),
+}
+
+impl Wanted {
+    pub fn is_found(self, sigma: Complex<f64>) -> bool {
+        match self {
+            Self::Growing => sigma.re > 0.0,
+            Self::Near(part) => sigma.re > -part * sigma.norm(),
+        }
+    }
+}
+
+/// The largest radii that keep the modes wanted apart from all others, and what they leave of 1. The others keep left of
+/// the axis and off the frequencies `apart_from`. `bristles` are guesses of internal states with their corrections; they
+/// keep off all modes.
 pub(super) fn enclosure(
+    wanted: Wanted,
     sigmas: &[Complex<f64>],
     corrections: &[Complex<f64>],
     bristles: &[(Complex<f64>, f64)],
     apart_from: &[f64],
 ) -> Enclosure {
-    let growing: Vec<usize> = (0..sigmas.len()).filter(|&i| sigmas[i].re > 0.0).collect();
-    let apart = |i: usize, j: usize| if i == j { f64::INFINITY } else { (sigmas[i].im - sigmas[j].im).abs() };
+    let found: Vec<usize> = (0..sigmas.len()).filter(|&i| wanted.is_found(sigmas[i])).collect();
+    let apart = |i: usize, j: usize| match wanted {
+        _ if i == j => f64::INFINITY,
+        Wanted::Growing => (sigmas[i].im - sigmas[j].im).abs(),
+        Wanted::Near(_) => (sigmas[i] - sigmas[j]).norm(),
+    };
     let radius = |i: usize| {
         let z = sigmas[i];
-        let apart = if z.re > 0.0 {
-            0.5 * (0..sigmas.len()).map(|j| apart(i, j)).fold(f64::INFINITY, f64::min)
+        let (side, apart) = if wanted.is_found(z) {
+            let side = if wanted == Wanted::Growing { z.re } else { f64::INFINITY };
+            (side, 0.5 * (0..sigmas.len()).map(|j| apart(i, j)).fold(f64::INFINITY, f64::min))
         } else {
-            let here = 0.5 * growing.iter().map(|&j| apart(i, j)).fold(f64::INFINITY, f64::min);
-            apart_from.iter().map(|im| (z.im - im).abs()).fold(here, f64::min)
+            let here = 0.5 * found.iter().map(|&j| apart(i, j)).fold(f64::INFINITY, f64::min);
+            (-z.re, apart_from.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
         };
-        z.re.abs().min(z.im).min(apart).max(0.0)
+        side.min(z.im).min(apart).max(0.0)
     };
     let radii: Vec<f64> = (0..sigmas.len()).map(radius).collect();
     let share = |((w, z), r): ((&Complex<f64>, &Complex<f64>), &f64)| 2.0 * (w.norm() + ROUNDING * z.norm()) / r;

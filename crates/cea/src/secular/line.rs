@@ -6,7 +6,7 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::{Gain, Resolvent, Secular};
+use super::{Gain, MIDDLE, Resolvent, Secular};
 use crate::batch::{NullVector, Point, characteristic, null_vectors, secular_matrices};
 use crate::vectors::start;
 use crate::{Mode, Workspace};
@@ -83,6 +83,32 @@ fn moved(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<O
 }
 
 impl Secular {
+    /// How eigenvalues move with the position and with the slope of a gain, each of the two at the eigenvalue and the other
+    /// held: `d lambda / d p` and `d lambda / d v`.
+    pub fn rates(&self, of: &[(Gain, Complex<f64>)], work: &mut Workspace) -> Vec<[Complex<f64>; 2]> {
+        let (resolvent, mut values) = (&self.resolvent, Vec::new());
+        let unit = resolvent.unit;
+        let [reading, mobility] = resolvent.at(MIDDLE).map(|sum| DIFFERENCE / sum.norm().max(f64::MIN_POSITIVE));
+        let steps = [reading.min(DIFFERENCE), mobility];
+        let four = |(gain, lambda): &(Gain, Complex<f64>)| {
+            let here = gain.in_units(unit).at(lambda / unit);
+            [
+                here,
+                Point { sigma: here.sigma * (1.0 + DIFFERENCE), ..here },
+                Point { position: here.position + steps[0], ..here },
+                Point { slope: here.slope + steps[1], ..here },
+            ]
+        };
+        let points: Vec<Point> = of.iter().flat_map(four).collect();
+        characteristic(resolvent, &points, &mut work.scratch, &mut values);
+        work.counters.secular_values += values.len() as u64;
+        let rates = |((_, lambda), value): (&(Gain, Complex<f64>), &[Complex<f64>; 4])| {
+            let slope = (value[1] - value[0]) / (lambda * DIFFERENCE);
+            [0, 1].map(|by| (value[0] - value[2 + by]) / (slope * steps[by]))
+        };
+        of.iter().zip(values.as_chunks::<4>().0).map(rates).collect()
+    }
+
     /// The modes of systems that are this structure with some gain, at some of their eigenvalues, ascending in frequency;
     /// `None` where the secular equation does not tell their shapes.
     pub fn modes(&self, of: &[(&SecondOrder, Gain, &[Complex<f64>])], work: &mut Workspace) -> Vec<Option<Vec<Mode>>> {

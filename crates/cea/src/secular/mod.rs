@@ -23,11 +23,15 @@ use num_complex::Complex;
 
 use crate::batch::Point;
 use crate::{CeaError, Spectrum, Workspace};
+use enclosure::Wanted;
 pub use line::Line;
 pub(crate) use line::{corrected, shapes};
 pub use pilot::Pilots;
 pub use resolvent::Feedback;
 pub(crate) use resolvent::Resolvent;
+
+/// The middle of the frequencies, in units: where slopes are compared.
+const MIDDLE: Complex<f64> = Complex::new(0.0, 1.0);
 
 /// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -106,6 +110,21 @@ impl Secular {
     ///
     /// What is found for a gain does not depend on the others, to the last bit.
     pub fn growing(&self, pilots: &Pilots, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
-        search::search(&self.resolvent, pilots, gains, work)
+        search::search(&self.resolvent, pilots, Wanted::Growing, gains, work)
+    }
+
+    /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
+    /// gains; `None` where a doubt is left.
+    pub fn near_axis(
+        &self,
+        pilots: &Pilots,
+        gains: &[Gain],
+        part: f64,
+        work: &mut Workspace,
+    ) -> Vec<Option<Vec<Complex<f64>>>> {
+        let wanted = Wanted::Near(part);
+        let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
+        let found = search::search(&self.resolvent, pilots, wanted, &gains, work).into_iter();
+        found.map(|found| Some(found?.modes.into_iter().filter(|&lambda| wanted.is_found(lambda)).collect())).collect()
     }
 }

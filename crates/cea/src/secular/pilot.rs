@@ -3,14 +3,12 @@
 use num_complex::Complex;
 
 use super::enclosure::{Bristles, Cast};
-use super::{Gain, Resolvent};
+use super::{Gain, MIDDLE, Resolvent};
 use crate::batch::characteristic;
 use crate::{Spectrum, Workspace};
 
 /// Difference of gains, in spreads, from which derivatives are taken.
 const DIFFERENCE: f64 = 1e-4;
-/// Where slopes are compared, in units: the middle of the frequencies.
-const MIDDLE: Complex<f64> = Complex::new(0.0, 1.0);
 /// |Im| / |sigma| of a real eigenvalue in a cluster that rounding has spread.
 const NEARLY_REAL: f64 = 1e-4;
 

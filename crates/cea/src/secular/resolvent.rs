@@ -152,7 +152,7 @@ impl Resolvent {
     }
 
     /// Both sums.
-    fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
+    pub fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
         let (n, m) = (self.poles.len(), self.places);
         let sum = |entry: &[[f64; 2]]| -> Complex<f64> {
             let term = |(&[u, v], p): (&[f64; 2], &Complex<f64>)| (sigma * u + v) / ((sigma - p) * (sigma - p.conj()));

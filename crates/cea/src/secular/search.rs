@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 
-use super::enclosure::{Cast, Enclosure, MOST, enclosure};
+use super::enclosure::{Cast, Enclosure, MOST, Wanted, enclosure};
 use super::{Gain, Growing, Pilots, Resolvent};
 use crate::batch::{Point, characteristic};
 use crate::{Workspace, by_frequency};
@@ -18,6 +18,7 @@ const NEAR_AXIS: f64 = 1e-6;
 
 /// One state on its way.
 struct Search {
+    wanted: Wanted,
     gain: Gain,
     apart_from: Vec<f64>,
     cast: Cast,
@@ -33,7 +34,7 @@ struct Search {
 enum Stage {
     /// Guesses of these modes are to be corrected.
     Enclose(Vec<usize>),
-    /// All eigenvalues are enclosed; growing modes are found in their discs.
+    /// All eigenvalues are enclosed; those wanted are found in their discs.
     Settle(Enclosure, Vec<Secant>),
     GivenUp,
 }
@@ -46,17 +47,18 @@ struct Secant {
     is_settled: bool,
 }
 
-/// The growing modes with each of the gains, others apart from some frequencies, in units.
+/// The modes with each of the gains, those wanted found and the others apart from some frequencies, rad/s.
 pub(super) fn search(
     resolvent: &Resolvent,
     pilots: &Pilots,
+    wanted: Wanted,
     gains: &[(Gain, &[f64])],
     work: &mut Workspace,
 ) -> Vec<Option<Growing>> {
     let start = |(gain, apart_from): &(Gain, &[f64])| {
         let gain = gain.in_units(resolvent.unit);
         let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
-        Some(Search::new(gain, apart_from, pilots.guess(&gain)?))
+        Some(Search::new(wanted, gain, apart_from, pilots.guess(&gain)?))
     };
     let mut searches: Vec<Option<Search>> = gains.iter().map(start).collect();
     let (mut points, mut values) = (Vec::new(), Vec::new());
@@ -75,16 +77,16 @@ pub(super) fn search(
             search.hear(round == 0, resolvent.places, &mut values);
         }
     }
-    searches.into_iter().map(|search| search?.growing(resolvent)).collect()
+    searches.into_iter().map(|search| search?.found(resolvent)).collect()
 }
 
 impl Search {
-    fn new(gain: Gain, apart_from: Vec<f64>, cast: Cast) -> Self {
+    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, cast: Cast) -> Self {
         let n = cast.sigmas.len();
         let zeros = || vec![Complex::default(); n];
         let stage = Stage::Enclose((0..n).collect());
         let bristles = Vec::new();
-        Self { gain, apart_from, values: zeros(), others: zeros(), corrections: zeros(), bristles, cast, stage }
+        Self { wanted, gain, apart_from, values: zeros(), others: zeros(), corrections: zeros(), bristles, cast, stage }
     }
 
     /// Where the polynomial is to be evaluated.
@@ -138,10 +140,10 @@ impl Search {
             let factor = self.cast.bristle_factor(sigmas[i], &self.gain, places);
             *correction = self.values[i] / self.others[i] * factor;
         }
-        let found = enclosure(sigmas, &self.corrections, &self.bristles, &self.apart_from);
+        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.bristles, &self.apart_from);
         if found.total <= MOST {
             let first = |(i, sigma): (usize, &Complex<f64>)| {
-                (sigma.re > 0.0).then(|| Secant::new(i, *sigma, self.corrections[i]))
+                self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
             };
             let secants = sigmas.iter().enumerate().filter_map(first).collect();
             self.stage = Stage::Settle(found, secants);
@@ -170,7 +172,7 @@ impl Search {
         }
     }
 
-    fn growing(mut self, resolvent: &Resolvent) -> Option<Growing> {
+    fn found(mut self, resolvent: &Resolvent) -> Option<Growing> {
         let Stage::Settle(enclosure, secants) = self.stage else { return None };
         let (sigmas, mut radii) = (&mut self.cast.sigmas, enclosure.smallest().collect::<Vec<f64>>());
         for Secant { mode, here, is_settled, .. } in secants {

@@ -18,6 +18,8 @@ const FIRST: u32 = 2;
 const FINEST: u32 = 1 << 16;
 /// An eigenvalue is clear of the axis in a whole cell from this many times the miss of its polynomial on.
 const CLEAR: f64 = 10.0;
+/// Points of a cell whose slopes are looked at at other frequencies.
+const SOME: usize = 64;
 /// A mode matters in a cell if it could reach the axis moving this much faster than at a corner.
 const FASTER: f64 = 1.5;
 
@@ -169,7 +171,16 @@ impl<'a> Build<'a> {
         let slope = |place: &[f64; 3]| Complex::new(place[1], place[1] * place[2]);
         let extent = places.iter().map(|place| (slope(place) - slope(&places[0])).norm()).fold(0.0, f64::max);
         let width = self.step[0] * f64::from(part.size[0]);
+        let some: Vec<&Tangent> = part
+            .points
+            .iter()
+            .step_by(part.points.len().div_ceil(SOME))
+            .map(|&i| &self.points.own[i as usize])
+            .collect();
         let reaches = |mode: &NearMode| {
+            // At other frequencies than that of the places slopes differ by more.
+            let away = some.iter().map(|tangent| (tangent.complex_slope(mode.lambda) - mode.slope).norm());
+            let extent = away.fold(extent, f64::max);
             mode.lambda.re + FASTER * (mode.by_mu.re.abs() * width + mode.by_slope.norm() * extent) > 0.0
         };
 
@@ -201,7 +212,9 @@ impl<'a> Build<'a> {
                 // Far from the axis at every point of the cell and at every corner?
                 let points = part.points.iter().map(|&i| sheet.lambda(&self.points.own[i as usize]).re);
                 let growths: Vec<f64> = points.chain(corners.iter().map(|c| c.1.lambda.re)).collect();
-                let clear = CLEAR * sheet.miss;
+                // Few of the points that may fall here are known.
+                let [least, most] = [f64::min, f64::max].map(|of| growths.iter().copied().reduce(of).unwrap_or(0.0));
+                let clear = CLEAR * sheet.miss + (most - least);
                 if growths.iter().all(|&growth| growth > clear) {
                     always.iter_mut().zip(named.at).for_each(|(all, names)| *all = all.or(names));
                 } else if !growths.iter().all(|&growth| growth < -clear) {

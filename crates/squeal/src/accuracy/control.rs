@@ -22,6 +22,7 @@ use montecarlo::{Confidence, Study as _};
 
 use super::draws::{FrictionPoints, tangent};
 use super::stratum::Stratum;
+use super::table::Names;
 use super::{AccuracyError, Estimated, Occurrence, Table};
 use crate::study::{Sample, Scratch, Study, unstable_names};
 
@@ -40,7 +41,9 @@ const DEVIATE: f64 = 2.6;
 /// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes.
 const BLOCK: usize = 512;
 /// Fewest and most doubtful samples of the first look.
-const DOUBTFUL_SAMPLES: (u64, u64) = (120, 4_000);
+const DOUBTFUL_SAMPLES: (f64, f64) = (120.0, 8_000.0);
+/// Least part of the half width for the clear samples.
+const LEAST_CLEAR: f64 = 0.25;
 
 /// Occurrences of one scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,12 +139,12 @@ impl Guessed {
     fn sizes(&self, half_width: f64) -> [u64; 2] {
         let error = self.modes.values().flatten().map(|mean| mean.1).fold(0.0, f64::max);
         let [clear, doubtful] = self.shares().map(|share| share[1]);
-        let for_doubts = FOR_DOUBTS * half_width;
-        let left = (half_width - error - for_doubts).max(0.3 * half_width);
-        let of_clear = -(CLEAR * LOOKS[0].0).ln() * clear / left;
-        let of_doubtful = WRONG * (DEVIATE * doubtful / for_doubts).powi(2);
         let (fewest, most) = DOUBTFUL_SAMPLES;
-        [of_clear.ceil() as u64, (of_doubtful.ceil() as u64).clamp(fewest, most)]
+        let of_doubtful = (WRONG * (DEVIATE * doubtful / (FOR_DOUBTS * half_width)).powi(2)).clamp(fewest, most);
+        let for_doubts = DEVIATE * doubtful * (WRONG / of_doubtful).sqrt();
+        let left = (half_width - error - for_doubts).max(LEAST_CLEAR * half_width);
+        let of_clear = -(CLEAR * LOOKS[0].0).ln() * clear / left;
+        [of_clear, of_doubtful].map(|size| size.ceil() as u64)
     }
 }
 
@@ -161,8 +164,8 @@ struct Samples<'a> {
     table: &'a Table,
     seed: u64,
     next: u64,
-    /// Drawn and not solved.
-    waiting: [Vec<(Sample, BTreeMap<u16, bool>)>; 2],
+    /// Drawn and not solved, with the guess.
+    waiting: [Vec<(Sample, Names)>; 2],
     strata: [Stratum; 2],
     scratch: Scratch,
 }
@@ -184,17 +187,18 @@ impl<'a> Samples<'a> {
                     let sample = sample.map_err(crate::Error::from)?;
                     self.next += 1;
                     let guess = self.table.guess(&tangent(plan, key, &sample)?);
-                    let names =
-                        self.table.names().iter().enumerate().filter(|(bit, _)| guess.unstable.perhaps >> bit & 1 == 1);
-                    let names = names.map(|(bit, &name)| (name, guess.unstable.sure >> bit & 1 == 1));
-                    self.waiting[usize::from(guess.is_doubtful)].push((sample, names.collect()));
+                    let waiting = &mut self.waiting[usize::from(guess.is_doubtful)];
+                    // One kind is rare: not all of the other are needed.
+                    if waiting.len() < BLOCK {
+                        waiting.push((sample, guess.unstable));
+                    }
                 }
                 let block: Vec<_> = self.waiting[kind].drain(..wanted).collect();
                 let samples: Vec<&Sample> = block.iter().map(|(sample, _)| sample).collect();
                 let mut outcomes = Vec::with_capacity(BLOCK);
                 self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
-                for ((_, guess), outcome) in block.iter().zip(outcomes) {
-                    self.strata[kind].enter(guess, &unstable_names(&outcome?.unstable));
+                for (&(_, guess), outcome) in block.iter().zip(outcomes) {
+                    self.strata[kind].enter(&self.table.named(guess), &unstable_names(&outcome?.unstable));
                 }
             }
         }

@@ -8,7 +8,7 @@ use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
 
 use super::AccuracyError;
-use crate::study::{Sample, Study};
+use crate::study::{NearAxis, Sample, Study};
 
 /// Eigenvalues that decay faster than this part of their size are not looked at.
 const NEAR: f64 = 0.025;
@@ -26,6 +26,13 @@ pub(super) struct NearMode {
     pub by_slope: Complex<f64>,
     /// What an unstable mode may be called.
     pub names: Vec<u16>,
+}
+
+impl NearMode {
+    fn new(mode: NearAxis, tangent: &Tangent, load: f64) -> Self {
+        let NearAxis { lambda, by_mu, by_slope, names } = mode;
+        Self { lambda, slope: tangent.complex_slope(lambda), by_mu, by_slope: by_slope * load, names }
+    }
 }
 
 /// Systems of a scene with the same friction in every contact.
@@ -53,17 +60,22 @@ impl<'a> Nodes<'a> {
             by_slope: Sparse::default(),
             work: Workspace::default(),
         };
-        let mut at = |mu: f64, slope: f64| nodes.system(&Tangent { mu, slope, internal: None });
+        let at = |mu: f64, slope: f64| nodes.system(&Tangent { mu, slope, internal: None });
         let (system, one, steeper) = (at(0.0, 0.0)?, at(1.0, 0.0)?, at(0.0, 1.0)?);
         nodes.by_mu = Sparse::new(&(one.k - &system.k));
         nodes.by_slope = Sparse::new(&(steeper.c - &system.c));
         Ok(nodes)
     }
 
-    fn system(&mut self, tangent: &Tangent) -> Result<SecondOrder, AccuracyError> {
-        self.sliding.contacts.iter_mut().for_each(|contact| contact.tangent = *tangent);
+    fn state(&self, tangent: &Tangent) -> Sliding {
+        let mut state = self.sliding.clone();
+        state.contacts.iter_mut().for_each(|contact| contact.tangent = *tangent);
+        state
+    }
+
+    fn system(&self, tangent: &Tangent) -> Result<SecondOrder, AccuracyError> {
         let plan = self.study.plan();
-        Ok(plan.lattice(&plan.scenes[self.scene]).linearised(&self.sliding).map_err(crate::Error::from)?)
+        Ok(plan.lattice(&plan.scenes[self.scene]).linearised(&self.state(tangent)).map_err(crate::Error::from)?)
     }
 
     /// The modes near the axis under each of `tangents`.
@@ -71,6 +83,21 @@ impl<'a> Nodes<'a> {
     /// # Errors
     /// Those of the solver.
     pub fn solve(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<NearMode>>, AccuracyError> {
+        let states: Vec<Sliding> = tangents.iter().map(|tangent| self.state(tangent)).collect();
+        let found = self.study.near_axis(self.scene, &states, NEAR, &mut self.work)?;
+        let left: Vec<Tangent> =
+            tangents.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(tangent, _)| *tangent).collect();
+        let mut by_spectra = self.by_spectra(&left)?.into_iter();
+        let load = self.sliding.contacts.first().map_or(0.0, |contact| contact.normal_load);
+        let near = |(found, tangent): (Option<Vec<NearAxis>>, &Tangent)| match found {
+            None => by_spectra.next().unwrap_or_default(),
+            Some(found) => found.into_iter().map(|mode| NearMode::new(mode, tangent, load)).collect(),
+        };
+        Ok(found.into_iter().zip(tangents).map(near).collect())
+    }
+
+    /// [`Nodes::solve`] without secular equations.
+    fn by_spectra(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<NearMode>>, AccuracyError> {
         let systems = tangents.iter().map(|tangent| self.system(tangent)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
         BatchSolver.eigenvalues_of_all(&systems, &mut self.work, &mut spectra);

@@ -17,6 +17,9 @@ const RIDGE: f64 = 1e-10;
 /// Evaluations at the slope of the eigenvalue found before, for a law whose slope depends on it.
 const AGAIN: usize = 2;
 
+/// Distance of slopes beyond which a polynomial is not relied on, in those of the corners.
+const OUTSIDE: f64 = 1.25;
+
 /// What a change of direction counts against a change of place, in telling branches apart.
 const BEND: f64 = 0.25;
 
@@ -89,6 +92,12 @@ impl Sheet {
             lambda = self.at(tangent.mu, tangent.complex_slope(lambda));
         }
         lambda
+    }
+
+    /// Whether the slope at an eigenvalue is farther out than those at the corners: it depends on more than the place of
+    /// the tangent.
+    pub fn is_outside(&self, tangent: &Tangent, lambda: Complex<f64>) -> bool {
+        (tangent.complex_slope(lambda) - self.centre.1).norm() > OUTSIDE * self.scale.1
     }
 
     fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {

@@ -6,6 +6,8 @@
 //! *doubtful* where an eigenvalue is nearer to the axis than its polynomial is to the corners, and where the corners
 //! do not agree about a name. Cells with many doubtful points are halved again.
 
+use std::collections::BTreeMap;
+
 use friction::Tangent;
 
 use super::AccuracyError;
@@ -17,11 +19,11 @@ use crate::study::Study;
 /// Cells halved in one go, so that spectra fill the solver's lanes.
 const TOGETHER: usize = 8;
 /// Part of the points that may be doubtful.
-const DOUBTFUL: f64 = 2e-3;
+const DOUBTFUL: f64 = 4e-4;
 /// Corners after which no cell is halved.
-const MOST_CORNERS: usize = 200;
+const MOST_CORNERS: usize = 1500;
 /// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
-const SAFETY: f64 = 2.0;
+const SAFETY: f64 = 4.0;
 /// Corners of a cell.
 pub(super) const CORNERS: usize = 8;
 
@@ -138,6 +140,12 @@ impl Table {
         &self.names
     }
 
+    /// By name, those that are unstable, and whether surely.
+    pub(super) fn named(&self, unstable: Names) -> BTreeMap<u16, bool> {
+        let perhaps = self.names.iter().enumerate().filter(|(bit, _)| unstable.perhaps >> bit & 1 == 1);
+        perhaps.map(|(bit, &name)| (name, unstable.sure >> bit & 1 == 1)).collect()
+    }
+
     /// Number of corners, for each of which one system was solved.
     pub fn corners(&self) -> usize {
         self.corners
@@ -163,8 +171,9 @@ impl Leaf {
         let mut guess =
             Guess { unstable: self.unstable.at[corner], is_doubtful: self.is_doubtful || self.unstable.is_doubtful };
         for (sheet, named) in &self.crossing {
-            let growth = sheet.lambda(tangent).re;
-            guess.is_doubtful |= growth.abs() < SAFETY * sheet.miss;
+            let lambda = sheet.lambda(tangent);
+            let growth = lambda.re;
+            guess.is_doubtful |= growth.abs() < SAFETY * sheet.miss || sheet.is_outside(tangent, lambda);
             if growth > 0.0 {
                 guess.unstable = guess.unstable.or(named.at[corner]);
                 guess.is_doubtful |= named.is_doubtful;

@@ -7,8 +7,8 @@ use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
 use work::mode_work;
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, Searches, equations, gain, pilots};
-use super::part::{Known, Part, Solver, Unstable};
+use super::growing::{Equations, equations, gain, growing, pilots};
+use super::part::{Equation, Known, Part, Solver, Unstable};
 use super::reference::{Reference, References, references};
 use super::{Plan, Sample, Scene};
 use crate::Error;
@@ -89,18 +89,34 @@ impl<'a> Study<'a> {
         &self.certificates
     }
 
+    /// How each sector of a scene is solved.
+    pub(super) fn solvers(&self, scene: usize) -> Vec<Solver<'_>> {
+        let equations = &self.equations[self.plan.scenes[scene].lattice];
+        let each = self.sector_references[scene].iter().zip(equations).zip(&self.pilots[scene]);
+        let gain = self.reference_gains[scene];
+        let solvers = each.map(|((reference, secular), pilots)| Solver {
+            spectra: self.solver,
+            reference,
+            equation: secular.as_ref().zip(pilots.as_ref()).zip(gain).map(|((secular, pilots), reference)| Equation {
+                secular,
+                pilots,
+                reference,
+            }),
+        });
+        solvers.collect()
+    }
+
     /// What is to be said of each of these states, which no certificate covers.
     fn open_samples(&self, scene: usize, states: &[Sliding], scratch: &mut Scratch) -> Vec<Result<Outcome, Error>> {
         let Scratch { systems, spectra, work } = scratch;
-        let (references, pilots) = (&self.sector_references[scene], &self.pilots[scene]);
-        let (place, scene) = (scene, &self.plan.scenes[scene]);
+        let (solvers, scene) = (self.solvers(scene), &self.plan.scenes[scene]);
         let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
 
-        let mut known = Searches { equations: &self.equations[scene.lattice], pilots }.growing(states, work);
+        let mut known = growing(&solvers, states, work);
         let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
 
-        systems.resize_with(systems.len().max(references.len()), Vec::new);
-        let systems = &mut systems[..references.len()];
+        systems.resize_with(systems.len().max(solvers.len()), Vec::new);
+        let systems = &mut systems[..solvers.len()];
         for of_sector in &mut *systems {
             of_sector.resize_with(states.len(), || SecondOrder::zeros(1, 0));
         }
@@ -122,14 +138,7 @@ impl<'a> Study<'a> {
             });
         }
 
-        let equations = self.equations[scene.lattice].iter();
-        let solvers = references.iter().zip(equations).map(|(reference, equation)| Solver {
-            spectra: self.solver,
-            reference,
-            equation: equation.as_ref().zip(self.reference_gains[place]),
-        });
-        let solvers: Vec<Solver<'_>> = solvers.collect();
-        let mut parts = Vec::with_capacity(references.len());
+        let mut parts = Vec::with_capacity(solvers.len());
         for ((systems, solver), known) in systems.iter().zip(&solvers).zip(&mut known) {
             let known: Vec<Known> = lanes.iter().map(|&at| known[at].take()).collect();
             parts.push(solver.solve(&systems[..lanes.len()], &known, spectra, work));

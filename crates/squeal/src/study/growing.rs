@@ -6,7 +6,7 @@ use montecarlo::stream;
 use osc_model::{ContactPoint, Linearise, OscModelError, PreparedLattice, Sectors, Sliding};
 use rayon::prelude::*;
 
-use super::part::Known;
+use super::part::{Equation, Known, Solver};
 use super::{Certificate, Plan, Sample, Scene};
 use crate::Error;
 
@@ -89,47 +89,32 @@ pub(super) fn gain(state: &Sliding) -> Option<Gain> {
     Some(Gain { position: tangent.mu, velocity: load * tangent.slope, lag, decay })
 }
 
-/// What each sector of a lattice is searched with.
-pub(super) struct Searches<'a> {
-    pub equations: &'a [Option<Secular>],
-    pub pilots: &'a [Option<Pilots>],
+/// The modes of each state that grow, sector by sector; `None` where they are left to spectra.
+///
+/// The bounds of other modes leave their order open only among themselves.
+pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Known>> {
+    let Some(gains) = states.iter().map(gain).collect::<Option<Vec<Gain>>>() else {
+        return vec![vec![None; states.len()]; sectors.len()];
+    };
+    let all: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
+    let mut found: Vec<Vec<Known>> = sectors.iter().map(|sector| search(sector, &all, work)).collect();
+    let growing = |at: usize| -> Vec<f64> {
+        found.iter().filter_map(|of_sector| of_sector[at].as_ref()).flat_map(|(_, found)| found.frequencies()).collect()
+    };
+    let frequencies: Vec<Vec<f64>> = (0..states.len()).map(growing).collect();
+    for (sector, found) in sectors.iter().zip(&mut found) {
+        let is_open = |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.blurs(&frequencies[at]));
+        let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
+        let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
+        for (at, again) in open.into_iter().zip(search(sector, &again, work)) {
+            found[at] = again;
+        }
+    }
+    found
 }
 
-impl Searches<'_> {
-    /// The modes of each state that grow, sector by sector; `None` where they are left to spectra.
-    ///
-    /// The bounds of other modes leave their order open only among themselves.
-    pub fn growing(&self, states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Known>> {
-        let sectors = self.equations.len();
-        let Some(gains) = states.iter().map(gain).collect::<Option<Vec<Gain>>>() else {
-            return vec![vec![None; states.len()]; sectors];
-        };
-        let all: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
-        let mut found: Vec<Vec<Known>> = (0..sectors).map(|sector| self.search(sector, &all, work)).collect();
-        let growing = |at: usize| -> Vec<f64> {
-            found
-                .iter()
-                .filter_map(|of_sector| of_sector[at].as_ref())
-                .flat_map(|(_, found)| found.frequencies())
-                .collect()
-        };
-        let frequencies: Vec<Vec<f64>> = (0..states.len()).map(growing).collect();
-        for (sector, found) in found.iter_mut().enumerate() {
-            let is_open = |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.blurs(&frequencies[at]));
-            let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
-            let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
-            for (at, again) in open.into_iter().zip(self.search(sector, &again, work)) {
-                found[at] = again;
-            }
-        }
-        found
-    }
-
-    fn search(&self, sector: usize, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
-        let (Some(equation), Some(pilots)) = (&self.equations[sector], &self.pilots[sector]) else {
-            return vec![None; gains.len()];
-        };
-        let found = equation.growing(pilots, gains, work);
-        gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
-    }
+fn search(sector: &Solver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
+    let Some(Equation { secular, pilots, .. }) = sector.equation else { return vec![None; gains.len()] };
+    let found = secular.growing(pilots, gains, work);
+    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
 }

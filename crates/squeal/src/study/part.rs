@@ -1,7 +1,7 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
 use cea::{
-    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Secular, Spectrum, Verdict, Way, Workspace,
+    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Pilots, Secular, Spectrum, Verdict, Way, Workspace,
     identify_all, verdict,
 };
 use linsys::SecondOrder;
@@ -51,8 +51,17 @@ pub(super) struct Solver<'a> {
     pub spectra: &'a dyn EigenSolver,
     /// What its modes are named after.
     pub reference: &'a Reference,
-    /// Its secular equation, with the gain of the reference.
-    pub equation: Option<(&'a Secular, Gain)>,
+    /// `None` where spectra are the better way.
+    pub equation: Option<Equation<'a>>,
+}
+
+/// The secular equation of a sector of a scene.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Equation<'a> {
+    pub secular: &'a Secular,
+    pub pilots: &'a Pilots,
+    /// The gain of the reference.
+    pub reference: Gain,
 }
 
 impl Solver<'_> {
@@ -90,44 +99,56 @@ impl Solver<'_> {
 
         let lambdas: Vec<Vec<Complex<f64>>> =
             judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
-        let shaped = self.shapes(systems, known, &lambdas, work);
+        let gains: Vec<Option<Gain>> = known.iter().map(|known| known.as_ref().map(|(gain, _)| *gain)).collect();
+        let named = self.named(systems, &gains, &lambdas, work);
+        judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
+    }
+
+    /// The modes of each system at some of its eigenvalues, with their names; cheaper where the gain is known.
+    pub fn named(
+        &self,
+        systems: &[SecondOrder],
+        gains: &[Option<Gain>],
+        lambdas: &[Vec<Complex<f64>>],
+        work: &mut Workspace,
+    ) -> Vec<Result<Vec<(Mode, Vec<u16>)>, CeaError>> {
+        let shaped = self.shapes(systems, gains, lambdas, work);
         let to = (&self.reference.system, &self.reference.modes[..]);
-        let each = systems.iter().zip(&shaped).zip(known);
-        let ways = each.map(|((system, modes), known)| Way {
+        let each = systems.iter().zip(&shaped).zip(gains);
+        let ways = each.map(|((system, modes), gain)| Way {
             from: (system, modes.as_deref().unwrap_or_default()),
             to,
-            line: known.as_ref().zip(self.equation).map(|((from, _), (secular, to))| Line { secular, from: *from, to }),
+            line: gain.zip(self.equation).map(|(from, Equation { secular, reference, .. })| Line {
+                secular,
+                from,
+                to: reference,
+            }),
         });
         let ways: Vec<Way<'_>> = ways.collect();
         let links = identify_all(self.spectra, &ways, work);
-
-        let named = judged.into_iter().zip(shaped).zip(links);
-        named.map(|((judged, modes), links)| Ok(judged?.named(modes?, links?, self.reference))).collect()
+        let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
+            Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
+        };
+        shaped.into_iter().zip(links).map(named).collect()
     }
 
-    /// The modes of each system at some of its eigenvalues.
     fn shapes(
         &self,
         systems: &[SecondOrder],
-        known: &[Known],
+        gains: &[Option<Gain>],
         lambdas: &[Vec<Complex<f64>>],
         work: &mut Workspace,
     ) -> Vec<Result<Vec<Mode>, CeaError>> {
-        let gains = known.iter().map(|known| known.as_ref().map(|(gain, _)| *gain));
         let asked = systems.iter().zip(lambdas).zip(gains);
-        let by_equation: Vec<_> =
-            asked.clone().filter_map(|((system, lambdas), gain)| Some((system, gain?, &lambdas[..]))).collect();
-        let found = self.equation.map(|(secular, _)| secular.modes(&by_equation, work)).unwrap_or_default();
+        let known: Vec<_> =
+            asked.clone().filter_map(|((system, lambdas), gain)| Some((system, (*gain)?, &lambdas[..]))).collect();
+        let found = self.equation.map(|equation| equation.secular.modes(&known, work)).unwrap_or_default();
         let mut found = found.into_iter();
         let mut shaped: Vec<Option<Result<Vec<Mode>, CeaError>>> =
-            asked.clone().map(|(_, gain)| gain.and_then(|_| found.next().flatten()).map(Ok)).collect();
-        let of: Vec<_> = shaped
-            .iter()
-            .zip(asked)
-            .filter(|(shaped, _)| shaped.is_none())
-            .map(|(_, ((s, l), _))| (s, &l[..]))
-            .collect();
-        let mut found = Mode::of_all(&of, work).into_iter();
+            gains.iter().map(|gain| gain.and_then(|_| found.next().flatten()).map(Ok)).collect();
+        let left = shaped.iter().zip(asked).filter(|(shaped, _)| shaped.is_none());
+        let left: Vec<_> = left.map(|(_, ((system, lambdas), _))| (system, &lambdas[..])).collect();
+        let mut found = Mode::of_all(&left, work).into_iter();
         shaped.iter_mut().filter(|shaped| shaped.is_none()).for_each(|shaped| *shaped = found.next());
         shaped.into_iter().flatten().collect()
     }
@@ -166,13 +187,9 @@ impl Judged {
         self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
     }
 
-    fn named(self, modes: Vec<Mode>, links: Links, reference: &Reference) -> Part {
-        let mode = |((index, mode), link): ((usize, Mode), Vec<usize>)| Unstable {
-            index,
-            mode,
-            names: reference.names_of(link),
-        };
-        let unstable = self.unstable.into_iter().zip(modes).zip(links).map(mode).collect();
+    fn with_names(self, named: Vec<(Mode, Vec<u16>)>) -> Part {
+        let mode = |(index, (mode, names))| Unstable { index, mode, names };
+        let unstable = self.unstable.into_iter().zip(named).map(mode).collect();
         Part { modes: self.modes, unstable, undecided: self.undecided, radii: self.radii }
     }
 }

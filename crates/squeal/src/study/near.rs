@@ -1,0 +1,75 @@
+//! Modes near the axis at some states of a scene, with their derivatives and names: what a table of them is made from.
+
+use cea::{Gain, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+use osc_model::{Linearise, Sliding};
+
+use super::Study;
+use super::growing::gain;
+use super::part::Equation;
+use crate::Error;
+
+/// A mode near the axis under friction that is alike in all contacts.
+#[derive(Debug, Clone)]
+pub(crate) struct NearAxis {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// d lambda / d mu at a constant slope.
+    pub by_mu: Complex<f64>,
+    /// d lambda / d (N0 h) at constant mu.
+    pub by_slope: Complex<f64>,
+    /// What an unstable mode may be called.
+    pub names: Vec<u16>,
+}
+
+impl Study<'_> {
+    /// The modes that grow, or decay more slowly than `part` of |lambda|, in each state of a scene; `None` where the
+    /// secular equations leave a doubt or there are none.
+    ///
+    /// # Errors
+    /// Those of the model and of the names.
+    pub(crate) fn near_axis(
+        &self,
+        scene: usize,
+        states: &[Sliding],
+        part: f64,
+        work: &mut Workspace,
+    ) -> Result<Vec<Option<Vec<NearAxis>>>, Error> {
+        let solvers = self.solvers(scene);
+        let gains = states.iter().map(gain).collect::<Option<Vec<Gain>>>();
+        let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
+        let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; states.len()]) };
+        let scene = &self.plan().scenes[scene];
+        let (lattice, sectors) = (self.plan().lattice(scene), &self.plan().sectors[scene.lattice]);
+        let wholes = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>()?;
+        let known: Vec<Option<Gain>> = gains.iter().copied().map(Some).collect();
+        let mut found = vec![Some(Vec::new()); states.len()];
+        for ((solver, Equation { secular, pilots, .. }), sector) in solvers.iter().zip(equations).zip(sectors.iter()) {
+            let reduced = |whole: &SecondOrder| {
+                let mut system = SecondOrder::zeros(sector.order(), 0);
+                sector.reduce(whole, &mut system).map(|()| system)
+            };
+            let systems = wholes.iter().map(reduced).collect::<Result<Vec<_>, _>>()?;
+            let near = secular.near_axis(pilots, &gains, part, work);
+            let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
+                near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
+            };
+            let growing: Vec<Vec<Complex<f64>>> = near.iter().map(growing).collect();
+            let named = solver.named(&systems, &known, &growing, work);
+            for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
+                let (Some(near), Some(of_state)) = (near, found.as_mut()) else {
+                    *found = None;
+                    continue;
+                };
+                let asked: Vec<(Gain, Complex<f64>)> = near.iter().map(|&lambda| (*gain, lambda)).collect();
+                let mut names = named?.into_iter().map(|(_, names)| names);
+                for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, work)) {
+                    let names = if lambda.re > 0.0 { names.next().unwrap_or_default() } else { Vec::new() };
+                    of_state.push(NearAxis { lambda, by_mu, by_slope, names });
+                }
+            }
+        }
+        Ok(found)
+    }
+}
