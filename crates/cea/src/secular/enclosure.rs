@@ -17,8 +17,15 @@ use super::Gain;
 
 /// Part of 1 that the sum of all `|w_i| / r_i` may take.
 pub(super) const MOST: f64 = 0.9;
-/// Relative error of an eigenvalue by rounding in w, with a reserve.
+/// Rounding errors of w, relative to z, with a reserve; next to another eigenvalue they are larger by `NEXT_TO` over the
+/// relative distance.
 const ROUNDING: f64 = 1e-11;
+const NEXT_TO: f64 = 1e-3;
+
+/// |z| of a number whose square is in range.
+fn size(z: Complex<f64>) -> f64 {
+    z.norm_sqr().sqrt()
+}
 
 /// Guesses of all eigenvalues: those of modes with Im > 0, their conjugates, and those of internal states.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,7 +138,7 @@ pub(super) fn enclosure(
     let apart = |i: usize, j: usize| match wanted {
         _ if i == j => f64::INFINITY,
         Wanted::Growing => (sigmas[i].im - sigmas[j].im).abs(),
-        Wanted::Near(_) => (sigmas[i] - sigmas[j]).norm(),
+        Wanted::Near(_) => size(sigmas[i] - sigmas[j]),
     };
     let radius = |i: usize| {
         let z = sigmas[i];
@@ -145,10 +152,15 @@ pub(super) fn enclosure(
         side.min(z.im).min(apart).max(0.0)
     };
     let radii: Vec<f64> = (0..sigmas.len()).map(radius).collect();
-    let share = |((w, z), r): ((&Complex<f64>, &Complex<f64>), &f64)| 2.0 * (w.norm() + ROUNDING * z.norm()) / r;
-    let shares: Vec<f64> = corrections.iter().zip(sigmas).zip(&radii).map(share).collect();
+    let share = |((i, w), r): ((usize, &Complex<f64>), &f64)| {
+        let z = sigmas[i];
+        let others = sigmas.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (z - other).norm_sqr());
+        let nearest = (others.fold(f64::INFINITY, f64::min) / z.norm_sqr()).sqrt();
+        2.0 * (size(*w) + ROUNDING * size(z) * (1.0 + NEXT_TO / nearest)) / r
+    };
+    let shares: Vec<f64> = corrections.iter().enumerate().zip(&radii).map(share).collect();
     let bristle = |&(z, size): &(Complex<f64>, f64)| {
-        let free = sigmas.iter().zip(&radii).map(|(sigma, r)| (sigma - z).norm() - r).fold(-z.re, f64::min);
+        let free = sigmas.iter().zip(&radii).map(|(sigma, r)| self::size(sigma - z) - r).fold(-z.re, f64::min);
         size / free.max(0.0)
     };
     let (of_modes, of_bristles) = (shares.iter().sum::<f64>(), bristles.iter().map(bristle).sum::<f64>());

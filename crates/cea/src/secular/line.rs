@@ -65,19 +65,26 @@ pub(crate) fn shapes(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace)
     for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
         let resolvent = &group[0].0.secular.resolvent;
         let points: Vec<Point> = group.iter().map(|(line, t, lambda)| line.at(*t, lambda / resolvent.unit)).collect();
-        found.extend(moved(resolvent, &points, work).into_iter().map(|shape| shape.map(|(shape, _)| shape)));
+        found.extend(moved(resolvent, &points, work).into_iter().map(|shape| shape.map(|found| found.shape)));
     }
     found
 }
 
-/// The shape of the mode at each point, and the part of the forces on it that is not feedback.
-fn moved(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<(DVector<Complex<f64>>, f64)>> {
+/// The shape of a mode, up to a factor.
+struct Shape {
+    shape: DVector<Complex<f64>>,
+    /// The part of the forces on it that does not come back as feedback.
+    residual: f64,
+}
+
+/// The shape of the mode at each point.
+fn moved(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<Shape>> {
     let matrices = secular_matrices(resolvent, points, &mut work.scratch);
     work.counters.secular_values += points.len() as u64;
     let forces = null_vectors(&matrices, &start(resolvent.places, 0), &mut work.scratch);
     let shape = |(forces, point): (Option<NullVector>, &Point)| {
         let NullVector { vector, residuals } = forces?;
-        Some((resolvent.moved(point.sigma, &vector), residuals[1]))
+        Some(Shape { shape: resolvent.moved(point.sigma, &vector), residual: residuals[1] })
     };
     forces.into_iter().zip(points).map(shape).collect()
 }
@@ -122,8 +129,8 @@ impl Secular {
         let is_one = |pair: &[Complex<f64>]| (pair[1] - pair[0]).norm() <= ONE * pair[0].norm();
         let modes = |&(system, _, lambdas): &(&SecondOrder, Gain, &[Complex<f64>])| {
             let shapes: Vec<_> = shapes.by_ref().take(lambdas.len()).collect();
-            let mode = |(shape, &lambda): (Option<(DVector<Complex<f64>>, f64)>, &Complex<f64>)| {
-                let (shape, residual) = shape?;
+            let mode = |(shape, &lambda): (Option<Shape>, &Complex<f64>)| {
+                let Shape { shape, residual } = shape?;
                 (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(system, lambda, shape))
             };
             let modes: Option<Vec<Mode>> = shapes.into_iter().zip(lambdas).map(mode).collect();

@@ -30,6 +30,8 @@ pub use pilot::Pilots;
 pub use resolvent::Feedback;
 pub(crate) use resolvent::Resolvent;
 
+/// Largest square of the number of places, per degree of freedom. Sixteen places cost as much as a spectrum with 30.
+const MOST_PLACES: usize = 6;
 /// The middle of the frequencies, in units: where slopes are compared.
 const MIDDLE: Complex<f64> = Complex::new(0.0, 1.0);
 
@@ -92,11 +94,15 @@ impl Growing {
 }
 
 impl Secular {
-    /// `None` where the structure or the number of places makes spectra the better way.
+    /// `None` where spectra are the better way: with many places, and for structures whose response is not a sum over
+    /// oscillating modes.
     ///
     /// # Errors
     /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
     pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
+        if feedback.force.ncols().pow(2) > MOST_PLACES * structure.order() {
+            return Ok(None);
+        }
         Ok(Resolvent::new(structure, feedback, work)?.map(|resolvent| Self { resolvent }))
     }
 

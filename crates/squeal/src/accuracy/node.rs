@@ -8,7 +8,7 @@ use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
 
 use super::AccuracyError;
-use crate::study::{NearAxis, Sample, Study};
+use crate::study::{NearAxis, Sample, Scratch, Study};
 
 /// Eigenvalues that decay faster than this part of their size are not looked at.
 const NEAR: f64 = 0.025;
@@ -44,6 +44,7 @@ pub(super) struct Nodes<'a> {
     by_mu: Sparse,
     by_slope: Sparse,
     work: Workspace,
+    scratch: Scratch,
 }
 
 impl<'a> Nodes<'a> {
@@ -59,6 +60,7 @@ impl<'a> Nodes<'a> {
             by_mu: Sparse::default(),
             by_slope: Sparse::default(),
             work: Workspace::default(),
+            scratch: Scratch::default(),
         };
         let at = |mu: f64, slope: f64| nodes.system(&Tangent { mu, slope, internal: None });
         let (system, one, steeper) = (at(0.0, 0.0)?, at(1.0, 0.0)?, at(0.0, 1.0)?);
@@ -84,7 +86,7 @@ impl<'a> Nodes<'a> {
     /// Those of the solver.
     pub fn solve(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<NearMode>>, AccuracyError> {
         let states: Vec<Sliding> = tangents.iter().map(|tangent| self.state(tangent)).collect();
-        let found = self.study.near_axis(self.scene, &states, NEAR, &mut self.work)?;
+        let found = self.study.near_axis(self.scene, &states, NEAR, &mut self.scratch)?;
         let left: Vec<Tangent> =
             tangents.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(tangent, _)| *tangent).collect();
         let mut by_spectra = self.by_spectra(&left)?.into_iter();

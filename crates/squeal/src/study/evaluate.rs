@@ -1,6 +1,6 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, Counters, EigenSolver, Gain, Mode, Pilots, Spectrum, Workspace, ranks_together};
+use cea::{CeaError, EigenSolver, Gain, Mode, Pilots, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
@@ -8,6 +8,7 @@ use work::mode_work;
 
 use super::certificate::{Certificate, certificates};
 use super::growing::{Equations, equations, gain, growing, pilots};
+use super::memory::{Scratch, timed};
 use super::part::{Equation, Known, Part, Solver, Unstable};
 use super::reference::{Reference, References, references};
 use super::{Plan, Sample, Scene};
@@ -108,61 +109,60 @@ impl<'a> Study<'a> {
 
     /// What is to be said of each of these states, which no certificate covers.
     fn open_samples(&self, scene: usize, states: &[Sliding], scratch: &mut Scratch) -> Vec<Result<Outcome, Error>> {
-        let Scratch { systems, spectra, work } = scratch;
+        let Scratch { systems, memory } = scratch;
         let (solvers, scene) = (self.solvers(scene), &self.plan.scenes[scene]);
-        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
-
-        let mut known = growing(&solvers, states, work);
+        let mut known = timed(&mut memory.spent.search, || growing(&solvers, states, &mut memory.work));
         let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
+        let is_open = |at: &usize| !known.iter().all(|of_sector| damps(&of_sector[*at]));
+        let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
 
-        systems.resize_with(systems.len().max(solvers.len()), Vec::new);
-        let systems = &mut systems[..solvers.len()];
-        for of_sector in &mut *systems {
-            of_sector.resize_with(states.len(), || SecondOrder::zeros(1, 0));
-        }
-        // What cannot be linearised must not leave its lane empty for the others: it gets no lane.
-        let (mut lanes, mut whole) = (Vec::with_capacity(states.len()), SecondOrder::zeros(1, 0));
-        let mut outcomes: Vec<Option<Result<Outcome, Error>>> = Vec::with_capacity(states.len());
-        for (at, state) in states.iter().enumerate() {
-            if known.iter().all(|of_sector| damps(&of_sector[at])) {
-                outcomes.push(Some(Ok(Outcome::default())));
-                continue;
-            }
-            let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lanes.len()]);
-            outcomes.push(match sectors.linearise(lattice, state, &mut whole, of_lane) {
-                Ok(()) => {
-                    lanes.push(at);
-                    None
-                }
-                Err(error) => Some(Err(error.into())),
-            });
-        }
-
+        let assembled = timed(&mut memory.spent.assembly, || self.linearise(scene, states, &open, systems));
+        // What cannot be linearised has no lane.
+        let lanes: Vec<usize> =
+            open.iter().zip(&assembled).filter(|(_, made)| made.is_ok()).map(|(at, _)| *at).collect();
         let mut parts = Vec::with_capacity(solvers.len());
         for ((systems, solver), known) in systems.iter().zip(&solvers).zip(&mut known) {
             let known: Vec<Known> = lanes.iter().map(|&at| known[at].take()).collect();
-            parts.push(solver.solve(&systems[..lanes.len()], &known, spectra, work));
+            parts.push(solver.solve(&systems[..lanes.len()], &known, memory).into_iter());
         }
-        for (lane, &at) in lanes.iter().enumerate() {
-            for sector in 0..parts.len() {
-                let blurs = |part: &Part| {
-                    let other = |other: usize| parts[other][lane].as_ref().is_ok_and(|other| part.blurs(other));
-                    (0..parts.len()).any(|at| at != sector && other(at))
-                };
-                if parts[sector][lane].as_ref().is_ok_and(blurs) {
-                    let system = std::slice::from_ref(&systems[sector][lane]);
-                    parts[sector][lane] = solvers[sector].solve(system, &[None], spectra, work).remove(0);
-                }
+        let mut outcomes: Vec<Result<Outcome, Error>> = states.iter().map(|_| Ok(Outcome::default())).collect();
+        timed(&mut memory.spent.outcomes, || {
+            for (at, made) in open.into_iter().zip(assembled) {
+                outcomes[at] = made.and_then(|()| {
+                    let parts = parts.iter_mut().filter_map(Iterator::next);
+                    let parts = parts.collect::<Result<Vec<Part>, CeaError>>()?;
+                    self.outcome(scene, &states[at], &parts)
+                });
             }
-            let parts = parts.iter().map(|of_sector| of_sector[lane].as_ref());
-            let parts = parts.collect::<Result<Vec<&Part>, _>>().map_err(|error| error.clone().into());
-            outcomes[at] = Some(parts.and_then(|parts| self.outcome(scene, &states[at], &parts)));
+        });
+        outcomes
+    }
+
+    /// Writes the systems of each sector in those of `states` that are `open`, without gaps where one cannot be linearised.
+    fn linearise(
+        &self,
+        scene: &Scene,
+        states: &[Sliding],
+        open: &[usize],
+        systems: &mut Vec<Vec<SecondOrder>>,
+    ) -> Vec<Result<(), Error>> {
+        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
+        systems.resize_with(systems.len().max(sectors.iter().len()), Vec::new);
+        for of_sector in &mut *systems {
+            of_sector.resize_with(of_sector.len().max(open.len()), || SecondOrder::zeros(1, 0));
         }
-        outcomes.into_iter().flatten().collect()
+        let (mut lane, mut whole) = (0, SecondOrder::zeros(1, 0));
+        let mut one = |&at: &usize| {
+            let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
+            sectors.linearise(lattice, &states[at], &mut whole, of_lane)?;
+            lane += 1;
+            Ok(())
+        };
+        open.iter().map(&mut one).collect()
     }
 
     /// What the sectors of one sample say together.
-    fn outcome(&self, scene: &Scene, sliding: &Sliding, parts: &[&Part]) -> Result<Outcome, Error> {
+    fn outcome(&self, scene: &Scene, sliding: &Sliding, parts: &[Part]) -> Result<Outcome, Error> {
         let mut outcome = Outcome::default();
         let ranks = ranks_together(&parts.iter().map(|part| &part.modes).collect::<Vec<_>>());
         for ((part, ranks), sector) in parts.iter().zip(ranks).zip(self.plan.sectors[scene.lattice].iter()) {
@@ -187,22 +187,6 @@ fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode:
     let mut friction = SecondOrder::zeros(shape.len(), 0);
     lattice.linearise_friction(sliding, &mut friction)?;
     Ok(mode_work(lattice.structural(), &friction, mode.lambda, &shape, lattice.bodies())?.net())
-}
-
-/// Working memory of one block.
-#[derive(Default)]
-pub struct Scratch {
-    /// Of each sector, those of the samples.
-    systems: Vec<Vec<SecondOrder>>,
-    spectra: Vec<Result<Spectrum, CeaError>>,
-    work: Workspace,
-}
-
-impl Scratch {
-    /// What was computed so far.
-    pub fn counters(&self) -> Counters {
-        self.work.counters
-    }
 }
 
 impl montecarlo::Study for Study<'_> {
@@ -234,23 +218,22 @@ impl montecarlo::Study for Study<'_> {
     ) {
         let certificate = &self.certificates[self.plan.scenes[scene].lattice];
         let (mut open, mut states) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
-        let mut outcomes: Vec<Option<Result<Outcome, Error>>> = Vec::with_capacity(samples.len());
-        for (at, sample) in samples.iter().enumerate() {
-            outcomes.push(match self.plan.sliding(&self.plan.scenes[scene], sample) {
-                Ok(state) if certificate.covers(&state) => {
-                    Some(Ok(Outcome { is_certified: true, ..Outcome::default() }))
-                }
-                Ok(state) => {
-                    open.push(at);
-                    states.push(state);
-                    None
-                }
-                Err(error) => Some(Err(error)),
-            });
-        }
+        let mut outcomes = Vec::with_capacity(samples.len());
+        timed(&mut scratch.memory.spent.states, || {
+            for (at, sample) in samples.iter().enumerate() {
+                outcomes.push(self.plan.sliding(&self.plan.scenes[scene], sample).map(|state| {
+                    let is_certified = certificate.covers(&state);
+                    if !is_certified {
+                        open.push(at);
+                        states.push(state);
+                    }
+                    Outcome { is_certified, ..Outcome::default() }
+                }));
+            }
+        });
         for (at, outcome) in open.into_iter().zip(self.open_samples(scene, &states, scratch)) {
-            outcomes[at] = Some(outcome);
+            outcomes[at] = outcome;
         }
-        out.extend(outcomes.into_iter().flatten());
+        out.append(&mut outcomes);
     }
 }

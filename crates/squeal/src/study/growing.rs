@@ -89,7 +89,7 @@ pub(super) fn gain(state: &Sliding) -> Option<Gain> {
     Some(Gain { position: tangent.mu, velocity: load * tangent.slope, lag, decay })
 }
 
-/// The modes of each state that grow, sector by sector; `None` where they are left to spectra.
+/// The modes of each state that grow, sector by sector; `None` in all sectors of a state that is left to spectra.
 ///
 /// The bounds of other modes leave their order open only among themselves.
 pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Known>> {
@@ -108,6 +108,11 @@ pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Wor
         let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
         for (at, again) in open.into_iter().zip(search(sector, &again, work)) {
             found[at] = again;
+        }
+    }
+    for at in 0..states.len() {
+        if found.iter().any(|of_sector| of_sector[at].is_none()) {
+            found.iter_mut().for_each(|of_sector| of_sector[at] = None);
         }
     }
     found

@@ -1,13 +1,13 @@
 //! Modes near the axis at some states of a scene, with their derivatives and names: what a table of them is made from.
 
-use cea::{Gain, Workspace};
+use cea::Gain;
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
 
-use super::Study;
 use super::growing::gain;
 use super::part::Equation;
+use super::{Scratch, Study};
 use crate::Error;
 
 /// A mode near the axis under friction that is alike in all contacts.
@@ -34,9 +34,9 @@ impl Study<'_> {
         scene: usize,
         states: &[Sliding],
         part: f64,
-        work: &mut Workspace,
+        scratch: &mut Scratch,
     ) -> Result<Vec<Option<Vec<NearAxis>>>, Error> {
-        let solvers = self.solvers(scene);
+        let (solvers, memory) = (self.solvers(scene), &mut scratch.memory);
         let gains = states.iter().map(gain).collect::<Option<Vec<Gain>>>();
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; states.len()]) };
@@ -51,12 +51,12 @@ impl Study<'_> {
                 sector.reduce(whole, &mut system).map(|()| system)
             };
             let systems = wholes.iter().map(reduced).collect::<Result<Vec<_>, _>>()?;
-            let near = secular.near_axis(pilots, &gains, part, work);
+            let near = secular.near_axis(pilots, &gains, part, &mut memory.work);
             let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
             };
             let growing: Vec<Vec<Complex<f64>>> = near.iter().map(growing).collect();
-            let named = solver.named(&systems, &known, &growing, work);
+            let named = solver.named(&systems, &known, &growing, memory);
             for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
                 let (Some(near), Some(of_state)) = (near, found.as_mut()) else {
                     *found = None;
@@ -64,7 +64,7 @@ impl Study<'_> {
                 };
                 let asked: Vec<(Gain, Complex<f64>)> = near.iter().map(|&lambda| (*gain, lambda)).collect();
                 let mut names = named?.into_iter().map(|(_, names)| names);
-                for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, work)) {
+                for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, &mut memory.work)) {
                     let names = if lambda.re > 0.0 { names.next().unwrap_or_default() } else { Vec::new() };
                     of_state.push(NearAxis { lambda, by_mu, by_slope, names });
                 }

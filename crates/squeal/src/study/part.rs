@@ -8,28 +8,17 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Reference;
+use super::memory::{Memory, timed};
 
 /// The modes of one sector of one sample.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
-    /// All of them.
+    /// All of them; those that damp may be guesses in the right order.
     pub modes: Modes,
     /// The unstable ones, ascending in frequency.
     pub unstable: Vec<Unstable>,
     /// Modes whose verdict the error bound leaves open.
     pub undecided: u32,
-    /// Bounds of the errors of the modes; none where rounding errors are all.
-    pub radii: Vec<f64>,
-}
-
-impl Part {
-    /// Whether the bounds of its modes leave the rank open of a mode of another part.
-    pub fn blurs(&self, other: &Self) -> bool {
-        let frequency = |mode: &Unstable| other.modes.oscillatory[mode.index].im;
-        other.unstable.iter().map(frequency).any(|im| {
-            self.modes.oscillatory.iter().zip(&self.radii).any(|(mode, radius)| (mode.im - im).abs() < *radius)
-        })
-    }
 }
 
 /// An unstable mode of a sector.
@@ -45,6 +34,9 @@ pub(super) struct Unstable {
 
 /// The growing modes of a sector of a sample, as its secular equation finds them.
 pub(super) type Known = Option<(Gain, Growing)>;
+
+/// Modes with what they may be called.
+type Named = Vec<(Mode, Vec<u16>)>;
 
 /// How one sector of a scene is solved.
 pub(super) struct Solver<'a> {
@@ -66,41 +58,37 @@ pub(super) struct Equation<'a> {
 
 impl Solver<'_> {
     /// Names the unstable modes of `systems`, this sector of some samples. What is not `known` of the modes of a system is
-    /// solved for. `spectra` is memory.
-    pub fn solve(
-        &self,
-        systems: &[SecondOrder],
-        known: &[Known],
-        spectra: &mut Vec<Result<Spectrum, CeaError>>,
-        work: &mut Workspace,
-    ) -> Vec<Result<Part, CeaError>> {
+    /// solved for.
+    pub fn solve(&self, systems: &[SecondOrder], known: &[Known], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
         let is_unknown = known.iter().all(Option::is_none);
         // Friction does not reach every sector: where it does not, all samples are one.
         if let ([first, others @ ..], true) = (systems, is_unknown)
             && !others.is_empty()
             && others.iter().all(|other| other == first)
         {
-            let part = self.solve(std::slice::from_ref(first), &[None], spectra, work).remove(0);
+            let part = self.solve(std::slice::from_ref(first), &[None], memory).remove(0);
             return vec![part; systems.len()];
         }
-        let judged: Vec<Result<Judged, CeaError>> = if is_unknown {
+        let Memory { spectra, work, spent } = memory;
+        let judged: Vec<Result<Judged, CeaError>> = timed(&mut spent.spectra, || {
+            if !is_unknown {
+                let judge = |(system, known): (&SecondOrder, &Known)| match known {
+                    Some((_, known)) => Ok(Judged::known(known)),
+                    None => Judged::new(system, &self.spectra.eigenvalues(system, work)?, work),
+                };
+                return systems.iter().zip(known).map(judge).collect();
+            }
             self.spectra.eigenvalues_of_all(systems, work, spectra);
             let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
                 Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
             };
             systems.iter().zip(&*spectra).map(judge).collect()
-        } else {
-            let judge = |(system, known): (&SecondOrder, &Known)| match known {
-                Some((_, known)) => Ok(Judged::known(known)),
-                None => Judged::new(system, &self.spectra.eigenvalues(system, work)?, work),
-            };
-            systems.iter().zip(known).map(judge).collect()
-        };
+        });
 
         let lambdas: Vec<Vec<Complex<f64>>> =
             judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
         let gains: Vec<Option<Gain>> = known.iter().map(|known| known.as_ref().map(|(gain, _)| *gain)).collect();
-        let named = self.named(systems, &gains, &lambdas, work);
+        let named = self.named(systems, &gains, &lambdas, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
@@ -110,9 +98,10 @@ impl Solver<'_> {
         systems: &[SecondOrder],
         gains: &[Option<Gain>],
         lambdas: &[Vec<Complex<f64>>],
-        work: &mut Workspace,
-    ) -> Vec<Result<Vec<(Mode, Vec<u16>)>, CeaError>> {
-        let shaped = self.shapes(systems, gains, lambdas, work);
+        memory: &mut Memory,
+    ) -> Vec<Result<Named, CeaError>> {
+        let Memory { work, spent, .. } = memory;
+        let shaped = timed(&mut spent.shapes, || self.shapes(systems, gains, lambdas, work));
         let to = (&self.reference.system, &self.reference.modes[..]);
         let each = systems.iter().zip(&shaped).zip(gains);
         let ways = each.map(|((system, modes), gain)| Way {
@@ -125,7 +114,7 @@ impl Solver<'_> {
             }),
         });
         let ways: Vec<Way<'_>> = ways.collect();
-        let links = identify_all(self.spectra, &ways, work);
+        let links = timed(&mut spent.names, || identify_all(self.spectra, &ways, work));
         let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
             Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
         };
@@ -160,14 +149,13 @@ struct Judged {
     /// Places of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
     undecided: u32,
-    radii: Vec<f64>,
 }
 
 impl Judged {
-    fn known(Growing { modes, radii }: &Growing) -> Self {
+    fn known(Growing { modes, .. }: &Growing) -> Self {
         let unstable = modes.iter().enumerate().filter(|(_, lambda)| lambda.re > 0.0).map(|(index, _)| index).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
-        Self { modes, unstable, undecided: 0, radii: radii.clone() }
+        Self { modes, unstable, undecided: 0 }
     }
 
     fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
@@ -180,16 +168,16 @@ impl Judged {
                 Verdict::Stable => {}
             }
         }
-        Ok(Self { modes, unstable, undecided, radii: Vec::new() })
+        Ok(Self { modes, unstable, undecided })
     }
 
     fn lambdas(&self) -> Vec<Complex<f64>> {
         self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
     }
 
-    fn with_names(self, named: Vec<(Mode, Vec<u16>)>) -> Part {
+    fn with_names(self, named: Named) -> Part {
         let mode = |(index, (mode, names))| Unstable { index, mode, names };
         let unstable = self.unstable.into_iter().zip(named).map(mode).collect();
-        Part { modes: self.modes, unstable, undecided: self.undecided, radii: self.radii }
+        Part { modes: self.modes, unstable, undecided: self.undecided }
     }
 }
