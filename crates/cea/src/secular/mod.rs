@@ -16,6 +16,8 @@ mod enclosure;
 mod pilot;
 mod resolvent;
 mod search;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use linsys::SecondOrder;
 use num_complex::Complex;
