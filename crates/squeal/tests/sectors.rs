@@ -185,7 +185,10 @@ fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
             let outcome = study.evaluate(at, &study.draw(&mut stream(1, index)).unwrap(), &mut scratch).unwrap();
             open += u64::from(!outcome.is_certified);
             values += scratch.counters().secular_values;
-            spectra += scratch.counters().eigenvalue_solves;
+            // Following a mode whose name is in doubt may take spectra too.
+            if scratch.counters().continuations == 0 {
+                spectra += scratch.counters().eigenvalue_solves;
+            }
         }
         let order: usize = plan.sectors[scene.lattice].iter().map(Sector::order).sum();
         // Nine contacts, however they are shared out among the sectors.
@@ -196,7 +199,7 @@ fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
         samples += open;
     }
     println!("{spectra} spectra of sectors for {samples} open samples");
-    assert!(samples > 700 && 10 * spectra < samples, "{spectra} for {samples}");
+    assert!(samples > 700 && 100 * spectra < samples, "{spectra} for {samples}");
 }
 
 #[test]
