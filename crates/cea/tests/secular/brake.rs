@@ -61,7 +61,7 @@ impl Brake {
 
     /// The modes by QR, ascending in frequency; not what rounding makes of equal internal states.
     pub fn modes(&self, gain: &Gain) -> Vec<Complex<f64>> {
-        self.spectrum(gain).oscillatory().filter(|l| l.im > 1e-4 * l.norm()).collect()
+        self.spectrum(gain).oscillatory().filter(|l| l.im > 1e-2 * l.norm()).collect()
     }
 
     pub fn growth(&self, gain: &Gain) -> f64 {
