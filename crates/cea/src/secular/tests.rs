@@ -152,7 +152,7 @@ struct Known {
 
 impl Known {
     fn gain(&self) -> Gain {
-        let decay = if self.real.is_empty() { 0.0 } else { self.decay };
+        let decay = if self.cast.bristles.is_none() { 0.0 } else { self.decay };
         Gain { lag: decay, decay, ..Gain::default() }
     }
 
@@ -181,7 +181,9 @@ fn known() -> impl Strategy<Value = Known> {
         |(zeros, real, decay, error, apart_from)| {
             let error = 10f64.powf(error);
             let guess = |&(re, im, x, y): &(f64, f64, f64, f64)| Complex::new(re + error * x, im + error * y);
-            let bristles = (!real.is_empty()).then_some(Bristles { middle: -decay, radius: 0.1 * decay });
+            // A feedback in no place has internal states in name only.
+            let has_states = !real.is_empty() || decay > 4.5;
+            let bristles = has_states.then_some(Bristles { middle: -decay, radius: 0.1 * decay });
             let cast = Cast { sigmas: zeros.iter().map(guess).collect(), bristles };
             let zeros = zeros.into_iter().map(|(re, im, ..)| Complex::new(re, im)).collect();
             let real = real.into_iter().map(|part| decay * (part - 1.0)).collect();
