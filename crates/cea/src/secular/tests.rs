@@ -150,6 +150,9 @@ struct Known {
     apart_from: f64,
 }
 
+/// A guess for internal states, its correction, and how many it stands for.
+type OfState = (Complex<f64>, Complex<f64>, f64);
+
 impl Known {
     fn gain(&self) -> Gain {
         let decay = if self.cast.bristles.is_none() { 0.0 } else { self.decay };
@@ -162,8 +165,8 @@ impl Known {
         modes * self.real.iter().map(|re| (z - re) / (z + self.decay)).product::<Complex<f64>>()
     }
 
-    /// The corrections of the modes, and those of internal states: where, how large, for how many.
-    fn corrections(&self) -> (Vec<Complex<f64>>, Vec<(Complex<f64>, Complex<f64>, f64)>) {
+    /// The corrections of the modes, and those of internal states.
+    fn corrections(&self) -> (Vec<Complex<f64>>, Vec<OfState>) {
         let (Self { cast, .. }, gain, m) = (self, self.gain(), self.real.len());
         let of_mode =
             |(i, &z): (usize, &Complex<f64>)| self.value(z) / cast.others(i, z) * cast.bristle_factor(z, &gain, m);
@@ -241,7 +244,7 @@ fn discs_hold_all_zeros() {
         let (corrections, states) = known.corrections();
         let states: Vec<_> = states.iter().map(|(z, w, count)| (*z, count * w.norm())).collect();
         let found = enclosure(&known.cast.sigmas, &corrections, &states, &[known.apart_from]);
-        if !(found.total < 1.0) {
+        if found.total >= 1.0 || found.total.is_nan() {
             open.set(open.get() + 1);
             return Ok(());
         }
