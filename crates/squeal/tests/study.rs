@@ -123,22 +123,28 @@ fn a_certified_block_costs_no_solve() {
 
 #[test]
 fn only_unstable_modes_cost_eigenvectors() {
-    let plan = Plan::new(case(&[ALL_IN_CONTACT])).unwrap();
-    let study = Study::new(&plan, &QrSolver).unwrap();
-    let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
-    let mut seen = 0;
-    for index in 0..16 {
-        let sample = study.draw(&mut stream(1, index)).unwrap();
-        let mut scratch = Default::default();
-        let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
-        let counters = scratch.counters();
-        if counters.continuations == 0 && !outcome.unstable.is_empty() {
-            assert_eq!(counters.eigenvalue_solves, plan.sectors[plan.scenes[scene].lattice].iter().len() as u64);
-            assert_eq!(counters.eigenvectors, outcome.unstable.len() as u64);
-            seen += outcome.unstable.len();
+    // What is not alike in all contacts is solved by spectra, sector by sector.
+    let unlike = ("preload = { per_contact = 600.0 }", "preload = { equilibrium = 600.0 }");
+    for (changes, has_spectra) in [(&[ALL_IN_CONTACT][..], false), (&[ALL_IN_CONTACT, unlike], true)] {
+        let plan = Plan::new(case(changes)).unwrap();
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
+        let sectors = plan.sectors[plan.scenes[scene].lattice].iter().len() as u64;
+        let mut seen = 0;
+        for index in 0..16 {
+            let sample = study.draw(&mut stream(1, index)).unwrap();
+            let mut scratch = Default::default();
+            let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
+            let counters = scratch.counters();
+            if counters.continuations == 0 && !outcome.unstable.is_empty() {
+                assert_eq!(counters.eigenvalue_solves, if has_spectra { sectors } else { 0 });
+                assert_eq!(counters.secular_values > 0, !has_spectra);
+                assert_eq!(counters.eigenvectors, outcome.unstable.len() as u64);
+                seen += outcome.unstable.len();
+            }
         }
+        assert!(seen > 0);
     }
-    assert!(seen > 0);
 }
 
 #[test]

@@ -13,6 +13,9 @@ use super::pair::{Pair, fma, pair, scale, square};
 use super::{narrow, wide_part};
 use crate::secular::Resolvent;
 
+#[cfg(test)]
+mod tests;
+
 /// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
 const SIDE_BY_SIDE: usize = 4;
 /// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away: a

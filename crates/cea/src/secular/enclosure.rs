@@ -69,7 +69,7 @@ impl Cast {
 
     /// `(z + decay)^m / prod (z - z_b)` over the m internal states.
     pub fn bristle_factor(&self, z: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
-        let Some(Bristles { middle, radius }) = self.bristles else { return Complex::from(1.0) };
+        let Some(Bristles { middle, radius }) = self.bristles.filter(|_| m > 0) else { return Complex::from(1.0) };
         let power = m as i32;
         let [pole, distance] = [(z + gain.decay) / radius, (z - middle) / radius];
         pole.powi(power) / (distance.powi(power) + 1.0)

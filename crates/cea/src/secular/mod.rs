@@ -17,6 +17,8 @@ mod line;
 mod pilot;
 mod resolvent;
 mod search;
+#[cfg(test)]
+pub(crate) mod tests;
 
 use linsys::SecondOrder;
 use num_complex::Complex;
