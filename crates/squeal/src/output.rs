@@ -1,7 +1,7 @@
 //! Writing files so that a reader finds the whole file or none.
 
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 use crate::Error;
@@ -11,7 +11,11 @@ use crate::Error;
 /// # Errors
 /// [`Error::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
-    let failed = |source| Error::Write { path: path.to_owned(), source };
+    replace(path, contents).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// [`write`], with the bare error.
+pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     let temporary = path.with_file_name(name);
@@ -21,11 +25,8 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
         file.sync_all()?;
         fs::rename(&temporary, path)
     })();
-    written.map_err(|source| {
-        // The error to report is the first one; a temporary file that cannot be removed either is beside the point.
-        let _ = fs::remove_file(&temporary);
-        failed(source)
-    })
+    // The error to report is the first one; a temporary file that cannot be removed either is beside the point.
+    written.inspect_err(|_| drop(fs::remove_file(&temporary)))
 }
 
 /// Makes a folder and those above it.

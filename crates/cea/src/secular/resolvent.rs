@@ -42,9 +42,11 @@ pub(crate) struct Resolvent {
     pub reading: Vec<[f64; 2]>,
     /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
     pub mobility: Vec<[f64; 2]>,
-    /// Of each pole a shape, n, and how strongly each force drives it, m: `Q_0^-1 B` is the sum of their products over
-    /// `lambda - p_k`, and of the conjugates.
-    pub shapes: Vec<[DVector<Complex<f64>>; 2]>,
+    /// Of each pole a shape, n.
+    shapes: Vec<DVector<Complex<f64>>>,
+    /// How strongly each force drives it, m: `Q_0^-1 B` is the sum of shape times drive over `lambda - p_k`, and of the
+    /// conjugates.
+    drives: Vec<DVector<Complex<f64>>>,
 }
 
 impl Resolvent {
@@ -77,6 +79,7 @@ impl Resolvent {
             reading: vec![[0.0; 2]; m * m * n],
             mobility: vec![[0.0; 2]; m * (m + 1) / 2 * n],
             shapes: Vec::with_capacity(n),
+            drives: Vec::with_capacity(n),
         };
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
         let mut first = 0;
@@ -88,7 +91,8 @@ impl Resolvent {
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
             let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else { return Ok(None) };
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
-                resolvent.shapes.push([shape.into_owned(), drive.transpose()]);
+                resolvent.shapes.push(shape.into_owned());
+                resolvent.drives.push(drive.transpose());
             }
             let moved = x * acted;
             resolvent.add(first, pole / unit, &(&reading * &moved), &(force.transpose() * moved));
@@ -138,15 +142,18 @@ impl Resolvent {
     /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
     pub fn moved(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let mut moved = DVector::zeros(self.poles.len());
-        for (pole, [shape, drive]) in self.poles.iter().zip(&self.shapes) {
+        for ((pole, shape), drive) in self.poles.iter().zip(&self.shapes).zip(&self.drives) {
             let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
             for (d, w) in drive.iter().zip(w) {
                 plain += d * w;
                 conjugate += d.conj() * w;
             }
-            (plain, conjugate) = (plain / (sigma - pole), conjugate / (sigma - pole.conj()));
-            let (sum, difference) = (plain + conjugate, Complex::<f64>::i() * (plain - conjugate));
-            moved.iter_mut().zip(shape).for_each(|(moved, x)| *moved += sum * x.re + difference * x.im);
+            let [plain, conjugate] = [plain / (sigma - pole), conjugate / (sigma - pole.conj())];
+            // x a + conj(x) b = (a + b) re x + i (a - b) im x.
+            let (re, im) = (plain + conjugate, plain - conjugate);
+            for (moved, x) in moved.iter_mut().zip(shape) {
+                *moved += Complex::new(re.re * x.re - im.im * x.im, re.im * x.re + im.re * x.im);
+            }
         }
         moved
     }

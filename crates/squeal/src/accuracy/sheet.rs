@@ -97,7 +97,7 @@ impl Sheet {
     /// Whether the slope at an eigenvalue is farther out than those at the corners: it depends on more than the place of
     /// the tangent.
     pub fn is_outside(&self, tangent: &Tangent, lambda: Complex<f64>) -> bool {
-        (tangent.complex_slope(lambda) - self.centre.1).norm() > OUTSIDE * self.scale.1
+        (tangent.complex_slope(lambda) - self.centre.1).norm_sqr() > (OUTSIDE * self.scale.1).powi(2)
     }
 
     fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {

@@ -21,7 +21,7 @@ const TOGETHER: usize = 8;
 /// Part of the points that may be doubtful.
 const DOUBTFUL: f64 = 4e-4;
 /// Corners after which no cell is halved.
-const MOST_CORNERS: usize = 1500;
+const MOST_CORNERS: usize = 1_500;
 /// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
 const SAFETY: f64 = 4.0;
 /// Corners of a cell.

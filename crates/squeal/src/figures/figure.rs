@@ -1,11 +1,11 @@
 //! A finished figure: its picture and the table behind it.
 
-use std::fs;
 use std::path::Path;
 
 use super::canvas::Canvas;
 use super::error::FigureError;
 use super::{raster, vector};
+use crate::output::replace;
 
 /// The numbers of a figure, one observation per row.
 pub(super) struct Table {
@@ -58,18 +58,9 @@ impl Figure {
     pub fn save(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
         let files = [("svg", self.svg().into_bytes()), ("png", self.png()?), ("csv", self.csv()?)];
         for (extension, bytes) in files {
-            write_whole(&dir.join(format!("{stem}.{extension}")), &bytes)?;
+            let path = dir.join(format!("{stem}.{extension}"));
+            replace(&path, &bytes).map_err(|source| FigureError::Write { path, source })?;
         }
         Ok(())
     }
-}
-
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FigureError> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|source| {
-        // The first error is the one to report; the left-over may not even exist.
-        let _ = fs::remove_file(&partial);
-        FigureError::Write { path: path.to_owned(), source }
-    })
 }
