@@ -2,6 +2,7 @@
 
 mod again;
 mod error;
+mod growing;
 mod machine;
 mod problems;
 mod python;

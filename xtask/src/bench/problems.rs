@@ -11,6 +11,11 @@ use squeal::montecarlo::stream;
 use squeal::osc_model::{BrakeModel, ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters, Linearise};
 use squeal::study::{Sample, sliding};
 
+use super::growing::Growing;
+
+/// Draws whose spectra the secular equation begins with, as many as in the study.
+const PILOTS: u64 = 16;
+
 /// One size of problem: a lattice with every oscillator in contact. It has 3 (rows x columns) + 3 degrees of freedom.
 pub struct Size {
     rows: usize,
@@ -49,6 +54,8 @@ pub struct Problem {
     pub systems: Vec<SecondOrder>,
     /// All eigenvalues of the first systems, refined in double-double, rad/s.
     pub references: Vec<Vec<Complex<f64>>>,
+    /// The same draws for the secular equation.
+    pub growing: Option<Growing>,
 }
 
 impl Problem {
@@ -64,12 +71,15 @@ impl Problem {
         let model = LatticeModel::new(resized(&case.lattice, grid), case.readings.lateral, &fixed);
         let full = ContactArrangement::full(grid.oscillators());
         let lattice = model.and_then(|model| model.prepare(&full)).map_err(Error::from)?;
-        let system = |i: u64| {
+        let state = |i: u64| {
             let sample = Sample::draw(case, &mut stream(case.seed, i)).map_err(Error::from)?;
             let speed = case.speeds[0].quantile(sample.speed_quantile);
-            lattice.linearised(&sliding(case, &lattice, law, speed, &sample, |_| 1.0)?).map_err(Error::from)
+            sliding(case, &lattice, law, speed, &sample, |_| 1.0)
         };
-        let systems = (0..draws).map(system).collect::<Result<Vec<_>, Error>>()?;
+        let states = (0..draws).map(state).collect::<Result<Vec<_>, Error>>()?;
+        let pilots = (draws..draws + PILOTS).map(state).collect::<Result<Vec<_>, Error>>()?;
+        let systems = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>();
+        let systems = systems.map_err(Error::from)?;
         let references = systems.iter().take(refined).map(reference).collect::<Result<_, _>>()?;
         let held = if held.is_empty() { String::new() } else { format!(" with {} held", held.join(" ")) };
         Ok(Self {
@@ -78,6 +88,7 @@ impl Problem {
             states: systems[0].states(),
             systems,
             references,
+            growing: Growing::new(&lattice, &pilots, &states)?,
         })
     }
 }

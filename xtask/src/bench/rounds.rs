@@ -8,6 +8,7 @@ use squeal::accuracy::{Spectra, relative_errors};
 use squeal::montecarlo::quantile;
 
 use super::error::BenchError;
+use super::growing::GROWING;
 use super::problems::Problem;
 use super::python::Python;
 use super::routes::{DGEEV, routes};
@@ -27,7 +28,7 @@ pub struct RouteRow {
     pub us_quartiles: [f64; 2],
     /// Median over the rounds of its time over that of dgeev; `null` where that is not built in.
     pub ratio_to_dgeev: Option<f64>,
-    /// Largest relative error of an eigenvalue, infinite where one is missing; nothing where no system was solved
+    /// Largest relative error of an eigenvalue asked for, infinite where one is missing; nothing where no system was solved
     /// whose eigenvalues are known.
     pub max_error: Option<f64>,
     /// Problems solved in a round.
@@ -54,6 +55,10 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
         .iter()
         .map(|r| Timed { name: r.name.into(), spectra: (r.solve)(&problem.systems), seconds: Vec::new() })
         .collect();
+    if let Some(growing) = &problem.growing {
+        timed.push(Timed { name: GROWING.into(), spectra: growing.solve(), seconds: Vec::new() });
+    }
+    let own = timed.len();
     let mut python = python;
     if let Some(python) = &python {
         let peers = python.routes.iter().zip(&python.spectra);
@@ -64,10 +69,12 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
         }));
     }
     for _ in 0..rounds {
-        let (own, peers) = timed.split_at_mut(routes.len());
-        for (route, timed) in routes.iter().zip(own) {
+        let (own, peers) = timed.split_at_mut(own);
+        let growing = problem.growing.iter().map(|growing| Box::new(|| growing.solve()) as Box<dyn Fn() -> Spectra>);
+        let solve = routes.iter().map(|route| Box::new(|| (route.solve)(&problem.systems)) as Box<dyn Fn() -> Spectra>);
+        for (solve, timed) in solve.chain(growing).zip(own) {
             let start = ThreadTime::now();
-            std::hint::black_box((route.solve)(&problem.systems));
+            std::hint::black_box(solve());
             timed.seconds.push(start.elapsed().as_secs_f64());
         }
         if let Some(python) = &mut python {
@@ -91,10 +98,16 @@ fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteR
         us: quantile(&us, 0.5)?,
         us_quartiles: [quantile(&us, 0.25)?, quantile(&us, 0.75)?],
         ratio_to_dgeev: ratios.map(|ratios| quantile(&ratios, 0.5)).transpose()?,
-        max_error: max_error(&problem.references, &timed.spectra),
+        max_error: max_error(&wanted(problem, timed), &timed.spectra),
         problems: problem.systems.len(),
         failed: timed.spectra.iter().filter(|spectrum| spectrum.is_none()).count(),
     })
+}
+
+/// The eigenvalues that a route is to find.
+fn wanted(problem: &Problem, timed: &Timed) -> Vec<Vec<Complex<f64>>> {
+    let is_wanted = |lambda: &&Complex<f64>| timed.name != GROWING || lambda.re > 0.0 && lambda.im > 0.0;
+    problem.references.iter().map(|all| all.iter().filter(is_wanted).copied().collect()).collect()
 }
 
 fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {

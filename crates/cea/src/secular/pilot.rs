@@ -38,8 +38,13 @@ impl Pilot {
     fn new(resolvent: &Resolvent, gain: Gain, spectrum: &Spectrum) -> Option<Self> {
         let (n, m) = (resolvent.poles.len(), resolvent.places);
         let is_real = |l: &&Complex<f64>| l.im.abs() <= NEARLY_REAL * l.norm();
-        let sigmas: Vec<Complex<f64>> =
+        let mut sigmas: Vec<Complex<f64>> =
             spectrum.oscillatory().filter(|l| !is_real(&l)).map(|l| l / resolvent.unit).collect();
+        for still in &resolvent.still {
+            let distances = sigmas.iter().map(|sigma| (sigma - still).norm_sqr());
+            let (nearest, _) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+            sigmas.remove(nearest);
+        }
         let real: Vec<f64> = spectrum.eigenvalues.iter().filter(is_real).map(|l| l.re / resolvent.unit).collect();
         // Internal states that drive nothing have no part in the polynomial.
         let states = if gain.lag == 0.0 { 0 } else { m };

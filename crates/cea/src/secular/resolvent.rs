@@ -16,6 +16,8 @@ use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
 
 /// Eigenvalues nearer to each other than this, relatively, are one; their vectors span one space.
 const ONE: f64 = 1e-7;
+/// A mode that moves the places less than this, relatively, stays where it is: feedback moves it by the square of it.
+const UNSEEN: f64 = 1e-8;
 /// Largest relative error of the sums, seen at some lambda against factorisations of Q.
 const LARGEST_ERROR: f64 = 1e-11;
 
@@ -34,19 +36,28 @@ pub struct Feedback {
 pub(crate) struct Resolvent {
     /// The unit of eigenvalues, rad/s: the geometric mean of the structure's.
     pub unit: f64,
-    /// The p_k with Im > 0, multiple ones repeated; in units.
+    /// The p_k with Im > 0 of modes that feedback moves, multiple ones repeated; in units.
     pub poles: Vec<Complex<f64>>,
+    /// Eigenvalues with Im > 0 that no feedback moves, because their modes do not move the places; in units.
+    pub still: Vec<Complex<f64>>,
     /// m.
     pub places: usize,
     /// U and V of `R Q_0^-1 B`: those of all poles for the first entry, then for the second, by rows.
     pub reading: Vec<[f64; 2]>,
     /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
     pub mobility: Vec<[f64; 2]>,
-    /// Of each pole a shape, n.
-    shapes: Vec<DVector<Complex<f64>>>,
-    /// How strongly each force drives it, m: `Q_0^-1 B` is the sum of shape times drive over `lambda - p_k`, and of the
-    /// conjugates.
-    drives: Vec<DVector<Complex<f64>>>,
+    /// `Q_0^-1 B` as the sum of these over `lambda - p_k`, and of the conjugates.
+    modes: Vec<Driven>,
+}
+
+/// A mode of the structure.
+#[derive(Debug, Clone, PartialEq)]
+struct Driven {
+    pole: Complex<f64>,
+    /// n.
+    shape: DVector<Complex<f64>>,
+    /// How strongly each force drives it, m.
+    drive: DVector<Complex<f64>>,
 }
 
 impl Resolvent {
@@ -72,16 +83,8 @@ impl Resolvent {
             internal: Internal::zeros(n, 0),
         };
         let (right, left) = (right_vectors(structure, &lambdas, work)?, right_vectors(&transposed, &lambdas, work)?);
-        let mut resolvent = Self {
-            unit,
-            poles: Vec::with_capacity(n),
-            places: m,
-            reading: vec![[0.0; 2]; m * m * n],
-            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * n],
-            shapes: Vec::with_capacity(n),
-            drives: Vec::with_capacity(n),
-        };
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
+        let (mut still, mut modes, mut moving) = (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut first = 0;
         while first < n {
             let is_one = |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= ONE * lambdas[first].norm();
@@ -91,26 +94,36 @@ impl Resolvent {
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
             let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else { return Ok(None) };
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
-                resolvent.shapes.push(shape.into_owned());
-                resolvent.drives.push(drive.transpose());
+                modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
-            let moved = x * acted;
-            resolvent.add(first, pole / unit, &(&reading * &moved), &(force.transpose() * moved));
-            (first..group.end).for_each(|_| resolvent.poles.push(pole / unit));
+            // Singular values of no matrix are no good question.
+            let seen = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &x).singular_values() };
+            let moved = seen.iter().filter(|&&seen| seen > UNSEEN * force.norm()).count();
+            still.extend(std::iter::repeat_n(pole / unit, group.len() - moved));
+            let residue = &x * acted;
+            moving.extend((0..moved).map(|copy| (pole / unit, (copy == 0).then(|| residue.clone()))));
             first = group.end;
+        }
+        let mut resolvent = Self {
+            unit,
+            poles: moving.iter().map(|(pole, _)| *pole).collect(),
+            still,
+            places: m,
+            reading: vec![[0.0; 2]; m * m * moving.len()],
+            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * moving.len()],
+            modes,
+        };
+        for (at, (_, residue)) in moving.iter().enumerate() {
+            if let Some(residue) = residue {
+                resolvent.enter(at, &(&reading * residue), &(force.transpose() * residue));
+            }
         }
         Ok(resolvent.is_right(structure, feedback).then_some(resolvent))
     }
 
-    /// Enters the residues of a pole, where they are not rounding errors.
-    fn add(
-        &mut self,
-        at: usize,
-        pole: Complex<f64>,
-        reading: &DMatrix<Complex<f64>>,
-        mobility: &DMatrix<Complex<f64>>,
-    ) {
-        let (n, m, unit) = (self.reading.len() / (self.places * self.places).max(1), self.places, self.unit);
+    /// Enters the residues of a pole.
+    fn enter(&mut self, at: usize, reading: &DMatrix<Complex<f64>>, mobility: &DMatrix<Complex<f64>>) {
+        let (n, m, unit, pole) = (self.poles.len(), self.places, self.unit, self.poles[at]);
         // r / (l - p) + conj = (2 Re r l - 2 Re(r conj p)) / ((l - p)(l - conj p)).
         let real = |residue: Complex<f64>| [2.0 * residue.re, -2.0 * (residue * pole.conj()).re];
         let mut upper = 0;
@@ -141,8 +154,8 @@ impl Resolvent {
 
     /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
     pub fn moved(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        let mut moved = DVector::zeros(self.poles.len());
-        for ((pole, shape), drive) in self.poles.iter().zip(&self.shapes).zip(&self.drives) {
+        let mut moved = DVector::zeros(self.modes.len());
+        for Driven { pole, shape, drive } in &self.modes {
             let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
             for (d, w) in drive.iter().zip(w) {
                 plain += d * w;

@@ -67,7 +67,8 @@ pub(super) fn search(
         for search in searches.iter().flatten() {
             search.ask(round == 0, resolvent.places, &mut points);
         }
-        if points.is_empty() {
+        // Without modes that feedback moves there is nothing to ask.
+        if points.is_empty() && round > 0 {
             break;
         }
         characteristic(resolvent, &points, &mut work.scratch, &mut values);
@@ -182,11 +183,13 @@ impl Search {
             sigmas[mode] = here;
             radii[mode] = 0.0;
         }
-        if sigmas.iter().any(|sigma| sigma.re.abs() <= NEAR_AXIS) {
+        if sigmas.iter().chain(&resolvent.still).any(|sigma| sigma.re.abs() <= NEAR_AXIS) {
             return None;
         }
-        let of_mode = |(sigma, radius): (&Complex<f64>, f64)| (sigma * resolvent.unit, radius * resolvent.unit);
-        let mut modes: Vec<(Complex<f64>, f64)> = sigmas.iter().zip(radii).map(of_mode).collect();
+        let still = resolvent.still.iter().map(|sigma| (sigma, 0.0));
+        let all = sigmas.iter().zip(radii).chain(still);
+        let mut modes: Vec<(Complex<f64>, f64)> =
+            all.map(|(sigma, radius)| (sigma * resolvent.unit, radius * resolvent.unit)).collect();
         modes.sort_by(|(a, _), (b, _)| by_frequency(a, b));
         let (modes, radii) = modes.into_iter().unzip();
         Some(Growing { modes, radii })

@@ -77,7 +77,7 @@ pub(super) fn pilots(
 }
 
 /// Friction as the secular equation sees it; `None` where the contacts are not alike.
-pub(super) fn gain(state: &Sliding) -> Option<Gain> {
+pub fn gain(state: &Sliding) -> Option<Gain> {
     let (first, others) = state.contacts.split_first()?;
     let is_like = |other: &ContactPoint| other == first;
     if first.stiffness_factor != 1.0 || !others.iter().all(is_like) {
