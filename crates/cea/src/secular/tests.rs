@@ -8,7 +8,7 @@ use num_complex::Complex;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
-use super::enclosure::{Bristles, Cast, MOST, enclosure};
+use super::enclosure::{Bristles, Cast, MOST, Wanted, enclosure};
 use super::*;
 use crate::batch::characteristic;
 
@@ -44,6 +44,11 @@ pub(crate) fn resolvent(structure: &SecondOrder, feedback: &Feedback) -> Option<
     Resolvent::new(structure, feedback, &mut Workspace::default()).unwrap()
 }
 
+/// The feedback of a gain in units at an eigenvalue.
+pub(crate) fn point(gain: &Gain, sigma: Complex<f64>) -> Point {
+    gain.at(sigma)
+}
+
 /// The whole system, for a determinant or a spectrum of its own.
 pub(crate) fn whole(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -> SecondOrder {
     let Feedback { force, reading } = feedback;
@@ -65,7 +70,7 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
     let whole = whole(structure, feedback, gain);
     let sigmas: Vec<Complex<f64>> =
         noise(23, 2, 7).row_iter().map(|row| Complex::new(0.3 * row[0], 1.0 + row[1])).collect();
-    let points: Vec<_> = sigmas.iter().map(|&sigma| (sigma, gain.in_units(resolvent.unit))).collect();
+    let points: Vec<_> = sigmas.iter().map(|&sigma| gain.in_units(resolvent.unit).at(sigma)).collect();
     let mut found = Vec::new();
     characteristic(&resolvent, &points, &mut Vec::new(), &mut found);
     let size = structure.m.determinant() * resolvent.unit.powi(2 * structure.order() as i32);
@@ -243,7 +248,7 @@ fn discs_hold_all_zeros() {
     let check = |known: Known| {
         let (corrections, states) = known.corrections();
         let states: Vec<_> = states.iter().map(|(z, w, count)| (*z, count * w.norm())).collect();
-        let found = enclosure(&known.cast.sigmas, &corrections, &states, &[known.apart_from]);
+        let found = enclosure(Wanted::Growing, &known.cast.sigmas, &corrections, &states, &[known.apart_from]);
         if found.total >= 1.0 || found.total.is_nan() {
             open.set(open.get() + 1);
             return Ok(());
