@@ -118,3 +118,27 @@ fn instruction_sets_with_fused_multiply_add_agree_to_the_bit_and_the_others_near
         assert!((best - portable).norm() < 1e-12 * best.norm(), "{best} {portable}");
     }
 }
+
+#[test]
+fn next_to_a_pole_values_err_by_less_than_a_fifth() {
+    // The strength of the feedback, and how near it goes: the stronger the coupling, the more cancels.
+    for (strength, distances) in
+        [(0.1, &[1e-12, 1e-14, 1e-16, 0.0][..]), (1.0, &[1e-14]), (10.0, &[1e-12]), (100.0, &[1e-12])]
+    {
+        let mut worst = 0.0_f64;
+        let gain = Gain { position: strength * GAIN.position, velocity: strength * GAIN.velocity, ..Gain::default() };
+        for (places, seed) in [2, 3, 4].into_iter().flat_map(|places| (1..200).map(move |seed| (places, seed))) {
+            let (structure, feedback) = (chain(6, seed), feedback(6, places, seed));
+            let (resolvent, whole) = (resolvent(&structure, &feedback).unwrap(), whole(&structure, &feedback, &gain));
+            let size = structure.m.determinant() * resolvent.unit.powi(12);
+            for (pole, distance) in resolvent.poles.iter().flat_map(|pole| distances.iter().map(move |d| (pole, d))) {
+                let sigma = pole + distance;
+                let found = values(&resolvent, &[point(&gain, sigma)])[0];
+                let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
+                worst = worst.max((found - expected).norm() / expected.norm());
+            }
+        }
+        println!("{strength}: {worst:.1e}");
+        assert!(worst > 1e-3 && worst < 0.2, "{strength}: {worst:e}");
+    }
+}
