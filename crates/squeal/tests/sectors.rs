@@ -122,6 +122,44 @@ fn sectors_say_what_the_whole_says() {
 }
 
 #[test]
+fn secular_equations_say_what_spectra_say() {
+    let contacts = ("[9, 8, 7, 6]", "[9, 8]");
+    let plan = Plan::new(case("paper.toml", &[contacts])).unwrap();
+    let each = case("paper.toml", &[contacts, ("draws = \"shared\"", "draws = \"each\"")]);
+    let study = Study::new(&plan, &BatchSolver).unwrap();
+    let draws: Vec<Sample> = (0..100).map(|index| study.draw(&mut stream(7, index)).unwrap()).collect();
+    let of_scene = |at: usize| {
+        let evaluated = |first: Option<&Sample>| {
+            let (mut scratch, mut out) = (Default::default(), Vec::new());
+            let block: Vec<&Sample> = first.into_iter().chain(&draws).collect();
+            study.evaluate_block(at, &block, &mut scratch, &mut out);
+            let outcomes = out.split_off(first.iter().len()).into_iter().map(Result::unwrap).collect::<Vec<Outcome>>();
+            (outcomes, scratch.counters())
+        };
+        // One sample whose contacts differ, if no certificate covers it, leaves its whole block to spectra.
+        let (scene, mut unlike) = (&plan.scenes[at], (0..1000).map(|index| Sample::draw(&each, &mut stream(8, index))));
+        let is_open = |sample: &Sample| {
+            let state = plan.sliding(scene, sample).unwrap();
+            !study.certificates()[scene.lattice].covers(&state)
+        };
+        let Some(unlike) = unlike.find_map(|sample| sample.ok().filter(is_open)) else {
+            return (Count::default(), [0; 2]);
+        };
+        let ((ours, by_equations), (theirs, by_spectra)) = (evaluated(None), evaluated(Some(&unlike)));
+        let open = theirs.iter().filter(|outcome| !outcome.is_certified).count() as u64;
+        assert!(by_spectra.secular_values == 0 && by_spectra.eigenvalue_solves >= open, "{:?}", scene.key);
+        let counts = ours.iter().zip(&theirs).map(|(ours, theirs)| Count::of(ours, theirs));
+        (counts.fold(Count::default(), Count::and), [by_equations, by_spectra].map(|all| all.eigenvalue_solves))
+    };
+    let counts: Vec<(Count, [u64; 2])> = (0..plan.scenes.len()).into_par_iter().map(of_scene).collect();
+    let count = counts.iter().fold(Count::default(), |all, (count, _)| all.and(*count));
+    let [few, many] = [0, 1].map(|way| counts.iter().map(|(_, spectra)| spectra[way]).sum::<u64>());
+    println!("{count:?}, {few} spectra instead of {many}");
+    assert!(count.modes > 5000 && 10 * few < many);
+    assert!(count.closed == 0 && count.renamed == 0 && count.net_work < 1e-9, "{count:?}");
+}
+
+#[test]
 fn no_reference_mode_loses_its_name() {
     // With fewer in contact the sectors are others than where the names come from.
     for contacts in ["[9, 8]", "[6]"] {
@@ -183,10 +221,10 @@ fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
         for index in 0..100 {
             let mut scratch = Default::default();
             let outcome = study.evaluate(at, &study.draw(&mut stream(1, index)).unwrap(), &mut scratch).unwrap();
-            open += u64::from(!outcome.is_certified);
-            values += scratch.counters().secular_values;
-            // Following a mode whose name is in doubt may take spectra too.
+            // Following a mode whose name is in doubt takes values of its own, and may take spectra.
             if scratch.counters().continuations == 0 {
+                open += u64::from(!outcome.is_certified);
+                values += scratch.counters().secular_values;
                 spectra += scratch.counters().eigenvalue_solves;
             }
         }

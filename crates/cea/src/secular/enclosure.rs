@@ -21,6 +21,9 @@ pub(super) const MOST: f64 = 0.9;
 /// relative distance.
 const ROUNDING: f64 = 1e-11;
 const NEXT_TO: f64 = 1e-3;
+/// What w is taken to be at most, as a multiple of what it is found to be: next to a pole of the structure that is strongly
+/// coupled, the large parts of a determinant cancel, and a value may err by a fifth of itself.
+const RESERVE: f64 = 1.25;
 
 /// |z| of a number whose square is in range.
 fn size(z: Complex<f64>) -> f64 {
@@ -90,7 +93,7 @@ impl Cast {
 pub(super) struct Enclosure {
     /// Radii that hold all eigenvalues if `total < 1`.
     pub radii: Vec<f64>,
-    /// `2 |w_i| / r_i` of each guess, its conjugate included.
+    /// At least `2 |w_i| / r_i` of each guess, its conjugate included.
     pub shares: Vec<f64>,
     /// The sum of all shares, and those of internal states.
     pub total: f64,
@@ -156,7 +159,7 @@ pub(super) fn enclosure(
         let z = sigmas[i];
         let others = sigmas.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (z - other).norm_sqr());
         let nearest = (others.fold(f64::INFINITY, f64::min) / z.norm_sqr()).sqrt();
-        2.0 * (size(*w) + ROUNDING * size(z) * (1.0 + NEXT_TO / nearest)) / r
+        2.0 * (RESERVE * size(*w) + ROUNDING * size(z) * (1.0 + NEXT_TO / nearest)) / r
     };
     let shares: Vec<f64> = corrections.iter().enumerate().zip(&radii).map(share).collect();
     let bristle = |&(z, size): &(Complex<f64>, f64)| {

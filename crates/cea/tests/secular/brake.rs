@@ -44,7 +44,8 @@ pub fn brake(damping: impl Strategy<Value = f64>, dashpots: f64) -> impl Strateg
 }
 
 impl Brake {
-    fn whole(&self, gain: &Gain) -> SecondOrder {
+    /// The whole system, for a spectrum of its own.
+    pub fn whole(&self, gain: &Gain) -> SecondOrder {
         let (Feedback { force, reading }, mut system) = (&self.feedback, self.structure.clone());
         system.k += gain.position * force * reading;
         system.c += gain.velocity * force * force.transpose();

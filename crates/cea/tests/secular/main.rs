@@ -4,6 +4,8 @@
 
 mod brake;
 mod critical;
+mod modes;
+mod ways;
 
 use std::cell::Cell;
 

@@ -3,36 +3,37 @@
 use pulp::Scalar;
 
 use super::*;
-use crate::secular::tests::{GAIN, chain, error, feedback, noise, resolvent, whole};
+use crate::Gain;
+use crate::secular::tests::{GAIN, chain, error, feedback, noise, point, resolvent, whole};
 
 /// Points about the eigenvalues of a structure, with gains of all kinds.
-fn points() -> Vec<(Complex<f64>, Gain)> {
-    let point = |(i, row): (usize, nalgebra::DVector<f64>)| {
+fn points() -> Vec<Point> {
+    let of_row = |(i, row): (usize, nalgebra::DVector<f64>)| {
         let gain = Gain { position: row[2], velocity: 0.02 * row[3], lag: 0.0, decay: 0.0 };
         let gain = match i % 3 {
             0 => Gain { velocity: 0.0, ..gain },
             1 => gain,
             _ => Gain { lag: 0.3 * row[4], decay: 2.0 + row[5], ..gain },
         };
-        (Complex::new(0.3 * row[0], 1.0 + row[1]), gain)
+        point(&gain, Complex::new(0.3 * row[0], 1.0 + row[1]))
     };
     let rows = noise(19, 6, 3).row_iter().map(|row| row.transpose()).collect::<Vec<_>>();
-    rows.into_iter().enumerate().map(point).collect()
+    rows.into_iter().enumerate().map(of_row).collect()
 }
 
 fn bits(values: &[Complex<f64>]) -> Vec<[u64; 2]> {
     values.iter().map(|value| [value.re.to_bits(), value.im.to_bits()]).collect()
 }
 
-fn values(resolvent: &Resolvent, points: &[(Complex<f64>, Gain)]) -> Vec<Complex<f64>> {
+fn values(resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
     let mut out = vec![Complex::from(f64::NAN); 3];
     characteristic(resolvent, points, &mut Vec::new(), &mut out);
     out
 }
 
-fn on<S: Simd>(simd: S, resolvent: &Resolvent, points: &[(Complex<f64>, Gain)]) -> Vec<Complex<f64>> {
+fn on<S: Simd>(simd: S, resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
     let mut out = Vec::new();
-    simd.vectorize(Kernel { resolvent, points, scratch: &mut Vec::new(), out: &mut out });
+    simd.vectorize(Kernel { resolvent, points, scratch: &mut Vec::new(), results: &mut Results::Values(&mut out) });
     out
 }
 
@@ -69,7 +70,7 @@ fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not()
         for &pole in &resolvent.poles {
             for distance in [1e-3, 1e-5, 1e-7, 1e-9, 0.0] {
                 let sigma = pole + Complex::new(distance, 0.0);
-                let found = values(&resolvent, &[(sigma, gain)])[0];
+                let found = values(&resolvent, &[point(&gain, sigma)])[0];
                 let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
                 let error = (found - expected).norm() / expected.norm();
                 let bound = 1e-12 + if places > 1 { 5e-17 / distance.max(1e-16) } else { 0.0 };
@@ -87,8 +88,8 @@ fn a_value_depends_neither_on_its_lane_nor_on_its_neighbours() {
         let alone: Vec<_> = points.iter().flat_map(|point| values(&resolvent, std::slice::from_ref(point))).collect();
         assert_eq!(bits(&values(&resolvent, &points)), bits(&alone));
         points.rotate_left(5);
-        points[0].1.position = f64::NAN;
-        points[7].0.im = f64::INFINITY;
+        points[0].position = f64::NAN;
+        points[7].sigma.im = f64::INFINITY;
         let found = values(&resolvent, &points);
         for (k, found) in found.into_iter().enumerate() {
             match k {
@@ -115,5 +116,29 @@ fn instruction_sets_with_fused_multiply_add_agree_to_the_bit_and_the_others_near
     }
     for (best, portable) in best.iter().zip(on(Scalar, &resolvent, &points)) {
         assert!((best - portable).norm() < 1e-12 * best.norm(), "{best} {portable}");
+    }
+}
+
+#[test]
+fn next_to_a_pole_values_err_by_less_than_a_fifth() {
+    // The strength of the feedback, and how near it goes: the stronger the coupling, the more cancels.
+    for (strength, distances) in
+        [(0.1, &[1e-12, 1e-14, 1e-16, 0.0][..]), (1.0, &[1e-14]), (10.0, &[1e-12]), (100.0, &[1e-12])]
+    {
+        let mut worst = 0.0_f64;
+        let gain = Gain { position: strength * GAIN.position, velocity: strength * GAIN.velocity, ..Gain::default() };
+        for (places, seed) in [2, 3, 4].into_iter().flat_map(|places| (1..200).map(move |seed| (places, seed))) {
+            let (structure, feedback) = (chain(6, seed), feedback(6, places, seed));
+            let (resolvent, whole) = (resolvent(&structure, &feedback).unwrap(), whole(&structure, &feedback, &gain));
+            let size = structure.m.determinant() * resolvent.unit.powi(12);
+            for (pole, distance) in resolvent.poles.iter().flat_map(|pole| distances.iter().map(move |d| (pole, d))) {
+                let sigma = pole + distance;
+                let found = values(&resolvent, &[point(&gain, sigma)])[0];
+                let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
+                worst = worst.max((found - expected).norm() / expected.norm());
+            }
+        }
+        println!("{strength}: {worst:.1e}");
+        assert!(worst > 1e-3 && worst < 0.2, "{strength}: {worst:e}");
     }
 }
