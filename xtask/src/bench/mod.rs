@@ -137,7 +137,9 @@ mod tests {
             assert!(line.contains(row["route"].as_str().unwrap()), "{line}");
             assert!(row["n"] == 10 && row["states"] == 0 && row["us"].as_f64().unwrap() > 0.0, "{row}");
             let limit = if row["route"].as_str().unwrap().contains("raw") { 1e-6 } else { 1e-12 };
-            assert!(row["max_error"].as_f64().unwrap() < limit, "{row}");
+            // Where no mode of the draws with known eigenvalues grows, there is none to be compared.
+            let is_growing = row["route"] == growing::GROWING;
+            assert!(row["max_error"].as_f64().map_or(is_growing, |error| error < limit), "{row}");
             assert_eq!(row["ratio_to_dgeev"].is_null(), !cfg!(feature = "lapack"), "{row}");
         }
         let study = &json["study"];

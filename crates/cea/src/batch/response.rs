@@ -18,10 +18,9 @@ mod tests;
 
 /// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
 const SIDE_BY_SIDE: usize = 4;
-/// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away: a
-/// rounding error.
-const AT_POLE: f64 = 1e-32;
-
+/// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away. Nearer to one
+/// that feedback moves far, values are rounding errors; the eigenvalue itself moves by this much less than is accounted for.
+const AT_POLE: f64 = 2.5e-23;
 /// A place in the plane of eigenvalues and the feedback there, in the units of a resolvent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Point {

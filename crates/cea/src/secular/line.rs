@@ -13,10 +13,14 @@ use crate::{Mode, Workspace};
 
 /// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the line.
 const DIFFERENCE: f64 = 1e-7;
-/// Largest part of the forces on a mode that does not come back as feedback.
+/// Largest part of the forces on a mode that does not come back as feedback: at an eigenvalue, and next to one. It is large
+/// for a mode that feedback does not reach, whose shape is no response to forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
+const LARGEST_NEXT_TO: f64 = 1e-3;
 /// Eigenvalues nearer to each other than this, relatively, may have one shape or two.
 const ONE: f64 = 1e-6;
+/// Relative distance from an eigenvalue that no feedback moves at which it is that one.
+const STILL: f64 = 1e-13;
 
 /// From one gain to another of one structure: `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +69,9 @@ pub(crate) fn shapes(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace)
     for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
         let resolvent = &group[0].0.secular.resolvent;
         let points: Vec<Point> = group.iter().map(|(line, t, lambda)| line.at(*t, lambda / resolvent.unit)).collect();
-        found.extend(moved(resolvent, &points, work).into_iter().map(|shape| shape.map(|found| found.shape)));
+        let near = |found: &Shape| found.residual <= LARGEST_NEXT_TO;
+        let moved = moved(resolvent, &points, work).into_iter();
+        found.extend(moved.map(|found| found.filter(near).map(|found| found.shape)));
     }
     found
 }
@@ -91,7 +97,7 @@ fn moved(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<O
 
 impl Secular {
     /// How eigenvalues move with the position and with the slope of a gain, each of the two at the eigenvalue and the other
-    /// held: `d lambda / d p` and `d lambda / d v`.
+    /// held: `d lambda / d p` and `d lambda / d v`, to some 1e-5 of themselves.
     pub fn rates(&self, of: &[(Gain, Complex<f64>)], work: &mut Workspace) -> Vec<[Complex<f64>; 2]> {
         let (resolvent, mut values) = (&self.resolvent, Vec::new());
         let unit = resolvent.unit;
@@ -110,6 +116,10 @@ impl Secular {
         characteristic(resolvent, &points, &mut work.scratch, &mut values);
         work.counters.secular_values += values.len() as u64;
         let rates = |((_, lambda), value): (&(Gain, Complex<f64>), &[Complex<f64>; 4])| {
+            let is_it = |still: &Complex<f64>| (lambda / unit - still).norm() <= STILL * still.norm();
+            if resolvent.still.iter().any(is_it) {
+                return [Complex::default(); 2];
+            }
             let slope = (value[1] - value[0]) / (lambda * DIFFERENCE);
             [0, 1].map(|by| (value[0] - value[2 + by]) / (slope * steps[by]))
         };

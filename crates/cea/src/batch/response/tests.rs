@@ -73,7 +73,11 @@ fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not()
                 let found = values(&resolvent, &[point(&gain, sigma)])[0];
                 let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
                 let error = (found - expected).norm() / expected.norm();
-                let bound = 1e-12 + if places > 1 { 5e-17 / distance.max(1e-16) } else { 0.0 };
+                // Nearer than that a point counts as as far away.
+                let nearest = AT_POLE.sqrt();
+                let moved = if distance < nearest { 1e3 * nearest } else { 0.0 };
+                let lost = if places > 1 { 5e-17 / distance.max(nearest) } else { 0.0 };
+                let bound = 1e-12 + moved + lost;
                 assert!(error < bound, "{places} places, {distance:e} from {pole}: {error:e}");
             }
         }
@@ -120,10 +124,10 @@ fn instruction_sets_with_fused_multiply_add_agree_to_the_bit_and_the_others_near
 }
 
 #[test]
-fn next_to_a_pole_values_err_by_less_than_a_fifth() {
+fn next_to_a_pole_values_err_by_less_than_the_reserve() {
     // The strength of the feedback, and how near it goes: the stronger the coupling, the more cancels.
     for (strength, distances) in
-        [(0.1, &[1e-12, 1e-14, 1e-16, 0.0][..]), (1.0, &[1e-14]), (10.0, &[1e-12]), (100.0, &[1e-12])]
+        [(0.1, [1e-11, 1e-12, 1e-14, 0.0]), (1.0, [1e-11, 1e-12, 1e-14, 0.0]), (10.0, [1e-11, 1e-12, 1e-14, 0.0])]
     {
         let mut worst = 0.0_f64;
         let gain = Gain { position: strength * GAIN.position, velocity: strength * GAIN.velocity, ..Gain::default() };
@@ -139,6 +143,6 @@ fn next_to_a_pole_values_err_by_less_than_a_fifth() {
             }
         }
         println!("{strength}: {worst:.1e}");
-        assert!(worst > 1e-3 && worst < 0.2, "{strength}: {worst:e}");
+        assert!(worst > 1e-6 && worst < 0.2, "{strength}: {worst:e}");
     }
 }
