@@ -35,7 +35,7 @@ pub fn run_study(
     plan: &Plan,
     dir: &Path,
     threads: Option<usize>,
-    draw: &mut dyn FnMut(&Results<'_>, &Path) -> Result<(), Error>,
+    draw: &mut (dyn FnMut(&Results<'_>, &Path) -> Result<(), Error> + Send),
 ) -> Result<Manifest, Error> {
     let case = &plan.case;
     let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", case.identity(), case.seed, case.samples);
@@ -45,10 +45,7 @@ pub fn run_study(
     let start = Instant::now();
     let solver = cea::BatchSolver;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let study = match &pool {
-        Ok(pool) => pool.install(|| Study::new(plan, &solver)),
-        Err(_) => Study::new(plan, &solver),
-    }?;
+    let study = install(pool.as_ref().ok(), || Study::new(plan, &solver))?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
@@ -67,11 +64,19 @@ pub fn run_study(
     let start = Instant::now();
     let results = Results::new(&study, summary);
     write_tables(&results, dir)?;
-    draw(&results, dir)?;
+    install(pool.as_ref().ok(), || draw(&results, dir))?;
     seconds.report = start.elapsed().as_secs_f64();
     let manifest = Manifest::new(&results, threads, seconds);
     write(&dir.join("manifest.json"), manifest.json().as_bytes())?;
     Ok(manifest)
+}
+
+/// Work on the threads of a pool, or of the program where there is none.
+fn install<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
 }
 
 /// Samples evaluated together: as many as fill the lanes of the solver again and again, but few enough for many threads.

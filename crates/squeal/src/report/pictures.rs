@@ -5,6 +5,7 @@ use std::path::Path;
 
 use num_complex::Complex;
 use osc_model::Lean;
+use rayon::prelude::*;
 
 use super::Results;
 use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
@@ -47,26 +48,26 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         phi_degrees: case.lattice.phi.to_degrees(),
         leans_with_sliding: case.lattice.lean == Lean::Along,
     };
-    model_sketch(&sketch)?.save(dir, "fig02")?;
+    let mut figures = vec![(model_sketch(&sketch)?, "fig02")];
     for (&law, stem) in case.laws.iter().zip(["fig04", "fig05", "fig06"]) {
         let heading = format!("{} friction", law.title());
-        occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?.save(dir, stem)?;
+        figures.push((occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?, stem));
     }
     for (constraints, stem) in [(CORNERS, "fig08"), (SIX, "fig09")] {
         if let Some(set) = case.constraints.get(constraints) {
             let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
             let heading = format!("Held: {}", held.join(", "));
-            occurrence_boxes(&occurrence(results, constraints, &case.laws, heading)?)?.save(dir, stem)?;
+            figures.push((occurrence_boxes(&occurrence(results, constraints, &case.laws, heading)?)?, stem));
         }
     }
     let robust = most_robust(results, FREE)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
     for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
         if let Some(figure) = name.and_then(|name| mode_work(results, FREE, name).transpose()) {
-            mode_and_work(&figure?)?.save(dir, stem)?;
+            figures.push((mode_and_work(&figure?)?, stem));
         }
     }
-    Ok(())
+    figures.into_par_iter().try_for_each(|(figure, stem)| Ok(figure.save(dir, stem)?))
 }
 
 fn occurrence(
