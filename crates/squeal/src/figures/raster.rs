@@ -1,5 +1,7 @@
 //! The display list as PNG.
 
+use std::io::Write;
+
 use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 use ttf_parser::OutlineBuilder;
 
@@ -95,10 +97,14 @@ fn encode(pixels: &Pixmap) -> Result<Vec<u8>, FigureError> {
     encoder.set_depth(png::BitDepth::Eight);
     let per_metre = (DOTS_PER_INCH / 0.0254).round() as u32;
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
-    let mut writer = encoder.write_header()?;
-    let rgb: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-    writer.write_image_data(&rgb)?;
+    let mut header = encoder.write_header()?;
+    let mut writer = header.stream_writer()?;
+    for row in pixels.pixels().chunks(pixels.width() as usize) {
+        let rgb: Vec<u8> = row.iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        writer.write_all(&rgb).map_err(png::EncodingError::from)?;
+    }
     writer.finish()?;
+    drop(header);
     Ok(bytes)
 }
 
