@@ -25,6 +25,9 @@ const NEXT_TO: f64 = 1e-3;
 /// coupled, the large parts of a determinant cancel, and values were seen to err by 0.004 of themselves.
 const RESERVE: f64 = 1.25;
 
+/// How far beyond what is asked modes near the axis are found, as a factor.
+const BEYOND: f64 = 1.5;
+
 /// |z| of a number whose square is in range.
 fn size(z: Complex<f64>) -> f64 {
     z.norm_sqr().sqrt()
@@ -122,7 +125,8 @@ impl Wanted {
     pub fn is_found(self, sigma: Complex<f64>) -> bool {
         match self {
             Self::Growing => sigma.re > 0.0,
-            Self::Near(part) => sigma.re > -part * sigma.norm(),
+            // Also some that decay a little faster: nothing need be known of those just beyond the line.
+            Self::Near(part) => sigma.re > -BEYOND * part * size(sigma),
         }
     }
 }

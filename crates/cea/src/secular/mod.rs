@@ -160,6 +160,7 @@ impl Secular {
         let wanted = Wanted::Near(part);
         let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
         let found = search::search(&self.resolvent, pilots, wanted, &gains, work).into_iter();
-        found.map(|found| Some(found?.modes.into_iter().filter(|&lambda| wanted.is_found(lambda)).collect())).collect()
+        let is_near = |lambda: &Complex<f64>| lambda.re > -part * lambda.norm();
+        found.map(|found| Some(found?.modes.into_iter().filter(is_near).collect())).collect()
     }
 }

@@ -19,7 +19,7 @@ const FINEST: u32 = 1 << 16;
 /// An eigenvalue is clear of the axis in a whole cell from this many times the miss of its polynomial on.
 const CLEAR: f64 = 10.0;
 /// Points of a cell whose slopes are looked at at other frequencies.
-const SOME: usize = 64;
+const SOME: usize = 32;
 /// A mode matters in a cell if it could reach the axis moving this much faster than at a corner.
 const FASTER: f64 = 1.5;
 
@@ -179,8 +179,8 @@ impl<'a> Build<'a> {
             .collect();
         let reaches = |mode: &NearMode| {
             // At other frequencies than that of the places slopes differ by more.
-            let away = some.iter().map(|tangent| (tangent.complex_slope(mode.lambda) - mode.slope).norm());
-            let extent = away.fold(extent, f64::max);
+            let away = some.iter().map(|tangent| (tangent.complex_slope(mode.lambda) - mode.slope).norm_sqr());
+            let extent = away.fold(extent * extent, f64::max).sqrt();
             mode.lambda.re + FASTER * (mode.by_mu.re.abs() * width + mode.by_slope.norm() * extent) > 0.0
         };
 

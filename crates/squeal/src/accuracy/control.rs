@@ -35,7 +35,7 @@ const LOOKS: [(f64, f64); 3] = [(0.034, 1.0), (0.008, 2.5), (0.002, 4.0)];
 const CLEAR: f64 = 0.85;
 /// Part of the half width for which the doubtful samples are sized, the part of them in which the guess is then taken to
 /// be wrong, and the deviate of their limits.
-const FOR_DOUBTS: f64 = 0.15;
+const FOR_DOUBTS: f64 = 0.2;
 const WRONG: f64 = 0.15;
 const DEVIATE: f64 = 2.6;
 /// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes.
@@ -141,7 +141,7 @@ impl Guessed {
         let [clear, doubtful] = self.shares().map(|share| share[1]);
         let (fewest, most) = DOUBTFUL_SAMPLES;
         let of_doubtful = (WRONG * (DEVIATE * doubtful / (FOR_DOUBTS * half_width)).powi(2)).clamp(fewest, most);
-        let for_doubts = DEVIATE * doubtful * (WRONG / of_doubtful).sqrt();
+        let for_doubts = (DEVIATE * doubtful * (WRONG / of_doubtful).sqrt()).max(FOR_DOUBTS * half_width);
         let left = (half_width - error - for_doubts).max(LEAST_CLEAR * half_width);
         let of_clear = -(CLEAR * LOOKS[0].0).ln() * clear / left;
         [of_clear, of_doubtful].map(|size| size.ceil() as u64)

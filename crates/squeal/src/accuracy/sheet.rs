@@ -86,18 +86,19 @@ impl Sheet {
 
     /// lambda under a tangent.
     pub fn lambda(&self, tangent: &Tangent) -> Complex<f64> {
-        let mut lambda = self.coefficients[0];
-        let again = if tangent.internal.is_some() { AGAIN } else { 1 };
-        for _ in 0..again {
-            lambda = self.at(tangent.mu, tangent.complex_slope(lambda));
-        }
-        lambda
+        self.reach(tangent).0
     }
 
-    /// Whether the slope at an eigenvalue is farther out than those at the corners: it depends on more than the place of
-    /// the tangent.
-    pub fn is_outside(&self, tangent: &Tangent, lambda: Complex<f64>) -> bool {
-        (tangent.complex_slope(lambda) - self.centre.1).norm_sqr() > (OUTSIDE * self.scale.1).powi(2)
+    /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
+    /// than the place of the tangent.
+    pub fn reach(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
+        let (mut lambda, mut slope) = (self.coefficients[0], Complex::from(tangent.slope));
+        let again = if tangent.internal.is_some() { AGAIN } else { 1 };
+        for _ in 0..again {
+            slope = tangent.complex_slope(lambda);
+            lambda = self.at(tangent.mu, slope);
+        }
+        (lambda, (slope - self.centre.1).norm_sqr() > (OUTSIDE * self.scale.1).powi(2))
     }
 
     fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {

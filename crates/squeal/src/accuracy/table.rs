@@ -171,10 +171,9 @@ impl Leaf {
         let mut guess =
             Guess { unstable: self.unstable.at[corner], is_doubtful: self.is_doubtful || self.unstable.is_doubtful };
         for (sheet, named) in &self.crossing {
-            let lambda = sheet.lambda(tangent);
-            let growth = lambda.re;
-            guess.is_doubtful |= growth.abs() < SAFETY * sheet.miss || sheet.is_outside(tangent, lambda);
-            if growth > 0.0 {
+            let (lambda, is_outside) = sheet.reach(tangent);
+            guess.is_doubtful |= lambda.re.abs() < SAFETY * sheet.miss || is_outside;
+            if lambda.re > 0.0 {
                 guess.unstable = guess.unstable.or(named.at[corner]);
                 guess.is_doubtful |= named.is_doubtful;
             }
