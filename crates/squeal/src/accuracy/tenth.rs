@@ -69,7 +69,9 @@ pub fn time_to_a_tenth(case: &Case, every: usize) -> Result<Vec<TenthRow>, Accur
         let mut one = case.clone();
         one.laws = vec![law];
         one.constraints.truncate(1);
-        let plan = Plan::new(one)?;
+        let mut plan = Plan::new(one)?;
+        // Net work is no part of an occurrence.
+        plan.scenes.iter_mut().for_each(|scene| scene.wants_work = false);
         let study = Study::new(&plan, &BatchSolver)?;
         let mut keys: Vec<SceneKey> = plan.scenes.iter().map(|scene| SceneKey { panel: 0, ..scene.key }).collect();
         keys.sort();
