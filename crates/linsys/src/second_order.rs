@@ -74,6 +74,17 @@ impl SecondOrder {
         Self { m: zero(), c: zero(), k: zero(), internal: Internal::zeros(order, states) }
     }
 
+    /// The system of `Q(lambda)^T`, whose right vectors are the complex conjugate left vectors of this one.
+    pub fn transposed(&self) -> Self {
+        let Internal { decay, drive, force } = &self.internal;
+        Self {
+            m: self.m.transpose(),
+            c: self.c.transpose(),
+            k: self.k.transpose(),
+            internal: Internal { decay: decay.clone(), drive: force.transpose(), force: drive.transpose() },
+        }
+    }
+
     /// n, the number of degrees of freedom.
     pub fn order(&self) -> usize {
         self.m.nrows()

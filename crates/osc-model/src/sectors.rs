@@ -273,6 +273,16 @@ impl Sector {
         Ok(())
     }
 
+    /// [`Sector::reduce`] to a new system.
+    ///
+    /// # Errors
+    /// As [`Sector::reduce`].
+    pub fn reduced(&self, whole: &SecondOrder) -> Result<SecondOrder, OscModelError> {
+        let mut part = SecondOrder::zeros(self.order(), 0);
+        self.reduce(whole, &mut part)?;
+        Ok(part)
+    }
+
     /// The part in this sector of channels of friction that is alike in all contacts.
     pub fn channels(&self, whole: &FrictionChannels) -> FrictionChannels {
         let (shapes, contacts) = (&self.shapes, &self.bristles);

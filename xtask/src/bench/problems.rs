@@ -9,12 +9,9 @@ use squeal::case::{Case, Law};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
 use squeal::osc_model::{BrakeModel, ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters, Linearise};
-use squeal::study::{Sample, sliding};
+use squeal::study::{PILOTS, Sample, sliding};
 
 use super::growing::Growing;
-
-/// Draws whose spectra the secular equation begins with, as many as in the study.
-const PILOTS: u64 = 16;
 
 /// One size of problem: a lattice with every oscillator in contact. It has 3 (rows x columns) + 3 degrees of freedom.
 pub struct Size {
@@ -77,7 +74,7 @@ impl Problem {
             sliding(case, &lattice, law, speed, &sample, |_| 1.0)
         };
         let states = (0..draws).map(state).collect::<Result<Vec<_>, Error>>()?;
-        let pilots = (draws..draws + PILOTS).map(state).collect::<Result<Vec<_>, Error>>()?;
+        let pilots = (draws..).take(PILOTS).map(state).collect::<Result<Vec<_>, Error>>()?;
         let systems = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>();
         let systems = systems.map_err(Error::from)?;
         let references = systems.iter().take(refined).map(reference).collect::<Result<_, _>>()?;

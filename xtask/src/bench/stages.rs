@@ -3,10 +3,9 @@
 use std::time::Duration;
 
 use cea::BatchSolver;
-use cpu_time::ThreadTime;
 use serde::Serialize;
 use squeal::montecarlo::{Runs, Study as _, Tally as _, stream};
-use squeal::study::{Plan, Sample, Scratch, Spent, Study, Tally};
+use squeal::study::{Plan, Sample, Scratch, Spent, Study, Tally, timed};
 
 use super::error::BenchError;
 
@@ -22,13 +21,6 @@ pub struct Stage {
     pub us: f64,
     /// Part of the whole time.
     pub share: f64,
-}
-
-fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
-    let start = ThreadTime::now();
-    let result = work();
-    *into += start.elapsed();
-    result
 }
 
 /// The stages of the first block of the study.

@@ -100,14 +100,14 @@ pub(super) struct Enclosure {
     pub shares: Vec<f64>,
     /// The sum of all shares, and those of internal states.
     pub total: f64,
-    /// 1 without the shares of internal states.
-    rest: f64,
+    /// The shares of internal states.
+    of_bristles: f64,
 }
 
 impl Enclosure {
     /// The radii, as small as the bound allows if all shrink alike.
     pub fn smallest(&self) -> impl Iterator<Item = f64> + '_ {
-        let part = (self.total - 1.0 + self.rest) / (MOST - 1.0 + self.rest);
+        let part = (self.total - self.of_bristles) / (MOST - self.of_bristles);
         self.radii.iter().map(move |radius| radius * part)
     }
 }
@@ -176,5 +176,5 @@ pub(super) fn enclosure(
         size / free.max(0.0)
     };
     let (of_modes, of_bristles) = (shares.iter().sum::<f64>(), bristles.iter().map(bristle).sum::<f64>());
-    Enclosure { radii, shares, total: of_modes + of_bristles, rest: 1.0 - of_bristles }
+    Enclosure { radii, shares, total: of_modes + of_bristles, of_bristles }
 }

@@ -8,7 +8,7 @@
 //! places read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
 //! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
 
-use linsys::{Internal, SecondOrder};
+use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -76,13 +76,8 @@ impl Resolvent {
             return Ok(None);
         }
         let unit = (lambdas.iter().map(|l| l.norm().ln()).sum::<f64>() / n as f64).exp();
-        let transposed = SecondOrder {
-            m: structure.m.transpose(),
-            c: structure.c.transpose(),
-            k: structure.k.transpose(),
-            internal: Internal::zeros(n, 0),
-        };
-        let (right, left) = (right_vectors(structure, &lambdas, work)?, right_vectors(&transposed, &lambdas, work)?);
+        let right = right_vectors(structure, &lambdas, work)?;
+        let left = right_vectors(&structure.transposed(), &lambdas, work)?;
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
         let (mut still, mut modes, mut moving) = (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut first = 0;

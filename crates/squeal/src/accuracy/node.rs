@@ -2,7 +2,7 @@
 
 use cea::{BatchSolver, EigenSolver, Mode, Modes, Way, Workspace, identify_all, right_vectors_of_all};
 use friction::Tangent;
-use linsys::{Internal, SecondOrder};
+use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
@@ -109,7 +109,7 @@ impl<'a> Nodes<'a> {
             near.retain(|lambda| lambda.re > -NEAR * lambda.norm());
             lambdas.push(near);
         }
-        let transposed: Vec<SecondOrder> = systems.iter().map(transpose).collect();
+        let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
         let pairs: Vec<(&SecondOrder, &[Complex<f64>])> =
             systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
         let right = Mode::of_all(&pairs, &mut self.work);
@@ -169,20 +169,5 @@ impl Sparse {
     /// `left^T A right`.
     fn between(&self, left: &DVector<Complex<f64>>, right: &DVector<Complex<f64>>) -> Complex<f64> {
         self.0.iter().map(|&(i, j, a)| left[i] * right[j] * a).sum()
-    }
-}
-
-/// `Q(lambda)^T`, whose right vectors are the complex conjugate left vectors of Q.
-fn transpose(system: &SecondOrder) -> SecondOrder {
-    let internal = &system.internal;
-    SecondOrder {
-        m: system.m.transpose(),
-        c: system.c.transpose(),
-        k: system.k.transpose(),
-        internal: Internal {
-            decay: internal.decay.clone(),
-            drive: internal.force.transpose(),
-            force: internal.drive.transpose(),
-        },
     }
 }

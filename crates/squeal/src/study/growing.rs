@@ -1,9 +1,8 @@
 //! What finds the growing modes of a scene without spectra: the secular equations of its lattice, and pilots.
 
 use cea::{CeaError, EigenSolver, Feedback, Gain, Pilots, Secular, Spectrum, Workspace};
-use linsys::SecondOrder;
 use montecarlo::stream;
-use osc_model::{ContactPoint, Linearise, OscModelError, PreparedLattice, Sectors, Sliding};
+use osc_model::{ContactPoint, Linearise, PreparedLattice, Sectors, Sliding};
 use rayon::prelude::*;
 
 use super::part::{Equation, Known, Solver};
@@ -11,7 +10,7 @@ use super::{Certificate, Plan, Sample, Scene};
 use crate::Error;
 
 /// Pilots of a scene.
-const PILOTS: usize = 16;
+pub const PILOTS: usize = 16;
 /// Draws in which so many are looked for that no certificate covers.
 const DRAWS: u64 = 64;
 
@@ -27,8 +26,7 @@ pub(super) fn equations(plan: &Plan) -> Result<Vec<Equations>, Error> {
         let Some(channels) = lattice.friction_channels() else { return Ok(vec![None; sectors.iter().len()]) };
         let mut work = Workspace::default();
         let mut of_sector = |sector: &osc_model::Sector| {
-            let mut structure = SecondOrder::zeros(sector.order(), 0);
-            sector.reduce(lattice.structural(), &mut structure)?;
+            let structure = sector.reduced(lattice.structural())?;
             let channels = sector.channels(&channels);
             let feedback = Feedback { force: channels.force, reading: channels.coupling };
             Ok(Secular::new(&structure, &feedback, &mut work)?)
@@ -56,16 +54,11 @@ pub(super) fn pilots(
         let states = (0..DRAWS).filter_map(state).filter(|state| !certificate.covers(state));
         let states: Vec<(Sliding, Gain)> =
             states.filter_map(|state| gain(&state).map(|gain| (state, gain))).take(PILOTS).collect();
-        let (mut whole, mut work) = (SecondOrder::zeros(1, 0), Workspace::default());
+        let wholes = states.iter().map(|(state, _)| lattice.linearised(state)).collect::<Result<Vec<_>, _>>()?;
+        let mut work = Workspace::default();
         let of_sector = |(sector, equation): (&osc_model::Sector, &Option<Secular>)| {
             let Some(equation) = equation else { return Ok(None) };
-            let system = |(state, _): &(Sliding, Gain)| {
-                let mut part = SecondOrder::zeros(sector.order(), 0);
-                lattice.linearise(state, &mut whole)?;
-                sector.reduce(&whole, &mut part)?;
-                Ok::<_, OscModelError>(part)
-            };
-            let systems = states.iter().map(system).collect::<Result<Vec<_>, _>>()?;
+            let systems = wholes.iter().map(|whole| sector.reduced(whole)).collect::<Result<Vec<_>, _>>()?;
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
             let known = states.iter().zip(spectra).filter_map(|((_, gain), spectrum)| Some((*gain, spectrum.ok()?)));

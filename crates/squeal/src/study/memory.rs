@@ -53,8 +53,8 @@ impl Scratch {
     }
 }
 
-/// Adds the processor time of some work.
-pub(super) fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
+/// Adds the processor time that some work takes of this thread.
+pub fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
     let start = ThreadTime::now();
     let result = work();
     *into += start.elapsed();

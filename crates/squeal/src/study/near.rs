@@ -1,7 +1,6 @@
 //! Modes near the axis at some states of a scene, with their derivatives and names: what a table of them is made from.
 
 use cea::Gain;
-use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
 
@@ -46,11 +45,7 @@ impl Study<'_> {
         let known: Vec<Option<Gain>> = gains.iter().copied().map(Some).collect();
         let mut found = vec![Some(Vec::new()); states.len()];
         for ((solver, Equation { secular, pilots, .. }), sector) in solvers.iter().zip(equations).zip(sectors.iter()) {
-            let reduced = |whole: &SecondOrder| {
-                let mut system = SecondOrder::zeros(sector.order(), 0);
-                sector.reduce(whole, &mut system).map(|()| system)
-            };
-            let systems = wholes.iter().map(reduced).collect::<Result<Vec<_>, _>>()?;
+            let systems = wholes.iter().map(|whole| sector.reduced(whole)).collect::<Result<Vec<_>, _>>()?;
             let near = secular.near_axis(pilots, &gains, part, &mut memory.work);
             let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()

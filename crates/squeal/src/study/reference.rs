@@ -70,7 +70,7 @@ impl Reference {
 
     /// Those modes of a whole lattice that are of one sector.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
-        let mut part = Self { system: reduced(sector, &self.system)?, modes: Vec::new(), names: Vec::new() };
+        let mut part = Self { system: sector.reduced(&self.system)?, modes: Vec::new(), names: Vec::new() };
         for (mode, names) in self.modes.iter().zip(&self.names) {
             let shape = sector.project(&mode.shape);
             if shape.norm_squared() > 0.5 * mode.shape.norm_squared() {
@@ -107,12 +107,6 @@ impl Reference {
     }
 }
 
-fn reduced(sector: &Sector, whole: &SecondOrder) -> Result<SecondOrder, OscModelError> {
-    let mut part = SecondOrder::zeros(sector.order(), 0);
-    sector.reduce(whole, &mut part)?;
-    Ok(part)
-}
-
 /// The references of each scene of `plan`, in their order.
 ///
 /// # Errors
@@ -145,7 +139,7 @@ fn full_contact(
     let all = ContactArrangement::full(plan.case.lattice.grid.oscillators());
     let (lattice, sectors) = (model.prepare(&all)?, sectors(&plan.case, model, &all)?);
     let system = amontons_coulomb(plan, &lattice, median)?;
-    let of_sector = |sector: &Sector| Reference::unnamed(solver, reduced(sector, &system)?, &mut work);
+    let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
         sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
@@ -195,7 +189,7 @@ impl References {
     ) -> Result<Self, Error> {
         let mut work = Workspace::default();
         let of_sector =
-            |(from, sector): (&Reference, &Sector)| from.linked(solver, reduced(sector, &system)?, near, &mut work);
+            |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, near, &mut work);
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { whole: Reference::joined(system, sectors, &parts), sectors: parts })
     }
