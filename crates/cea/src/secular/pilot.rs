@@ -11,6 +11,8 @@ use crate::{Spectrum, Workspace};
 const DIFFERENCE: f64 = 1e-4;
 /// |Im| / |sigma| of a real eigenvalue in a cluster that rounding has spread.
 const NEARLY_REAL: f64 = 1e-4;
+/// Ratios of [`reach`] between which that of a pilot says something about another's.
+const COMPARABLE: (f64, f64) = (0.25, 4.0);
 
 /// States of one structure whose eigenvalues are known.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +31,7 @@ struct Pilot {
     sigmas: Vec<Complex<f64>>,
     /// Their derivatives by position and slope.
     rates: Vec<[Complex<f64>; 2]>,
-    /// Middle and size of the eigenvalues of internal states, in decay rates.
+    /// How far the middle of the eigenvalues of internal states is moved and how far they spread, in decay rates.
     bristles: [f64; 2],
 }
 
@@ -55,8 +57,8 @@ impl Pilot {
         let middle = real.iter().sum::<f64>() / count;
         let variance = real.iter().map(|re| (re - middle).powi(2)).sum::<f64>() / count;
         let bristles = match states {
-            0 => [-1.0, 0.0],
-            _ => [middle / gain.decay, (variance * count).sqrt() / gain.decay],
+            0 => [0.0; 2],
+            _ => [middle + gain.decay, (variance * count).sqrt()].map(|part| part / gain.decay),
         };
         let slope = gain.slope(MIDDLE);
         Some(Self { gain, slope, sigmas, rates: vec![[Complex::default(); 2]; n], bristles })
@@ -72,8 +74,11 @@ impl Pilot {
         let one = |(&sigma, [by_position, by_slope]): (&Complex<f64>, &[Complex<f64>; 2])| {
             sigma + by_position * position + by_slope * (gain.slope(sigma) - self.gain.slope(sigma))
         };
-        let [middle, size] = self.bristles.map(|part| part * gain.decay);
-        let bristles = (gain.lag != 0.0).then(|| Bristles { middle, radius: size.max(0.1 * gain.decay) });
+        let (least, most) = COMPARABLE;
+        let [shift, size] =
+            self.bristles.map(|part| part * (reach(gain) / reach(&self.gain)).clamp(least, most) * gain.decay);
+        let bristles =
+            (gain.lag != 0.0).then(|| Bristles { middle: shift - gain.decay, radius: size.max(0.1 * gain.decay) });
         Cast { sigmas: self.sigmas.iter().zip(&self.rates).map(one).collect(), bristles }
     }
 }
@@ -121,6 +126,12 @@ impl Pilots {
             }
         }
     }
+}
+
+/// How far feedback moves the eigenvalues of its internal states, relative to the decay rate: as a structure with
+/// frequencies about 1 responds there.
+fn reach(gain: &Gain) -> f64 {
+    gain.lag / (1.0 + gain.decay * gain.decay)
 }
 
 /// Mean deviations of position and slope.

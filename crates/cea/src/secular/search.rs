@@ -8,7 +8,7 @@ use crate::batch::{Point, characteristic};
 use crate::{Workspace, by_frequency};
 
 /// Rounds of corrections before a search is given up.
-const MOST_ROUNDS: usize = 10;
+const MOST_ROUNDS: usize = 24;
 /// A mode is corrected while its share is larger than this part of an even one.
 const SMALL_SHARE: f64 = 0.2;
 /// Correction of a growing mode, relatively, after which there is no other.

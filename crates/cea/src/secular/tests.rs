@@ -11,6 +11,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRu
 use super::enclosure::{Bristles, Cast, MOST, Wanted, enclosure};
 use super::*;
 use crate::batch::characteristic;
+use crate::{EigenSolver, QrSolver};
 
 /// Numbers in [-1, 1) without a pattern.
 pub(crate) fn noise(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
@@ -282,4 +283,19 @@ fn discs_hold_all_zeros_though_values_err_by_a_fifth() {
     TestRunner::new_with_rng(config, rng).run(&(known(), errors), check).unwrap();
     println!("{} enclosed, {} open", enclosed.get(), open.get());
     assert!(enclosed.get() > 2000 && open.get() > 500);
+}
+
+#[test]
+fn internal_states_driven_otherwise_than_those_of_the_pilots_are_enclosed() {
+    let (structure, feedback, mut work) = (chain(12, 1), feedback(12, 6, 1), Workspace::default());
+    let secular = Secular::new(&structure, &feedback, &mut work).unwrap().unwrap();
+    let spectrum = |gain: Gain| QrSolver.eigenvalues(&whole(&structure, &feedback, &gain), &mut Workspace::default());
+    let pilots = secular.pilots(&[(GAIN, spectrum(GAIN).unwrap())], &mut work);
+    for part in [0.0, 1e-30, 0.2, 1.0, 3.0, 5.0] {
+        let gain = Gain { lag: part * GAIN.lag, ..GAIN };
+        let found = secular.growing(&pilots, &[(gain, &[])], &mut work).remove(0);
+        let found = found.unwrap_or_else(|| panic!("a doubt is left at {part} times the drive"));
+        let expected = spectrum(gain).unwrap().oscillatory().filter(|lambda| lambda.re > 0.0).count();
+        assert_eq!(found.frequencies().count(), expected, "{part}");
+    }
 }
