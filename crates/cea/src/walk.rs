@@ -11,6 +11,8 @@ use crate::{CeaError, EigenSolver, Mode, Modes, Workspace};
 
 /// Where a step is cut, as a part of it: aside of round fractions, where symmetric ways have their crossings.
 const CUT: f64 = 0.382;
+/// How often a step is cut at once: places that fill the solver's lanes cost little more than one.
+const AT_ONCE: usize = 3;
 /// Steps are not cut below this part of the way.
 const SMALLEST: f64 = 1.0 / 4096.0;
 /// Eigenvalues this close, relatively, are a multiple eigenvalue: no step tells its vectors apart.
@@ -97,7 +99,11 @@ impl<'a> Walk<'a> {
         if is_there {
             self.at = place;
         } else {
-            self.asked.push(self.at + CUT * (place - self.at));
+            let mut part = place - self.at;
+            for _ in 0..AT_ONCE {
+                part *= CUT;
+                self.asked.push(self.at + part);
+            }
             self.stations.extend(next);
         }
         true
