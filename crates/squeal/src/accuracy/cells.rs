@@ -9,7 +9,7 @@ use super::AccuracyError;
 use super::draws::FrictionPoints;
 use super::node::{NearMode, Nodes};
 use super::sheet::{Sheet, link};
-use super::table::{CORNERS, Cell, Leaf, Named, Names};
+use super::table::{CORNERS, Cell, Crossing, Leaf, Named, Names};
 use crate::study::Study;
 
 /// Halvings of each direction in any case.
@@ -157,7 +157,8 @@ impl<'a> Build<'a> {
         Names { sure: if names.len() == 1 { perhaps } else { 0 }, perhaps }
     }
 
-    pub fn leaf(&self, part: &Part) -> Leaf {
+    /// What is known in a cell, and at how many of its points that is doubtful.
+    pub fn leaf(&self, part: &Part) -> (Leaf, usize) {
         // A direction of no extent has one side.
         let sides = (0..3).filter(|&d| part.size[d] > 0).map(|d| 1 << d).sum::<usize>();
         let ks: Vec<usize> = (0..CORNERS).filter(|k| k & !sides == 0).collect();
@@ -192,6 +193,7 @@ impl<'a> Build<'a> {
             is_doubtful: false,
         };
         let mut always = [Names::default(); CORNERS];
+        let mut doubtful = vec![false; part.points.len()];
         let mut used: BTreeSet<(usize, usize)> = BTreeSet::new();
         for start in 0..ks.len() {
             for index in 0..modes[start].1.len() {
@@ -210,20 +212,31 @@ impl<'a> Build<'a> {
                 };
                 let named = self.named(&ks, sides, &corners);
                 // Far from the axis at every point of the cell and at every corner?
-                let points = part.points.iter().map(|&i| sheet.lambda(&self.points.own[i as usize]).re);
-                let growths: Vec<f64> = points.chain(corners.iter().map(|c| c.1.lambda.re)).collect();
+                let at_points: Vec<(f64, bool)> = part
+                    .points
+                    .iter()
+                    .map(|&i| sheet.reach(&self.points.own[i as usize]))
+                    .map(|(lambda, is_outside)| (lambda.re, is_outside))
+                    .collect();
+                let growths = at_points.iter().map(|point| point.0).chain(corners.iter().map(|c| c.1.lambda.re));
+                let [least, most] = [f64::min, f64::max].map(|of| growths.clone().reduce(of).unwrap_or(0.0));
                 // Few of the points that may fall here are known.
-                let [least, most] = [f64::min, f64::max].map(|of| growths.iter().copied().reduce(of).unwrap_or(0.0));
                 let clear = CLEAR * sheet.miss + (most - least);
-                if growths.iter().all(|&growth| growth > clear) {
+                if least > clear {
                     always.iter_mut().zip(named.at).for_each(|(all, names)| *all = all.or(names));
-                } else if !growths.iter().all(|&growth| growth < -clear) {
-                    leaf.crossing.push((sheet, named));
+                } else if most >= -clear {
+                    let crossing = Crossing { sheet, named };
+                    for (is_doubtful, (growth, is_outside)) in doubtful.iter_mut().zip(at_points) {
+                        *is_doubtful |= crossing.judge(growth, is_outside)[1];
+                    }
+                    leaf.crossing.push(crossing);
                 }
             }
         }
         leaf.unstable = Named::new(always);
-        leaf
+        let everywhere = leaf.is_doubtful || leaf.unstable.is_doubtful;
+        let doubts = if everywhere { doubtful.len() } else { doubtful.into_iter().filter(|&doubt| doubt).count() };
+        (leaf, doubts)
     }
 
     /// What a mode is called near each corner; where it is stable, as at the nearest corner where it is not.

@@ -11,7 +11,7 @@ use num_complex::Complex;
 use super::node::NearMode;
 
 /// Largest power of mu, and total degree where a cell has four corners: what values and derivatives at its ends tell.
-const DEGREE: i32 = 3;
+const DEGREE: usize = 3;
 /// On the diagonal of the normal equations, for directions in which nothing varies.
 const RIDGE: f64 = 1e-10;
 /// Evaluations at the slope of the eigenvalue found before, for a law whose slope depends on it.
@@ -26,7 +26,7 @@ const BEND: f64 = 0.25;
 /// lambda as a polynomial in mu and H, both scaled to a cell.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
-    degree: i32,
+    degree: usize,
     centre: (f64, Complex<f64>),
     scale: (f64, f64),
     /// In the order of [`powers`].
@@ -36,8 +36,18 @@ pub(super) struct Sheet {
 }
 
 /// Exponents of mu and H up to a total degree.
-fn powers(degree: i32) -> impl Iterator<Item = (i32, i32)> {
+fn powers(degree: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..=DEGREE).flat_map(move |a| (0..=degree - a).map(move |b| (a, b)))
+}
+
+/// The powers of a number, and their derivatives.
+fn up_to(x: Complex<f64>) -> [[Complex<f64>; DEGREE + 2]; 2] {
+    let (mut powers, mut derivatives) = ([Complex::from(1.0); DEGREE + 2], [Complex::default(); DEGREE + 2]);
+    for n in 1..DEGREE + 2 {
+        powers[n] = powers[n - 1] * x;
+        derivatives[n] = powers[n - 1] * n as f64;
+    }
+    [powers, derivatives]
 }
 
 impl Sheet {
@@ -57,14 +67,12 @@ impl Sheet {
         let mut matrix = DMatrix::<Complex<f64>>::zeros(3 * corners.len(), terms);
         let mut wanted = DVector::<Complex<f64>>::zeros(3 * corners.len());
         for (k, (at, mode)) in corners.iter().enumerate() {
-            let m = Complex::from((at - mu) / scale.0);
-            let h = (mode.slope - slope) / scale.1;
+            let [m, by_m] = up_to(Complex::from((at - mu) / scale.0));
+            let [h, by_h] = up_to((mode.slope - slope) / scale.1);
             for (j, (a, b)) in powers(degree).enumerate() {
-                let slope_of =
-                    |x: Complex<f64>, n: i32| if n == 0 { Complex::default() } else { x.powi(n - 1) * f64::from(n) };
-                matrix[(3 * k, j)] = m.powi(a) * h.powi(b);
-                matrix[(3 * k + 1, j)] = slope_of(m, a) * h.powi(b);
-                matrix[(3 * k + 2, j)] = m.powi(a) * slope_of(h, b);
+                matrix[(3 * k, j)] = m[a] * h[b];
+                matrix[(3 * k + 1, j)] = by_m[a] * h[b];
+                matrix[(3 * k + 2, j)] = m[a] * by_h[b];
             }
             wanted[3 * k] = mode.lambda;
             wanted[3 * k + 1] = mode.by_mu * scale.0;
@@ -82,11 +90,6 @@ impl Sheet {
             coefficients: coefficients.iter().copied().collect(),
             miss: (left / spare).sqrt(),
         })
-    }
-
-    /// lambda under a tangent.
-    pub fn lambda(&self, tangent: &Tangent) -> Complex<f64> {
-        self.reach(tangent).0
     }
 
     /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
@@ -108,7 +111,7 @@ impl Sheet {
         let mut last = self.coefficients.len();
         let mut sum = Complex::default();
         for a in (0..=DEGREE).rev() {
-            let first = last - (self.degree - a + 1) as usize;
+            let first = last - (self.degree - a + 1);
             let inner =
                 self.coefficients[first..last].iter().rev().fold(Complex::default(), |s: Complex<f64>, c| s * h + c);
             sum = sum * m + inner;
@@ -116,6 +119,11 @@ impl Sheet {
         }
         sum
     }
+}
+
+/// |z| of a number whose square is in range.
+fn size(z: Complex<f64>) -> f64 {
+    z.norm_sqr().sqrt()
 }
 
 /// The indices of a mode at all corners of a cell, one index each; corner `ks[c]` of eight is on the upper side in direction
@@ -136,7 +144,7 @@ pub(super) fn link(modes: &[(f64, &[NearMode])], ks: &[usize], start: usize, ind
                     mode.by_mu * (modes[other].0 - modes[c].0) + mode.by_slope * (to.slope - from.slope)
                 };
                 let (start, end) = (along(from), along(to));
-                (to.lambda - from.lambda - 0.5 * (start + end)).norm() + BEND * (end - start).norm()
+                size(to.lambda - from.lambda - 0.5 * (start + end)) + BEND * size(end - start)
             };
             let candidates = modes[other].1.iter().map(miss).enumerate();
             path[other] = candidates.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
@@ -179,7 +187,7 @@ mod tests {
             let corners: Vec<(f64, &NearMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
             let sheet = Sheet::new(&corners).unwrap();
             let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
-            let lambda = sheet.lambda(&tangent);
+            let lambda = sheet.reach(&tangent).0;
             let expected = mode(0.45, tangent.complex_slope(lambda), 0.0).lambda;
             assert!((lambda - expected).norm() < 1e-4 && sheet.miss < 1e-6, "{lambda} {expected} {}", sheet.miss);
         }

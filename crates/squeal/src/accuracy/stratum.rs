@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use montecarlo::{Confidence, wilson};
 use statrs::function::beta::beta_reg;
 
 /// Part of a probability that the upper of four limits use; the lower ones help where guess and truth often differ.
@@ -58,6 +59,14 @@ impl Stratum {
         let at_most = |hits: u64| upper_limit(hits, self.samples, 0.5 * UPPER * tail);
         let at_least = |hits: u64| lower_limit(hits, self.samples, 0.5 * (1.0 - UPPER) * tail);
         [at_most(d.sure[1]) - at_least(d.sure[0]), at_most(d.perhaps[0]) - at_least(d.perhaps[1])]
+    }
+
+    /// Standard error of such a shift, no less than what the counts may hide: with the upper limit of Wilson's interval for
+    /// the part of the samples in which guess and truth differ.
+    pub fn deviation(&self, name: u16) -> f64 {
+        let any = self.differences.get(&name).map_or(0, |d| d.any);
+        let part = wilson(any, self.samples, Confidence::P95).map_or(1.0, |interval| interval.upper);
+        (part / self.samples.max(1) as f64).sqrt()
     }
 
     /// By how much that of a mode surely, and of a mode perhaps unstable seems to be above the guess.

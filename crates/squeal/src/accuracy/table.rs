@@ -17,7 +17,7 @@ use super::sheet::Sheet;
 use crate::study::Study;
 
 /// Cells halved in one go, so that spectra fill the solver's lanes.
-const TOGETHER: usize = 8;
+const TOGETHER: usize = 32;
 /// Part of the points that may be doubtful.
 const DOUBTFUL: f64 = 4e-4;
 /// Corners after which no cell is halved.
@@ -81,9 +81,30 @@ pub(super) struct Leaf {
     /// Modes that are unstable in the whole cell.
     pub unstable: Named,
     /// Modes that may cross the axis.
-    pub crossing: Vec<(Sheet, Named)>,
+    pub crossing: Vec<Crossing>,
     /// Whether a mode was lost between corners.
     pub is_doubtful: bool,
+}
+
+/// A mode that may cross the axis in a cell.
+#[derive(Debug, Clone)]
+pub(super) struct Crossing {
+    pub sheet: Sheet,
+    pub named: Named,
+}
+
+impl Crossing {
+    /// Whether the mode grows under a tangent, and whether that and its name are in doubt.
+    pub fn guess(&self, tangent: &Tangent) -> [bool; 2] {
+        let (lambda, is_outside) = self.sheet.reach(tangent);
+        self.judge(lambda.re, is_outside)
+    }
+
+    /// [`Crossing::guess`] from what the sheet says.
+    pub fn judge(&self, growth: f64, is_outside: bool) -> [bool; 2] {
+        let grows = growth > 0.0;
+        [grows, growth.abs() < SAFETY * self.sheet.miss || is_outside || grows && self.named.is_doubtful]
+    }
 }
 
 /// What modes are called near each corner of a cell.
@@ -113,12 +134,7 @@ impl Table {
         while !pending.is_empty() {
             build.solve(&pending)?;
             for part in pending.drain(..) {
-                let leaf = build.leaf(&part);
-                let is_doubtful = |&&i: &&u32| {
-                    let i = i as usize;
-                    leaf.guess(&points.own[i], &build.places[i]).is_doubtful
-                };
-                let doubts = part.points.iter().filter(is_doubtful).count();
+                let (leaf, doubts) = build.leaf(&part);
                 build.cells[part.cell] = Cell::Leaf(leaf);
                 done.push((doubts, part));
             }
@@ -166,16 +182,15 @@ impl Table {
 }
 
 impl Leaf {
-    pub fn guess(&self, tangent: &Tangent, place: &[f64; 3]) -> Guess {
+    fn guess(&self, tangent: &Tangent, place: &[f64; 3]) -> Guess {
         let corner = (0..3).map(|d| usize::from(place[d] >= self.middle[d]) << d).sum::<usize>();
         let mut guess =
             Guess { unstable: self.unstable.at[corner], is_doubtful: self.is_doubtful || self.unstable.is_doubtful };
-        for (sheet, named) in &self.crossing {
-            let (lambda, is_outside) = sheet.reach(tangent);
-            guess.is_doubtful |= lambda.re.abs() < SAFETY * sheet.miss || is_outside;
-            if lambda.re > 0.0 {
-                guess.unstable = guess.unstable.or(named.at[corner]);
-                guess.is_doubtful |= named.is_doubtful;
+        for crossing in &self.crossing {
+            let [grows, is_doubtful] = crossing.guess(tangent);
+            guess.is_doubtful |= is_doubtful;
+            if grows {
+                guess.unstable = guess.unstable.or(crossing.named.at[corner]);
             }
         }
         guess
