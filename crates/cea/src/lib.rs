@@ -37,5 +37,5 @@ pub use secular::{Feedback, Gain, Growing, Line, Pilots, Secular};
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;
-pub use track::{Links, Way, follow, identify, identify_all};
+pub use track::{Links, Start, Way, follow, identify, identify_all};
 pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all};

@@ -139,7 +139,7 @@ impl<'a> Trace<'a> {
         if self.at == 1.0 {
             return self.nearest(known);
         }
-        let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.from.0.m).remove(0);
+        let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.inertia().m).remove(0);
         if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
     }
 
@@ -150,7 +150,7 @@ impl<'a> Trace<'a> {
         let tangent = (moved - rate * step).norm();
         let trapezoid = (moved - (rate + there.rate) * (0.5 * step)).norm();
         let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
-        let is_alike = mac(before, after, &self.way.from.0.m)[(0, 0)] >= LEAST_MAC;
+        let is_alike = mac(before, after, &self.way.inertia().m)[(0, 0)] >= LEAST_MAC;
         if is_alike { trapezoid / tangent.max(NO_ERROR * lambda.norm()) } else { f64::INFINITY }
     }
 
@@ -197,14 +197,14 @@ fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Opti
     }
     let is_shapeless = |i: &usize| found[*i].as_ref().is_some_and(|point| point.shape.is_none());
     let shapeless: Vec<usize> = (0..at.len()).filter(is_shapeless).collect();
-    let on_lines: Vec<_> = shapeless.iter().filter_map(|&i| Some((at[i].0.line?, at[i].1, at[i].2))).collect();
+    let on_lines: Vec<_> = shapeless.iter().filter_map(|&i| Some((at[i].0.line()?, at[i].1, at[i].2))).collect();
     for (i, shape) in shapeless.into_iter().zip(secular::shapes(&on_lines, work)) {
         found[i].iter_mut().for_each(|point| point.shape = shape.clone());
     }
     let point = |(found, (way, ..)): (Option<Corrected>, (Way<'_>, f64, Complex<f64>))| {
         let Corrected { lambda, rate, shape } = found?;
         let mut shape = shape?;
-        shape.unscale_mut(mass_norm_squared(way.from.0, &shape).abs().sqrt());
+        shape.unscale_mut(mass_norm_squared(way.inertia(), &shape).abs().sqrt());
         Some(Point { mode: Mode { lambda, shape }, rate })
     };
     found.into_iter().zip(at).map(point).collect()
@@ -213,9 +213,9 @@ fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Opti
 /// One step of Newton's method at each guess.
 fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
     let mut found = Vec::with_capacity(at.len());
-    let kind = |way: &Way<'_>| (way.line.is_some(), way.from.0.order());
+    let kind = |way: &Way<'_>| (way.line().is_some(), way.to.0.order());
     for group in at.chunk_by(|a, b| kind(&a.0) == kind(&b.0)) {
-        let on_lines: Vec<_> = group.iter().filter_map(|&(way, t, guess)| Some((way.line?, t, guess))).collect();
+        let on_lines: Vec<_> = group.iter().filter_map(|&(way, t, guess)| Some((way.line()?, t, guess))).collect();
         if on_lines.is_empty() {
             found.extend(by_vectors(group, work));
         } else {
@@ -229,7 +229,7 @@ fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<O
 
 /// One step at guesses on ways of one order, by singular vectors.
 fn by_vectors(group: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
-    let Some(n) = group.first().map(|(way, ..)| way.from.0.order()) else { return Vec::new() };
+    let Some(n) = group.first().map(|(way, ..)| way.to.0.order()) else { return Vec::new() };
     let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
     let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();
     let stiffness: Vec<_> =
@@ -237,14 +237,14 @@ fn by_vectors(group: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> V
     let vectors = null_vectors(&stiffness, &start(n, 0), &mut work.scratch);
     work.counters.factorisations += group.len() as u64;
     let step = |(i, vector): (usize, Option<NullVector>)| {
-        newton(group[i].0, &systems[i], guesses[i], &stiffness[i], vector?.vector)
+        newton(group[i].0.systems()?, &systems[i], guesses[i], &stiffness[i], vector?.vector)
     };
     vectors.into_iter().enumerate().map(step).collect()
 }
 
 /// One step next to an eigenvalue whose right singular vector at `lambda` is x.
 fn newton(
-    way: Way<'_>,
+    ends: [&SecondOrder; 2],
     system: &SecondOrder,
     lambda: Complex<f64>,
     stiffness: &DMatrix<Complex<f64>>,
@@ -254,14 +254,13 @@ fn newton(
     let size = y.norm();
     y.unscale_mut(size);
     let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * &x));
-    let rate = -y.dotc(&change(way, lambda, &x)) / slope;
+    let rate = -y.dotc(&change(ends, lambda, &x)) / slope;
     let lambda = lambda - size / slope;
     (lambda.is_finite() && rate.is_finite()).then_some(Corrected { lambda, rate, shape: Some(x) })
 }
 
-/// `d Q(lambda) / d t x = (Q_to(lambda) - Q_from(lambda)) x` on a way.
-fn change(way: Way<'_>, lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let [from, to] = [way.from.0, way.to.0];
+/// `d Q(lambda) / d t x = (Q_to(lambda) - Q_from(lambda)) x` on a way between two systems.
+fn change([from, to]: [&SecondOrder; 2], lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let mut change = DVector::zeros(x.len());
     let matrices =
         [(&from.m, &to.m, lambda * lambda), (&from.c, &to.c, lambda), (&from.k, &to.k, Complex::new(1.0, 0.0))];

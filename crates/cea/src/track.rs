@@ -5,6 +5,8 @@
 //! until every match is beyond doubt. A pair that stays in doubt at the smallest step passes so near a coalescence
 //! that which of the two is which has no answer; such modes are reported with all their candidates, never guessed.
 
+use std::borrow::Cow;
+
 use linsys::{Internal, SecondOrder};
 use nalgebra::DMatrix;
 
@@ -16,6 +18,15 @@ use crate::{CeaError, EigenSolver, Line, Mode, Workspace};
 /// Places on the way at which a system that is not known to be near is looked at in any case.
 const STATIONS: usize = 7;
 
+/// The beginning of a way.
+#[derive(Debug, Clone, Copy)]
+pub enum Start<'a> {
+    /// A system.
+    System(&'a SecondOrder),
+    /// A structure with a gain, where the end of the way is that structure with another one: cheaper to follow.
+    Line(Line<'a>),
+}
+
 /// From some modes of one system to another system whose modes are known.
 ///
 /// The way is the straight line `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1, between two systems with
@@ -24,17 +35,41 @@ const STATIONS: usize = 7;
 #[derive(Debug, Clone, Copy)]
 pub struct Way<'a> {
     /// The system at the beginning, and those of its modes that are asked for.
-    pub from: (&'a SecondOrder, &'a [Mode]),
+    pub from: (Start<'a>, &'a [Mode]),
     /// The system at the end, and its modes.
     pub to: (&'a SecondOrder, &'a [Mode]),
-    /// The same way as a line of gains, where both systems are one structure with feedback: cheaper to follow.
-    pub line: Option<Line<'a>>,
 }
 
-impl Way<'_> {
+impl<'a> Way<'a> {
+    /// A system with the mass at the beginning.
+    pub(crate) fn inertia(&self) -> &'a SecondOrder {
+        match self.from.0 {
+            Start::System(system) => system,
+            Start::Line(line) => line.secular.structure(),
+        }
+    }
+
+    /// The systems at both ends, where the way is not known as a line.
+    pub(crate) fn systems(&self) -> Option<[&'a SecondOrder; 2]> {
+        match self.from.0 {
+            Start::System(from) => Some([from, self.to.0]),
+            Start::Line(_) => None,
+        }
+    }
+
+    pub(crate) fn line(&self) -> Option<Line<'a>> {
+        match self.from.0 {
+            Start::System(_) => None,
+            Start::Line(line) => Some(line),
+        }
+    }
+
     /// The system at t. It has the states of both ends, whose forces come and go.
     pub(crate) fn system(&self, t: f64) -> SecondOrder {
-        let (from, to) = (self.from.0, self.to.0);
+        let (from, to) = match self.from.0 {
+            Start::System(system) => (Cow::Borrowed(system), self.to.0),
+            Start::Line(line) => (Cow::Owned(line.secular.system(&line.from)), self.to.0),
+        };
         let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);
         let (n, first, all) = (from.order(), from.states(), from.states() + to.states());
         let mut internal = Internal::zeros(n, all);
@@ -85,7 +120,7 @@ fn link_all(
     let by_mac = |way: &Way<'_>| -> Vec<Option<usize>> {
         let clear = |found: Match| found.to.filter(|_| found.is_clear());
         match near {
-            true => match_modes(way.from.1, way.to.1, &way.from.0.m).into_iter().map(clear).collect(),
+            true => match_modes(way.from.1, way.to.1, &way.inertia().m).into_iter().map(clear).collect(),
             false => vec![None; way.from.1.len()],
         }
     };
@@ -174,7 +209,7 @@ mod tests {
     }
 
     fn linked(from: &SecondOrder, to: &SecondOrder) -> Vec<Vec<usize>> {
-        let way = Way { from: (from, &modes(from)), to: (to, &modes(to)), line: None };
+        let way = Way { from: (Start::System(from), &modes(from)), to: (to, &modes(to)) };
         follow(&QrSolver, way, &mut Workspace::default()).unwrap()
     }
 
@@ -207,7 +242,7 @@ mod tests {
     fn a_double_eigenvalue_is_one_group_and_costs_no_small_steps() {
         let (from, to) = (diagonal(&[4.0, 4.0, 9.0]), diagonal(&[4.1, 4.1, 9.0]));
         let mut work = Workspace::default();
-        let way = Way { from: (&from, &modes(&from)), to: (&to, &modes(&to)), line: None };
+        let way = Way { from: (Start::System(&from), &modes(&from)), to: (&to, &modes(&to)) };
         let links = follow(&QrSolver, way, &mut work).unwrap();
         assert_eq!(links[2], [2]);
         assert_eq!(work.counters.eigenvalue_solves, STATIONS as u64);
@@ -221,7 +256,7 @@ mod tests {
         other.internal.decay[0] = 3.0;
         other.internal.drive[(0, 1)] = 1.0;
         other.internal.force[(1, 0)] = 0.5;
-        let way = Way { from: (&other, &[]), to: (&plain, &[]), line: None };
+        let way = Way { from: (Start::System(&other), &[]), to: (&plain, &[]) };
         let lambda = Complex::new(-0.1, 1.7);
         for t in [0.0, 0.3, 1.0] {
             let line = other.dynamic_stiffness(lambda) * Complex::from(1.0 - t)

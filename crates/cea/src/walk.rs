@@ -111,7 +111,7 @@ impl<'a> Walk<'a> {
 
     /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
     fn advance(&mut self, new: &[Mode], last_try: bool) -> bool {
-        let matches = match_modes(&self.modes, new, &self.way.from.0.m);
+        let matches = match_modes(&self.modes, new, &self.way.inertia().m);
         // A pair that is multiple before and after the step; one that only crosses is told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
             let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));

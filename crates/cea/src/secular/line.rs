@@ -2,7 +2,6 @@
 
 use std::ptr;
 
-use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
@@ -126,22 +125,22 @@ impl Secular {
         of.iter().zip(values.as_chunks::<4>().0).map(rates).collect()
     }
 
-    /// The modes of systems that are this structure with some gain, at some of their eigenvalues, ascending in frequency;
-    /// `None` where the secular equation does not tell their shapes.
-    pub fn modes(&self, of: &[(&SecondOrder, Gain, &[Complex<f64>])], work: &mut Workspace) -> Vec<Option<Vec<Mode>>> {
+    /// The modes with each of the gains at some eigenvalues, ascending in frequency; `None` where the secular equation does
+    /// not tell their shapes.
+    pub fn modes(&self, of: &[(Gain, &[Complex<f64>])], work: &mut Workspace) -> Vec<Option<Vec<Mode>>> {
         let unit = self.resolvent.unit;
         let point = |gain: &Gain, lambda: &Complex<f64>| gain.in_units(unit).at(lambda / unit);
-        let of_system = |(_, gain, lambdas): &(_, Gain, &[Complex<f64>])| -> Vec<Point> {
+        let of_gain = |(gain, lambdas): &(Gain, &[Complex<f64>])| -> Vec<Point> {
             lambdas.iter().map(|lambda| point(gain, lambda)).collect()
         };
-        let points: Vec<Point> = of.iter().flat_map(of_system).collect();
+        let points: Vec<Point> = of.iter().flat_map(of_gain).collect();
         let mut shapes = moved(&self.resolvent, &points, work).into_iter();
         let is_one = |pair: &[Complex<f64>]| (pair[1] - pair[0]).norm() <= ONE * pair[0].norm();
-        let modes = |&(system, _, lambdas): &(&SecondOrder, Gain, &[Complex<f64>])| {
+        let modes = |&(_, lambdas): &(Gain, &[Complex<f64>])| {
             let shapes: Vec<_> = shapes.by_ref().take(lambdas.len()).collect();
             let mode = |(shape, &lambda): (Option<Shape>, &Complex<f64>)| {
                 let Shape { shape, residual } = shape?;
-                (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(system, lambda, shape))
+                (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(&self.structure, lambda, shape))
             };
             let modes: Option<Vec<Mode>> = shapes.into_iter().zip(lambdas).map(mode).collect();
             modes.filter(|_| !lambdas.windows(2).any(is_one))

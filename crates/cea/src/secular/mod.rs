@@ -20,7 +20,8 @@ mod search;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use linsys::SecondOrder;
+use linsys::{Internal, SecondOrder};
+use nalgebra::DVector;
 use num_complex::Complex;
 
 use crate::batch::Point;
@@ -96,6 +97,8 @@ impl Gain {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Secular {
+    structure: SecondOrder,
+    feedback: Feedback,
     resolvent: Resolvent,
 }
 
@@ -132,7 +135,25 @@ impl Secular {
         if feedback.force.ncols().pow(2) > MOST_PLACES * structure.order() {
             return Ok(None);
         }
-        Ok(Resolvent::new(structure, feedback, work)?.map(|resolvent| Self { resolvent }))
+        let resolvent = Resolvent::new(structure, feedback, work)?;
+        Ok(resolvent.map(|resolvent| Self { structure: structure.clone(), feedback: feedback.clone(), resolvent }))
+    }
+
+    /// The structure without feedback.
+    pub fn structure(&self) -> &SecondOrder {
+        &self.structure
+    }
+
+    /// The structure with a gain: what its secular equation stands for.
+    pub fn system(&self, gain: &Gain) -> SecondOrder {
+        let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
+        system.k += gain.position * force * reading;
+        system.c += gain.velocity * force * force.transpose();
+        if gain.lag != 0.0 {
+            let decay = DVector::from_element(force.ncols(), gain.decay);
+            system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
+        }
+        system
     }
 
     /// Takes states whose spectra are known as pilots. Those with overdamped modes are left out.

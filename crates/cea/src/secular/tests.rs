@@ -286,6 +286,21 @@ fn discs_hold_all_zeros_though_values_err_by_a_fifth() {
 }
 
 #[test]
+fn the_system_of_a_gain_has_its_feedback() {
+    let (structure, feedback, mut work) = (chain(6, 1), feedback(6, 3, 1), Workspace::default());
+    let secular = Secular::new(&structure, &feedback, &mut work).unwrap().unwrap();
+    for gain in [GAIN, Gain { lag: 0.0, ..GAIN }] {
+        assert_eq!(secular.system(&gain), whole(&structure, &feedback, &gain));
+        let lambda = Complex::new(-30.0, 2500.0);
+        let acting = feedback.reading.map(Complex::from) * Complex::from(gain.position)
+            + feedback.force.transpose().map(Complex::from) * (lambda * gain.slope(lambda));
+        let expected = structure.dynamic_stiffness(lambda) + feedback.force.map(Complex::from) * acting;
+        let found = secular.system(&gain).dynamic_stiffness(lambda);
+        assert!((&found - &expected).norm() < 1e-14 * expected.norm());
+    }
+}
+
+#[test]
 fn internal_states_driven_otherwise_than_those_of_the_pilots_are_enclosed() {
     let (structure, feedback, mut work) = (chain(12, 1), feedback(12, 6, 1), Workspace::default());
     let secular = Secular::new(&structure, &feedback, &mut work).unwrap().unwrap();

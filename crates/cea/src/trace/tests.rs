@@ -1,7 +1,7 @@
 //! Against small steps, differences and pairs that veer or coalesce.
 
 use super::*;
-use crate::{EigenSolver, Modes, QrSolver};
+use crate::{EigenSolver, Modes, QrSolver, Start};
 use linsys::Internal;
 use nalgebra::dmatrix;
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ fn modes(system: &SecondOrder) -> Vec<Mode> {
 
 fn traced(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     let (start, end) = (modes(from), modes(to));
-    let way = Way { from: (from, &start), to: (to, &end), line: None };
+    let way = Way { from: (Start::System(from), &start), to: (to, &end) };
     trace(&start.iter().map(|mode| (way, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
 }
 
@@ -79,7 +79,7 @@ fn the_rate_is_the_limit_of_differences() {
         SecondOrder::with_internal(m, c, dmatrix![4.0, 1.0; -0.5, k], internal).unwrap()
     };
     let (from, to) = (at(3.0, 1.0, -0.7, 9.0), at(5.0, 0.4, 0.6, 12.0));
-    let way = Way { from: (&from, &[]), to: (&to, &[]), line: None };
+    let way = Way { from: (Start::System(&from), &[]), to: (&to, &[]) };
     let mut work = Workspace::default();
     for Mode { lambda, .. } in modes(&way.system(0.4)) {
         let mut at = |t: f64, guess| points(&[(way, t, guess)], &mut work).remove(0).unwrap();
@@ -112,7 +112,7 @@ proptest! {
 let (from, to) = (system(0), system(1));
         let start = modes(&from);
         prop_assume!(start.len() == 4 && modes(&to).len() == 4);
-        let way = Way { from: (&from, &start), to: (&to, &[]), line: None };
+        let way = Way { from: (Start::System(&from), &start), to: (&to, &[]) };
         for (mode, (end, margin)) in start.iter().zip(crawled(way)) {
             // Two modes that pass each other at a smaller distance are told apart by their shapes.
             if margin > 1000.0 {

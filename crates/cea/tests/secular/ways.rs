@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::ops::Range;
 
-use cea::{Counters, Feedback, Gain, Line, Links, Mode, QrSolver, Secular, Way, Workspace, follow, identify};
+use cea::{Counters, Feedback, Gain, Line, Links, Mode, QrSolver, Secular, Start, Way, Workspace, follow, identify};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -28,8 +28,9 @@ impl End {
 /// The links of a way and what they cost, as a line of gains or without one.
 fn linked(ends: &[End; 2], line: Option<&Secular>, near: bool) -> (Links, Counters) {
     let [from, to] = ends;
-    let line = line.map(|secular| Line { secular, from: from.gain, to: to.gain });
-    let way = Way { from: (&from.system, &from.modes), to: (&to.system, &to.modes), line };
+    let line = line.map(|secular| Start::Line(Line { secular, from: from.gain, to: to.gain }));
+    let start = line.unwrap_or(Start::System(&from.system));
+    let way = Way { from: (start, &from.modes), to: (&to.system, &to.modes) };
     let mut work = Workspace::default();
     let links = if near { identify } else { follow }(&QrSolver, way, &mut work).unwrap();
     (links, work.counters)

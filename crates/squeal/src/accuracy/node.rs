@@ -1,6 +1,6 @@
 //! What is known at one state of friction: eigenvalues near the axis with their derivatives, and names.
 
-use cea::{BatchSolver, EigenSolver, Mode, Modes, Way, Workspace, identify_all, right_vectors_of_all};
+use cea::{BatchSolver, EigenSolver, Mode, Modes, Start, Way, Workspace, identify_all, right_vectors_of_all};
 use friction::Tangent;
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
@@ -126,8 +126,11 @@ impl<'a> Nodes<'a> {
         right.iter_mut().for_each(|modes| modes.retain(|mode| mode.lambda.re > 0.0));
         let reference = &self.study.references()[self.scene];
         let to = (&reference.system, &reference.modes[..]);
-        let ways: Vec<Way<'_>> =
-            systems.iter().zip(&right).map(|(system, modes)| Way { from: (system, modes), to, line: None }).collect();
+        let ways: Vec<Way<'_>> = systems
+            .iter()
+            .zip(&right)
+            .map(|(system, modes)| Way { from: (Start::System(system), modes), to })
+            .collect();
         let links = identify_all(&BatchSolver, &ways, &mut self.work);
         for (node, links) in nodes.iter_mut().zip(links) {
             for (mode, link) in node.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {

@@ -1,6 +1,6 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, EigenSolver, Gain, Mode, Pilots, ranks_together};
+use cea::{CeaError, EigenSolver, Gain, Growing, Mode, Pilots, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
@@ -113,29 +113,50 @@ impl<'a> Study<'a> {
         let (solvers, scene) = (self.solvers(scene), &self.plan.scenes[scene]);
         let mut known = timed(&mut memory.spent.search, || growing(&solvers, states, &mut memory.work));
         let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
-        let is_open = |at: &usize| !known.iter().all(|of_sector| damps(&of_sector[*at]));
-        let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
+        let mut outcomes: Vec<Result<Outcome, Error>> = states.iter().map(|_| Ok(Outcome::default())).collect();
+
+        // What the secular equations leave to spectra they leave in all sectors.
+        let (told, open): (Vec<usize>, Vec<usize>) =
+            (0..states.len()).partition(|&at| known.iter().all(|of_sector| of_sector[at].is_some()));
+        let growing: Vec<usize> =
+            told.into_iter().filter(|&at| !known.iter().all(|of_sector| damps(&of_sector[at]))).collect();
+        let mut parts = Vec::with_capacity(solvers.len());
+        for (solver, known) in solvers.iter().zip(&mut known) {
+            let known: Vec<(Gain, Growing)> = growing.iter().filter_map(|&at| known[at].take()).collect();
+            parts.push(solver.known(&known, memory));
+        }
+        timed(&mut memory.spent.outcomes, || self.enter(scene, states, &growing, parts, &mut outcomes));
 
         let assembled = timed(&mut memory.spent.assembly, || self.linearise(scene, states, &open, systems));
         // What cannot be linearised has no lane.
-        let lanes: Vec<usize> =
-            open.iter().zip(&assembled).filter(|(_, made)| made.is_ok()).map(|(at, _)| *at).collect();
-        let mut parts = Vec::with_capacity(solvers.len());
-        for ((systems, solver), known) in systems.iter().zip(&solvers).zip(&mut known) {
-            let known: Vec<Known> = lanes.iter().map(|&at| known[at].take()).collect();
-            parts.push(solver.solve(&systems[..lanes.len()], &known, memory).into_iter());
-        }
-        let mut outcomes: Vec<Result<Outcome, Error>> = states.iter().map(|_| Ok(Outcome::default())).collect();
-        timed(&mut memory.spent.outcomes, || {
-            for (at, made) in open.into_iter().zip(assembled) {
-                outcomes[at] = made.and_then(|()| {
-                    let parts = parts.iter_mut().filter_map(Iterator::next);
-                    let parts = parts.collect::<Result<Vec<Part>, CeaError>>()?;
-                    self.outcome(scene, &states[at], &parts)
-                });
+        let (mut lanes, mut parts) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
+        for (at, made) in open.into_iter().zip(assembled) {
+            match made {
+                Ok(()) => lanes.push(at),
+                Err(error) => outcomes[at] = Err(error),
             }
-        });
+        }
+        for (systems, solver) in systems.iter().zip(&solvers) {
+            parts.push(solver.solve(&systems[..lanes.len()], memory));
+        }
+        timed(&mut memory.spent.outcomes, || self.enter(scene, states, &lanes, parts, &mut outcomes));
         outcomes
+    }
+
+    /// Enters what the parts of some samples, sector by sector, say together.
+    fn enter(
+        &self,
+        scene: &Scene,
+        states: &[Sliding],
+        samples: &[usize],
+        parts: Vec<Vec<Result<Part, CeaError>>>,
+        outcomes: &mut [Result<Outcome, Error>],
+    ) {
+        let mut parts: Vec<_> = parts.into_iter().map(Vec::into_iter).collect();
+        for &at in samples {
+            let of_sample = parts.iter_mut().filter_map(Iterator::next).collect::<Result<Vec<Part>, CeaError>>();
+            outcomes[at] = of_sample.map_err(Error::from).and_then(|parts| self.outcome(scene, &states[at], &parts));
+        }
     }
 
     /// Writes the systems of each sector in those of `states` that are `open`, without gaps where one cannot be linearised.

@@ -2,7 +2,7 @@
 
 use cea::Gain;
 use num_complex::Complex;
-use osc_model::{Linearise, Sliding};
+use osc_model::Sliding;
 
 use super::growing::gain;
 use super::part::Equation;
@@ -39,19 +39,15 @@ impl Study<'_> {
         let gains = states.iter().map(gain).collect::<Option<Vec<Gain>>>();
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; states.len()]) };
-        let scene = &self.plan().scenes[scene];
-        let (lattice, sectors) = (self.plan().lattice(scene), &self.plan().sectors[scene.lattice]);
-        let wholes = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>()?;
-        let known: Vec<Option<Gain>> = gains.iter().copied().map(Some).collect();
         let mut found = vec![Some(Vec::new()); states.len()];
-        for ((solver, Equation { secular, pilots, .. }), sector) in solvers.iter().zip(equations).zip(sectors.iter()) {
-            let systems = wholes.iter().map(|whole| sector.reduced(whole)).collect::<Result<Vec<_>, _>>()?;
+        for (solver, Equation { secular, pilots, .. }) in solvers.iter().zip(equations) {
             let near = secular.near_axis(pilots, &gains, part, &mut memory.work);
             let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
             };
-            let growing: Vec<Vec<Complex<f64>>> = near.iter().map(growing).collect();
-            let named = solver.named(&systems, &known, &growing, memory);
+            let growing: Vec<(Gain, Vec<Complex<f64>>)> =
+                gains.iter().zip(&near).map(|(gain, near)| (*gain, growing(near))).collect();
+            let named = solver.named_at(&growing, memory);
             for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
                 let (Some(near), Some(of_state)) = (near, found.as_mut()) else {
                     *found = None;

@@ -1,8 +1,8 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
 use cea::{
-    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Pilots, Secular, Spectrum, Verdict, Way, Workspace,
-    identify_all, verdict,
+    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Pilots, Secular, Spectrum, Start, Verdict, Way,
+    Workspace, identify_all, verdict,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -57,90 +57,85 @@ pub(super) struct Equation<'a> {
 }
 
 impl Solver<'_> {
-    /// Names the unstable modes of `systems`, this sector of some samples. What is not `known` of the modes of a system is
-    /// solved for.
-    pub fn solve(&self, systems: &[SecondOrder], known: &[Known], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
-        let is_unknown = known.iter().all(Option::is_none);
+    /// Solves for the modes of `systems`, this sector of some samples, and names the unstable ones.
+    pub fn solve(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
         // Friction does not reach every sector: where it does not, all samples are one.
-        if let ([first, others @ ..], true) = (systems, is_unknown)
+        if let [first, others @ ..] = systems
             && !others.is_empty()
             && others.iter().all(|other| other == first)
         {
-            let part = self.solve(std::slice::from_ref(first), &[None], memory).remove(0);
+            let part = self.solve(std::slice::from_ref(first), memory).remove(0);
             return vec![part; systems.len()];
         }
         let Memory { spectra, work, spent } = memory;
         let judged: Vec<Result<Judged, CeaError>> = timed(&mut spent.spectra, || {
-            if !is_unknown {
-                let judge = |(system, known): (&SecondOrder, &Known)| match known {
-                    Some((_, known)) => Ok(Judged::known(known)),
-                    None => Judged::new(system, &self.spectra.eigenvalues(system, work)?, work),
-                };
-                return systems.iter().zip(known).map(judge).collect();
-            }
             self.spectra.eigenvalues_of_all(systems, work, spectra);
             let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
                 Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
             };
             systems.iter().zip(&*spectra).map(judge).collect()
         });
-
         let lambdas: Vec<Vec<Complex<f64>>> =
             judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
-        let gains: Vec<Option<Gain>> = known.iter().map(|known| known.as_ref().map(|(gain, _)| *gain)).collect();
-        let named = self.named(systems, &gains, &lambdas, memory);
+        let shaped = timed(&mut spent.shapes, || Mode::of_all(&pairs(systems, &lambdas), work));
+        let starts: Vec<Start<'_>> = systems.iter().map(Start::System).collect();
+        let named = self.named(&starts, shaped, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
-    /// The modes of each system at some of its eigenvalues, with their names; cheaper where the gain is known.
-    pub fn named(
+    /// Names the unstable modes of this sector of some samples, of which that equation told all that is asked.
+    pub fn known(&self, known: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
+        let judged: Vec<Judged> = known.iter().map(|(_, growing)| Judged::known(growing)).collect();
+        let lambdas: Vec<(Gain, Vec<Complex<f64>>)> =
+            known.iter().zip(&judged).map(|((gain, _), judged)| (*gain, judged.lambdas())).collect();
+        let named = self.named_at(&lambdas, memory);
+        judged.into_iter().zip(named).map(|(judged, named)| Ok(judged.with_names(named?))).collect()
+    }
+
+    /// The modes with each of some gains at some eigenvalues, with their names; none without an equation.
+    pub fn named_at(&self, of: &[(Gain, Vec<Complex<f64>>)], memory: &mut Memory) -> Vec<Result<Named, CeaError>> {
+        let Some(Equation { secular, reference, .. }) = self.equation else { return Vec::new() };
+        let Memory { work, spent, .. } = memory;
+        let shaped = timed(&mut spent.shapes, || {
+            let asked: Vec<_> = of.iter().map(|(gain, lambdas)| (*gain, &lambdas[..])).collect();
+            let mut shaped = Vec::with_capacity(of.len());
+            for (modes, (gain, lambdas)) in secular.modes(&asked, work).into_iter().zip(of) {
+                shaped.push(match modes {
+                    Some(modes) => Ok(modes),
+                    None => Mode::at(&secular.system(gain), lambdas, work),
+                });
+            }
+            shaped
+        });
+        let start = |&(from, _): &(Gain, _)| Start::Line(Line { secular, from, to: reference });
+        self.named(&of.iter().map(start).collect::<Vec<_>>(), shaped, memory)
+    }
+
+    fn named(
         &self,
-        systems: &[SecondOrder],
-        gains: &[Option<Gain>],
-        lambdas: &[Vec<Complex<f64>>],
+        starts: &[Start<'_>],
+        shaped: Vec<Result<Vec<Mode>, CeaError>>,
         memory: &mut Memory,
     ) -> Vec<Result<Named, CeaError>> {
         let Memory { work, spent, .. } = memory;
-        let shaped = timed(&mut spent.shapes, || self.shapes(systems, gains, lambdas, work));
         let to = (&self.reference.system, &self.reference.modes[..]);
-        let each = systems.iter().zip(&shaped).zip(gains);
-        let ways = each.map(|((system, modes), gain)| Way {
-            from: (system, modes.as_deref().unwrap_or_default()),
-            to,
-            line: gain.zip(self.equation).map(|(from, Equation { secular, reference, .. })| Line {
-                secular,
-                from,
-                to: reference,
-            }),
-        });
-        let ways: Vec<Way<'_>> = ways.collect();
+        let modes = shaped.iter().map(|modes| modes.as_deref().unwrap_or_default());
+        let ways: Vec<Way<'_>> =
+            starts.iter().zip(modes).map(|(start, modes)| Way { from: (*start, modes), to }).collect();
         let links = timed(&mut spent.names, || identify_all(self.spectra, &ways, work));
         let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
             Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
         };
         shaped.into_iter().zip(links).map(named).collect()
     }
+}
 
-    fn shapes(
-        &self,
-        systems: &[SecondOrder],
-        gains: &[Option<Gain>],
-        lambdas: &[Vec<Complex<f64>>],
-        work: &mut Workspace,
-    ) -> Vec<Result<Vec<Mode>, CeaError>> {
-        let asked = systems.iter().zip(lambdas).zip(gains);
-        let known: Vec<_> =
-            asked.clone().filter_map(|((system, lambdas), gain)| Some((system, (*gain)?, &lambdas[..]))).collect();
-        let found = self.equation.map(|equation| equation.secular.modes(&known, work)).unwrap_or_default();
-        let mut found = found.into_iter();
-        let mut shaped: Vec<Option<Result<Vec<Mode>, CeaError>>> =
-            gains.iter().map(|gain| gain.and_then(|_| found.next().flatten()).map(Ok)).collect();
-        let left = shaped.iter().zip(asked).filter(|(shaped, _)| shaped.is_none());
-        let left: Vec<_> = left.map(|(_, ((system, lambdas), _))| (system, &lambdas[..])).collect();
-        let mut found = Mode::of_all(&left, work).into_iter();
-        shaped.iter_mut().filter(|shaped| shaped.is_none()).for_each(|shaped| *shaped = found.next());
-        shaped.into_iter().flatten().collect()
-    }
+/// Systems with some eigenvalues of each.
+fn pairs<'a>(
+    systems: &'a [SecondOrder],
+    lambdas: &'a [Vec<Complex<f64>>],
+) -> Vec<(&'a SecondOrder, &'a [Complex<f64>])> {
+    systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect()
 }
 
 /// The modes of one system, with verdicts.

@@ -8,7 +8,7 @@
 //!
 //! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
-use cea::{EigenSolver, Mode, Modes, Way, Workspace, by_frequency, follow, identify, ranks_together};
+use cea::{EigenSolver, Mode, Modes, Start, Way, Workspace, by_frequency, follow, identify, ranks_together};
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, PreparedLattice, Sector, Sectors};
 use rayon::prelude::*;
@@ -92,7 +92,7 @@ impl Reference {
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
         let link = if near { identify } else { follow };
-        let way = Way { from: (&self.system, &self.modes), to: (&next.system, &next.modes), line: None };
+        let way = Way { from: (Start::System(&self.system), &self.modes), to: (&next.system, &next.modes) };
         let links = link(solver, way, work)?;
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
