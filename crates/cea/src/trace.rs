@@ -12,8 +12,11 @@
 //! **Steps.** With d the distance to the next branch point, an eigenvalue there is a smooth function plus a square root; a
 //! step s errs by `s / 4 d` times as much by the trapezoidal rule for `d lambda / d t` as by the tangent alone, whatever
 //! value and slope of the smooth function. A step is taken where that ratio is small and the shape has hardly changed; one
-//! that would jump to another mode has a ratio near 1. What does not get on with steps of reasonable length is left to
+//! that would jump to another mode has a ratio near 1. What does not get on with steps of reasonable length is next to a
+//! coalescence: on a line of gains it is followed together with its neighbour ([`pair`]), and what is left then is left to
 //! [`Walk`](crate::walk::Walk), which sees all modes on the way.
+
+mod pair;
 
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +27,7 @@ use crate::mac::{Match, Mode, mac, match_modes};
 use crate::track::Way;
 use crate::vectors::start;
 use crate::{Workspace, mass_norm_squared, secular};
+use pair::{Behind, NOT_IT, Stop, follow_pairs};
 
 /// The first step, as a part of the way.
 const FIRST: f64 = 0.2;
@@ -39,6 +43,8 @@ const SHORTEST: f64 = 1.0 / 512.0;
 const SETTLED: f64 = 5e-5;
 /// Corrections of a guess at most.
 const MOST_CORRECTIONS: usize = 4;
+/// How often a mode is followed as one of a pair.
+const MOST_PAIRS: usize = 6;
 /// So are more attempts than these.
 const MOST_ATTEMPTS: usize = 48;
 /// How far aside of the predicted eigenvalue Q is factorised, relatively: on an eigenvalue there is no y but rounding.
@@ -74,32 +80,90 @@ enum Next {
 /// The index of the mode at the end of each way that the mode at its beginning becomes; `None` where that is in doubt.
 ///
 /// Where a way is `near`, a trace ends as soon as MAC with the end is beyond doubt, and goes all the way where not.
-pub(crate) fn trace(of: &[(Way<'_>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
-    let begin: Vec<_> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).collect();
-    let mut traces: Vec<(usize, Trace<'_>)> = points(&begin, work)
-        .into_iter()
-        .zip(of)
-        .enumerate()
-        .filter_map(|(i, (here, (way, mode)))| {
-            let is_it = |point: &Point| (point.mode.lambda - mode.lambda).norm() <= NO_ERROR * mode.lambda.norm();
-            let here = here.filter(is_it)?;
-            Some((i, Trace { way: *way, near, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
-        })
-        .collect();
-    let mut found = vec![None; of.len()];
+pub(crate) fn trace<'a>(of: &[(Way<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
+    let mut ends = vec![None; of.len()];
+    let mut open: Vec<(usize, Stop<'a>)> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).enumerate().collect();
+    for _ in 0..MOST_PAIRS {
+        let mut lost = follow_alone(&open, near, &mut ends, work);
+        lost.retain(|(_, trace)| trace.way.line().is_some() && trace.at < 1.0);
+        open.clear();
+        for ((i, _), behind) in lost.iter().zip(pass(&lost, work)) {
+            match behind {
+                Some((way, 1.0, lambda)) => ends[*i] = nearest(way.to.1, lambda),
+                Some(stop) => open.push((*i, stop)),
+                None => {}
+            }
+        }
+        if open.is_empty() {
+            break;
+        }
+    }
+    ends
+}
+
+/// Follows each mode alone from a place on its way. Enters the `ends` that are reached, and returns the traces that are lost.
+fn follow_alone<'a>(
+    from: &[(usize, Stop<'a>)],
+    near: bool,
+    ends: &mut [Option<usize>],
+    work: &mut Workspace,
+) -> Vec<(usize, Trace<'a>)> {
+    let begin: Vec<Stop<'a>> = from.iter().map(|(_, stop)| *stop).collect();
+    let begun = |(here, &(i, (way, at, lambda))): (Option<Point>, &(usize, Stop<'a>))| {
+        let here = here.filter(|point| (point.mode.lambda - lambda).norm() <= NO_ERROR * lambda.norm())?;
+        Some((i, Trace { way, near, at, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
+    };
+    let mut traces: Vec<(usize, Trace<'a>)> = points(&begin, work).into_iter().zip(from).filter_map(begun).collect();
+    let mut lost = Vec::new();
     while !traces.is_empty() {
         let ahead: Vec<_> = traces.iter().map(|(_, trace)| trace.ahead()).collect();
         let mut points = points(&ahead, work).into_iter();
-        traces.retain_mut(|(i, trace)| match trace.go(points.next().flatten()) {
-            Next::Go => true,
-            Next::Arrived(to) => {
-                found[*i] = Some(to);
-                false
+        let mut under_way = Vec::with_capacity(traces.len());
+        for (i, mut trace) in traces {
+            match trace.go(points.next().flatten()) {
+                Next::Go => under_way.push((i, trace)),
+                Next::Arrived(to) => ends[i] = Some(to),
+                Next::Lost => lost.push((i, trace)),
             }
-            Next::Lost => false,
-        });
+        }
+        traces = under_way;
     }
-    found
+    lost
+}
+
+/// Where the modes that are lost next to a coalescence are behind it. The two of a pair exchange their shapes there, or
+/// not: shapes that are alike before and after are one mode, as everywhere; where none are, eigenvalues are continued.
+fn pass<'a>(lost: &[(usize, Trace<'a>)], work: &mut Workspace) -> Vec<Option<Stop<'a>>> {
+    let stops: Vec<Stop<'a>> = lost.iter().map(|(_, trace)| (trace.way, trace.at, trace.here.mode.lambda)).collect();
+    let pairs = follow_pairs(&stops, work);
+    let both = |Behind { way, at, lambdas }: &Behind<'a>| lambdas.map(|lambda| (*way, *at, lambda));
+    let asked: Vec<Stop<'a>> = pairs.iter().flatten().flat_map(both).collect();
+    let mut points = points(&asked, work).into_iter();
+    let mut behind = |(pair, (_, trace)): (Option<Behind<'a>>, &(usize, Trace<'a>))| {
+        let Behind { way, at, lambdas } = pair?;
+        let found = [points.next().flatten(), points.next().flatten()];
+        let most = NOT_IT * (lambdas[1] - lambdas[0]).norm();
+        let is_it = |(point, lambda): (&Point, Complex<f64>)| (point.mode.lambda - lambda).norm() <= most;
+        let [Some(first), Some(second)] = found else { return None };
+        if !is_it((&first, lambdas[0])) || !is_it((&second, lambdas[1])) {
+            return None;
+        }
+        let both = [first.mode, second.mode];
+        let alike = match_modes(std::slice::from_ref(&trace.here.mode), &both, &way.inertia().m).remove(0);
+        let to = alike.to.filter(|_| alike.is_clear()).unwrap_or(0);
+        Some((way, at, both[to].lambda))
+    };
+    pairs.into_iter().zip(lost).map(&mut behind).collect()
+}
+
+/// Where a trace has ended among the known modes.
+fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
+    let mut order: Vec<(f64, usize)> =
+        known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let &(best, j) = order.first()?;
+    let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
+    (best <= NO_ERROR * lambda.norm() && second >= 10.0 * NO_ERROR * lambda.norm()).then_some(j)
 }
 
 impl<'a> Trace<'a> {
@@ -137,7 +201,7 @@ impl<'a> Trace<'a> {
     fn end(&self) -> Option<usize> {
         let known = self.way.to.1;
         if self.at == 1.0 {
-            return self.nearest(known);
+            return nearest(known, self.here.mode.lambda);
         }
         let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.inertia().m).remove(0);
         if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
@@ -152,17 +216,6 @@ impl<'a> Trace<'a> {
         let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
         let is_alike = mac(before, after, &self.way.inertia().m)[(0, 0)] >= LEAST_MAC;
         if is_alike { trapezoid / tangent.max(NO_ERROR * lambda.norm()) } else { f64::INFINITY }
-    }
-
-    /// Where the trace has ended among the known modes.
-    fn nearest(&self, known: &[Mode]) -> Option<usize> {
-        let lambda = self.here.mode.lambda;
-        let mut order: Vec<(f64, usize)> =
-            known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let &(best, j) = order.first()?;
-        let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
-        (best <= NO_ERROR * lambda.norm() && second >= 10.0 * NO_ERROR * lambda.norm()).then_some(j)
     }
 }
 

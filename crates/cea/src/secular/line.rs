@@ -11,7 +11,7 @@ use crate::vectors::start;
 use crate::{Mode, Workspace};
 
 /// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the line.
-const DIFFERENCE: f64 = 1e-7;
+pub(super) const DIFFERENCE: f64 = 1e-7;
 /// Largest part of the forces on a mode that does not come back as feedback: at an eigenvalue, and next to one. It is large
 /// for a mode that feedback does not reach, whose shape is no response to forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
@@ -33,7 +33,7 @@ pub struct Line<'a> {
 }
 
 impl Line<'_> {
-    fn at(&self, t: f64, sigma: Complex<f64>) -> Point {
+    pub(super) fn at(&self, t: f64, sigma: Complex<f64>) -> Point {
         let unit = self.secular.resolvent.unit;
         let [from, to] = [self.from, self.to].map(|gain| gain.in_units(unit).at(sigma));
         let mix = 1.0 - t;

@@ -14,6 +14,7 @@
 
 mod enclosure;
 mod line;
+mod pair;
 mod pilot;
 mod resolvent;
 mod search;
@@ -29,6 +30,7 @@ use crate::{CeaError, Spectrum, Workspace};
 use enclosure::Wanted;
 pub use line::Line;
 pub(crate) use line::{corrected, shapes};
+pub(crate) use pair::{Pair, pairs};
 pub use pilot::Pilots;
 pub use resolvent::Feedback;
 pub(crate) use resolvent::Resolvent;

@@ -109,7 +109,7 @@ proptest! {
             let coupling = DMatrix::from_column_slice(4, 4, &friction[16 * at..16 * (at + 1)]);
             SecondOrder::new(DMatrix::identity(4, 4), damping * &k, k + coupling).unwrap()
         };
-let (from, to) = (system(0), system(1));
+        let (from, to) = (system(0), system(1));
         let start = modes(&from);
         prop_assume!(start.len() == 4 && modes(&to).len() == 4);
         let way = Way { from: (Start::System(&from), &start), to: (&to, &[]) };

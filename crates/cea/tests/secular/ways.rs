@@ -47,7 +47,8 @@ struct Count {
     followed: u64,
     /// Ways on which some mode was left to spectra.
     walked: usize,
-    /// Ways linked otherwise than without a line: only where one of the two was left to spectra.
+    /// Ways linked otherwise than without a line: only where one of the two was left to spectra, which leave more names open
+    /// next to coalescences than pairs do.
     differ: usize,
 }
 
@@ -145,7 +146,7 @@ fn lines_link_modes_as_systems_do() {
     let crossing = compare(crossing(), true);
     for count in [veering, coalescing].into_iter().flatten().chain([crossing]) {
         assert!(count.ways > 200 && count.followed > 100 && count.crossed > 20, "{count:?}");
-        assert!(10 * count.walked < count.ways && 100 * count.differ < count.ways, "{count:?}");
+        assert!(10 * count.walked < count.ways && 50 * count.differ < count.ways, "{count:?}");
     }
     for [_, far] in [veering, coalescing] {
         assert_eq!(far.followed, far.modes as u64);

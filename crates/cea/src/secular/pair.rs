@@ -1,0 +1,146 @@
+//! Two eigenvalues near each other on a line of gains, as one: their middle and the square of half their distance.
+//!
+//! Where two eigenvalues coalesce each of them has a branch point; the middle m and the square s of `lambda = m +- sqrt(s)`
+//! are analytic there, as the coefficients of the polynomial that has both as zeros (Kato, Perturbation Theory for Linear
+//! Operators, II.1.2). Both follow from the characteristic polynomial on a circle about them: eight values tell its Taylor
+//! polynomial, of which the quadratic factor is split off by Bairstow's method (1914).
+
+use std::f64::consts::TAU;
+use std::ptr;
+
+use num_complex::Complex;
+
+use super::line::{DIFFERENCE, Line};
+use crate::Workspace;
+use crate::batch::{Point, characteristic};
+
+/// Values on the circle.
+const VALUES: usize = 8;
+/// Its radius in half distances of the pair, and at least, relative to the eigenvalue.
+const RADIUS: f64 = 1.25;
+const LEAST_RADIUS: f64 = 1e-3;
+/// The next eigenvalue is farther away than this many radii, by the ratio of two Taylor coefficients.
+const ALONE: f64 = 1.2;
+/// Steps of Bairstow's method, and the relative change after which there is no other.
+const STEPS: usize = 12;
+const SETTLED: f64 = 1e-13;
+/// Part of the radius by which a pair may be aside of its guess.
+const ASIDE: f64 = 0.5;
+/// New circles about a pair that is elsewhere than guessed.
+const CIRCLES: usize = 4;
+
+/// `m +- sqrt(s)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pair {
+    /// m, rad/s.
+    pub middle: Complex<f64>,
+    /// s, rad^2/s^2.
+    pub square: Complex<f64>,
+}
+
+impl Pair {
+    fn radius(&self) -> f64 {
+        (RADIUS * self.square.norm().sqrt()).max(LEAST_RADIUS * self.middle.norm())
+    }
+
+    /// What it becomes by moving at some rates.
+    pub fn moved(&self, rate: &Self, step: f64) -> Self {
+        Self { middle: self.middle + rate.middle * step, square: self.square + rate.square * step }
+    }
+}
+
+/// The pair next to each guess at a part of a line, and how it moves along the line; `None` where there is none, or no pair
+/// that is alone.
+pub(crate) fn pairs(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<Option<[Pair; 2]>> {
+    let mut guesses: Vec<Pair> = at.iter().map(|(.., guess)| *guess).collect();
+    let mut found = vec![None; at.len()];
+    let mut open: Vec<usize> = (0..at.len()).collect();
+    for _ in 0..CIRCLES {
+        let circles = on_circles(&open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect::<Vec<_>>(), work);
+        let mut circles = circles.into_iter();
+        open.retain(|&i| {
+            let Some([here, ahead]) = circles.next().flatten() else { return false };
+            let before = std::mem::replace(&mut guesses[i], here);
+            let radius = before.radius();
+            if (here.middle - before.middle).norm() > ASIDE * radius || here.square.norm() > radius * radius {
+                return true;
+            }
+            let rate = Pair { middle: ahead.middle - here.middle, square: ahead.square - here.square };
+            let rate = Pair { middle: rate.middle / DIFFERENCE, square: rate.square / DIFFERENCE };
+            found[i] = Some([here, rate]);
+            false
+        });
+        if open.is_empty() {
+            break;
+        }
+    }
+    found
+}
+
+/// The pair by the circle about each guess, and that a little further on the line.
+fn on_circles(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<Option<[Pair; 2]>> {
+    let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
+    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+        let unit = group[0].0.secular.resolvent.unit;
+        let mut points: Vec<Point> = Vec::with_capacity(2 * VALUES * group.len());
+        for (line, t, guess) in group {
+            for t in [*t, *t + DIFFERENCE] {
+                points.extend((0..VALUES).map(|k| line.at(t, (guess.middle + turn(k) * guess.radius()) / unit)));
+            }
+        }
+        characteristic(&group[0].0.secular.resolvent, &points, &mut work.scratch, &mut values);
+        work.counters.secular_values += values.len() as u64;
+        for ((.., guess), values) in group.iter().zip(values.chunks_exact(2 * VALUES)) {
+            let [here, ahead] = [&values[..VALUES], &values[VALUES..]].map(taylor);
+            let radius = guess.radius();
+            let pair = |a: &[Complex<f64>; VALUES]| {
+                let (middle, square) = small_pair(a)?;
+                Some(Pair { middle: guess.middle + middle * radius, square: square * (radius * radius) })
+            };
+            found.push(pair(&here).zip(pair(&ahead)).map(|(here, ahead)| [here, ahead]));
+        }
+    }
+    found
+}
+
+/// An eighth of a turn, k times.
+fn turn(k: usize) -> Complex<f64> {
+    Complex::from_polar(1.0, TAU * k as f64 / VALUES as f64)
+}
+
+/// The Taylor coefficients of a polynomial in radii of a circle from its values there.
+fn taylor(values: &[Complex<f64>]) -> [Complex<f64>; VALUES] {
+    std::array::from_fn(|order| {
+        let sum: Complex<f64> =
+            values.iter().enumerate().map(|(k, value)| value * turn(k * order % VALUES).conj()).sum();
+        sum / VALUES as f64
+    })
+}
+
+/// Middle and square of the two zeros of a polynomial next to 0; `None` where others are near.
+fn small_pair(a: &[Complex<f64>; VALUES]) -> Option<(Complex<f64>, Complex<f64>)> {
+    if a[2].norm() < ALONE * a[3].norm() {
+        return None;
+    }
+    // The factor x^2 - u x - v.
+    let (mut u, mut v) = (-a[1] / a[2], -a[0] / a[2]);
+    for _ in 0..STEPS {
+        // Divided once by it, and once more: b_0 and b_1 are what is left, c their derivatives.
+        let (mut b, mut c) = ([Complex::default(); VALUES + 2], [Complex::default(); VALUES + 2]);
+        for k in (0..VALUES).rev() {
+            b[k] = a[k] + u * b[k + 1] + v * b[k + 2];
+            c[k] = b[k] + u * c[k + 1] + v * c[k + 2];
+        }
+        let determinant = c[2] * c[2] - c[1] * c[3];
+        let du = (b[0] * c[3] - b[1] * c[2]) / determinant;
+        let dv = (b[1] * c[1] - b[0] * c[2]) / determinant;
+        (u, v) = (u + du, v + dv);
+        if !(u.is_finite() && v.is_finite()) {
+            return None;
+        }
+        if du.norm() + dv.norm() <= SETTLED {
+            return Some((0.5 * u, 0.25 * u * u + v));
+        }
+    }
+    None
+}

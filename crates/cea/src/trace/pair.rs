@@ -1,0 +1,172 @@
+//! Through the neighbourhood of a coalescence: the pair is followed instead of the mode.
+//!
+//! The middle m and the square s of `lambda = m +- sqrt(s)` are smooth where the two modes are not. Which of the two square
+//! roots continues the mode follows from how s turns about 0 on its way.
+
+use num_complex::Complex;
+
+use super::{MOST_ATTEMPTS, NO_ERROR, RATIO};
+use crate::secular::{Pair, pairs};
+use crate::track::Way;
+use crate::{Line, Workspace};
+
+/// The first step, as a part of the way.
+const FIRST: f64 = 0.01;
+/// Steps shorter than this are not taken.
+const SHORTEST: f64 = 1.0 / 4096.0;
+/// How often a step is halved in following the turns of s.
+const HALVINGS: u32 = 24;
+/// By how much the cubic polynomial of a step may miss s, as a part of the difference between the trapezoidal rule and s.
+const MISS: f64 = 0.25;
+/// How far the mode may be from where its pair has it, relative to their distance.
+pub(super) const NOT_IT: f64 = 0.01;
+/// Distance from the coalescence, as a part of the way, from which on each goes alone again.
+const FREE: f64 = 1.0 / 64.0;
+
+/// A pair on its way.
+struct PairTrace<'a> {
+    way: Way<'a>,
+    line: Line<'a>,
+    at: f64,
+    step: f64,
+    here: Pair,
+    rate: Pair,
+    /// The square root of s that the mode is.
+    root: Complex<f64>,
+    attempts: usize,
+}
+
+/// A mode on a part of its way.
+pub(super) type Stop<'a> = (Way<'a>, f64, Complex<f64>);
+
+/// Two modes behind their coalescence.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Behind<'a> {
+    pub way: Way<'a>,
+    /// Part of the way gone.
+    pub at: f64,
+    /// The eigenvalue that continues the one followed, and the other.
+    pub lambdas: [Complex<f64>; 2],
+}
+
+/// Follows the modes with the next mode of each past their coalescence, or as far as that goes; `None` where that is not at
+/// all.
+pub(super) fn follow_pairs<'a>(from: &[Stop<'a>], work: &mut Workspace) -> Vec<Option<Behind<'a>>> {
+    let lines: Vec<Option<Line<'a>>> = from.iter().map(|(way, ..)| way.line()).collect();
+    let guess = |(&(_, at, middle), line): (&Stop<'a>, &Option<Line<'a>>)| {
+        (*line).map(|line| (line, at, Pair { middle, square: Complex::default() }))
+    };
+    let guesses: Vec<_> = from.iter().zip(&lines).filter_map(guess).collect();
+    let mut begin = pairs(&guesses, work).into_iter();
+    let mut traces: Vec<Option<PairTrace<'a>>> = Vec::with_capacity(from.len());
+    for (stop, line) in from.iter().zip(&lines) {
+        traces.push(line.and_then(|line| PairTrace::new(*stop, line, begin.next().flatten()?)));
+    }
+    let mut open: Vec<usize> = (0..traces.len()).filter(|&i| traces[i].is_some()).collect();
+    while !open.is_empty() {
+        let ahead: Vec<_> = open.iter().filter_map(|&i| traces[i].as_ref().map(PairTrace::ahead)).collect();
+        let mut found = pairs(&ahead, work).into_iter();
+        open.retain(|&i| traces[i].as_mut().is_some_and(|trace| trace.go(found.next().flatten())));
+    }
+    let behind = |(trace, (_, begin, _)): (Option<PairTrace<'a>>, &Stop<'a>)| {
+        let PairTrace { way, at, here: Pair { middle, .. }, root, .. } = trace?;
+        (at > *begin).then_some(Behind { way, at, lambdas: [middle + root, middle - root] })
+    };
+    traces.into_iter().zip(from).map(behind).collect()
+}
+
+impl<'a> PairTrace<'a> {
+    fn new((way, at, lambda): Stop<'a>, line: Line<'a>, [here, rate]: [Pair; 2]) -> Option<Self> {
+        let root = lambda - here.middle;
+        let is_one = (root * root - here.square).norm() <= NOT_IT * here.square.norm();
+        is_one.then_some(Self { way, line, at, step: FIRST, here, rate, root, attempts: 0 })
+    }
+
+    fn ahead(&self) -> (Line<'a>, f64, Pair) {
+        let step = self.step.min(1.0 - self.at);
+        (self.line, self.at + step, self.here.moved(&self.rate, step))
+    }
+
+    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not; `false` at the end.
+    fn go(&mut self, there: Option<[Pair; 2]>) -> bool {
+        self.attempts += 1;
+        let step = self.step.min(1.0 - self.at);
+        let taken = there.and_then(|[there, rate]| {
+            let ratio = self.ratio(&there, &rate, step);
+            let root = if ratio <= RATIO { self.turned(&there, &rate, step)? } else { self.root };
+            Some((ratio, there, rate, root))
+        });
+        match taken {
+            Some((ratio, there, rate, root)) if ratio <= RATIO => {
+                (self.here, self.rate, self.root) = (there, rate, root);
+                self.at += step;
+                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.6, 2.0);
+            }
+            other => {
+                // The larger of a NaN and a number is the number.
+                let ratio = other.map_or(f64::INFINITY, |(ratio, ..)| ratio).max(RATIO);
+                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.25, 0.6);
+            }
+        }
+        let is_behind = self.here.square.norm() >= FREE * self.rate.square.norm();
+        !is_behind && self.at < 1.0 && self.step >= SHORTEST && self.attempts < MOST_ATTEMPTS
+    }
+
+    /// How badly a step can be trusted, as that of a mode alone.
+    fn ratio(&self, there: &Pair, rate: &Pair, step: f64) -> f64 {
+        let size = self.here.middle.norm();
+        let distance = self.here.square.norm().max(there.square.norm()).sqrt();
+        let middle = misses([self.here.middle, there.middle], [self.rate.middle, rate.middle], step);
+        let square = misses([self.here.square, there.square], [self.rate.square, rate.square], step);
+        let [of_middle, of_square] = [(middle, size), (square, size * distance)]
+            .map(|([tangent, trapezoid], size)| trapezoid / tangent.max(NO_ERROR * size));
+        of_middle.max(of_square)
+    }
+
+    /// The root at the end of a step on which s is a cubic polynomial; `None` where that is too near to 0 to tell.
+    fn turned(&self, there: &Pair, rate: &Pair, step: f64) -> Option<Complex<f64>> {
+        let ends = [self.here.square, there.square];
+        let rates = [self.rate.square, rate.square].map(|rate| rate * step);
+        let [_, trapezoid] = misses(ends, rates, 1.0);
+        let square = |u: f64| {
+            let v = 1.0 - u;
+            let from = ends[0] * (1.0 + 2.0 * u) + rates[0] * u;
+            let to = ends[1] * (1.0 + 2.0 * v) - rates[1] * v;
+            from * (v * v) + to * (u * u)
+        };
+        turn(&square, [0.0, 1.0], self.root, MISS * trapezoid, HALVINGS)
+    }
+}
+
+/// By how much the tangent and the trapezoidal rule miss a function of which both ends and its derivatives there are known.
+fn misses(ends: [Complex<f64>; 2], rates: [Complex<f64>; 2], step: f64) -> [f64; 2] {
+    let moved = ends[1] - ends[0];
+    [(moved - rates[0] * step).norm(), (moved - (rates[0] + rates[1]) * (0.5 * step)).norm()]
+}
+
+/// The square root of a function at the end of an interval that goes on from `root` at its beginning; `None` where the
+/// function, known to `miss`, is too near to 0.
+fn turn(
+    square: &dyn Fn(f64) -> Complex<f64>,
+    [from, to]: [f64; 2],
+    root: Complex<f64>,
+    miss: f64,
+    halvings: u32,
+) -> Option<Complex<f64>> {
+    let middle = 0.5 * (from + to);
+    let [first, half, last] = [from, middle, to].map(square);
+    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * miss) {
+        return None;
+    }
+    let is_straight = |a: Complex<f64>, b: Complex<f64>| (b / a).re > 0.5 * (b / a).norm();
+    if is_straight(first, half) && is_straight(half, last) {
+        let end = last.sqrt();
+        return Some(if (end - root).norm_sqr() <= (end + root).norm_sqr() { end } else { -end });
+    }
+    let halvings = halvings.checked_sub(1)?;
+    let root = turn(square, [from, middle], root, miss, halvings)?;
+    turn(square, [middle, to], root, miss, halvings)
+}
+
+#[cfg(test)]
+mod tests;
