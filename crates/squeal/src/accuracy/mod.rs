@@ -28,6 +28,7 @@ mod exact;
 mod family;
 mod hard;
 mod integral;
+mod interval;
 mod near;
 mod node;
 mod peers;

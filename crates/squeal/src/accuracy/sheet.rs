@@ -31,7 +31,7 @@ pub(super) struct Sheet {
     scale: (f64, f64),
     /// In the order of [`powers`].
     coefficients: Vec<Complex<f64>>,
-    /// By how much the polynomial misses values and derivatives, rad/s.
+    /// By how much the polynomial misses values and derivatives at the corners, and what it cannot know of, rad/s.
     pub miss: f64,
 }
 
@@ -83,12 +83,22 @@ impl Sheet {
         let coefficients = normal.cholesky()?.solve(&(adjoint * &wanted));
         let left = (&matrix * &coefficients - wanted).norm_squared();
         let spare = (3 * corners.len()).saturating_sub(terms).max(1) as f64;
+        // Two ends with derivatives are met by any cubic polynomial: of what comes next in mu, and in a real H, they say
+        // nothing. The last terms do, as those of a geometric series.
+        let term = |power: (usize, usize)| {
+            powers(degree).position(|other| other == power).map_or(0.0, |at| size(coefficients[at]))
+        };
+        let next = |last: f64, before: f64| if last < before { last * last / before } else { last };
+        let mut unseen = next(term((DEGREE, 0)), term((DEGREE - 1, 0)));
+        if degree == DEGREE {
+            unseen += next(term((0, DEGREE)), term((0, DEGREE - 1)));
+        }
         Some(Self {
             degree,
             centre: (mu, slope),
             scale,
             coefficients: coefficients.iter().copied().collect(),
-            miss: (left / spare).sqrt(),
+            miss: (left / spare).sqrt() + unseen,
         })
     }
 

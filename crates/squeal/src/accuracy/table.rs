@@ -20,8 +20,12 @@ use crate::study::Study;
 const TOGETHER: usize = 32;
 /// Part of the points that may be doubtful.
 const DOUBTFUL: f64 = 4e-4;
-/// Corners after which no cell is halved.
-const MOST_CORNERS: usize = 1_500;
+/// Corners until which no cell is left as it is for being cheaper to sample, and after which none is halved.
+const CORNERS_ANYWAY: usize = 1_000;
+const MOST_CORNERS: usize = 8_000;
+/// A corner is worth this many doubtful samples less: it costs twice as much as one, and doubtful samples fall with the
+/// second power of the number of corners.
+const WORTH: f64 = 1.5;
 /// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
 const SAFETY: f64 = 4.0;
 /// Corners of a cell.
@@ -122,15 +126,20 @@ impl Named {
 }
 
 impl Table {
-    /// Finds the eigenvalues of a scene where `points` need them.
+    /// Finds the eigenvalues of a scene where `points` need them. `samples` says how many samples have to be solved if a part
+    /// of all is doubtful.
     ///
     /// # Errors
     /// What the model and the solver refuse.
-    pub fn new(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<Self, AccuracyError> {
+    pub fn new(
+        study: &Study<'_>,
+        scene: usize,
+        points: &FrictionPoints,
+        samples: impl Fn(f64) -> f64,
+    ) -> Result<Self, AccuracyError> {
         let mut build = Build::new(study, scene, points)?;
         let mut pending = build.first();
         let mut done: Vec<(usize, Part)> = Vec::new();
-        let allowed = (DOUBTFUL * points.own.len() as f64) as usize;
         while !pending.is_empty() {
             build.solve(&pending)?;
             for part in pending.drain(..) {
@@ -139,7 +148,10 @@ impl Table {
                 done.push((doubts, part));
             }
             done.sort_by_key(|(doubts, _)| *doubts);
-            if done.iter().map(|(doubts, _)| doubts).sum::<usize>() <= allowed || build.corners.len() >= MOST_CORNERS {
+            let doubtful = done.iter().map(|(doubts, _)| doubts).sum::<usize>() as f64 / points.own.len() as f64;
+            let corners = build.corners.len();
+            let is_cheaper = corners >= CORNERS_ANYWAY && WORTH * corners as f64 >= samples(doubtful);
+            if doubtful <= DOUBTFUL || is_cheaper || corners >= MOST_CORNERS {
                 break;
             }
             for _ in 0..TOGETHER {
