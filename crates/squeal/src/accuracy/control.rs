@@ -27,13 +27,13 @@ use super::{AccuracyError, Estimated, Table};
 use crate::study::{Sample, Scratch, Study, unstable_names};
 
 /// The looks at the counts: the error probability that each may use, and its samples in those of the first.
-const LOOKS: [(f64, f64); 3] = [(0.039, 1.0), (0.008, 2.5), (0.002, 6.0)];
+const LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
 /// Part of a look's probability for the clear samples; Student's t has the rest.
 const CLEAR: f64 = 0.7;
 #[cfg(test)]
 pub(super) const FIRST_TAILS: [f64; 2] = tails(LOOKS[0].0);
 /// Part of the half width for which the first look is sized.
-const AIM: f64 = 0.95;
+const AIM: f64 = 0.97;
 /// Parts of that for Student's t, of which the cheapest is taken, and the price of a doubtful sample in clear ones.
 const BY_STUDENT: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
 const PRICE: f64 = 2.0;

@@ -47,7 +47,7 @@ impl Effort {
             quasi: vec![16, 64, 256],
             scramblings: 8,
             systems: 256,
-            every_tenth: 22,
+            every_tenth: 1,
         }
     }
 }

@@ -14,9 +14,8 @@ use super::node::NearMode;
 const DEGREE: usize = 3;
 /// On the diagonal of the normal equations, for directions in which nothing varies.
 const RIDGE: f64 = 1e-10;
-/// Evaluations at the slope of the eigenvalue found before, for a law whose slope depends on it.
-const AGAIN: usize = 2;
-
+/// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
+const SAFETY: f64 = 2.0;
 /// Distance of slopes beyond which a polynomial is not relied on, in those of the corners.
 const OUTSIDE: f64 = 1.25;
 
@@ -33,6 +32,8 @@ pub(super) struct Sheet {
     coefficients: Vec<Complex<f64>>,
     /// By how much the polynomial misses values and derivatives at the corners, and what it cannot know of, rad/s.
     pub miss: f64,
+    /// Largest |d lambda / d H| that counts on the polynomial, rad/s by s/m.
+    steepness: f64,
 }
 
 /// Exponents of mu and H up to a total degree.
@@ -78,9 +79,8 @@ impl Sheet {
             wanted[3 * k + 1] = mode.by_mu * scale.0;
             wanted[3 * k + 2] = mode.by_slope * scale.1;
         }
-        let adjoint = matrix.adjoint();
-        let normal = &adjoint * &matrix + DMatrix::identity(terms, terms) * Complex::from(RIDGE);
-        let coefficients = normal.cholesky()?.solve(&(adjoint * &wanted));
+        let normal = matrix.ad_mul(&matrix) + DMatrix::identity(terms, terms) * Complex::from(RIDGE);
+        let coefficients = normal.cholesky()?.solve(&matrix.ad_mul(&wanted));
         let left = (&matrix * &coefficients - wanted).norm_squared();
         let spare = (3 * corners.len()).saturating_sub(terms).max(1) as f64;
         // Two ends with derivatives are met by any cubic polynomial: of what comes next in mu, and in a real H, they say
@@ -93,7 +93,11 @@ impl Sheet {
         if degree == DEGREE {
             unseen += next(term((0, DEGREE)), term((0, DEGREE - 1)));
         }
+        let steepest = |((a, b), c): ((usize, usize), &Complex<f64>)| {
+            b as f64 * size(*c) * OUTSIDE.powi((a + b).saturating_sub(1) as i32)
+        };
         Some(Self {
+            steepness: powers(degree).zip(coefficients.iter()).map(steepest).sum::<f64>() / scale.1,
             degree,
             centre: (mu, slope),
             scale,
@@ -105,13 +109,21 @@ impl Sheet {
     /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
     /// than the place of the tangent.
     pub fn reach(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
-        let (mut lambda, mut slope) = (self.coefficients[0], Complex::from(tangent.slope));
-        let again = if tangent.internal.is_some() { AGAIN } else { 1 };
-        for _ in 0..again {
-            slope = tangent.complex_slope(lambda);
-            lambda = self.at(tangent.mu, slope);
+        let mut slope = tangent.complex_slope(self.coefficients[0]);
+        let mut lambda = self.at(tangent.mu, slope);
+        if tangent.internal.is_some() {
+            // The slope depends on the eigenvalue. Far from the axis the first one will do.
+            let other = tangent.complex_slope(lambda);
+            if lambda.re.abs() <= self.doubt() + self.steepness * (other - slope).l1_norm() {
+                (slope, lambda) = (other, self.at(tangent.mu, other));
+            }
         }
         (lambda, (slope - self.centre.1).norm_sqr() > (OUTSIDE * self.scale.1).powi(2))
+    }
+
+    /// Distance from the axis within which the eigenvalue may be on the other side, rad/s.
+    pub fn doubt(&self) -> f64 {
+        SAFETY * self.miss
     }
 
     fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {
@@ -193,13 +205,16 @@ mod tests {
     fn a_polynomial_is_found_again() {
         let internal = InternalTangent { decay: 150.0, drive: -0.5, force: 60.0 };
         for (slopes, internal) in [(&SLOPES[..2], None), (&SLOPES[..], Some(internal))] {
-            let corners = corners(slopes, 0.0);
-            let corners: Vec<(f64, &NearMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
-            let sheet = Sheet::new(&corners).unwrap();
-            let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
-            let lambda = sheet.reach(&tangent).0;
-            let expected = mode(0.45, tangent.complex_slope(lambda), 0.0).lambda;
-            assert!((lambda - expected).norm() < 1e-4 && sheet.miss < 1e-6, "{lambda} {expected} {}", sheet.miss);
+            // Far from the axis, and on it, where it has to be right.
+            for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
+                let corners = corners(slopes, offset);
+                let corners: Vec<(f64, &NearMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
+                let sheet = Sheet::new(&corners).unwrap();
+                let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
+                let lambda = sheet.reach(&tangent).0;
+                let expected = mode(0.45, tangent.complex_slope(lambda), offset).lambda;
+                assert!((lambda - expected).norm() < error, "{lambda} {expected} {}", sheet.miss);
+            }
         }
     }
 

@@ -61,11 +61,10 @@ impl Stratum {
         [at_most(d.sure[1]) - at_least(d.sure[0]), at_most(d.perhaps[0]) - at_least(d.perhaps[1])]
     }
 
-    /// The largest part of the samples in which the guess about a mode was wrong, more rather than less (Agresti and Coull,
-    /// Am. Stat. 52, 1998).
+    /// The largest part of the samples in which the guess about a mode was wrong, and a standard deviation more.
     pub fn most_wrong(&self) -> f64 {
-        let any = self.differences.values().map(|d| d.any).max().unwrap_or(0);
-        (any + 2) as f64 / (self.samples + 4) as f64
+        let any = self.differences.values().map(|d| d.any).max().unwrap_or(0).max(1) as f64;
+        (any + any.sqrt()) / self.samples.max(1) as f64
     }
 
     /// Standard error of such a shift, no less than what the counts may hide: with the upper limit of Wilson's interval for

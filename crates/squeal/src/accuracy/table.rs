@@ -26,8 +26,6 @@ const MOST_CORNERS: usize = 8_000;
 /// A corner is worth this many doubtful samples less: it costs twice as much as one, and doubtful samples fall with the
 /// second power of the number of corners.
 const WORTH: f64 = 1.5;
-/// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
-const SAFETY: f64 = 4.0;
 /// Corners of a cell.
 pub(super) const CORNERS: usize = 8;
 
@@ -107,7 +105,7 @@ impl Crossing {
     /// [`Crossing::guess`] from what the sheet says.
     pub fn judge(&self, growth: f64, is_outside: bool) -> [bool; 2] {
         let grows = growth > 0.0;
-        [grows, growth.abs() < SAFETY * self.sheet.miss || is_outside || grows && self.named.is_doubtful]
+        [grows, growth.abs() < self.sheet.doubt() || is_outside || grows && self.named.is_doubtful]
     }
 }
 
