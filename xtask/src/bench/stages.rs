@@ -57,7 +57,7 @@ pub fn stages(plan: &Plan) -> Result<Vec<Stage>, BenchError> {
         ("drawing", drawing),
         ("sliding states, certificates", states),
         ("growing modes by secular equations", search),
-        ("assembly where modes grow", assembly),
+        ("assembly for spectra", assembly),
         ("spectra and verdicts of what is left", spectra),
         ("shapes of growing modes", shapes),
         ("names, continuations included", names),

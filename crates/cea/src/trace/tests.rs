@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{EigenSolver, Modes, QrSolver, Start};
-use linsys::Internal;
-use nalgebra::dmatrix;
+use linsys::{Internal, SecondOrder};
+use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
 
 fn modes(system: &SecondOrder) -> Vec<Mode> {
