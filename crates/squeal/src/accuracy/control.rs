@@ -33,7 +33,7 @@ const CLEAR: f64 = 0.7;
 #[cfg(test)]
 pub(super) const FIRST_TAILS: [f64; 2] = tails(LOOKS[0].0);
 /// Part of the half width for which the first look is sized.
-const AIM: f64 = 0.97;
+const AIM: f64 = 0.95;
 /// Parts of that for Student's t, of which the cheapest is taken, and the price of a doubtful sample in clear ones.
 const BY_STUDENT: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
 const PRICE: f64 = 2.0;
@@ -42,7 +42,7 @@ const WRONG: [f64; 2] = [3e-4, 0.05];
 /// Samples that tell it better where many are doubtful. They count for nothing else.
 const PILOT: u64 = 400;
 /// Standard error that tables are made for, as a part of the half width.
-const FOR_DOUBTS: f64 = 0.17;
+const FOR_DOUBTS: f64 = 0.13;
 /// Fewest doubtful samples.
 const FEWEST_DOUBTFUL: f64 = 120.0;
 /// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes.

@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use montecarlo::{Confidence, wilson};
 use statrs::function::beta::beta_reg;
 
 /// Part of a probability that the upper of four limits use; the lower ones help where guess and truth often differ.
 const UPPER: f64 = 0.9;
+
+/// Differences that are counted in any case.
+const NOT_SEEN: f64 = 4.0;
 
 /// In how many samples guess and truth of a mode differed.
 #[derive(Debug, Clone, Copy, Default)]
@@ -67,12 +69,12 @@ impl Stratum {
         (any + any.sqrt()) / self.samples.max(1) as f64
     }
 
-    /// Standard error of such a shift, no less than what the counts may hide: with the upper limit of Wilson's interval for
-    /// the part of the samples in which guess and truth differ.
+    /// Standard error of such a shift. Some differences are counted that were not seen, so that few do not pass for none: for
+    /// none this is the upper limit of Wilson's interval at two deviations.
     pub fn deviation(&self, name: u16) -> f64 {
         let any = self.differences.get(&name).map_or(0, |d| d.any);
-        let part = wilson(any, self.samples, Confidence::P95).map_or(1.0, |interval| interval.upper);
-        (part / self.samples.max(1) as f64).sqrt()
+        let samples = self.samples.max(1) as f64;
+        ((any as f64 + NOT_SEEN) / (samples + NOT_SEEN) / samples).sqrt()
     }
 
     /// By how much that of a mode surely, and of a mode perhaps unstable seems to be above the guess.
