@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
 use super::hard::judge_folder;
-use super::tenth::{TenthRow, time_to_a_tenth};
+use super::tenth::{self, TenthRow, time_to_a_tenth};
 use super::worst::{GENERAL, HardCase, HardResult, Judged, STANDARD, approach, extremes, onset};
 use super::{AccuracyError, Family, exact, exceptional_point, support};
 use crate::case::{Case, Law};
@@ -207,7 +207,7 @@ impl AccuracyReport {
             );
         }
         self.estimators_markdown(&mut text);
-        self.tenth_markdown(&mut text);
+        text += &tenth::markdown(&self.tenth);
         text += "\n## The lattice at its worst\n\nEigenvalues of the structure with Im lambda >= 0. ";
         text += "Forward errors are in units of condition number times machine epsilon.\n";
         text += "Bare sign: eigenvalues that a test of Re lambda > 0 puts on the wrong side.\n\n";
@@ -262,37 +262,7 @@ impl AccuracyReport {
     }
 }
 
-impl AccuracyReport {
-    fn tenth_markdown(&self, text: &mut String) {
-        *text += "\n## Every occurrence to 0.1 percentage points\n\nUnconstrained scenes; 95 % for each occurrence. \
-                  Amontons-Coulomb by the exact integral, the others by a table of eigenvalues with control variate. Plain \
-                  Monte Carlo is extrapolated: its samples for the worst occurrence of each scene, times dgeev's time \
-                  measured next to it, eigenvalues alone";
-        if self.tenth.iter().all(|row| row.dgeev_us.is_none()) {
-            *text += " (not measured: feature `lapack`)";
-        }
-        *text += ".\n\n| scenes | number | occurrences | reached | largest half width | largest open | s per scene | solutions, mean | \
-                  largest | plain samples per scene | dgeev \u{b5}s | ratio | smallest of a scene |\n\
-                  | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
-        for row in &self.tenth {
-            let TenthRow {
-                scenes_of, scenes, occurrences, reached, largest_half_width, largest_open, solutions, ..
-            } = row;
-            let (seconds, plain) = (row.seconds / *scenes as f64, row.plain_samples / *scenes as f64);
-            let number = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.0}"));
-            let _ = writeln!(
-                text,
-                "| {scenes_of} | {scenes} | {occurrences} | {reached} | {largest_half_width:.1e} | {largest_open:.1e} | {seconds:.2} | {:.0} | \
-                 {:.0} | {plain:.0} | {} | {} | {} |",
-                solutions[0],
-                solutions[1],
-                number(row.dgeev_us),
-                number(row.ratio.map(|ratio| ratio[0])),
-                number(row.ratio.map(|ratio| ratio[1])),
-            );
-        }
-    }
-}
+impl AccuracyReport {}
 
 /// The routes of ours, whose verdicts rest on bounds.
 fn certified_table(text: &mut String, results: &[HardResult]) {
