@@ -1,4 +1,4 @@
-//! Occurrences from a guess that costs nothing, corrected by full solutions: a control variate with a proven interval.
+//! Occurrences from a guess that costs nothing, corrected by full solutions: a control variate with an interval.
 //!
 //! For the event Y that a mode is unstable and any guess G of it,
 //!
