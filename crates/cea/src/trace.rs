@@ -16,29 +16,27 @@
 //! coalescence: on a line of gains it is followed together with its neighbour ([`pair`]), and what is left then is left to
 //! [`Walk`](crate::walk::Walk), which sees all modes on the way.
 
+mod pace;
 mod pair;
 mod point;
 
 use num_complex::Complex;
 
-use crate::Workspace;
 use crate::mac::{Match, Mode, mac, match_modes};
 use crate::track::Way;
-use pair::{Behind, NOT_IT, Stop, follow_pairs};
-use point::{Point, points};
+use crate::{Line, Workspace};
+use pace::{Pace, misses};
+use pair::{Behind, NOT_IT, follow_pairs};
+use point::{Place, Point, points};
 
 /// The first step, as a part of the way.
 const FIRST: f64 = 0.2;
-/// Steps that are taken have at most this ratio of errors, and the next one aims at two thirds of it.
-const RATIO: f64 = 0.3;
 /// Errors of the tangent that are no errors, relative to the eigenvalue.
 const NO_ERROR: f64 = 1e-5;
 /// Least MAC of the shapes before and after a step.
 const LEAST_MAC: f64 = 0.8;
 /// Shorter steps are next to a coalescence.
 const SHORTEST: f64 = 1.0 / 512.0;
-/// So are more attempts than these.
-const MOST_ATTEMPTS: usize = 48;
 /// How often a mode is followed as one of a pair.
 const MOST_PAIRS: usize = 6;
 
@@ -47,13 +45,10 @@ struct Trace<'a> {
     way: Way<'a>,
     /// Whether MAC with the end may end it.
     near: bool,
-    /// Part of the way gone.
-    at: f64,
-    step: f64,
+    pace: Pace,
     here: Point,
     /// Second derivative of the eigenvalue, from the last step.
     bend: Complex<f64>,
-    attempts: usize,
 }
 
 enum Next {
@@ -67,12 +62,12 @@ enum Next {
 /// Where a way is `near`, a trace ends as soon as MAC with the end is beyond doubt, and goes all the way where not.
 pub(crate) fn trace<'a>(of: &[(Way<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
     let mut ends = vec![None; of.len()];
-    let mut open: Vec<(usize, Stop<'a>)> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).enumerate().collect();
+    let mut open: Vec<(usize, Place<'a>)> = of.iter().map(|(way, mode)| (*way, 0.0, mode.lambda)).enumerate().collect();
     for _ in 0..MOST_PAIRS {
-        let mut lost = follow_alone(&open, near, &mut ends, work);
-        lost.retain(|(_, trace)| trace.way.line().is_some() && trace.at < 1.0);
+        let lost = follow_alone(&open, near, &mut ends, work).into_iter().filter(|(_, trace)| trace.pace.at < 1.0);
+        let lost: Vec<_> = lost.filter_map(|(i, trace)| Some((i, trace.way.line()?, trace))).collect();
         open.clear();
-        for ((i, _), behind) in lost.iter().zip(pass(&lost, work)) {
+        for ((i, ..), behind) in lost.iter().zip(pass(&lost, work)) {
             match behind {
                 Some((way, 1.0, lambda)) => ends[*i] = nearest(way.to.1, lambda),
                 Some(stop) => open.push((*i, stop)),
@@ -88,15 +83,15 @@ pub(crate) fn trace<'a>(of: &[(Way<'a>, &Mode)], near: bool, work: &mut Workspac
 
 /// Follows each mode alone from a place on its way. Enters the `ends` that are reached, and returns the traces that are lost.
 fn follow_alone<'a>(
-    from: &[(usize, Stop<'a>)],
+    from: &[(usize, Place<'a>)],
     near: bool,
     ends: &mut [Option<usize>],
     work: &mut Workspace,
 ) -> Vec<(usize, Trace<'a>)> {
-    let begin: Vec<Stop<'a>> = from.iter().map(|(_, stop)| *stop).collect();
-    let begun = |(here, &(i, (way, at, lambda))): (Option<Point>, &(usize, Stop<'a>))| {
+    let begin: Vec<Place<'a>> = from.iter().map(|(_, stop)| *stop).collect();
+    let begun = |(here, &(i, (way, at, lambda))): (Option<Point>, &(usize, Place<'a>))| {
         let here = here.filter(|point| (point.mode.lambda - lambda).norm() <= NO_ERROR * lambda.norm())?;
-        Some((i, Trace { way, near, at, step: FIRST, here, bend: Complex::default(), attempts: 0 }))
+        Some((i, Trace { way, near, pace: Pace::new(at, FIRST), here, bend: Complex::default() }))
     };
     let mut traces: Vec<(usize, Trace<'a>)> = points(&begin, work).into_iter().zip(from).filter_map(begun).collect();
     let mut lost = Vec::new();
@@ -118,25 +113,27 @@ fn follow_alone<'a>(
 
 /// Where the modes that are lost next to a coalescence are behind it. The two of a pair exchange their shapes there, or
 /// not: shapes that are alike before and after are one mode, as everywhere; where none are, eigenvalues are continued.
-fn pass<'a>(lost: &[(usize, Trace<'a>)], work: &mut Workspace) -> Vec<Option<Stop<'a>>> {
-    let stops: Vec<Stop<'a>> = lost.iter().map(|(_, trace)| (trace.way, trace.at, trace.here.mode.lambda)).collect();
-    let pairs = follow_pairs(&stops, work);
-    let both = |Behind { way, at, lambdas }: &Behind<'a>| lambdas.map(|lambda| (*way, *at, lambda));
-    let asked: Vec<Stop<'a>> = pairs.iter().flatten().flat_map(both).collect();
+fn pass<'a>(lost: &[(usize, Line<'a>, Trace<'a>)], work: &mut Workspace) -> Vec<Option<Place<'a>>> {
+    let places: Vec<_> = lost.iter().map(|(_, line, trace)| (*line, trace.pace.at, trace.here.mode.lambda)).collect();
+    let pairs = follow_pairs(&places, work);
+    let both = |(pair, (.., trace)): (&Option<Behind>, &(usize, Line<'a>, Trace<'a>))| {
+        pair.map(|Behind { at, lambdas }| lambdas.map(|lambda| (trace.way, at, lambda)))
+    };
+    let asked: Vec<Place<'a>> = pairs.iter().zip(lost).filter_map(both).flatten().collect();
     let mut points = points(&asked, work).into_iter();
-    let mut behind = |(pair, (_, trace)): (Option<Behind<'a>>, &(usize, Trace<'a>))| {
-        let Behind { way, at, lambdas } = pair?;
+    let mut behind = |(pair, (.., trace)): (Option<Behind>, &(usize, Line<'a>, Trace<'a>))| {
+        let Behind { at, lambdas } = pair?;
         let found = [points.next().flatten(), points.next().flatten()];
         let most = NOT_IT * (lambdas[1] - lambdas[0]).norm();
-        let is_it = |(point, lambda): (&Point, Complex<f64>)| (point.mode.lambda - lambda).norm() <= most;
+        let is_it = |point: &Point, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= most;
         let [Some(first), Some(second)] = found else { return None };
-        if !is_it((&first, lambdas[0])) || !is_it((&second, lambdas[1])) {
+        if !is_it(&first, lambdas[0]) || !is_it(&second, lambdas[1]) {
             return None;
         }
         let both = [first.mode, second.mode];
-        let alike = match_modes(std::slice::from_ref(&trace.here.mode), &both, &way.inertia().m).remove(0);
+        let alike = match_modes(std::slice::from_ref(&trace.here.mode), &both, &trace.way.inertia().m).remove(0);
         let to = alike.to.filter(|_| alike.is_clear()).unwrap_or(0);
-        Some((way, at, both[to].lambda))
+        Some((trace.way, at, both[to].lambda))
     };
     pairs.into_iter().zip(lost).map(&mut behind).collect()
 }
@@ -153,39 +150,30 @@ fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
 
 impl<'a> Trace<'a> {
     /// Where the next step leads, and the eigenvalue to be expected there.
-    fn ahead(&self) -> (Way<'a>, f64, Complex<f64>) {
-        let step = self.step.min(1.0 - self.at);
-        (self.way, self.at + step, self.here.mode.lambda + (self.here.rate + self.bend * (0.5 * step)) * step)
+    fn ahead(&self) -> Place<'a> {
+        let step = self.pace.step();
+        (self.way, self.pace.at + step, self.here.mode.lambda + (self.here.rate + self.bend * (0.5 * step)) * step)
     }
 
     /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not.
     fn go(&mut self, there: Option<Point>) -> Next {
-        self.attempts += 1;
-        let step = self.step.min(1.0 - self.at);
-        match there.map(|there| (self.ratio(&there, step), there)) {
-            Some((ratio, there)) if ratio <= RATIO => {
-                self.bend = (there.rate - self.here.rate) / step;
-                self.here = there;
-                self.at += step;
-                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.6, 2.0);
-                if let Some(to) = self.end() {
-                    return Next::Arrived(to);
-                }
-            }
-            other => {
-                // The larger of a NaN and a number is the number.
-                let ratio = other.map_or(f64::INFINITY, |(ratio, _)| ratio).max(RATIO);
-                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.25, 0.6);
+        let step = self.pace.step();
+        let ratio = there.as_ref().map(|there| self.ratio(there, step));
+        self.pace.go(ratio);
+        if let Some(there) = there.filter(|_| ratio.is_some_and(Pace::trusts)) {
+            self.bend = (there.rate - self.here.rate) / step;
+            self.here = there;
+            if let Some(to) = self.end() {
+                return Next::Arrived(to);
             }
         }
-        let is_lost = self.at == 1.0 || self.step < SHORTEST || self.attempts >= MOST_ATTEMPTS;
-        if is_lost { Next::Lost } else { Next::Go }
+        if self.pace.is_over(SHORTEST) { Next::Lost } else { Next::Go }
     }
 
     /// The known mode at the end that this one is or, beyond doubt, becomes.
     fn end(&self) -> Option<usize> {
         let known = self.way.to.1;
-        if self.at == 1.0 {
+        if self.pace.at == 1.0 {
             return nearest(known, self.here.mode.lambda);
         }
         let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.way.inertia().m).remove(0);
@@ -195,9 +183,7 @@ impl<'a> Trace<'a> {
     /// How badly a step can be trusted.
     fn ratio(&self, there: &Point, step: f64) -> f64 {
         let Point { mode: Mode { lambda, .. }, rate } = &self.here;
-        let moved = there.mode.lambda - lambda;
-        let tangent = (moved - rate * step).norm();
-        let trapezoid = (moved - (rate + there.rate) * (0.5 * step)).norm();
+        let [tangent, trapezoid] = misses([*lambda, there.mode.lambda], [*rate, there.rate], step);
         let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
         let is_alike = mac(before, after, &self.way.inertia().m)[(0, 0)] >= LEAST_MAC;
         if is_alike { trapezoid / tangent.max(NO_ERROR * lambda.norm()) } else { f64::INFINITY }

@@ -5,9 +5,9 @@
 
 use num_complex::Complex;
 
-use super::{MOST_ATTEMPTS, NO_ERROR, RATIO};
+use super::NO_ERROR;
+use super::pace::{Pace, misses};
 use crate::secular::{Pair, pairs};
-use crate::track::Way;
 use crate::{Line, Workspace};
 
 /// The first step, as a part of the way.
@@ -25,24 +25,17 @@ const FREE: f64 = 1.0 / 64.0;
 
 /// A pair on its way.
 struct PairTrace<'a> {
-    way: Way<'a>,
     line: Line<'a>,
-    at: f64,
-    step: f64,
+    pace: Pace,
     here: Pair,
     rate: Pair,
     /// The square root of s that the mode is.
     root: Complex<f64>,
-    attempts: usize,
 }
-
-/// A mode on a part of its way.
-pub(super) type Stop<'a> = (Way<'a>, f64, Complex<f64>);
 
 /// Two modes behind their coalescence.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Behind<'a> {
-    pub way: Way<'a>,
+pub(super) struct Behind {
     /// Part of the way gone.
     pub at: f64,
     /// The eigenvalue that continues the one followed, and the other.
@@ -51,65 +44,51 @@ pub(super) struct Behind<'a> {
 
 /// Follows the modes with the next mode of each past their coalescence, or as far as that goes; `None` where that is not at
 /// all.
-pub(super) fn follow_pairs<'a>(from: &[Stop<'a>], work: &mut Workspace) -> Vec<Option<Behind<'a>>> {
-    let lines: Vec<Option<Line<'a>>> = from.iter().map(|(way, ..)| way.line()).collect();
-    let guess = |(&(_, at, middle), line): (&Stop<'a>, &Option<Line<'a>>)| {
-        (*line).map(|line| (line, at, Pair { middle, square: Complex::default() }))
-    };
-    let guesses: Vec<_> = from.iter().zip(&lines).filter_map(guess).collect();
-    let mut begin = pairs(&guesses, work).into_iter();
-    let mut traces: Vec<Option<PairTrace<'a>>> = Vec::with_capacity(from.len());
-    for (stop, line) in from.iter().zip(&lines) {
-        traces.push(line.and_then(|line| PairTrace::new(*stop, line, begin.next().flatten()?)));
-    }
+pub(super) fn follow_pairs(from: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Behind>> {
+    let alone = |middle: Complex<f64>| Pair { middle, square: Complex::default() };
+    let guesses: Vec<_> = from.iter().map(|&(line, at, lambda)| (line, at, alone(lambda))).collect();
+    let begin = from.iter().zip(pairs(&guesses, work));
+    let mut traces: Vec<Option<PairTrace<'_>>> =
+        begin.map(|(&(line, at, lambda), pair)| PairTrace::new(line, at, lambda, pair?)).collect();
     let mut open: Vec<usize> = (0..traces.len()).filter(|&i| traces[i].is_some()).collect();
     while !open.is_empty() {
         let ahead: Vec<_> = open.iter().filter_map(|&i| traces[i].as_ref().map(PairTrace::ahead)).collect();
         let mut found = pairs(&ahead, work).into_iter();
         open.retain(|&i| traces[i].as_mut().is_some_and(|trace| trace.go(found.next().flatten())));
     }
-    let behind = |(trace, (_, begin, _)): (Option<PairTrace<'a>>, &Stop<'a>)| {
-        let PairTrace { way, at, here: Pair { middle, .. }, root, .. } = trace?;
-        (at > *begin).then_some(Behind { way, at, lambdas: [middle + root, middle - root] })
+    let behind = |(trace, (_, begin, _)): (Option<PairTrace<'_>>, &(Line<'_>, f64, Complex<f64>))| {
+        let PairTrace { pace: Pace { at, .. }, here: Pair { middle, .. }, root, .. } = trace?;
+        (at > *begin).then_some(Behind { at, lambdas: [middle + root, middle - root] })
     };
     traces.into_iter().zip(from).map(behind).collect()
 }
 
 impl<'a> PairTrace<'a> {
-    fn new((way, at, lambda): Stop<'a>, line: Line<'a>, [here, rate]: [Pair; 2]) -> Option<Self> {
+    fn new(line: Line<'a>, at: f64, lambda: Complex<f64>, [here, rate]: [Pair; 2]) -> Option<Self> {
         let root = lambda - here.middle;
         let is_one = (root * root - here.square).norm() <= NOT_IT * here.square.norm();
-        is_one.then_some(Self { way, line, at, step: FIRST, here, rate, root, attempts: 0 })
+        is_one.then_some(Self { line, pace: Pace::new(at, FIRST), here, rate, root })
     }
 
     fn ahead(&self) -> (Line<'a>, f64, Pair) {
-        let step = self.step.min(1.0 - self.at);
-        (self.line, self.at + step, self.here.moved(&self.rate, step))
+        let step = self.pace.step();
+        (self.line, self.pace.at + step, self.here.moved(&self.rate, step))
     }
 
     /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not; `false` at the end.
     fn go(&mut self, there: Option<[Pair; 2]>) -> bool {
-        self.attempts += 1;
-        let step = self.step.min(1.0 - self.at);
-        let taken = there.and_then(|[there, rate]| {
+        let step = self.pace.step();
+        let tried = there.and_then(|[there, rate]| {
             let ratio = self.ratio(&there, &rate, step);
-            let root = if ratio <= RATIO { self.turned(&there, &rate, step)? } else { self.root };
+            let root = if Pace::trusts(ratio) { self.turned(&there, &rate, step)? } else { self.root };
             Some((ratio, there, rate, root))
         });
-        match taken {
-            Some((ratio, there, rate, root)) if ratio <= RATIO => {
-                (self.here, self.rate, self.root) = (there, rate, root);
-                self.at += step;
-                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.6, 2.0);
-            }
-            other => {
-                // The larger of a NaN and a number is the number.
-                let ratio = other.map_or(f64::INFINITY, |(ratio, ..)| ratio).max(RATIO);
-                self.step = step * (RATIO / (1.5 * ratio)).clamp(0.25, 0.6);
-            }
+        self.pace.go(tried.map(|(ratio, ..)| ratio));
+        if let Some((_, there, rate, root)) = tried.filter(|(ratio, ..)| Pace::trusts(*ratio)) {
+            (self.here, self.rate, self.root) = (there, rate, root);
         }
         let is_behind = self.here.square.norm() >= FREE * self.rate.square.norm();
-        !is_behind && self.at < 1.0 && self.step >= SHORTEST && self.attempts < MOST_ATTEMPTS
+        !is_behind && !self.pace.is_over(SHORTEST)
     }
 
     /// How badly a step can be trusted, as that of a mode alone.
@@ -136,12 +115,6 @@ impl<'a> PairTrace<'a> {
         };
         turn(&square, [0.0, 1.0], self.root, MISS * trapezoid, HALVINGS)
     }
-}
-
-/// By how much the tangent and the trapezoidal rule miss a function of which both ends and its derivatives there are known.
-fn misses(ends: [Complex<f64>; 2], rates: [Complex<f64>; 2], step: f64) -> [f64; 2] {
-    let moved = ends[1] - ends[0];
-    [(moved - rates[0] * step).norm(), (moved - (rates[0] + rates[1]) * (0.5 * step)).norm()]
 }
 
 /// The square root of a function at the end of an interval that goes on from `root` at its beginning; `None` where the

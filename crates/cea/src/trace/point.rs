@@ -17,6 +17,9 @@ const MOST_CORRECTIONS: usize = 4;
 /// How far aside of the predicted eigenvalue Q is factorised, relatively: on an eigenvalue there is no y but rounding.
 const ASIDE: f64 = 1e-7;
 
+/// A place on a way, by the part of it gone, and an eigenvalue there, rad/s.
+pub(super) type Place<'a> = (Way<'a>, f64, Complex<f64>);
+
 /// A mode and how its eigenvalue moves along the way.
 #[derive(Debug, Clone)]
 pub(super) struct Point {
@@ -32,7 +35,7 @@ struct Corrected {
 }
 
 /// The mode next to a guess of its eigenvalue at a part of a way; `None` where there is none.
-pub(super) fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Point>> {
+pub(super) fn points(at: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Point>> {
     let mut at = at.to_vec();
     let mut found: Vec<Option<Corrected>> = at.iter().map(|_| None).collect();
     let mut open: Vec<usize> = (0..at.len()).collect();
@@ -59,7 +62,7 @@ pub(super) fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) 
     for (i, shape) in shapeless.into_iter().zip(secular::shapes(&on_lines, work)) {
         found[i].iter_mut().for_each(|point| point.shape = shape.clone());
     }
-    let point = |(found, (way, ..)): (Option<Corrected>, (Way<'_>, f64, Complex<f64>))| {
+    let point = |(found, (way, ..)): (Option<Corrected>, Place<'_>)| {
         let Corrected { lambda, rate, shape } = found?;
         let mut shape = shape?;
         shape.unscale_mut(mass_norm_squared(way.inertia(), &shape).abs().sqrt());
@@ -69,7 +72,7 @@ pub(super) fn points(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) 
 }
 
 /// One step of Newton's method at each guess.
-fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
+fn corrected(at: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Corrected>> {
     let mut found = Vec::with_capacity(at.len());
     let kind = |way: &Way<'_>| (way.line().is_some(), way.to.0.order());
     for group in at.chunk_by(|a, b| kind(&a.0) == kind(&b.0)) {
@@ -86,7 +89,7 @@ fn corrected(at: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<O
 }
 
 /// One step at guesses on ways of one order, by singular vectors.
-fn by_vectors(group: &[(Way<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Corrected>> {
+fn by_vectors(group: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Corrected>> {
     let Some(n) = group.first().map(|(way, ..)| way.to.0.order()) else { return Vec::new() };
     let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
     let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();

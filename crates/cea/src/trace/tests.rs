@@ -22,9 +22,9 @@ fn traced(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
 fn end_of(way: Way<'_>, mode: &Mode) -> Option<Complex<f64>> {
     let mut work = Workspace::default();
     let here = points(&[(way, 0.0, mode.lambda)], &mut work).remove(0)?;
-    let mut trace = Trace { way, near: false, at: 0.0, step: FIRST, here, bend: Complex::default(), attempts: 0 };
+    let mut trace = Trace { way, near: false, pace: Pace::new(0.0, FIRST), here, bend: Complex::default() };
     while let Next::Go = trace.go(points(&[trace.ahead()], &mut work).remove(0)) {}
-    (trace.at == 1.0).then_some(trace.here.mode.lambda)
+    (trace.pace.at == 1.0).then_some(trace.here.mode.lambda)
 }
 
 /// Where each mode ends by so many steps that the nearest eigenvalue is its own; and how much farther than a step the

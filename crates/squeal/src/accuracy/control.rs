@@ -88,16 +88,16 @@ pub fn controlled(
     let table = Table::new(study, scene, points, |share| variance(share, wrong(share)) / for_doubts)?;
     let guessed = Guessed::new(&table, points);
     let mut samples = Samples::new(study, scene, &table, seed);
-    let mut sizes = sizes(&guessed, wrong(guessed.doubtful.0), half_width);
-    if sizes[1] > 2 * PILOT {
+    let mut first = sizes(&guessed, wrong(guessed.doubtful.0), half_width);
+    if first[1] > 2 * PILOT {
         let mut pilot = Stratum::default();
         samples.solve(1, PILOT, &mut pilot)?;
-        sizes = self::sizes(&guessed, pilot.most_wrong(), half_width);
+        first = sizes(&guessed, pilot.most_wrong(), half_width);
     }
     let mut strata = <[Stratum; 2]>::default();
     let mut result = None;
     for (look, (tail, longer)) in LOOKS.into_iter().enumerate() {
-        for (kind, (size, stratum)) in sizes.into_iter().zip(&mut strata).enumerate() {
+        for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
             samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
         }
         let found = intervals(&guessed, &strata, tails(tail), look == 0);

@@ -77,13 +77,14 @@ impl Solver<'_> {
         });
         let lambdas: Vec<Vec<Complex<f64>>> =
             judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
-        let shaped = timed(&mut spent.shapes, || Mode::of_all(&pairs(systems, &lambdas), work));
+        let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
+        let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
         let starts: Vec<Start<'_>> = systems.iter().map(Start::System).collect();
         let named = self.named(&starts, shaped, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
-    /// Names the unstable modes of this sector of some samples, of which that equation told all that is asked.
+    /// Names the unstable modes of this sector of some samples, of which its equation told all that is asked.
     pub fn known(&self, known: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
         let judged: Vec<Judged> = known.iter().map(|(_, growing)| Judged::known(growing)).collect();
         let lambdas: Vec<(Gain, Vec<Complex<f64>>)> =
@@ -128,14 +129,6 @@ impl Solver<'_> {
         };
         shaped.into_iter().zip(links).map(named).collect()
     }
-}
-
-/// Systems with some eigenvalues of each.
-fn pairs<'a>(
-    systems: &'a [SecondOrder],
-    lambdas: &'a [Vec<Complex<f64>>],
-) -> Vec<(&'a SecondOrder, &'a [Complex<f64>])> {
-    systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect()
 }
 
 /// The modes of one system, with verdicts.
