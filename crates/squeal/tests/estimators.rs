@@ -8,7 +8,7 @@ use cea::{BatchSolver, QrSolver};
 use montecarlo::Study as _;
 use squeal::case::{Case, Law};
 use squeal::estimators::{
-    EstimatorError, Exact, Family, FrictionPoints, controlled, exact, monte_carlo, quasi_monte_carlo,
+    EstimatorError, Exact, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo, quasi_monte_carlo,
 };
 use squeal::study::{Plan, Sample, Study};
 
@@ -31,7 +31,7 @@ fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
 const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
 
 fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
-    let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
     exact(study.plan(), &study.references()[scene], &mut family).unwrap()
 }
 
@@ -110,7 +110,7 @@ fn what_is_no_family_is_refused() {
         ("amontons-coulomb", &[("lateral = \"none\"", "lateral = \"vector\"")]),
     ] {
         let plan = plan("[[1,3,4,5,6,8]]", law, edits);
-        let refused = Family::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
+        let refused = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
         assert!(matches!(refused, Err(EstimatorError::NotOneParameter { .. })));
     }
     assert_eq!(plan(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
@@ -126,7 +126,7 @@ fn the_control_variate_agrees_with_plain_samples() {
     let study = Study::new(&plan, &BatchSolver).unwrap();
     for (scene, of) in plan.scenes.iter().enumerate() {
         let points = FrictionPoints::new(&plan, of.key, 1e4, 1 << 12, 8).unwrap();
-        let found = controlled(&study, scene, &points, 1, 5e-3).unwrap();
+        let found = control_variate(&study, scene, &points, 1, 5e-3).unwrap();
         assert!(found.half_width() <= 5e-3 && found.solved < 5_000, "{scene}: {} {}", found.half_width(), found.solved);
         let plain = monte_carlo(&study, scene, 2, 4_000).unwrap();
         assert!(!plain.modes.is_empty());
@@ -143,12 +143,18 @@ fn the_control_variate_agrees_with_plain_samples() {
 }
 
 #[test]
-fn the_guess_is_right_for_nearly_every_sample() {
+fn the_prediction_is_right_for_nearly_every_sample() {
     let plan = plan("[[1,3,4,5,6,8]]", "velocity-dependent", &[]);
     let study = Study::new(&plan, &BatchSolver).unwrap();
     let points = FrictionPoints::new(&plan, plan.scenes[0].key, 1.14e4, 1 << 12, 8).unwrap();
-    let found = controlled(&study, 0, &points, 1, 5e-3).unwrap();
-    assert!(found.wrong[0] <= 1 && found.doubtful < 0.01, "{:?} of {}, {}", found.wrong, found.solved, found.doubtful);
+    let found = control_variate(&study, 0, &points, 1, 5e-3).unwrap();
+    assert!(
+        found.wrong[0] <= 1 && found.uncertain < 0.01,
+        "{:?} of {}, {}",
+        found.wrong,
+        found.solved,
+        found.uncertain
+    );
 }
 
 /// A scene of each law and speed range to 0.1 percentage points, against 200,000 plain samples.
@@ -162,7 +168,7 @@ fn occurrences_to_a_tenth_agree_with_many_plain_samples() {
         let study = Study::new(&plan, &BatchSolver).unwrap();
         for (scene, of) in plan.scenes.iter().enumerate() {
             let points = FrictionPoints::new(&plan, of.key, 1.14e4, 1 << 15, 32).unwrap();
-            let found = controlled(&study, scene, &points, 1, 1e-3).unwrap();
+            let found = control_variate(&study, scene, &points, 1, 1e-3).unwrap();
             let plain = monte_carlo(&study, scene, 2, 200_000).unwrap();
             println!("{law}, range {scene}: half width {:.2e}, {} solved", found.half_width(), found.solved);
             for (name, mode) in &plain.modes {

@@ -8,7 +8,7 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 use serde::Serialize;
 use squeal::estimators::{Estimates, monte_carlo, quasi_monte_carlo};
-use squeal::estimators::{Family, Integral, exact};
+use squeal::estimators::{Integral, OneParameterFamily, exact};
 use squeal::study::Study;
 
 use crate::ValidationError;
@@ -144,7 +144,7 @@ pub fn compare_estimators(
     let (mut seconds, mut spectra) = (0.0, 0);
     for &scene in scenes {
         let start = Instant::now();
-        let mut family = Family::new(plan, &plan.scenes[scene], &QrSolver)?;
+        let mut family = OneParameterFamily::new(plan, &plan.scenes[scene], &QrSolver)?;
         let found = exact(plan, &study.references()[scene], &mut family)?;
         seconds += start.elapsed().as_secs_f64();
         spectra += found.counters.eigenvalue_solves;
@@ -200,7 +200,7 @@ pub fn compare_estimators(
         [("perturbation, first order", TaylorOrder::First), ("perturbation, second order", TaylorOrder::Second)]
     {
         measure(estimator, 0, &|scene| {
-            let mut family = Family::new(plan, &plan.scenes[scene], &QrSolver)?;
+            let mut family = OneParameterFamily::new(plan, &plan.scenes[scene], &QrSolver)?;
             let integral = perturbation(plan, &study.references()[scene], &mut family, order)?;
             Ok(Found::integral(&integral, family.counters().eigenvalue_solves))
         })?;

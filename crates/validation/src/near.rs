@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex;
 use squeal::estimators::quantile;
-use squeal::estimators::{Exact, Family};
+use squeal::estimators::{Exact, OneParameterFamily};
 use squeal::study::{Plan, Reference, Sample};
 
 use crate::ValidationError;
@@ -29,7 +29,7 @@ pub(crate) fn near_coalescence(
     plan: &Plan,
     reference: &Reference,
     exact: &Exact,
-    family: &mut Family<'_>,
+    family: &mut OneParameterFamily<'_>,
 ) -> Result<BTreeSet<u16>, ValidationError> {
     let distribution = plan.case.friction.mu;
     let median = Sample::median(&plan.case).contact(0).mu;
@@ -52,7 +52,7 @@ pub(crate) fn near_coalescence(
 /// How far from `median` the nearest branch point of a mode is, among those near the real mu within `radius`. All modes
 /// share the steps of `widest`, and so their spectra.
 fn nearest_branch_point(
-    family: &mut Family<'_>,
+    family: &mut OneParameterFamily<'_>,
     median: f64,
     index: usize,
     [radius, widest]: [f64; 2],
@@ -76,7 +76,11 @@ fn nearest_branch_point(
 }
 
 /// Where the mode `index` at `mu` coalesces with each other mode, to first order.
-fn branch_points(family: &mut Family<'_>, mu: f64, index: usize) -> Result<Vec<Complex<f64>>, ValidationError> {
+fn branch_points(
+    family: &mut OneParameterFamily<'_>,
+    mu: f64,
+    index: usize,
+) -> Result<Vec<Complex<f64>>, ValidationError> {
     let (own, slope) = family.point(mu, index)?;
     let mut points = Vec::new();
     for other in (0..family.lambdas(mu)?.len()).filter(|&other| other != index) {

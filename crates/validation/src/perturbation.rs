@@ -13,7 +13,7 @@
 use cea::Workspace;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
-use squeal::estimators::Family;
+use squeal::estimators::OneParameterFamily;
 use squeal::estimators::support;
 use squeal::estimators::{Integral, integrate};
 use squeal::study::{Plan, Reference, Sample};
@@ -48,7 +48,11 @@ pub struct Expansion {
 ///
 /// # Errors
 /// `lambda` is no eigenvalue, or a defective one.
-pub fn expand(family: &mut Family<'_>, mu: f64, lambda: Complex<f64>) -> Result<Expansion, ValidationError> {
+pub fn expand(
+    family: &mut OneParameterFamily<'_>,
+    mu: f64,
+    lambda: Complex<f64>,
+) -> Result<Expansion, ValidationError> {
     let linear = family.linear().map(Complex::from);
     let system = family.system(mu);
     let n = system.order();
@@ -79,7 +83,11 @@ pub fn expand(family: &mut Family<'_>, mu: f64, lambda: Complex<f64>) -> Result<
 
 /// Expands a semisimple double eigenvalue, to first order: the slopes are the eigenvalues of
 /// `-(Psi^H Q' Phi)^-1 Psi^H K_1 Phi` (Lancaster, Numer. Math. 6, 1964).
-fn expand_double(family: &mut Family<'_>, mu: f64, pair: [Complex<f64>; 2]) -> Result<[Expansion; 2], ValidationError> {
+fn expand_double(
+    family: &mut OneParameterFamily<'_>,
+    mu: f64,
+    pair: [Complex<f64>; 2],
+) -> Result<[Expansion; 2], ValidationError> {
     let lambda = 0.5 * (pair[0] + pair[1]);
     let linear = family.linear().map(Complex::from);
     let system = family.system(mu);
@@ -104,7 +112,7 @@ fn expand_double(family: &mut Family<'_>, mu: f64, pair: [Complex<f64>; 2]) -> R
 pub fn perturbation(
     plan: &Plan,
     reference: &Reference,
-    family: &mut Family<'_>,
+    family: &mut OneParameterFamily<'_>,
     order: TaylorOrder,
 ) -> Result<Integral, ValidationError> {
     let distribution = plan.case.friction.mu;

@@ -6,7 +6,7 @@ use std::path::Path;
 use cea::{BatchSolver, QrSolver};
 use serde::Serialize;
 use squeal::case::{Case, Law};
-use squeal::estimators::{Family, exact, support};
+use squeal::estimators::{OneParameterFamily, exact, support};
 use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::{make_folder, write};
 use squeal::study::{Plan, Sample, Scene, Study};
@@ -88,7 +88,7 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
     let (coulomb, lugre) = (scene_of(Law::AmontonsCoulomb)?, scene_of(Law::LuGre)?);
 
     let (from, to) = support(case.friction.mu);
-    let mut undamped = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let mut undamped = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
     let mut system = |mu: f64| {
         let mut system = undamped.system(mu).clone();
         system.c.fill(0.0);
@@ -98,10 +98,10 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
     let near = approach(&mut system, &point, &DISTANCES)?;
 
     let study = Study::new(&plan, &BatchSolver)?;
-    let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
     let first = exact(&plan, &study.references()[0], &mut family)?;
     let mut worst = Vec::new();
-    for crossing in &first.crossings.crossings {
+    for crossing in &first.onsets.onsets {
         worst.extend(onset(&plan, &plan.scenes[0], crossing)?);
     }
     worst.extend(approach(&mut system, &point, &DISTANCES)?);

@@ -11,7 +11,7 @@ use cea::{BatchSolver, QrSolver};
 use cpu_time::ThreadTime;
 use serde::Serialize;
 use squeal::case::{Case, Law};
-use squeal::estimators::{Family, FrictionPoints, Occurrence, controlled, exact};
+use squeal::estimators::{FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact};
 use squeal::study::{Plan, SceneKey, Study};
 
 use crate::ValidationError;
@@ -57,7 +57,7 @@ pub struct TenthRow {
 /// What it took for one scene.
 struct OneScene {
     half_width: f64,
-    occurrences: Vec<Occurrence>,
+    occurrences: Vec<OccurrenceBounds>,
     seconds: f64,
     solutions: u64,
 }
@@ -176,7 +176,7 @@ pub(crate) fn markdown(rows: &[TenthRow]) -> String {
 
 fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, ValidationError> {
     let start = ThreadTime::now();
-    let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver)?;
+    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver)?;
     let found = exact(study.plan(), &study.references()[scene], &mut family)?;
     Ok(OneScene {
         half_width: found.error,
@@ -188,7 +188,7 @@ fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, ValidationEr
 
 fn by_control(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<OneScene, ValidationError> {
     let start = ThreadTime::now();
-    let found = controlled(study, scene, points, SEED, HALF_WIDTH)?;
+    let found = control_variate(study, scene, points, SEED, HALF_WIDTH)?;
     Ok(OneScene {
         half_width: found.half_width(),
         occurrences: found.modes.values().map(|mode| mode.occurrence).collect(),

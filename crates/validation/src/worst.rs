@@ -8,7 +8,7 @@ use num_complex::Complex;
 use osc_model::{Lateral, Linearise};
 use serde::Serialize;
 use squeal::case::Law;
-use squeal::estimators::Crossing;
+use squeal::estimators::Onset;
 use squeal::study::{FrictionDraw, Plan, Sample, Scene};
 
 use crate::ValidationError;
@@ -213,7 +213,7 @@ pub fn with_lateral(
 ///
 /// # Errors
 /// Those of [`HardCase::new`].
-pub fn onset(plan: &Plan, scene: &Scene, crossing: &Crossing) -> Result<Vec<HardCase>, ValidationError> {
+pub fn onset(plan: &Plan, scene: &Scene, crossing: &Onset) -> Result<Vec<HardCase>, ValidationError> {
     let median = *Sample::median(&plan.case).contact(0);
     let hertz = crossing.omega / std::f64::consts::TAU;
     let at = |offset: f64| {

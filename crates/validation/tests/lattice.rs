@@ -8,7 +8,7 @@ use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use squeal::case::{Case, Law};
-use squeal::estimators::{Exact, Family, exact};
+use squeal::estimators::{Exact, OneParameterFamily, exact};
 use squeal::study::{Plan, Study};
 use validation::{HardResult, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
@@ -31,7 +31,7 @@ fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
 const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
 
 fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
-    let mut family = Family::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
     exact(study.plan(), &study.references()[scene], &mut family).unwrap()
 }
 
@@ -41,9 +41,9 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
     let study = Study::new(&plan, &QrSolver).unwrap();
     for scene in 0..plan.scenes.len() {
         let exact = exact_of(&study, scene);
-        assert!(exact.crossings.crossings.len() >= 4 && exact.crossings.unresolved.is_empty());
-        let mut family = Family::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
-        for crossing in &exact.crossings.crossings {
+        assert!(exact.onsets.onsets.len() >= 4 && exact.onsets.unresolved.is_empty());
+        let mut family = OneParameterFamily::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
+        for crossing in &exact.onsets.onsets {
             assert!(crossing.error < 1e-11);
             let mut real = |mu: f64| {
                 let system = family.system(mu).clone();
@@ -61,10 +61,10 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
 #[test]
 fn derivatives_are_the_limits_of_differences() {
     let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
-    let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
     let (mu, h) = (0.4, 1e-4);
     // Modes keep their order by frequency over so small a step.
-    let at = |family: &mut Family<'_>, mu: f64| {
+    let at = |family: &mut OneParameterFamily<'_>, mu: f64| {
         let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu).clone());
         refine_all(&system, &lambdas).unwrap()
     };
@@ -100,10 +100,10 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
         let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
         let study = Study::new(&plan, &QrSolver).unwrap();
         let exact = exact_of(&study, 0).integral.occurrences;
-        let mut family = Family::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+        let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
         let found = perturbation(&plan, &study.references()[0], &mut family, order).unwrap().occurrences;
         let names = exact.keys().chain(found.keys());
-        let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::Occurrence>, name: &u16| {
+        let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::OccurrenceBounds>, name: &u16| {
             all.get(name).map_or(0.0, |o| o.lower)
         };
         names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)

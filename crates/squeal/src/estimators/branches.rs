@@ -9,11 +9,11 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex;
 
-use super::{EstimatorError, Family};
+use super::{EstimatorError, OneParameterFamily};
 
-/// A clear link costs at most this part of what its best rival costs.
-const CLEAR: f64 = 0.25;
-/// Steps are not halved below this length in mu: what is still open there stays open.
+/// Largest cost of a clear link, as a part of that of its best rival; chosen.
+const CLEAR_LINK_COST: f64 = 0.25;
+/// Shortest step in mu: what is still open there stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
 
 /// How an eigenvalue continues over a step.
@@ -27,17 +27,17 @@ pub struct Link {
     pub is_clear: bool,
 }
 
-impl Family<'_> {
+impl OneParameterFamily<'_> {
     /// The best link of the mode `index` at `a` to a mode at `b`.
     ///
     /// # Errors
-    /// Those of [`Family::lambdas`].
+    /// Those of [`OneParameterFamily::lambdas`].
     pub fn link(&mut self, a: f64, index: usize, b: f64) -> Result<Link, EstimatorError> {
         let from = self.point(a, index)?;
         let (best, second) = self.two_best(from, a, b)?;
         let back = self.point(b, best.0)?;
         let (_, rival) = self.two_best(back, b, a)?;
-        let is_clear = best.1 <= CLEAR * second.min(rival) && self.two_best(back, b, a)?.0.0 == index;
+        let is_clear = best.1 <= CLEAR_LINK_COST * second.min(rival) && self.two_best(back, b, a)?.0.0 == index;
         Ok(Link { to: best.0, miss: best.1, is_clear })
     }
 
@@ -52,7 +52,7 @@ impl Family<'_> {
         let reach = from.0 + from.1 * (0.5 * h);
         // Only modes near the tangent can win; the others are spared their derivatives.
         let mut near: Vec<(usize, f64)> =
-            self.node(b)?.lambdas.iter().enumerate().map(|(j, l)| (j, (l - reach).norm())).collect();
+            self.spectrum(b)?.lambdas.iter().enumerate().map(|(j, l)| (j, (l - reach).norm())).collect();
         near.sort_by(|x, y| x.1.total_cmp(&y.1));
         let (mut best, mut second) = ((usize::MAX, f64::INFINITY), f64::INFINITY);
         for &(j, _) in near.iter().take(4) {
@@ -92,17 +92,17 @@ impl Family<'_> {
         if (b - a).abs() <= SMALLEST_STEP {
             let from = self.point(a, index)?;
             let mut open = BTreeSet::from([link.to]);
-            for j in 0..self.node(b)?.lambdas.len() {
-                let far =
-                    (self.node(b)?.lambdas[j] - from.0).norm() > link.miss / CLEAR + from.1.norm() * (b - a).abs();
-                if !far && miss(from, self.point(b, j)?, b - a) <= link.miss / CLEAR {
+            for j in 0..self.spectrum(b)?.lambdas.len() {
+                let far = (self.spectrum(b)?.lambdas[j] - from.0).norm()
+                    > link.miss / CLEAR_LINK_COST + from.1.norm() * (b - a).abs();
+                if !far && miss(from, self.point(b, j)?, b - a) <= link.miss / CLEAR_LINK_COST {
                     open.insert(j);
                 }
             }
             return Ok(open);
         }
         let middle = 0.5 * (a + b);
-        self.node(middle)?;
+        self.spectrum(middle)?;
         self.follow(a, index, b)
     }
 }

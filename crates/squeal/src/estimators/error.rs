@@ -23,21 +23,21 @@ pub enum EstimatorError {
         real: usize,
     },
     /// A branch runs along the axis, or two branches together, for so long that no step resolves them.
-    #[error("the branches around mu = {mu} are not resolved after {nodes} spectra")]
+    #[error("the branches around mu = {mu} are not resolved after {spectra} spectra")]
     Unresolved {
         /// The friction coefficient.
         mu: f64,
         /// Spectra computed.
-        nodes: usize,
+        spectra: usize,
     },
-    /// The spectra between two critical coefficients contradict the crossings found.
-    #[error("at mu = {mu} {found} modes are unstable; the crossings below it leave {expected}")]
+    /// The spectra between two onsets contradict the onsets found.
+    #[error("at mu = {mu} {found} modes are unstable; the onsets below it leave {expected}")]
     Inconsistent {
         /// The friction coefficient.
         mu: f64,
         /// Unstable modes by the spectrum.
         found: usize,
-        /// Unstable modes by counting crossings.
+        /// Unstable modes by counting onsets.
         expected: i64,
     },
     /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.

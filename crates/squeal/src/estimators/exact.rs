@@ -1,18 +1,17 @@
 //! The exact integral: occurrences without sampling.
 //!
-//! Between two critical coefficients the set of unstable modes does not change, so the probability that a mode is unstable
-//! is the probability of mu lying in certain intervals: differences of its distribution function at the critical
-//! coefficients. The error is the probability of what the root search leaves open, of the steps it could not resolve
+//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable
+//! is the probability of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of what the root search leaves open, of the steps it could not resolve
 //! and of the tails that were cut off.
 
 use cea::Counters;
 
 use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
-use super::{Crossings, EstimatorError, Family};
+use super::{EstimatorError, OneParameterFamily, Onsets};
 use crate::study::{Plan, Reference, Sample};
 
-/// Probability cut off at both ends of the support.
+/// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
 
 /// What the integral over mu says of one scene.
@@ -23,7 +22,7 @@ pub struct Exact {
     /// Bound of the error of each probability.
     pub error: f64,
     /// Where eigenvalues cross the axis.
-    pub crossings: Crossings,
+    pub onsets: Onsets,
     /// What was computed, the reference not included.
     pub counters: Counters,
 }
@@ -31,27 +30,27 @@ pub struct Exact {
 /// Integrates over the family of a scene whose modes at median parameters are `reference`.
 ///
 /// # Errors
-/// Those of [`Family::crossings`].
-pub fn exact(plan: &Plan, reference: &Reference, family: &mut Family<'_>) -> Result<Exact, EstimatorError> {
+/// Those of [`OneParameterFamily::onsets`].
+pub fn exact(plan: &Plan, reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
     let distribution = plan.case.friction.mu;
     let (from, to) = support(distribution);
     let median = Sample::median(&plan.case).contact(0).mu;
-    family.node(median)?;
-    let crossings = family.crossings(from, to)?;
+    family.spectrum(median)?;
+    let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
-    ends.extend(crossings.crossings.iter().map(|c| c.mu));
+    ends.extend(onsets.onsets.iter().map(|c| c.mu));
     ends.push(to);
     let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
     let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
-    let roots = crossings.crossings.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
-    let unresolved = crossings.unresolved.iter().map(|&(a, b)| probability(a, b));
+    let roots = onsets.onsets.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
+    let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();
-    Ok(Exact { integral, error, crossings, counters: family.counters() })
+    Ok(Exact { integral, error, onsets, counters: family.counters() })
 }
 
 /// The names of the unstable modes at `mu`, by continuation to the reference at `median`.
 fn named(
-    family: &mut Family<'_>,
+    family: &mut OneParameterFamily<'_>,
     mu: f64,
     median: f64,
     reference: &Reference,

@@ -9,7 +9,7 @@ use crate::study::{UnstableMode, unstable_names};
 
 /// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
-pub struct Occurrence {
+pub struct OccurrenceBounds {
     /// Of the mode unstable for sure.
     pub lower: f64,
     /// Of the mode perhaps unstable.
@@ -31,7 +31,7 @@ pub struct Piece {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
     /// By name of the tracked mode; modes that are never unstable are not listed.
-    pub occurrences: BTreeMap<u16, Occurrence>,
+    pub occurrences: BTreeMap<u16, OccurrenceBounds>,
     /// Probability of any unstable mode.
     pub any: f64,
     /// Expected number of unstable modes.

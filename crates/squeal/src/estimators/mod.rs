@@ -6,39 +6,40 @@
 //! | law | acts through | occurrence |
 //! | --- | --- | --- |
 //! | Amontons-Coulomb | mu | one-dimensional integral: [`exact`] |
-//! | velocity-dependent, Stribeck | mu, slope h | [`controlled`] |
-//! | LuGre | mu, complex slope H(i omega) | [`controlled`] |
+//! | velocity-dependent, Stribeck | mu, slope h | [`control_variate`] |
+//! | LuGre | mu, complex slope H(i omega) | [`control_variate`] |
 //!
-//! [`controlled`] guesses from a table of eigenvalues over mu and H which modes are unstable, has the mean of the guess
-//! from scrambled Sobol points without an eigenproblem, and corrects it by full solutions of independent samples. Its
-//! interval rests on the counts of the correction alone and holds for any guess. With lateral friction, which the guess
-//! does not know, the interval is as right and wider.
+//! [`control_variate`] predicts which modes are unstable from response surfaces of the eigenvalues over mu and H
+//! ([`Surrogate`]), has the mean of the prediction from scrambled Sobol points without an eigenproblem, and corrects it by
+//! full solutions of independent samples. Its interval rests on the counts of the correction alone and holds for any
+//! prediction. With lateral friction, which the surrogate does not know, the interval is as right and wider.
 
 mod branches;
-mod cells;
-mod control;
-mod critical;
+mod cell_builder;
+mod control_variate;
 mod distribution;
-mod draws;
 mod error;
 mod exact;
-mod family;
+mod friction_points;
 mod integral;
 mod interval;
-mod node;
+mod kd_tree;
+mod one_parameter_family;
+mod onset;
+mod response_surface;
+mod sample_points;
 mod sampling;
-mod sheet;
 mod stratum;
-mod table;
+mod surrogate;
 
 pub use branches::Link;
-pub use control::{Controlled, controlled};
-pub use critical::{Crossing, Crossings};
+pub use control_variate::{ControlVariateEstimate, control_variate};
 pub use distribution::{cumulative, quantile, support};
-pub use draws::FrictionPoints;
 pub use error::EstimatorError;
 pub use exact::{Exact, exact};
-pub use family::{Derivative, Family};
-pub use integral::{Integral, Occurrence, Piece, integrate};
+pub use friction_points::FrictionPoints;
+pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
+pub use one_parameter_family::{Derivative, OneParameterFamily};
+pub use onset::{Onset, Onsets};
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
-pub use table::Table;
+pub use surrogate::Surrogate;

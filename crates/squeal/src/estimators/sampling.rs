@@ -6,18 +6,18 @@ use cea::Counters;
 use montecarlo::{Confidence, Study as _, wilson};
 
 use super::distribution::quantile;
-use super::{EstimatorError, Occurrence};
+use super::{EstimatorError, OccurrenceBounds};
 use crate::case::{Case, Law};
 use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
 
-/// Samples handed to the solver together.
-const BLOCK: usize = 64;
+/// Samples handed to the solver together: some times its eight lanes; chosen.
+const SAMPLES_PER_BLOCK: usize = 64;
 
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimated {
     /// The estimate.
-    pub occurrence: Occurrence,
+    pub occurrence: OccurrenceBounds,
     /// Half width of its 95 % confidence interval.
     pub half_width: f64,
 }
@@ -43,7 +43,7 @@ pub fn monte_carlo(study: &Study<'_>, scene: usize, seed: u64, samples: u64) -> 
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
         let of = |hits: u64| hits as f64 / samples as f64;
-        let occurrence = Occurrence { lower: of(sure), upper: of(sure + open) };
+        let occurrence = OccurrenceBounds { lower: of(sure), upper: of(sure + open) };
         Ok((name, Estimated { occurrence, half_width: 0.5 * (upper - lower) }))
     };
     let modes = hits.into_iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
@@ -89,7 +89,7 @@ pub fn quasi_monte_carlo(
             (sure + open as u64 * maybe) as f64 / f64::from(points)
         };
         let mean = |open| runs.iter().map(|run| share(run, open)).sum::<f64>() / f64::from(scramblings);
-        let occurrence = Occurrence { lower: mean(0), upper: mean(1) };
+        let occurrence = OccurrenceBounds { lower: mean(0), upper: mean(1) };
         let centre = 0.5 * (occurrence.lower + occurrence.upper);
         let deviation = |run| 0.5 * (share(run, 0) + share(run, 1)) - centre;
         let variance = runs.iter().map(|run| deviation(run).powi(2)).sum::<f64>() / f64::from(scramblings - 1);
@@ -100,19 +100,19 @@ pub fn quasi_monte_carlo(
 }
 
 /// Sure and open hits by name.
-type Hits = BTreeMap<u16, [u64; 2]>;
+type HitCounts = BTreeMap<u16, [u64; 2]>;
 
 fn count(
     study: &Study<'_>,
     scene: usize,
     samples: impl Iterator<Item = Result<Sample, crate::Error>>,
-) -> Result<(Hits, Counters), EstimatorError> {
-    let mut hits = Hits::new();
+) -> Result<(HitCounts, Counters), EstimatorError> {
+    let mut hits = HitCounts::new();
     let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
     while samples.peek().is_some() {
-        let block: Vec<Sample> = samples.by_ref().take(BLOCK).collect::<Result<_, crate::Error>>()?;
+        let block: Vec<Sample> = samples.by_ref().take(SAMPLES_PER_BLOCK).collect::<Result<_, crate::Error>>()?;
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {

@@ -1,4 +1,4 @@
-//! An eigenvalue over a cell of friction states, as a polynomial.
+//! The response surface of an eigenvalue over a cell of friction states, a polynomial.
 //!
 //! With one tangent in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, H the complex slope at lambda: a
 //! simple eigenvalue is an analytic function of mu and of the one complex number H, whatever the law. Values and
@@ -8,30 +8,31 @@ use friction::Tangent;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::node::NearMode;
+use super::sample_points::SampledMode;
 
 /// Largest power of mu, and total degree where a cell has four corners: what values and derivatives at its ends tell.
 const DEGREE: usize = 3;
-/// On the diagonal of the normal equations, for directions in which nothing varies.
+/// On the diagonal of the normal equations, for directions in which nothing varies; chosen.
 const RIDGE: f64 = 1e-10;
-/// An eigenvalue is in doubt within this many times the miss of its polynomial of the axis.
-const SAFETY: f64 = 2.0;
-/// Distance of slopes beyond which a polynomial is not relied on, in those of the corners.
-const OUTSIDE: f64 = 1.25;
-
-/// What a change of direction counts against a change of place, in telling branches apart.
-const BEND: f64 = 0.25;
+/// An eigenvalue is uncertain where its distance from the axis is below this many times the residual of its polynomial;
+/// chosen.
+const UNCERTAIN_RESIDUALS: f64 = 2.0;
+/// Distance of slopes from the centre beyond which a polynomial is not relied on, in those of the corners; chosen.
+const RELIABLE_RANGE: f64 = 1.25;
+/// Weight of a change of direction against a change of place, in telling branches apart; chosen.
+const DIRECTION_WEIGHT: f64 = 0.25;
 
 /// lambda as a polynomial in mu and H, both scaled to a cell.
 #[derive(Debug, Clone)]
-pub(super) struct Sheet {
+pub(super) struct ResponseSurface {
     degree: usize,
     centre: (f64, Complex<f64>),
     scale: (f64, f64),
     /// In the order of [`powers`].
     coefficients: Vec<Complex<f64>>,
-    /// By how much the polynomial misses values and derivatives at the corners, and what it cannot know of, rad/s.
-    pub miss: f64,
+    /// By how much the polynomial misses values and derivatives at the corners, and its next terms, which they cannot tell,
+    /// rad/s.
+    pub residual: f64,
     /// Largest |d lambda / d H| that counts on the polynomial, rad/s by s/m.
     steepness: f64,
 }
@@ -51,10 +52,10 @@ fn up_to(x: Complex<f64>) -> [[Complex<f64>; DEGREE + 2]; 2] {
     [powers, derivatives]
 }
 
-impl Sheet {
+impl ResponseSurface {
     /// The polynomial nearest to values and derivatives at the corners of a cell, each with its mu; `None` where they are
     /// not finite.
-    pub fn new(corners: &[(f64, &NearMode)]) -> Option<Self> {
+    pub fn new(corners: &[(f64, &SampledMode)]) -> Option<Self> {
         let degree = if corners.len() > 4 { DEGREE + 1 } else { DEGREE };
         let count = corners.len() as f64;
         let mu = corners.iter().map(|c| c.0).sum::<f64>() / count;
@@ -94,7 +95,7 @@ impl Sheet {
             unseen += next(term((0, DEGREE)), term((0, DEGREE - 1)));
         }
         let steepest = |((a, b), c): ((usize, usize), &Complex<f64>)| {
-            b as f64 * size(*c) * OUTSIDE.powi((a + b).saturating_sub(1) as i32)
+            b as f64 * size(*c) * RELIABLE_RANGE.powi((a + b).saturating_sub(1) as i32)
         };
         Some(Self {
             steepness: powers(degree).zip(coefficients.iter()).map(steepest).sum::<f64>() / scale.1,
@@ -102,28 +103,28 @@ impl Sheet {
             centre: (mu, slope),
             scale,
             coefficients: coefficients.iter().copied().collect(),
-            miss: (left / spare).sqrt() + unseen,
+            residual: (left / spare).sqrt() + unseen,
         })
     }
 
     /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
-    /// than the place of the tangent.
-    pub fn reach(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
+    /// than the coordinates of the tangent.
+    pub fn eigenvalue(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
         let mut slope = tangent.complex_slope(self.coefficients[0]);
         let mut lambda = self.at(tangent.mu, slope);
         if tangent.internal.is_some() {
             // The slope depends on the eigenvalue. Far from the axis the first one will do.
             let other = tangent.complex_slope(lambda);
-            if lambda.re.abs() <= self.doubt() + self.steepness * (other - slope).l1_norm() {
+            if lambda.re.abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
                 (slope, lambda) = (other, self.at(tangent.mu, other));
             }
         }
-        (lambda, (slope - self.centre.1).norm_sqr() > (OUTSIDE * self.scale.1).powi(2))
+        (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
     }
 
     /// Distance from the axis within which the eigenvalue may be on the other side, rad/s.
-    pub fn doubt(&self) -> f64 {
-        SAFETY * self.miss
+    pub fn uncertainty(&self) -> f64 {
+        UNCERTAIN_RESIDUALS * self.residual
     }
 
     fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {
@@ -153,7 +154,7 @@ fn size(z: Complex<f64>) -> f64 {
 ///
 /// An analytic branch misses the mean of its derivatives at the ends of an edge by the third power of the edge's length, and
 /// they differ by its second; those of another branch differ by the first, also where the two cross half-way.
-pub(super) fn link(modes: &[(f64, &[NearMode])], ks: &[usize], start: usize, index: usize) -> Option<Vec<usize>> {
+pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, index: usize) -> Option<Vec<usize>> {
     let mut path = vec![index; ks.len()];
     // Outwards from the start, one direction after the other.
     let mut known = vec![start];
@@ -161,12 +162,12 @@ pub(super) fn link(modes: &[(f64, &[NearMode])], ks: &[usize], start: usize, ind
         for c in known.clone() {
             let Some(other) = ks.iter().position(|&k| k == ks[c] ^ (1 << d)) else { continue };
             let from = &modes[c].1[path[c]];
-            let miss = |to: &NearMode| {
-                let along = |mode: &NearMode| {
+            let miss = |to: &SampledMode| {
+                let along = |mode: &SampledMode| {
                     mode.by_mu * (modes[other].0 - modes[c].0) + mode.by_slope * (to.slope - from.slope)
                 };
                 let (start, end) = (along(from), along(to));
-                size(to.lambda - from.lambda - 0.5 * (start + end)) + BEND * size(end - start)
+                size(to.lambda - from.lambda - 0.5 * (start + end)) + DIRECTION_WEIGHT * size(end - start)
             };
             let candidates = modes[other].1.iter().map(miss).enumerate();
             path[other] = candidates.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
@@ -182,9 +183,9 @@ mod tests {
     use friction::InternalTangent;
 
     /// A mode whose eigenvalue is `100 i + 3 + offset + 2 m - m H + H^2 + i m^2 H`.
-    fn mode(mu: f64, slope: Complex<f64>, offset: f64) -> NearMode {
+    fn mode(mu: f64, slope: Complex<f64>, offset: f64) -> SampledMode {
         let i = Complex::i();
-        NearMode {
+        SampledMode {
             lambda: 100.0 * i + 3.0 + offset + 2.0 * mu - mu * slope + slope * slope + i * mu * mu * slope,
             slope,
             by_mu: 2.0 - slope + 2.0 * i * mu * slope,
@@ -196,7 +197,7 @@ mod tests {
     const SLOPES: [[f64; 2]; 4] = [[-0.3, -0.1], [0.0, 0.1], [-0.4, -0.5], [0.1, -0.4]];
 
     /// Corner k in the order of bits: mu, then the two parts of H.
-    fn corners(slopes: &[[f64; 2]], offset: f64) -> Vec<(f64, NearMode)> {
+    fn corners(slopes: &[[f64; 2]], offset: f64) -> Vec<(f64, SampledMode)> {
         let both = |&[re, im]: &[f64; 2]| [0.3, 0.7].map(|mu| (mu, mode(mu, Complex::new(re, im), offset)));
         slopes.iter().flat_map(both).collect()
     }
@@ -208,12 +209,12 @@ mod tests {
             // Far from the axis, and on it, where it has to be right.
             for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
                 let corners = corners(slopes, offset);
-                let corners: Vec<(f64, &NearMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
-                let sheet = Sheet::new(&corners).unwrap();
+                let corners: Vec<(f64, &SampledMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
+                let surface = ResponseSurface::new(&corners).unwrap();
                 let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
-                let lambda = sheet.reach(&tangent).0;
+                let lambda = surface.eigenvalue(&tangent).0;
                 let expected = mode(0.45, tangent.complex_slope(lambda), offset).lambda;
-                assert!((lambda - expected).norm() < error, "{lambda} {expected} {}", sheet.miss);
+                assert!((lambda - expected).norm() < error, "{lambda} {expected} {}", surface.residual);
             }
         }
     }
@@ -224,16 +225,16 @@ mod tests {
         // The other branch is the mirror image in mu about 0.5: the two cross half-way.
         let mirrored = |k: usize| {
             let mode = &b[k ^ 1].1;
-            NearMode { by_mu: -mode.by_mu, ..mode.clone() }
+            SampledMode { by_mu: -mode.by_mu, ..mode.clone() }
         };
-        let both: Vec<Vec<NearMode>> = (0..8)
+        let both: Vec<Vec<SampledMode>> = (0..8)
             .map(|k| {
                 let mut pair = vec![a[k].1.clone(), mirrored(k)];
                 pair.sort_by(|x, y| x.lambda.re.total_cmp(&y.lambda.re));
                 pair
             })
             .collect();
-        let modes: Vec<(f64, &[NearMode])> = (0..8).map(|k| (a[k].0, &both[k][..])).collect();
+        let modes: Vec<(f64, &[SampledMode])> = (0..8).map(|k| (a[k].0, &both[k][..])).collect();
         let ks: Vec<usize> = (0..8).collect();
         let start = both[0].iter().position(|mode| mode.lambda == a[0].1.lambda).unwrap();
         let path = link(&modes, &ks, 0, start).unwrap();

@@ -1,4 +1,4 @@
-//! What is known at one state of friction: eigenvalues near the axis with their derivatives, and names.
+//! What is known at a sample point, one state of friction: eigenvalues near the axis with their derivatives, and names.
 
 use cea::{BatchSolver, EigenSolver, Mode, Modes, Start, Way, Workspace, identify_all, right_vectors_of_all};
 use friction::Tangent;
@@ -10,12 +10,12 @@ use osc_model::{Linearise, Sliding};
 use super::EstimatorError;
 use crate::study::{NearAxis, Sample, Scratch, Study};
 
-/// Eigenvalues that decay faster than this part of their size are not looked at.
-const NEAR: f64 = 0.025;
+/// Decay rate, as a part of |lambda|, beyond which an eigenvalue is not looked at; chosen.
+const LARGEST_DECAY: f64 = 0.025;
 
 /// An eigenvalue near the axis, as a function of mu and of the complex slope H.
 #[derive(Debug, Clone)]
-pub(super) struct NearMode {
+pub(super) struct SampledMode {
     /// rad/s.
     pub lambda: Complex<f64>,
     /// H(lambda) there, s/m.
@@ -28,7 +28,7 @@ pub(super) struct NearMode {
     pub names: Vec<u16>,
 }
 
-impl NearMode {
+impl SampledMode {
     fn new(mode: NearAxis, tangent: &Tangent, load: f64) -> Self {
         let NearAxis { lambda, by_mu, by_slope, names } = mode;
         Self { lambda, slope: tangent.complex_slope(lambda), by_mu, by_slope: by_slope * load, names }
@@ -36,7 +36,7 @@ impl NearMode {
 }
 
 /// Systems of a scene with the same friction in every contact.
-pub(super) struct Nodes<'a> {
+pub(super) struct SamplePoints<'a> {
     study: &'a Study<'a>,
     scene: usize,
     sliding: Sliding,
@@ -47,13 +47,13 @@ pub(super) struct Nodes<'a> {
     scratch: Scratch,
 }
 
-impl<'a> Nodes<'a> {
+impl<'a> SamplePoints<'a> {
     /// # Errors
     /// What the model refuses.
     pub fn new(study: &'a Study<'a>, scene: usize) -> Result<Self, EstimatorError> {
         let plan = study.plan();
         let sliding = plan.sliding(&plan.scenes[scene], &Sample::median(&plan.case))?;
-        let mut nodes = Self {
+        let mut points = Self {
             study,
             scene,
             sliding,
@@ -62,11 +62,11 @@ impl<'a> Nodes<'a> {
             work: Workspace::default(),
             scratch: Scratch::default(),
         };
-        let at = |mu: f64, slope: f64| nodes.system(&Tangent { mu, slope, internal: None });
+        let at = |mu: f64, slope: f64| points.system(&Tangent { mu, slope, internal: None });
         let (system, one, steeper) = (at(0.0, 0.0)?, at(1.0, 0.0)?, at(0.0, 1.0)?);
-        nodes.by_mu = Sparse::new(&(one.k - &system.k));
-        nodes.by_slope = Sparse::new(&(steeper.c - &system.c));
-        Ok(nodes)
+        points.by_mu = Sparse::new(&(one.k - &system.k));
+        points.by_slope = Sparse::new(&(steeper.c - &system.c));
+        Ok(points)
     }
 
     fn state(&self, tangent: &Tangent) -> Sliding {
@@ -84,29 +84,29 @@ impl<'a> Nodes<'a> {
     ///
     /// # Errors
     /// Those of the solver.
-    pub fn solve(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<NearMode>>, EstimatorError> {
+    pub fn solve(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
         let states: Vec<Sliding> = tangents.iter().map(|tangent| self.state(tangent)).collect();
-        let found = self.study.near_axis(self.scene, &states, NEAR, &mut self.scratch)?;
+        let found = self.study.near_axis(self.scene, &states, LARGEST_DECAY, &mut self.scratch)?;
         let left: Vec<Tangent> =
             tangents.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(tangent, _)| *tangent).collect();
         let mut by_spectra = self.by_spectra(&left)?.into_iter();
         let load = self.sliding.contacts.first().map_or(0.0, |contact| contact.normal_load);
         let near = |(found, tangent): (Option<Vec<NearAxis>>, &Tangent)| match found {
             None => by_spectra.next().unwrap_or_default(),
-            Some(found) => found.into_iter().map(|mode| NearMode::new(mode, tangent, load)).collect(),
+            Some(found) => found.into_iter().map(|mode| SampledMode::new(mode, tangent, load)).collect(),
         };
         Ok(found.into_iter().zip(tangents).map(near).collect())
     }
 
-    /// [`Nodes::solve`] without secular equations.
-    fn by_spectra(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<NearMode>>, EstimatorError> {
+    /// [`SamplePoints::solve`] without secular equations.
+    fn by_spectra(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
         let systems = tangents.iter().map(|tangent| self.system(tangent)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
         BatchSolver.eigenvalues_of_all(&systems, &mut self.work, &mut spectra);
         let mut lambdas = Vec::with_capacity(systems.len());
         for (system, spectrum) in systems.iter().zip(spectra) {
             let mut near = Modes::classify(system, &spectrum?, &mut self.work)?.oscillatory;
-            near.retain(|lambda| lambda.re > -NEAR * lambda.norm());
+            near.retain(|lambda| lambda.re > -LARGEST_DECAY * lambda.norm());
             lambdas.push(near);
         }
         let transposed: Vec<SecondOrder> = systems.iter().map(SecondOrder::transposed).collect();
@@ -119,9 +119,9 @@ impl<'a> Nodes<'a> {
         let mut right = right.into_iter().collect::<Result<Vec<_>, _>>()?;
         let left = left.into_iter().collect::<Result<Vec<_>, _>>()?;
 
-        let mut nodes: Vec<Vec<NearMode>> = Vec::with_capacity(systems.len());
+        let mut found: Vec<Vec<SampledMode>> = Vec::with_capacity(systems.len());
         for (((system, tangent), modes), left) in systems.iter().zip(tangents).zip(&right).zip(&left) {
-            nodes.push(modes.iter().zip(left).map(|(mode, left)| self.mode(system, tangent, mode, left)).collect());
+            found.push(modes.iter().zip(left).map(|(mode, left)| self.mode(system, tangent, mode, left)).collect());
         }
         right.iter_mut().for_each(|modes| modes.retain(|mode| mode.lambda.re > 0.0));
         let reference = &self.study.references()[self.scene];
@@ -132,15 +132,15 @@ impl<'a> Nodes<'a> {
             .map(|(system, modes)| Way { from: (Start::System(system), modes), to })
             .collect();
         let links = identify_all(&BatchSolver, &ways, &mut self.work);
-        for (node, links) in nodes.iter_mut().zip(links) {
-            for (mode, link) in node.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
+        for (modes, links) in found.iter_mut().zip(links) {
+            for (mode, link) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
                 mode.names = reference.names_of(link);
             }
         }
-        Ok(nodes)
+        Ok(found)
     }
 
-    fn mode(&self, system: &SecondOrder, tangent: &Tangent, mode: &Mode, left: &DVector<Complex<f64>>) -> NearMode {
+    fn mode(&self, system: &SecondOrder, tangent: &Tangent, mode: &Mode, left: &DVector<Complex<f64>>) -> SampledMode {
         let (lambda, right) = (mode.lambda, &mode.shape);
         let unit_slope = self.by_slope.between(left, right);
         // Q' at constant H: without what H itself changes with lambda.
@@ -149,7 +149,7 @@ impl<'a> Nodes<'a> {
             .internal
             .map_or(Complex::default(), |state| -state.force * state.drive / (lambda + state.decay).powi(2));
         let by_lambda = by_lambda - lambda * change * unit_slope;
-        NearMode {
+        SampledMode {
             lambda,
             slope: tangent.complex_slope(lambda),
             by_mu: -self.by_mu.between(left, right) / by_lambda,

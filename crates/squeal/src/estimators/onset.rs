@@ -1,24 +1,24 @@
-//! Every critical mu: where an eigenvalue crosses the imaginary axis.
+//! Every onset, a Hopf point: the mu at which an eigenvalue crosses the imaginary axis, whichever way.
 //!
 //! The support is halved until in each step every branch that could reach the axis either keeps its distance or crosses
-//! it once. What a branch does between two nodes is judged by its tangents: on an arc of parabola Re lambda leaves the
-//! chord by |s_b - s_a| h / 8, and four times this is allowed for. The spectra at all nodes then have to agree with the
-//! crossings found.
+//! it once. What a branch does between two spectra is judged by its tangents: on an arc of parabola Re lambda leaves the
+//! chord by |s_b - s_a| h / 8, and four times this is allowed for. All spectra then have to agree with the onsets
+//! found.
 
 use super::branches::SMALLEST_STEP;
-use super::{EstimatorError, Family};
+use super::{EstimatorError, OneParameterFamily};
 
-/// Steps that the support is divided into before any halving.
+/// Steps that the support is divided into before any halving; chosen.
 const FIRST_STEPS: usize = 16;
-/// A branch that could reach the axis if it moved this many times faster than it does at either end is watched.
-const WATCHED: f64 = 2.0;
-/// Steps of the root search.
+/// A branch is watched if it could reach the axis moving this many times faster than it does at either end; chosen.
+const RATE_MARGIN: f64 = 2.0;
+/// Most steps of the root search; chosen.
 const MOST_STEPS: usize = 60;
 
 /// Where an eigenvalue crosses the imaginary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Crossing {
-    /// The critical coefficient.
+pub struct Onset {
+    /// The coefficient.
     pub mu: f64,
     /// Bound of its error.
     pub error: f64,
@@ -30,9 +30,9 @@ pub struct Crossing {
 
 /// What was found on an interval of mu.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Crossings {
-    /// The crossings, ascending.
-    pub crossings: Vec<Crossing>,
+pub struct Onsets {
+    /// Ascending.
+    pub onsets: Vec<Onset>,
     /// Steps at the smallest length in which a branch touches the axis so closely that it was not decided.
     pub unresolved: Vec<(f64, f64)>,
 }
@@ -46,28 +46,28 @@ enum Step {
     Unclear,
 }
 
-impl Family<'_> {
-    /// Every crossing between two coefficients.
+impl OneParameterFamily<'_> {
+    /// Every onset between two coefficients.
     ///
     /// # Errors
-    /// Those of [`Family::lambdas`]; [`EstimatorError::Unresolved`], [`EstimatorError::Inconsistent`].
-    pub fn crossings(&mut self, from: f64, to: f64) -> Result<Crossings, EstimatorError> {
-        let mut found = Crossings::default();
+    /// Those of [`OneParameterFamily::lambdas`]; [`EstimatorError::Unresolved`], [`EstimatorError::Inconsistent`].
+    pub fn onsets(&mut self, from: f64, to: f64) -> Result<Onsets, EstimatorError> {
+        let mut found = Onsets::default();
         let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
         for i in 0..FIRST_STEPS {
             self.search(at(i), at(i + 1), &mut found)?;
         }
-        found.crossings.sort_by(|a, b| a.mu.total_cmp(&b.mu));
+        found.onsets.sort_by(|a, b| a.mu.total_cmp(&b.mu));
         self.check(from, to, &found)?;
         Ok(found)
     }
 
-    fn search(&mut self, a: f64, b: f64, found: &mut Crossings) -> Result<(), EstimatorError> {
+    fn search(&mut self, a: f64, b: f64, found: &mut Onsets) -> Result<(), EstimatorError> {
         match self.judge(a, b)? {
             Step::Quiet => Ok(()),
             Step::Once(branches) => {
                 for (f, j) in branches {
-                    found.crossings.push(self.root((a, f), (b, j))?);
+                    found.onsets.push(self.root((a, f), (b, j))?);
                 }
                 Ok(())
             }
@@ -123,17 +123,17 @@ impl Family<'_> {
     /// Modes at `mu` that could reach the axis within a step of length `h`, or are past it.
     fn watched(&mut self, mu: f64, h: f64) -> Result<Vec<usize>, EstimatorError> {
         let mut watched = Vec::new();
-        for i in 0..self.node(mu)?.lambdas.len() {
+        for i in 0..self.spectrum(mu)?.lambdas.len() {
             let (lambda, slope) = self.point(mu, i)?;
-            if lambda.re + WATCHED * slope.norm() * h >= 0.0 {
+            if lambda.re + RATE_MARGIN * slope.norm() * h >= 0.0 {
                 watched.push(i);
             }
         }
         Ok(watched)
     }
 
-    /// The one crossing of a branch between two ends, by Newton's method kept within the bracket.
-    fn root(&mut self, (a, f): (f64, usize), (b, j): (f64, usize)) -> Result<Crossing, EstimatorError> {
+    /// The one onset of a branch between two ends, by Newton's method kept within the bracket.
+    fn root(&mut self, (a, f): (f64, usize), (b, j): (f64, usize)) -> Result<Onset, EstimatorError> {
         let ((first, slope), (last, _)) = (self.point(a, f)?, self.point(b, j)?);
         let destabilises = first.re < 0.0;
         let (mut low, mut high) = (a, b);
@@ -145,11 +145,11 @@ impl Family<'_> {
         guess += rate * (start - mu);
         mu = mu.max(start);
         for _ in 0..MOST_STEPS {
-            let node = self.node(mu)?;
+            let spectrum = self.spectrum(mu)?;
             let nearest = |x: &&num_complex::Complex<f64>, y: &&num_complex::Complex<f64>| {
                 (*x - guess).norm().total_cmp(&(*y - guess).norm())
             };
-            let Some(&lambda) = node.lambdas.iter().min_by(nearest) else { break };
+            let Some(&lambda) = spectrum.lambdas.iter().min_by(nearest) else { break };
             let at = self.derivative(mu, lambda)?;
             rate = at.slope;
             if (at.lambda.re < 0.0) == destabilises {
@@ -161,27 +161,27 @@ impl Family<'_> {
             let error = at.bound / rate.re.abs();
             left = step.abs();
             if left <= error.max(2.0 * f64::EPSILON * mu) {
-                return Ok(Crossing { mu, error: error + left, omega: at.lambda.im, destabilises });
+                return Ok(Onset { mu, error: error + left, omega: at.lambda.im, destabilises });
             }
             let next = if mu + step > low && mu + step < high { mu + step } else { 0.5 * (low + high) };
             guess = at.lambda + rate * (next - mu);
             mu = next;
         }
-        Err(EstimatorError::NoConvergence { what: "a critical coefficient", left, steps: MOST_STEPS })
+        Err(EstimatorError::NoConvergence { what: "an onset", left, steps: MOST_STEPS })
     }
 
-    /// Every spectrum computed has as many unstable modes as the crossings below it leave.
-    fn check(&mut self, from: f64, to: f64, found: &Crossings) -> Result<(), EstimatorError> {
+    /// Every spectrum computed has as many unstable modes as the onsets below it leave.
+    fn check(&mut self, from: f64, to: f64, found: &Onsets) -> Result<(), EstimatorError> {
         let unstable = |lambdas: &[num_complex::Complex<f64>]| lambdas.iter().filter(|l| l.re > 0.0).count();
-        let start = unstable(&self.node(from)?.lambdas) as i64;
+        let start = unstable(&self.spectrum(from)?.lambdas) as i64;
         let is_open = |mu: f64| {
             found.unresolved.iter().any(|&(a, b)| (a..=b).contains(&mu))
-                || found.crossings.iter().any(|c| (mu - c.mu).abs() <= c.error + SMALLEST_STEP)
+                || found.onsets.iter().any(|c| (mu - c.mu).abs() <= c.error + SMALLEST_STEP)
         };
         for mu in self.between(from, to) {
-            let change = |c: &Crossing| if c.destabilises { 1 } else { -1 };
-            let expected = start + found.crossings.iter().filter(|c| c.mu < mu).map(change).sum::<i64>();
-            let found = unstable(&self.node(mu)?.lambdas);
+            let change = |c: &Onset| if c.destabilises { 1 } else { -1 };
+            let expected = start + found.onsets.iter().filter(|c| c.mu < mu).map(change).sum::<i64>();
+            let found = unstable(&self.spectrum(mu)?.lambdas);
             if found as i64 != expected && !is_open(mu) {
                 return Err(EstimatorError::Inconsistent { mu, found, expected });
             }

@@ -17,8 +17,8 @@ use crate::study::{Plan, Sample, SceneKey};
 pub struct FrictionPoints {
     /// Points by scrambling.
     pub(super) scramblings: Vec<Vec<Tangent>>,
-    /// Points of one more scrambling. What a guess is made from must not depend on those that its mean is taken over.
-    pub(super) own: Vec<Tangent>,
+    /// Points of one more scrambling, for making a surrogate: it must not depend on the points that its mean is taken over.
+    pub(super) training: Vec<Tangent>,
     /// A frequency near the axis, rad/s.
     pub(super) omega: f64,
 }
@@ -42,17 +42,17 @@ impl FrictionPoints {
             (0..points).map(of_index).collect::<Result<Vec<Tangent>, EstimatorError>>()
         };
         let scrambled = (1..=scramblings).map(of_scrambling).collect::<Result<_, EstimatorError>>()?;
-        Ok(Self { scramblings: scrambled, own: of_scrambling(0)?, omega })
+        Ok(Self { scramblings: scrambled, training: of_scrambling(0)?, omega })
     }
 
-    /// Where a tangent lies: mu, Re H and Im H / Re H at [`FrictionPoints::omega`].
-    pub(super) fn place(&self, tangent: &Tangent) -> [f64; 3] {
-        place(tangent, self.omega)
+    /// The coordinates of a tangent: mu, Re H and Im H / Re H at [`FrictionPoints::omega`].
+    pub(super) fn coordinates(&self, tangent: &Tangent) -> [f64; 3] {
+        coordinates(tangent, self.omega)
     }
 }
 
 /// mu, Re H and Im H / Re H of a tangent at a frequency, rad/s.
-pub(super) fn place(tangent: &Tangent, omega: f64) -> [f64; 3] {
+pub(super) fn coordinates(tangent: &Tangent, omega: f64) -> [f64; 3] {
     let slope = tangent.complex_slope(Complex::new(0.0, omega));
     [tangent.mu, slope.re, if slope.re == 0.0 { 0.0 } else { slope.im / slope.re }]
 }

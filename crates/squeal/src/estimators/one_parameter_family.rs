@@ -1,7 +1,7 @@
 //! Shared Coulomb friction as what it is, a family of systems with one parameter.
 //!
 //! With one draw for all contacts and Amontons-Coulomb friction, `K(mu) = K_0 + mu K_1` and M and C do not change: the
-//! eigenvalues are analytic functions of mu but where two of them coalesce. A *node* is the spectrum at one mu; the
+//! eigenvalues are analytic functions of mu but where two of them coalesce. The
 //! derivative of an eigenvalue, `lambda' = -(psi^H K_1 phi) / (psi^H Q'(lambda) phi)` (Lancaster, Numer. Math. 6, 1964),
 //! is computed where it is asked for.
 
@@ -17,24 +17,24 @@ use super::EstimatorError;
 use crate::case::{Draws, Law};
 use crate::study::{FrictionDraw, Plan, Sample, Scene};
 
-/// Spectra after which branches count as unresolvable.
-const MOST_NODES: usize = 20_000;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms.
+/// Spectra after which branches count as unresolvable; chosen.
+const MOST_SPECTRA: usize = 20_000;
+/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
 /// `lambda^2 M + lambda C + K_0 + mu K_1`.
-pub struct Family<'a> {
+pub struct OneParameterFamily<'a> {
     solver: &'a dyn EigenSolver,
     system: SecondOrder,
     constant: DMatrix<f64>,
     linear: DMatrix<f64>,
-    nodes: BTreeMap<Order, Node>,
+    spectra: BTreeMap<Coefficient, BranchSpectrum>,
     work: Workspace,
 }
 
 /// All modes at one mu, ascending in frequency.
 #[derive(Debug, Clone)]
-pub(super) struct Node {
+pub(super) struct BranchSpectrum {
     pub lambdas: Vec<Complex<f64>>,
     slopes: Vec<Option<Complex<f64>>>,
 }
@@ -52,23 +52,23 @@ pub struct Derivative {
 
 /// Friction coefficients, which are never NaN, in their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Order(f64);
+struct Coefficient(f64);
 
-impl Eq for Order {}
+impl Eq for Coefficient {}
 
-impl PartialOrd for Order {
+impl PartialOrd for Coefficient {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Order {
+impl Ord for Coefficient {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
     }
 }
 
-impl<'a> Family<'a> {
+impl<'a> OneParameterFamily<'a> {
     /// The family of a scene.
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl<'a> Family<'a> {
         let (system, one) = (at(0.0)?, at(1.0)?);
         let constant = system.k.clone();
         let linear = one.k - &constant;
-        Ok(Self { solver, system, constant, linear, nodes: BTreeMap::new(), work: Workspace::default() })
+        Ok(Self { solver, system, constant, linear, spectra: BTreeMap::new(), work: Workspace::default() })
     }
 
     /// The system at `mu`.
@@ -119,18 +119,19 @@ impl<'a> Family<'a> {
     /// # Errors
     /// Those of the solver; [`EstimatorError::NotOscillating`].
     pub fn lambdas(&mut self, mu: f64) -> Result<&[Complex<f64>], EstimatorError> {
-        Ok(&self.node(mu)?.lambdas)
+        Ok(&self.spectrum(mu)?.lambdas)
     }
 
     /// Every mu with a spectrum, ascending, between two of them, both included.
     pub(super) fn between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.nodes.range(Order(from)..=Order(to)).map(|(mu, _)| mu.0).collect()
+        self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
     }
 
-    pub(super) fn node(&mut self, mu: f64) -> Result<&Node, EstimatorError> {
-        if !self.nodes.contains_key(&Order(mu)) {
-            if self.nodes.len() >= MOST_NODES {
-                return Err(EstimatorError::Unresolved { mu, nodes: self.nodes.len() });
+    /// The spectrum at `mu`, computed where it is asked for the first time.
+    pub(super) fn spectrum(&mut self, mu: f64) -> Result<&BranchSpectrum, EstimatorError> {
+        if !self.spectra.contains_key(&Coefficient(mu)) {
+            if self.spectra.len() >= MOST_SPECTRA {
+                return Err(EstimatorError::Unresolved { mu, spectra: self.spectra.len() });
             }
             self.system(mu);
             let spectrum = self.solver.eigenvalues(&self.system, &mut self.work)?;
@@ -139,24 +140,24 @@ impl<'a> Family<'a> {
                 return Err(EstimatorError::NotOscillating { mu, real: spectrum.real().count() });
             }
             let slopes = vec![None; lambdas.len()];
-            self.nodes.insert(Order(mu), Node { lambdas, slopes });
+            self.spectra.insert(Coefficient(mu), BranchSpectrum { lambdas, slopes });
         }
-        self.nodes.get(&Order(mu)).ok_or(EstimatorError::Unresolved { mu, nodes: self.nodes.len() })
+        self.spectra.get(&Coefficient(mu)).ok_or(EstimatorError::Unresolved { mu, spectra: self.spectra.len() })
     }
 
     /// Eigenvalue, rad/s, and d lambda / d mu of the mode `index` at `mu`.
     ///
     /// # Errors
-    /// Those of [`Family::lambdas`].
+    /// Those of [`OneParameterFamily::lambdas`].
     pub fn point(&mut self, mu: f64, index: usize) -> Result<(Complex<f64>, Complex<f64>), EstimatorError> {
-        let node = self.node(mu)?;
-        let lambda = node.lambdas[index];
-        if let Some(slope) = node.slopes[index] {
+        let spectrum = self.spectrum(mu)?;
+        let lambda = spectrum.lambdas[index];
+        if let Some(slope) = spectrum.slopes[index] {
             return Ok((lambda, slope));
         }
         let slope = self.derivative(mu, lambda)?.slope;
-        if let Some(node) = self.nodes.get_mut(&Order(mu)) {
-            node.slopes[index] = Some(slope);
+        if let Some(spectrum) = self.spectra.get_mut(&Coefficient(mu)) {
+            spectrum.slopes[index] = Some(slope);
         }
         Ok((lambda, slope))
     }
