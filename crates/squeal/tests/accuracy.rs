@@ -6,7 +6,7 @@ use std::path::Path;
 
 use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
-use montecarlo::Study as _;
+use montecarlo::Experiment as _;
 use num_complex::Complex;
 use squeal::accuracy::{
     AccuracyError, Exact, Family, FrictionPoints, HardResult, TaylorOrder, controlled, exact, extremes, monte_carlo,

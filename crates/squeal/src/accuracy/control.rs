@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::Study as _;
+use montecarlo::Experiment as _;
 
 use super::draws::{FrictionPoints, tangent};
 use super::interval::{Guessed, intervals};
