@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use cea::{BatchSolver, QrSolver};
-use montecarlo::Study as _;
+use montecarlo::Experiment as _;
 use squeal::case::{Case, Law};
 use squeal::estimators::{
     EstimatorError, Exact, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo, quasi_monte_carlo,

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use cea::BatchSolver;
 use serde::Serialize;
-use squeal::montecarlo::{Runs, Study as _, Tally as _, stream};
+use squeal::montecarlo::{Experiment as _, Runs, Tally as _, stream};
 use squeal::study::{Plan, Sample, Scratch, Spent, Study, Tally, timed};
 
 use crate::error::TaskError;

@@ -18,7 +18,7 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::Study as _;
+use montecarlo::Experiment as _;
 
 use super::friction_points::{FrictionPoints, tangent};
 use super::interval::{PredictionMeans, intervals};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use cea::Counters;
-use montecarlo::{Confidence, Study as _, wilson};
+use montecarlo::{Confidence, Experiment as _, wilson};
 
 use super::distribution::quantile;
 use super::{EstimatorError, OccurrenceBounds};

@@ -210,7 +210,7 @@ fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode:
     Ok(mode_work(lattice.structural(), &friction, mode.lambda, &shape, lattice.bodies())?.net())
 }
 
-impl montecarlo::Study for Study<'_> {
+impl montecarlo::Experiment for Study<'_> {
     type Sample = Sample;
     type Outcome = Outcome;
     type Error = Error;

@@ -1,12 +1,12 @@
 //! The quantile sketch against exact quantiles.
 
-use montecarlo::{Confidence, Interval, Merge, MonteCarloError, Sketch, quantile, stream};
+use montecarlo::{Confidence, Interval, Merge, MonteCarloError, QuantileSketch, quantile, stream};
 use proptest::prelude::*;
 use rand::RngExt;
 use rand_distr::{Distribution, Normal};
 
-fn of(values: &[f64]) -> Sketch {
-    let mut sketch = Sketch::default();
+fn of(values: &[f64]) -> QuantileSketch {
+    let mut sketch = QuantileSketch::default();
     values.iter().for_each(|&value| sketch.record(value));
     sketch
 }
@@ -30,7 +30,7 @@ proptest! {
         let position = (sorted.len() - 1) as f64 * p;
         let scale = sorted[position.floor() as usize].abs().max(sorted[position.ceil() as usize].abs());
         let error = (of(&values).quantile(p).unwrap() - exact).abs();
-        prop_assert!(error <= Sketch::RELATIVE_ACCURACY * scale * (1.0 + 1e-12), "{error:e} of {exact:e}");
+        prop_assert!(error <= QuantileSketch::RELATIVE_ACCURACY * scale * (1.0 + 1e-12), "{error:e} of {exact:e}");
     }
 
     #[test]
@@ -48,7 +48,7 @@ fn extremes_are_exact_and_stored_exactly() {
     let sketch = of(&[f64::MAX, -f64::MAX, 0.1, 1e-310, f64::MIN_POSITIVE]);
     assert_eq!(sketch.range(), Some(Interval { lower: -f64::MAX, upper: f64::MAX }));
     assert_eq!((sketch.quantile(0.0).unwrap(), sketch.quantile(1.0).unwrap()), (-f64::MAX, f64::MAX));
-    let read: Sketch = serde_json::from_str(&serde_json::to_string(&sketch).unwrap()).unwrap();
+    let read: QuantileSketch = serde_json::from_str(&serde_json::to_string(&sketch).unwrap()).unwrap();
     assert_eq!(read, sketch);
     assert_eq!(of(&[0.1; 5]).median().unwrap(), 0.1);
 }
@@ -65,7 +65,7 @@ fn what_is_not_finite_is_counted_apart() {
 #[test]
 fn memory_is_bounded_by_the_range_of_the_values_not_by_their_number() {
     let mut rng = stream(5, 0);
-    let mut sketch = Sketch::default();
+    let mut sketch = QuantileSketch::default();
     for _ in 0..200_000 {
         sketch.record(rng.random_range(1.0..10.0));
     }
@@ -85,7 +85,7 @@ fn median_intervals_are_the_tabulated_order_statistics() {
     let five = of(&[1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(five.quantile_interval(0.5, Confidence::P95).unwrap(), None);
     assert!(matches!(five.quantile_interval(1.0, Confidence::P95), Err(MonteCarloError::Probability { .. })));
-    assert_eq!(Sketch::default().quantile_interval(0.5, Confidence::P95).unwrap(), None);
+    assert_eq!(QuantileSketch::default().quantile_interval(0.5, Confidence::P95).unwrap(), None);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::stream::StreamRng;
 ///
 /// The results must depend on the arguments alone, not on the order of calls or on earlier contents of the scratch: that
 /// is what makes a run reproducible.
-pub trait Study: Sync {
+pub trait Experiment: Sync {
     /// One draw of the uncertain parameters, used in every scene.
     type Sample;
     /// What one evaluation gives.
@@ -45,8 +45,8 @@ pub trait Study: Sync {
 
     /// Evaluates a block of samples in one scene and appends one result per sample to `out`, in order.
     ///
-    /// The default calls [`evaluate`](Self::evaluate) for each. A study that can treat several samples at once (one per
-    /// SIMD lane, say) overrides it; a sample's result must not depend on which others share its block.
+    /// The default calls [`evaluate`](Self::evaluate) for each. An experiment that can treat several samples at
+    /// once (one per SIMD lane, say) overrides it; a sample's result must not depend on which others share its block.
     fn evaluate_block(
         &self,
         scene: usize,
@@ -59,7 +59,7 @@ pub trait Study: Sync {
 }
 
 /// One sample with its results in all scenes.
-pub struct Runs<'a, S: Study> {
+pub struct Runs<'a, S: Experiment> {
     /// The sample's global index: the same in a run from 0, in a later part of it, and after a resume.
     pub index: u64,
     /// What was drawn.
@@ -73,7 +73,7 @@ pub trait Merge {
     /// Adds what was counted from later samples.
     ///
     /// It must be associative: `(a + b) + c` equals `a + (b + c)` to the last bit. Integers are, floating-point sums are
-    /// not; an [`IntegerMean`](crate::IntegerMean) or a [`Sketch`](crate::Sketch) does instead.
+    /// not; an [`IntegerMean`](crate::IntegerMean) or a [`QuantileSketch`](crate::QuantileSketch) does instead.
     fn merge(&mut self, later: Self);
 }
 
@@ -86,8 +86,8 @@ impl<M: Merge> Merge for Vec<M> {
     }
 }
 
-/// What is kept of the samples of a study. Its size should not depend on their number.
-pub trait Tally<S: Study>: Merge + Serialize + DeserializeOwned + Send {
+/// What is kept of the samples of an experiment. Its size should not depend on their number.
+pub trait Tally<S: Experiment>: Merge + Serialize + DeserializeOwned + Send {
     /// Enters one sample. Called in the order of the indices; a sample whose draw failed is not shown.
     fn record(&mut self, runs: &Runs<'_, S>);
 }

@@ -6,7 +6,7 @@ use crate::error::MonteCarloError;
 
 /// Which samples to draw and how to share out the work. Only `seed`, `first` and `samples` bear on the result.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Plan {
+pub struct Sampling {
     /// Chooses the family of streams.
     pub seed: u64,
     /// Global index of the first sample: 0, or where another part of the same run ended.
@@ -20,7 +20,7 @@ pub struct Plan {
     pub threads: Option<usize>,
 }
 
-impl Plan {
+impl Sampling {
     /// `samples` samples from index 0 on, in blocks of 8, on all cores.
     pub fn new(seed: u64, samples: u64) -> Self {
         Self { seed, first: 0, samples, block: 8, threads: None }
@@ -80,19 +80,19 @@ mod tests {
 
     #[test]
     fn empty_plans_are_refused() {
-        let good = Plan::new(1, 5);
-        let message = |plan: Plan| plan.check().map_err(|e| e.to_string());
+        let good = Sampling::new(1, 5);
+        let message = |sampling: Sampling| sampling.check().map_err(|e| e.to_string());
         assert_eq!(message(good.clone()), Ok(()));
-        for (plan, text) in [
-            (Plan { samples: 0, ..good.clone() }, "the number of samples is 0; at least 1 is needed"),
-            (Plan { block: 0, ..good.clone() }, "the number of samples per block is 0; at least 1 is needed"),
-            (Plan { threads: Some(0), ..good.clone() }, "the number of threads is 0; at least 1 is needed"),
+        for (sampling, text) in [
+            (Sampling { samples: 0, ..good.clone() }, "the number of samples is 0; at least 1 is needed"),
+            (Sampling { block: 0, ..good.clone() }, "the number of samples per block is 0; at least 1 is needed"),
+            (Sampling { threads: Some(0), ..good.clone() }, "the number of threads is 0; at least 1 is needed"),
             (
-                Plan { first: u64::MAX, ..good },
+                Sampling { first: u64::MAX, ..good },
                 "5 samples from index 18446744073709551615 on pass the largest index, 18446744073709551615",
             ),
         ] {
-            assert_eq!(message(plan), Err(text.to_string()));
+            assert_eq!(message(sampling), Err(text.to_string()));
         }
     }
 }

@@ -8,7 +8,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use crate::box_statistics::{interpolate, rank};
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
-use crate::study::Merge;
+use crate::experiment::Merge;
 
 /// Bits of an `f64` that do not bear on its bucket: 10 of the 52 fraction bits remain, 1,024 buckets per octave.
 const DROPPED: u32 = 42;
@@ -20,7 +20,7 @@ const DROPPED: u32 = 42;
 /// grouping of the values. There is at most one counter per bucket: values that span d decades fill at most 3,402 d + 1
 /// of each sign, however many they are.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Sketch {
+pub struct QuantileSketch {
     count: u64,
     not_finite: u64,
     /// Smallest and largest value, exactly.
@@ -29,7 +29,7 @@ pub struct Sketch {
     buckets: BTreeMap<u32, u64>,
 }
 
-impl Sketch {
+impl QuantileSketch {
     /// How far the stored middle of a bucket can be from a value in it, relative to the value: 2^-11.
     pub const RELATIVE_ACCURACY: f64 = 1.0 / 2048.0;
 
@@ -125,7 +125,7 @@ impl Sketch {
     }
 }
 
-impl Merge for Sketch {
+impl Merge for QuantileSketch {
     fn merge(&mut self, later: Self) {
         self.count += later.count;
         self.not_finite += later.not_finite;

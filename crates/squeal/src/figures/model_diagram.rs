@@ -9,7 +9,7 @@ use super::style::{BLUE, VERMILLION};
 
 /// What the drawing shows of a lattice.
 #[derive(Debug, Clone, Default)]
-pub struct ModelSketch {
+pub struct ModelDiagram {
     /// Above everything; may be empty.
     pub title: String,
     /// Rows of the lattice.
@@ -32,13 +32,13 @@ pub struct ModelSketch {
 /// # Errors
 /// [`FigureError::Empty`] without oscillators, [`FigureError::Length`] if the contacts do not fit the lattice,
 /// [`FigureError::NotFinite`] for an angle that is not finite.
-pub fn model_sketch(data: &ModelSketch) -> Result<Figure, FigureError> {
+pub fn model_diagram(data: &ModelDiagram) -> Result<Figure, FigureError> {
     let oscillators = data.rows * data.columns;
     if oscillators == 0 {
         return Err(FigureError::Empty { what: "oscillator" });
     }
     if data.in_contact.len() != oscillators {
-        let what = "contacts of the sketch".to_owned();
+        let what = "contacts of the model diagram".to_owned();
         return Err(FigureError::Length { what, found: data.in_contact.len(), expected: oscillators });
     }
     finite(data.theta_degrees, || "angle theta".to_owned())?;
@@ -59,7 +59,7 @@ pub fn model_sketch(data: &ModelSketch) -> Result<Figure, FigureError> {
 const HALF: f64 = 9.0;
 
 /// The lattice from above. Returns the y below.
-fn plan(canvas: &mut Canvas, data: &ModelSketch, area: Area) -> f64 {
+fn plan(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     canvas.text(Label::new(area.x, area.y + 9.0, "(a) plan view").size(9.0).bold());
     let pitch = (area.width / (data.columns as f64 + 1.0)).min(area.height / (data.rows as f64 + 1.0));
     let (x0, y0) = (area.x + 4.0, area.y + 20.0);
@@ -111,7 +111,7 @@ fn plan(canvas: &mut Canvas, data: &ModelSketch, area: Area) -> f64 {
 }
 
 /// One oscillator between foundation and plate, x to the right and z upwards. Returns the y below.
-fn elevation(canvas: &mut Canvas, data: &ModelSketch, area: Area) -> f64 {
+fn elevation(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     canvas.text(Label::new(area.x, area.y + 9.0, "(b) one oscillator, from the side").size(9.0).bold());
     let (x, y) = (area.x + 0.46 * area.width, area.y + 112.0);
     let foundation = area.y + 24.0;
@@ -201,7 +201,7 @@ fn ground(canvas: &mut Canvas, (x, y): (f64, f64), width: f64, side: f64) {
 }
 
 /// Number and ends of every spring of the lattice, then the contacts.
-fn springs(data: &ModelSketch) -> Table {
+fn springs(data: &ModelDiagram) -> Table {
     let mut rows = Vec::new();
     let mut add = |axis: &str, number: usize, from: Option<usize>, to: Option<usize>| {
         let name = |end: Option<usize>| end.map_or("wall".to_owned(), |i| (i + 1).to_string());
