@@ -20,12 +20,12 @@ use std::collections::BTreeMap;
 
 use montecarlo::Experiment as _;
 
-use super::friction_points::{FrictionPoints, tangent};
+use super::friction_points::{FrictionPoints, LeadingFriction};
 use super::interval::{PredictionMeans, intervals};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
 use super::{Estimated, EstimatorError, Surrogate};
-use crate::study::{Sample, Scratch, Study, unstable_names};
+use crate::study::{Scratch, Study, UncertainBrake, unstable_names};
 
 /// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
 /// the 0.001 of [`super::interval::UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
@@ -83,8 +83,8 @@ impl ControlVariateEstimate {
 ///
 /// # Errors
 /// A sample that cannot be solved.
-pub fn control_variate(
-    study: &Study<'_>,
+pub fn control_variate<B: UncertainBrake>(
+    study: &Study<'_, B>,
     scene: usize,
     points: &FrictionPoints,
     seed: u64,
@@ -94,7 +94,7 @@ pub fn control_variate(
     let samples_needed = |share: f64| variance(share, prior_wrong(share)) / variance_allowed;
     let surrogate = Surrogate::new(study, scene, points, samples_needed)?;
     let means = PredictionMeans::new(&surrogate, points);
-    let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed);
+    let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed)?;
     let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
     if first[1] > 2 * PILOTS {
         let mut pilots = Stratum::default();
@@ -156,20 +156,23 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
 }
 
 /// The samples of a scene, drawn in the study's order and solved as many of each kind as are asked for.
-struct StratifiedSamples<'a> {
-    study: &'a Study<'a>,
+struct StratifiedSamples<'a, B: UncertainBrake> {
+    study: &'a Study<'a, B>,
+    friction: LeadingFriction<'a, B>,
     scene: usize,
     surrogate: &'a Surrogate,
     seed: u64,
     next: u64,
     /// Drawn and not solved, with the prediction.
-    waiting: [Vec<(Sample, ModeSet)>; 2],
+    waiting: [Vec<(B::Sample, ModeSet)>; 2],
     scratch: Scratch,
 }
 
-impl<'a> StratifiedSamples<'a> {
-    fn new(study: &'a Study<'a>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Self {
-        Self { study, scene, surrogate, seed, next: 0, waiting: Default::default(), scratch: Scratch::default() }
+impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
+    fn new(study: &'a Study<'a, B>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Result<Self, EstimatorError> {
+        let friction = LeadingFriction::new(study.brake(), &study.plan().scenes[scene])?;
+        let waiting = [Vec::new(), Vec::new()];
+        Ok(Self { study, friction, scene, surrogate, seed, next: 0, waiting, scratch: Scratch::default() })
     }
 
     /// Solves clear (0) or uncertain (1) samples until a stratum has so many, or as many as are found.
@@ -181,7 +184,7 @@ impl<'a> StratifiedSamples<'a> {
                 break;
             }
             let block: Vec<_> = self.waiting[kind].drain(..wanted).collect();
-            let samples: Vec<&Sample> = block.iter().map(|(sample, _)| sample).collect();
+            let samples: Vec<&B::Sample> = block.iter().map(|(sample, _)| sample).collect();
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
@@ -193,15 +196,13 @@ impl<'a> StratifiedSamples<'a> {
 
     /// Draws samples until so many of a kind wait.
     fn draw(&mut self, kind: usize, wanted: usize) -> Result<(), EstimatorError> {
-        let (plan, key) = (self.study.plan(), self.study.plan().scenes[self.scene].key);
         for _ in 0..MOST_DRAWS {
             if self.waiting[kind].len() >= wanted {
                 break;
             }
-            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(self.seed, self.next));
-            let sample = sample.map_err(crate::Error::from)?;
+            let sample = self.study.brake().draw(&mut montecarlo::stream(self.seed, self.next))?;
             self.next += 1;
-            let prediction = self.surrogate.predict(&tangent(plan, key, &sample)?);
+            let prediction = self.surrogate.predict(&self.friction.of(&sample)?);
             let waiting = &mut self.waiting[usize::from(prediction.is_uncertain)];
             // One kind is rare: not all of the other are needed.
             if waiting.len() < SAMPLES_PER_BLOCK {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use friction::Tangent;
+use linsys::ChannelGain;
 use montecarlo::Confidence;
 
 use super::friction_points::FrictionPoints;
@@ -54,11 +54,11 @@ impl PredictionMeans {
 
 /// The parts of some points in which each mode is predicted to be surely, and perhaps, unstable; last, in which the
 /// prediction is uncertain.
-fn shares(surrogate: &Surrogate, points: &[Tangent]) -> Vec<f64> {
+fn shares(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<f64> {
     let count = surrogate.names().len();
     let mut hits = vec![0_u32; 2 * count + 1];
-    for tangent in points {
-        let prediction = surrogate.predict(tangent);
+    for gain in points {
+        let prediction = surrogate.predict(gain);
         for bit in 0..count {
             hits[2 * bit] += (prediction.unstable.sure >> bit & 1) as u32;
             hits[2 * bit + 1] += (prediction.unstable.perhaps >> bit & 1) as u32;

@@ -1,9 +1,8 @@
 //! Estimators of the occurrences of a scene: the exact integral, a control variate, plain and quasi-Monte Carlo.
 //!
-//! **Which laws have an exact integral.** With one draw shared by all contacts the friction parameters act through few
-//! coefficients, because all contacts have the same tangent:
+//! **Which scenes have an exact integral.** Where friction is alike in all contacts its parameters act through few numbers:
 //!
-//! | law | acts through | occurrence |
+//! | law, one draw for all contacts | acts through | occurrence |
 //! | --- | --- | --- |
 //! | Amontons-Coulomb | mu | one-dimensional integral: [`exact`] |
 //! | velocity-dependent, Stribeck | mu, slope h | [`control_variate`] |
