@@ -7,7 +7,7 @@ use crate::judge::{GENERAL, STANDARD};
 use crate::problem::{Judgement, RouteOutcome};
 use crate::report::AccuracyReport;
 use crate::route_comparison::RouteAccuracy;
-use crate::time_to_tolerance;
+use crate::tolerance_table;
 
 impl AccuracyReport {
     /// The report for people.
@@ -24,7 +24,7 @@ impl AccuracyReport {
             );
         }
         self.estimators_markdown(&mut text);
-        text += &time_to_tolerance::markdown(&self.time_to_tolerance);
+        text += &tolerance_table::markdown(&self.time_to_tolerance);
         text += "\n## The lattice at its worst\n\nEigenvalues of the structure with Im lambda >= 0. ";
         text += "Forward errors are in units of condition number times machine epsilon.\n";
         text += "Bare sign: eigenvalues that a test of Re lambda > 0 puts on the wrong side.\n\n";
