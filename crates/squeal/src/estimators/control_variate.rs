@@ -16,25 +16,16 @@
 //! interval by Student's t. Some thousand solutions do what takes plain Monte Carlo a million. A bad prediction makes the
 //! interval wide, never wrong.
 
-use std::collections::BTreeMap;
-
 use montecarlo::Experiment as _;
 
+use super::evaluations::Evaluations;
 use super::friction_points::{FrictionPoints, LeadingFriction};
-use super::interval::{PredictionMeans, intervals};
+use super::interval::{INTERIM_LOOKS, PredictionMeans, intervals, tails};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
-use super::{Estimated, EstimatorError, Surrogate};
+use super::{ControlVariateEstimate, EstimatorError, Surrogate};
 use crate::study::{Scratch, Study, UncertainBrake, unstable_names};
 
-/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
-/// the 0.001 of [`super::interval::UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
-const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
-/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
-const CLEAR_TAIL_PART: f64 = 0.7;
-/// Error probabilities of the first look, for tests of the intervals.
-#[cfg(test)]
-pub(super) const FIRST_TAILS: [f64; 2] = tails(INTERIM_LOOKS[0].0);
 /// Half width that the first look is sized for, as a part of the one asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
 /// Parts of that which Student's t may have, of which the cheapest is taken; chosen.
@@ -56,29 +47,6 @@ const SAMPLES_PER_BLOCK: usize = 2048;
 /// Draws for a block after which it stays as small as it is: some surrogates leave hardly any doubt. Chosen.
 const MOST_DRAWS: usize = 4_000_000;
 
-/// Occurrences of one scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ControlVariateEstimate {
-    /// By name, with the half width of the 95 % interval.
-    pub modes: BTreeMap<u16, Estimated>,
-    /// Upper limit of the occurrence of any mode that is not listed.
-    pub unseen: f64,
-    /// Samples solved in full.
-    pub solved: u64,
-    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
-    pub wrong: [u64; 2],
-    /// Probability that the prediction is uncertain.
-    pub uncertain: f64,
-}
-
-impl ControlVariateEstimate {
-    /// The largest half width, without what open names leave open: more samples do not close that.
-    pub fn half_width(&self) -> f64 {
-        let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
-        self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
-    }
-}
-
 /// The occurrences of a scene to `half_width` at 95 %, or as near as the last look gets.
 ///
 /// # Errors
@@ -96,8 +64,8 @@ pub fn control_variate<B: UncertainBrake>(
     let means = PredictionMeans::new(&surrogate, points);
     let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed)?;
     let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
+    let mut pilots = Stratum::default();
     if first[1] > 2 * PILOTS {
-        let mut pilots = Stratum::default();
         samples.solve(1, PILOTS, &mut pilots)?;
         first = first_sizes(&means, pilots.most_wrong(), half_width);
     }
@@ -107,7 +75,13 @@ pub fn control_variate<B: UncertainBrake>(
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
             samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
         }
-        let found = intervals(&means, &strata, tails(tail), look == 0);
+        let evaluations = Evaluations {
+            sample_points: surrogate.sample_points(),
+            pilots: pilots.samples,
+            clear: strata[0].samples,
+            uncertain: strata[1].samples,
+        };
+        let found = intervals(&means, &strata, tails(tail), look == 0, evaluations);
         let is_narrow = found.half_width() <= half_width;
         result = Some(found);
         if is_narrow {
@@ -115,11 +89,6 @@ pub fn control_variate<B: UncertainBrake>(
         }
     }
     result.ok_or(EstimatorError::NoConvergence { what: "an occurrence", left: 1.0, steps: 0 })
-}
-
-/// A look's error probabilities of the clear samples and of Student's t.
-const fn tails(tail: f64) -> [f64; 2] {
-    [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
 }
 
 /// In which part of the uncertain samples, `share` of all, the prediction is taken to be wrong beforehand.
