@@ -3,6 +3,7 @@
 mod alternative;
 mod distribution;
 mod error;
+mod expression;
 mod schema;
 mod types;
 mod validate;
@@ -10,5 +11,6 @@ mod validate;
 pub use alternative::Alternative;
 pub use distribution::Distribution;
 pub use error::CaseError;
+pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use schema::{Draws, Labels, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
