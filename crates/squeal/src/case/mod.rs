@@ -1,9 +1,12 @@
 //! LatticeCase files: a study as data.
 
 mod alternative;
+mod check;
 mod distribution;
 mod error;
 mod expression;
+mod file;
+mod matrices;
 mod schema;
 mod types;
 mod validate;
@@ -12,5 +15,7 @@ pub use alternative::Alternative;
 pub use distribution::Distribution;
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
+pub use file::CaseFile;
+pub use matrices::{Body, Contact, FixedDofs, MatricesCase, Parameter};
 pub use schema::{Draws, Labels, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

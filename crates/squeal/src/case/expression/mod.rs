@@ -61,12 +61,19 @@ fn at(values: &[String]) -> String {
 }
 
 /// An expression in parameters.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Expression {
     text: String,
     parsed: FlatEx<Dual, Operators>,
     /// Name of each variable of `parsed`, in its order, and which parameter it is.
     variables: Vec<(String, usize)>,
+}
+
+/// The text and which parameters stand in it; the parsed form has addresses of functions, which differ between runs.
+impl std::fmt::Debug for Expression {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Expression").field("text", &self.text).field("variables", &self.variables).finish()
+    }
 }
 
 impl PartialEq for Expression {
