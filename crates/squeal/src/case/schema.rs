@@ -7,7 +7,8 @@ use super::FrictionDistributions;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
-    pub brake: Option<Brake>,
+    #[serde(rename = "brake")]
+    pub _brake: Option<Brake>,
     pub study: Study,
     pub lattice: Lattice,
     pub contact: Contact,

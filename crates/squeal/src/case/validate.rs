@@ -36,7 +36,7 @@ impl LatticeCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { brake: _, study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } =
+        let File { _brake: _, study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } =
             file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));

@@ -8,7 +8,7 @@
 //! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses.
 
 use super::ExpressionError;
-use super::dual::FUNCTIONS;
+use super::operands::starts_name;
 
 /// Longest expression, in characters: several times what a coefficient needs, and little enough that reading and
 /// evaluating it take milliseconds.
@@ -23,39 +23,13 @@ const OPERAND: &str = "a number, a parameter, a function or \"(\"";
 /// What can follow an operand.
 const AFTER_OPERAND: &str = "+ - * / ^ or \")\"";
 
-/// Whether a name can be that of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
-/// function nor a constant.
-pub fn is_parameter_name(name: &str) -> bool {
-    let mut characters = name.chars();
-    characters.next().is_some_and(starts_name)
-        && characters.all(continues_name)
-        && !is_function(name)
-        && constant(name).is_none()
-}
-
-fn starts_name(c: char) -> bool {
-    c.is_ascii_alphabetic() || c == '_'
-}
-
-fn continues_name(c: char) -> bool {
-    c.is_ascii_alphanumeric() || c == '_'
-}
-
-fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(function, _)| *function == name)
-}
-
-fn constant(name: &str) -> Option<f64> {
-    (name == "pi").then_some(std::f64::consts::PI)
-}
-
 /// What stands between an opening parenthesis, or the start, and here.
 #[derive(Default)]
-struct Level {
+pub(super) struct Level {
     /// Column of the parenthesis.
     column: usize,
     /// Whether anything stands here yet.
-    begun: bool,
+    pub(super) begun: bool,
     /// Whether the last operator was `^`: a second one would read one way here and another elsewhere.
     power: bool,
     /// Whether the operand just read is a number with its own minus: `2*-3^2` would have two readings.
@@ -63,12 +37,12 @@ struct Level {
 }
 
 /// One pass through the characters of an expression.
-struct Pass<'a> {
-    characters: Vec<char>,
-    at: usize,
-    parameters: &'a [String],
+pub(super) struct Pass<'a> {
+    pub(super) characters: Vec<char>,
+    pub(super) at: usize,
+    pub(super) parameters: &'a [String],
     levels: Vec<Level>,
-    out: String,
+    pub(super) out: String,
 }
 
 /// The expression as `exmex` is to read it.
@@ -105,11 +79,12 @@ pub(super) fn shown(text: &str) -> String {
     if text.chars().nth(SHOWN).is_some() { start + "..." } else { start }
 }
 
-struct Fault {
+/// What is not allowed, and where.
+pub(super) struct Fault {
     /// From 1, in characters.
-    column: usize,
-    found: String,
-    allowed: String,
+    pub(super) column: usize,
+    pub(super) found: String,
+    pub(super) allowed: String,
 }
 
 impl Pass<'_> {
@@ -224,7 +199,8 @@ impl Pass<'_> {
         Err(Fault { column, found: "a power with two readings".into(), allowed: allowed.into() })
     }
 
-    fn open(&mut self) -> Result<(), Fault> {
+    /// An opening parenthesis.
+    pub(super) fn open(&mut self) -> Result<(), Fault> {
         if self.levels.len() > DEEPEST {
             return Err(Fault {
                 column: self.at + 1,
@@ -237,90 +213,6 @@ impl Pass<'_> {
         self.levels.push(Level { column: self.at, ..Level::default() });
         self.out.push('(');
         Ok(())
-    }
-
-    /// Digits with at most one point and an exponent, not followed by a letter.
-    fn number(&mut self) -> Result<f64, Fault> {
-        self.level().begun = true;
-        let start = self.at;
-        let digits = |pass: &mut Self| {
-            let from = pass.at;
-            while pass.characters.get(pass.at).is_some_and(char::is_ascii_digit) {
-                pass.at += 1;
-            }
-            pass.at > from
-        };
-        let mut complete = digits(self);
-        if self.characters.get(self.at) == Some(&'.') {
-            self.at += 1;
-            complete |= digits(self);
-        }
-        if complete && matches!(self.characters.get(self.at), Some('e' | 'E')) {
-            self.at += 1;
-            if matches!(self.characters.get(self.at), Some('+' | '-')) {
-                self.at += 1;
-            }
-            complete = digits(self);
-        }
-        let joined = self.characters.get(self.at).is_some_and(|c| continues_name(*c) || *c == '.');
-        let text: String = self.characters[start..self.at].iter().collect();
-        let fault = |found| Fault {
-            column: start + 1,
-            found,
-            allowed: "numbers as 2, 0.5 or 1e-3, with * before a name".into(),
-        };
-        match text.parse::<f64>() {
-            Ok(value) if complete && !joined && value.is_finite() => Ok(value),
-            Ok(_) if complete && !joined => Err(fault(format!("{} is too large", shown(&text)))),
-            _ => {
-                let rest = self.characters[self.at..].iter().take_while(|c| continues_name(**c) || **c == '.');
-                Err(fault(format!("{:?} is no number", shown(&(text + &rest.collect::<String>())))))
-            }
-        }
-    }
-
-    /// A parameter or constant (`true`), or a function with its parenthesis (`false`).
-    fn name(&mut self) -> Result<bool, Fault> {
-        self.level().begun = true;
-        let start = self.at;
-        while self.characters.get(self.at).is_some_and(|c| continues_name(*c)) {
-            self.at += 1;
-        }
-        let name: String = self.characters[start..self.at].iter().collect();
-        if is_function(&name) {
-            self.out += &name;
-            self.skip_spaces();
-            return match self.characters.get(self.at) {
-                Some('(') => self.open().map(|()| false),
-                _ => Err(Fault {
-                    column: self.at + 1,
-                    found: format!("the function {name} without an argument"),
-                    allowed: format!("parentheses, as in {name}(w)"),
-                }),
-            };
-        }
-        if let Some(value) = constant(&name) {
-            self.out += &value.to_string();
-        } else if self.parameters.contains(&name) {
-            self.out += &format!("{{{name}}}");
-        } else {
-            return Err(Fault {
-                column: start + 1,
-                found: format!("unknown name {:?}", shown(&name)),
-                allowed: format!("{}; {}", self.known_parameters(), known_functions()),
-            });
-        }
-        Ok(true)
-    }
-
-    fn known_parameters(&self) -> String {
-        /// Parameters that a message lists.
-        const LISTED: usize = 12;
-        match self.parameters {
-            [] => "no parameter is declared".into(),
-            all if all.len() > LISTED => format!("the parameters {}, ...", all[..LISTED].join(", ")),
-            all => format!("the parameters {}", all.join(", ")),
-        }
     }
 
     fn next_character(&mut self, allowed: &str) -> Result<char, Fault> {
@@ -340,23 +232,18 @@ impl Pass<'_> {
         Fault { column: self.at + 1, found, allowed: allowed.into() }
     }
 
-    fn skip_spaces(&mut self) {
+    pub(super) fn skip_spaces(&mut self) {
         while self.characters.get(self.at).is_some_and(|c| c.is_ascii_whitespace()) {
             self.at += 1;
         }
     }
 
     /// The innermost level; there is always the outermost one.
-    fn level(&mut self) -> &mut Level {
+    pub(super) fn level(&mut self) -> &mut Level {
         if self.levels.is_empty() {
             self.levels.push(Level::default());
         }
         let last = self.levels.len() - 1;
         &mut self.levels[last]
     }
-}
-
-fn known_functions() -> String {
-    let names: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
-    format!("the functions {}; pi", names.join(" "))
 }

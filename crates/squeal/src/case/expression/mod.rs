@@ -9,11 +9,12 @@
 
 mod dual;
 mod grammar;
+mod operands;
 
 use exmex::{Express, FlatEx};
 
 use dual::{Dual, Operators};
-pub use grammar::is_parameter_name;
+pub use operands::is_parameter_name;
 
 /// What can be wrong with an expression, each in one line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

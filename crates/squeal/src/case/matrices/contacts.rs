@@ -39,7 +39,7 @@ pub(super) fn channels_with_gains(
                 return Err(check.value(&format!("contacts {name:?}"), "neither mu nor slope", "one of them, or both"));
             }
             (true, Some(_), _) => {
-                let allowed = "the normal force that mu multiplies, as { y = -11.0 }";
+                let allowed = "the normal force that mu multiplies, as { y = 11.0 }";
                 return Err(check.value(&field("contacts", &name, "reading"), "{}", allowed));
             }
             (false, None, _) => {
