@@ -73,7 +73,7 @@ impl Check<'_> {
     /// The matrices of a table that make no system.
     pub fn system(&self, field: &str) -> impl Fn(linsys::LinsysError) -> CaseError + use<> {
         let (path, field) = (self.path.to_owned(), field.to_owned());
-        move |source| CaseError::System { path: path.clone(), field: field.clone(), source }
+        move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
     /// A number that is neither infinite nor NaN.

@@ -43,7 +43,7 @@ pub enum CaseError {
         /// The field, as `table "name".key`.
         field: String,
         /// What is wrong with it.
-        source: super::ExpressionError,
+        source: Box<super::ExpressionError>,
     },
     /// A file with a matrix that cannot be opened.
     #[error("{}: {field} = {:?}: cannot be read: {source}; allowed: a Matrix Market file, its path from the folder of the \
@@ -68,7 +68,7 @@ pub enum CaseError {
         /// The file with the matrix, as the case names it.
         file: PathBuf,
         /// What is wrong, with the line.
-        source: linsys::LinsysError,
+        source: Box<linsys::LinsysError>,
     },
     /// Matrices that make no system together.
     #[error("{}: {field}: {source}", path.display())]
@@ -78,7 +78,7 @@ pub enum CaseError {
         /// The table, as `terms "name"`.
         field: String,
         /// What is wrong.
-        source: linsys::LinsysError,
+        source: Box<linsys::LinsysError>,
     },
     /// The lattice refuses its parameters, an arrangement or a constraint.
     #[error("{}: {table}: {source}", path.display())]

@@ -103,7 +103,8 @@ impl MatricesCase {
     /// An expression whose value is not a finite number, named by its field.
     pub fn operating_point(&self, values: &[f64]) -> Result<OperatingPoint, CaseError> {
         let evaluated = |expression: &Expression, field: &dyn Fn() -> String| {
-            let named = |source| CaseError::Expression { path: self.path.clone(), field: field(), source };
+            let named =
+                |source| CaseError::Expression { path: self.path.clone(), field: field(), source: Box::new(source) };
             expression.value(values).map_err(named)
         };
         let terms = self.system.terms().iter().zip(&self.coefficients);

@@ -61,7 +61,7 @@ fn load(
                     path,
                     field: named,
                     file,
-                    source,
+                    source: Box::new(source),
                 })?,
             }
         }

@@ -1,12 +1,13 @@
-//! The minimal models in `cases/` are what their comments say: Hoffmann's onset of flutter, and the mechanics of the wobbling
-//! disc.
+//! The brakes in `cases/` that are given by their matrices are what their comments say: Hoffmann's onset of flutter, the
+//! mechanics of the wobbling disc, the published matrices of disk_brake100.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::Path;
 
 use approx::assert_relative_eq;
 use cea::{Workspace, general};
 use linsys::SecondOrder;
-use nalgebra::{Matrix2, Vector2, Vector3, dmatrix};
+use nalgebra::{DMatrix, Matrix2, Vector2, Vector3, dmatrix};
 use squeal::case::{CaseFile, MatricesCase};
 
 fn case(name: &str) -> MatricesCase {
@@ -99,4 +100,26 @@ fn the_wobbling_disc_is_the_linearisation_of_its_mechanics() {
             assert_relative_eq!(system.m[(dof, dof)], INERTIA);
         }
     }
+}
+
+fn published(matrix: &str) -> DMatrix<f64> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/hard/disk_brake100_w4pi").join(matrix);
+    linsys::read_market(&std::fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn the_components_of_disk_brake100_make_the_published_matrices() {
+    let case = case("disk-brake100.toml");
+    let system = system(&case, |name| match name {
+        "w" => 4.0 * std::f64::consts::PI,
+        "friction" => 1.0,
+        other => panic!("{other}"),
+    });
+    for (ours, file) in [(&system.m, "M.mtx"), (&system.c, "C.mtx"), (&system.k, "K.mtx")] {
+        let theirs = published(file);
+        let rounding = 2.0 * f64::EPSILON * theirs.amax();
+        assert!((ours - &theirs).amax() <= rounding, "{file}: {:e}", (ours - &theirs).amax());
+    }
+    assert_eq!(case.system.families(), ["structure", "dashpots", "gyroscopic", "friction"]);
+    assert_eq!(case.bodies.iter().map(|body| body.dofs.len()).sum::<usize>(), 100);
 }
