@@ -4,7 +4,7 @@ use std::path::Path;
 
 use osc_model::OscModelError;
 
-use super::{Case, CaseError};
+use super::{CaseError, LatticeCase};
 
 /// Makes errors that name the file.
 pub(super) struct Check<'a> {
@@ -64,8 +64,8 @@ impl Check<'_> {
 
     /// The number of samples of a study.
     pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
-        if !(1..=Case::MOST_SAMPLES).contains(&samples) {
-            return Err(self.value("study.samples", samples, &format!("1 to {}", Case::MOST_SAMPLES)));
+        if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
+            return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
         }
         Ok(())
     }

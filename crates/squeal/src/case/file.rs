@@ -5,13 +5,13 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::{Check, syntax};
-use super::{Case, CaseError, MatricesCase};
+use super::{CaseError, LatticeCase, MatricesCase};
 
 /// A case file, by the kind of its brake.
 #[derive(Debug, Clone)]
 pub enum CaseFile {
     /// A lattice of oscillators, `[brake] kind = "lattice"` or a table `[lattice]` alone.
-    Lattice(Box<Case>),
+    Lattice(Box<LatticeCase>),
     /// A brake given by its matrices, `[brake] kind = "matrices"`.
     Matrices(Box<MatricesCase>),
 }
@@ -52,7 +52,9 @@ impl CaseFile {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let kinds: Kinds = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         match (kinds.brake.and_then(|brake| brake.kind), kinds.lattice) {
-            (Some(Kind::Lattice), _) | (None, Some(_)) => Case::parse(path, text).map(Box::new).map(Self::Lattice),
+            (Some(Kind::Lattice), _) | (None, Some(_)) => {
+                LatticeCase::parse(path, text).map(Box::new).map(Self::Lattice)
+            }
             (Some(Kind::Matrices), _) => MatricesCase::parse(path, text).map(Box::new).map(Self::Matrices),
             (None, None) => Err(Check { path }.value("brake.kind", "missing", "\"lattice\" or \"matrices\"")),
         }

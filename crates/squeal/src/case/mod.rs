@@ -16,6 +16,6 @@ pub use distribution::Distribution;
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
-pub use matrices::{Body, Contact, FixedDofs, MatricesCase, Parameter};
+pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use schema::{Draws, Labels, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

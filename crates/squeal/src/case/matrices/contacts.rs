@@ -6,7 +6,7 @@ use linsys::Channel;
 
 use super::dofs::DofNames;
 use super::formulas::Formulas;
-use super::{Contact, schema};
+use super::{GainExpressions, schema};
 use crate::case::CaseError;
 use crate::case::check::{Check, field};
 
@@ -19,7 +19,7 @@ pub(super) fn channels_with_gains(
     formulas: &mut Formulas<'_>,
     dofs: &DofNames<'_>,
     given: Vec<schema::Contact>,
-) -> Result<(Vec<Channel>, Vec<Contact>), CaseError> {
+) -> Result<(Vec<Channel>, Vec<GainExpressions>), CaseError> {
     check.names("contacts.name", given.iter().map(|contact| &contact.name))?;
     check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
     let (mut channels, mut gains) = (Vec::new(), Vec::new());
@@ -48,7 +48,7 @@ pub(super) fn channels_with_gains(
             }
             _ => {}
         }
-        gains.push(Contact {
+        gains.push(GainExpressions {
             mu: formulas.expression(&field("contacts", &name, "mu"), mu, 0.0)?,
             slope: formulas.expression(&field("contacts", &name, "slope"), slope, 0.0)?,
         });

@@ -1,6 +1,7 @@
 //! A brake given by its matrices: terms with coefficients that are expressions in named, drawn parameters, and friction
 //! channels.
 
+mod brake;
 mod contacts;
 mod dofs;
 mod formulas;
@@ -38,9 +39,9 @@ pub struct MatricesCase {
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
     /// What friction is at each contact, in the order of the channels.
-    pub contacts: Vec<Contact>,
+    pub gains: Vec<GainExpressions>,
     /// Groups of degrees of freedom; each degree of freedom is in one.
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<BodyDofs>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
 }
@@ -58,16 +59,16 @@ pub struct Parameter {
 
 /// What friction is at one contact.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Contact {
+pub struct GainExpressions {
     /// The coefficient of friction.
     pub mu: Expression,
     /// Normal load times the slope of the coefficient over the sliding velocity, Ns/m.
     pub slope: Expression,
 }
 
-/// A group of degrees of freedom.
+/// A body as a group of degrees of freedom.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Body {
+pub struct BodyDofs {
     /// Its name.
     pub name: String,
     /// Its degrees of freedom, from 0.
@@ -110,9 +111,9 @@ impl MatricesCase {
         let terms = self.system.terms().iter().zip(&self.coefficients);
         let coefficients =
             terms.map(|(term, coefficient)| evaluated(coefficient, &|| field("terms", &term.name, "coefficient")));
-        let channels = self.system.channels().iter().zip(&self.contacts).map(|(channel, contact)| {
-            let mu = evaluated(&contact.mu, &|| field("contacts", &channel.name, "mu"))?;
-            let slope = evaluated(&contact.slope, &|| field("contacts", &channel.name, "slope"))?;
+        let channels = self.system.channels().iter().zip(&self.gains).map(|(channel, gain)| {
+            let mu = evaluated(&gain.mu, &|| field("contacts", &channel.name, "mu"))?;
+            let slope = evaluated(&gain.slope, &|| field("contacts", &channel.name, "slope"))?;
             Ok(ChannelGain { slope, ..ChannelGain::proportional(mu) })
         });
         Ok(OperatingPoint {
@@ -124,9 +125,9 @@ impl MatricesCase {
     /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
     /// computed from, matrices in other files included.
     pub fn identity(&self) -> String {
-        let Self { parameters, dofs, system, coefficients, contacts, bodies, constraints, .. } = self;
+        let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
         let content =
-            format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contacts:?} {bodies:?} {constraints:?}");
+            format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {gains:?} {bodies:?} {constraints:?}");
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

@@ -10,7 +10,7 @@ use super::dofs::DofNames;
 use super::formulas::Formulas;
 use super::schema::{self, File};
 use super::terms::terms_with_coefficients;
-use super::{Body, FixedDofs, MatricesCase, Parameter};
+use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
 use crate::case::{CaseError, is_parameter_name};
 
@@ -29,7 +29,7 @@ impl MatricesCase {
         let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
         let dofs = DofNames::new(&check, brake.dofs, order)?;
-        let (channels, contacts) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
+        let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         formulas.all_used()?;
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let case = Self {
@@ -40,7 +40,7 @@ impl MatricesCase {
             seed: study.seed,
             system,
             coefficients,
-            contacts,
+            gains,
             bodies: groups(&check, &dofs, bodies)?,
             constraints: constraint_sets(&check, &dofs, constraints)?,
             dofs: dofs.into_names(),
@@ -66,13 +66,13 @@ fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::Parameter>) -> Resul
     given.into_iter().map(checked).collect()
 }
 
-fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> Result<Vec<Body>, CaseError> {
+fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> Result<Vec<BodyDofs>, CaseError> {
     if given.is_empty() {
-        return Ok(vec![Body { name: "brake".into(), dofs: (0..dofs.order()).collect() }]);
+        return Ok(vec![BodyDofs { name: "brake".into(), dofs: (0..dofs.order()).collect() }]);
     }
     check.names("bodies.name", given.iter().map(|body| &body.name))?;
     let mut owners: Vec<Option<usize>> = vec![None; dofs.order()];
-    let mut bodies: Vec<Body> = Vec::new();
+    let mut bodies: Vec<BodyDofs> = Vec::new();
     for schema::Body { name, dofs: listed } in given {
         let field = field("bodies", &name, "dofs");
         let own = dofs.indices(&field, &listed)?;
@@ -85,7 +85,7 @@ fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> R
                 return Err(check.value(&field, found, "each degree of freedom in one body"));
             }
         }
-        bodies.push(Body { name, dofs: own });
+        bodies.push(BodyDofs { name, dofs: own });
     }
     match owners.iter().position(Option::is_none) {
         None => Ok(bodies),

@@ -64,7 +64,7 @@ fn a_brake_is_what_its_file_says() {
     assert_eq!((names, case.parameters[0].unit.as_str()), (vec!["mu", "w"], "1"));
     assert_eq!(case.medians(), [0.4, 2.0]);
     assert_eq!(case.system.families(), ["friction", "structure", "gyroscopic"]);
-    assert_eq!(case.bodies, [Body { name: "mass".into(), dofs: vec![0, 1] }]);
+    assert_eq!(case.bodies, [BodyDofs { name: "mass".into(), dofs: vec![0, 1] }]);
     assert_eq!(case.constraints[1], FixedDofs { name: "y".into(), fixed: vec![1] });
     let at = case.operating_point(&[0.5, 2.0]).unwrap();
     let system = case.system.assemble(&at).unwrap();
@@ -76,12 +76,28 @@ fn a_brake_is_what_its_file_says() {
 }
 
 #[test]
+fn a_constraint_leaves_degrees_of_freedom_out() {
+    let case = parse(PAD).unwrap();
+    let free = case.brake(&case.constraints[0]).unwrap();
+    assert_eq!((&free.system, free.dofs.free()), (&case.system, &[0, 1][..]));
+    let held = case.brake(&case.constraints[1]).unwrap();
+    assert_eq!(held.dofs.free(), [0]);
+    assert_eq!(held.bodies[0].dofs, [0]);
+    let system = held.system.assemble(&case.operating_point(&case.medians()).unwrap()).unwrap();
+    assert_eq!((system.m, system.c, system.k), (dmatrix![1.0], dmatrix![-0.1], dmatrix![4.0]));
+    let only_x = PAD.replace("\"x-y\"", "\"x\"\n[[bodies]]\nname = \"rest\"\ndofs = \"y\"");
+    let case = parse(&only_x).unwrap();
+    let bodies = case.brake(&case.constraints[1]).unwrap().bodies;
+    assert_eq!((bodies.len(), bodies[0].dofs.len(), bodies[1].dofs.len()), (2, 1, 0));
+}
+
+#[test]
 fn what_is_left_out_has_its_default() {
     let text = "[study]\nname = \"n\"\nsamples = 1\nseed = 0\n[brake]\nkind = \"matrices\"\n[[terms]]\nname = \"all\"\n\
                 mass = [[2.0]]\nstiffness = [[1.0]]\n";
     let case = parse(text).unwrap();
     assert_eq!(case.dofs, ["1"]);
-    assert_eq!(case.bodies, [Body { name: "brake".into(), dofs: vec![0] }]);
+    assert_eq!(case.bodies, [BodyDofs { name: "brake".into(), dofs: vec![0] }]);
     assert_eq!(case.constraints, [FixedDofs { name: "none".into(), fixed: vec![] }]);
     assert_eq!(case.operating_point(&[]).unwrap().coefficients, [1.0]);
     assert_eq!(case.system.terms()[0].family, "all");
