@@ -1,8 +1,12 @@
 //! LatticeCase files: a study as data.
 
 mod alternative;
+mod check;
 mod distribution;
 mod error;
+mod expression;
+mod file;
+mod matrices;
 mod schema;
 mod types;
 mod validate;
@@ -10,5 +14,8 @@ mod validate;
 pub use alternative::Alternative;
 pub use distribution::Distribution;
 pub use error::CaseError;
+pub use expression::{Expression, ExpressionError, is_parameter_name};
+pub use file::CaseFile;
+pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use schema::{Draws, Labels, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};
