@@ -48,7 +48,7 @@ pub fn stages(brake: &LatticeBrake) -> Result<Vec<Stage>, TaskError> {
     let mut tally = Tally::empty(plan);
     timed(&mut tallying, || {
         for ((index, sample), results) in (0..).zip(&samples).zip(&results) {
-            tally.record(&Runs { index, sample, results });
+            tally.record(&Runs::<'_, Study<'_, LatticeBrake>> { index, sample, results });
         }
     });
     let outcomes = results.iter().flatten().flatten();
