@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::distribution::DistributionFault;
+
 /// Errors of this crate. A failed evaluation is not among them: it is counted in [`Failures`](crate::Failures).
 #[derive(Debug, thiserror::Error)]
 pub enum MonteCarloError {
@@ -122,6 +124,9 @@ pub enum MonteCarloError {
         /// Trials.
         trials: u64,
     },
+    /// A distribution whose parameters are not allowed.
+    #[error(transparent)]
+    Distribution(#[from] DistributionFault),
     /// A truncated distribution that almost never reaches its bound.
     #[error("no draw in {attempts} reached {bound}; the distribution lies below its bound")]
     Redraw {

@@ -7,7 +7,6 @@
 
 use cea::Counters;
 
-use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
 use super::{AccuracyError, Crossings, Family};
 use crate::study::{Plan, Reference, Sample};
@@ -33,8 +32,8 @@ pub struct Exact {
 /// # Errors
 /// Those of [`Family::crossings`].
 pub fn exact(plan: &Plan, reference: &Reference, family: &mut Family<'_>) -> Result<Exact, AccuracyError> {
-    let distribution = plan.case.friction.mu;
-    let (from, to) = support(distribution);
+    let distribution = &plan.case.friction.mu;
+    let (from, to) = distribution.support();
     let median = Sample::median(&plan.case).contact(0).mu;
     family.node(median)?;
     let crossings = family.crossings(from, to)?;
@@ -42,7 +41,7 @@ pub fn exact(plan: &Plan, reference: &Reference, family: &mut Family<'_>) -> Res
     ends.extend(crossings.crossings.iter().map(|c| c.mu));
     ends.push(to);
     let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
-    let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
+    let probability = |a: f64, b: f64| distribution.cumulative(b) - distribution.cumulative(a);
     let roots = crossings.crossings.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
     let unresolved = crossings.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();

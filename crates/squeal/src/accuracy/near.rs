@@ -9,7 +9,6 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex;
 
-use super::distribution::quantile;
 use super::{AccuracyError, Exact, Family};
 use crate::study::{Plan, Reference, Sample};
 
@@ -30,9 +29,9 @@ pub(super) fn near_coalescence(
     exact: &Exact,
     family: &mut Family<'_>,
 ) -> Result<BTreeSet<u16>, AccuracyError> {
-    let distribution = plan.case.friction.mu;
+    let distribution = &plan.case.friction.mu;
     let median = Sample::median(&plan.case).contact(0).mu;
-    let ends = [0.5 * (1.0 - CENTRAL), 0.5 * (1.0 + CENTRAL)].map(|u| quantile(distribution, u));
+    let ends = [0.5 * (1.0 - CENTRAL), 0.5 * (1.0 + CENTRAL)].map(|u| distribution.quantile(u));
     let widest = (ends[1] - median).max(median - ends[0]);
     let mut near = BTreeSet::new();
     for (index, names) in reference.names.iter().enumerate() {

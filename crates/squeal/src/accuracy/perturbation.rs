@@ -14,7 +14,6 @@ use cea::Workspace;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 
-use super::distribution::support;
 use super::integral::{Integral, integrate};
 use super::refine::transposed;
 use super::{AccuracyError, Family};
@@ -109,8 +108,8 @@ pub fn perturbation(
     family: &mut Family<'_>,
     order: TaylorOrder,
 ) -> Result<Integral, AccuracyError> {
-    let distribution = plan.case.friction.mu;
-    let (from, to) = support(distribution);
+    let distribution = &plan.case.friction.mu;
+    let (from, to) = distribution.support();
     let median = Sample::median(&plan.case).contact(0).mu;
     let lambdas = family.lambdas(median)?.to_vec();
     let curvature = if order == TaylorOrder::First { 0.0 } else { 0.5 };

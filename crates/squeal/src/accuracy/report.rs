@@ -10,7 +10,7 @@ use super::compare::{Estimators, RouteRow, compare_estimators, compare_routes};
 use super::hard::judge_folder;
 use super::tenth::{self, TenthRow, time_to_a_tenth};
 use super::worst::{GENERAL, HardCase, HardResult, Judged, STANDARD, approach, extremes, onset};
-use super::{AccuracyError, Family, exact, exceptional_point, support};
+use super::{AccuracyError, Family, exact, exceptional_point};
 use crate::case::{Case, Law};
 use crate::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use crate::output::{make_folder, write};
@@ -87,7 +87,7 @@ pub fn accuracy(case: &Case, hard: &Path, effort: &Effort) -> Result<AccuracyRep
         return Err(AccuracyError::NotOneParameter { needed: "scenes of both laws", found: "none".into() });
     };
 
-    let (from, to) = support(case.friction.mu);
+    let (from, to) = case.friction.mu.support();
     let mut undamped = Family::new(&plan, &plan.scenes[0], &QrSolver)?;
     let mut system = |mu: f64| {
         let mut system = undamped.system(mu).clone();

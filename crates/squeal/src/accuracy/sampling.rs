@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use cea::Counters;
 use montecarlo::{Confidence, Experiment as _, wilson};
 
-use super::distribution::quantile;
 use super::{AccuracyError, Occurrence};
 use crate::case::{Case, Law};
 use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
@@ -131,19 +130,19 @@ pub(super) fn sobol_sample(case: &Case, law: Law, index: u32, seed: u32) -> Samp
     // 24 bits in [0, 1); the middle of each step, for the quantiles at 0 and 1 are infinite.
     let u = |dimension: u32| f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25);
     if law == Law::AmontonsCoulomb {
-        draw.mu = quantile(from.mu, u(0));
+        draw.mu = from.mu.quantile(u(0));
         return Sample::shared(draw, u(1));
     }
-    draw.mu_k = quantile(from.mu_k, u(0));
-    draw.mu_s = quantile(from.mu_s, u(2)).max(draw.mu_k);
-    draw.lateral_mu = quantile(from.mu, u(3));
+    draw.mu_k = from.mu_k.quantile(u(0));
+    draw.mu_s = from.mu_s.quantile(u(2)).max(draw.mu_k);
+    draw.lateral_mu = from.mu.quantile(u(3));
     if law == Law::VelocityDependent {
-        draw.alpha = quantile(from.alpha, u(4));
+        draw.alpha = from.alpha.quantile(u(4));
     } else {
-        draw.v_s = quantile(from.v_s, u(5));
-        draw.sigma0 = quantile(from.sigma0, u(6));
-        draw.sigma1 = quantile(from.sigma1, u(7));
-        draw.sigma2 = quantile(from.sigma2, u(8));
+        draw.v_s = from.v_s.quantile(u(5));
+        draw.sigma0 = from.sigma0.quantile(u(6));
+        draw.sigma1 = from.sigma1.quantile(u(7));
+        draw.sigma2 = from.sigma2.quantile(u(8));
     }
     Sample::shared(draw, u(1))
 }
