@@ -67,6 +67,11 @@ pub struct Proportion {
 }
 
 impl Proportion {
+    /// Of counts whose hits, certain and ambiguous, are of different trials.
+    pub(crate) fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
+        Self { hits, ambiguous, trials }
+    }
+
     /// Enters one trial.
     pub fn record(&mut self, trial: Trial) {
         self.trials += 1;

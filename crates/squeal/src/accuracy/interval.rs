@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use friction::Tangent;
-use montecarlo::Confidence;
+use montecarlo::{Confidence, ReplicateMean};
 
 use super::draws::FrictionPoints;
 use super::stratum::Stratum;
@@ -64,12 +64,9 @@ impl Guessed {
     }
 }
 
-/// Mean and its standard error.
+/// Mean over the scramblings and its standard error; of a single one the error is not known.
 fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let count = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean, (variance / count).sqrt())
+    ReplicateMean::of(values).map_or((f64::NAN, f64::INFINITY), |mean| (mean.mean, mean.standard_error))
 }
 
 /// The occurrences, with the error probabilities of the clear samples and of Student's t. In the first look one limit of
