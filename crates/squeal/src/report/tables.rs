@@ -39,7 +39,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         let (number, arrangements) = &case.panels[key.panel];
         for (name, occurrences) in results.occurrences(panel) {
             for occurrence in occurrences {
-                let estimate = occurrence.estimate()?;
+                let estimate = occurrence.estimate();
                 rows.push(vec![
                     case.constraints[key.constraints].name.clone(),
                     key.law.to_string(),
@@ -47,9 +47,9 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
                     number.to_string(),
                     arrangements[occurrence.arrangement].to_string(),
                     name.to_string(),
-                    occurrence.solved.to_string(),
-                    occurrence.hits.sure.to_string(),
-                    occurrence.hits.open.to_string(),
+                    occurrence.proportion.trials().to_string(),
+                    occurrence.proportion.hits().to_string(),
+                    occurrence.proportion.ambiguous().to_string(),
                     estimate.value.to_string(),
                     estimate.lower.to_string(),
                     estimate.upper.to_string(),

@@ -27,4 +27,4 @@ pub(crate) use near::NearAxis;
 pub use reference::Reference;
 pub use scene::{Plan, Scene, SceneKey, sliding};
 pub(crate) use tally::unstable_names;
-pub use tally::{Hits, SceneTally, Tally};
+pub use tally::{SceneTally, Tally};
