@@ -84,6 +84,19 @@ pub enum MonteCarloError {
         /// The value in the file.
         found: String,
     },
+    /// A checkpoint holds more samples than the run shall have.
+    #[error(
+        "checkpoint {} holds {found} samples already; samples = {wanted}; allowed: {found} or more, or another folder",
+        path.display()
+    )]
+    CheckpointLonger {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Samples in the file.
+        found: u64,
+        /// Samples asked for.
+        wanted: u64,
+    },
     /// A tally that does not survive being written and read, for example because it holds an infinite float.
     #[error("the tally cannot be stored in checkpoint {}: {source}", path.display())]
     NotStorable {
