@@ -7,6 +7,7 @@ use crate::distribution::DistributionFault;
 
 /// Errors of this crate. A failed evaluation is not among them: it is counted in [`Failures`](crate::Failures).
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MonteCarloError {
     /// The sampling, or the experiment, has none of something it needs.
     #[error("the number of {what} is 0; at least 1 is needed")]
@@ -152,6 +153,7 @@ pub enum MonteCarloError {
 
 /// What is wrong with a checkpoint file.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Damage {
     /// The first line is not that of a checkpoint.
     #[error("it does not begin with the header of a checkpoint")]

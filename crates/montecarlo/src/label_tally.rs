@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
-use crate::experiment::Merge;
+use crate::experiment::{Experiment, Merge, Runs, Tally};
 use crate::proportion::{Proportion, Trial};
 
 /// The labels that occur in one trial, from the candidate labels of each thing found in it: [`Trial::Yes`] where a label
@@ -99,11 +100,13 @@ impl<L: Ord + Clone> LabelTally<L> {
 
 impl<L: Ord> LabelTally<L> {
     /// All trials.
+    #[must_use]
     pub fn trials(&self) -> u64 {
         self.trials
     }
 
     /// Of one label; a label that never occurs has no hits.
+    #[must_use]
     pub fn proportion(&self, label: &L) -> Proportion {
         self.of_hits(self.labels.get(label).copied().unwrap_or_default())
     }
@@ -114,12 +117,29 @@ impl<L: Ord> LabelTally<L> {
     }
 
     /// A confidence interval for the probability of a label, as [`Proportion::interval`].
+    #[must_use]
     pub fn interval(&self, label: &L, confidence: Confidence) -> Interval {
         self.proportion(label).interval(confidence)
     }
 
     fn of_hits(&self, hits: Hits) -> Proportion {
         Proportion::of_counts(hits.certain, hits.ambiguous, self.trials)
+    }
+}
+
+/// One tally per scene, of experiments whose outcome is the candidate labels of each thing that was found.
+impl<L, E> Tally<E> for Vec<LabelTally<L>>
+where
+    L: Ord + Clone + Serialize + DeserializeOwned + Send,
+    E: Experiment<Outcome = Vec<Vec<L>>>,
+{
+    fn record(&mut self, runs: &Runs<'_, E>) {
+        self.resize_with(runs.results.len(), LabelTally::default);
+        for (tally, result) in self.iter_mut().zip(runs.results) {
+            if let Ok(candidates) = result {
+                tally.record(candidates);
+            }
+        }
     }
 }
 

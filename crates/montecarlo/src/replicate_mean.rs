@@ -24,6 +24,7 @@ pub struct ReplicateMean {
 
 impl ReplicateMean {
     /// The mean of two replicates or more; `None` of fewer, whose scatter is not known.
+    #[must_use]
     pub fn of(replicates: impl IntoIterator<Item = f64, IntoIter: Clone>) -> Option<Self> {
         let values = replicates.into_iter();
         let replicates = values.clone().count() as u64;

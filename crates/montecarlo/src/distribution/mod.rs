@@ -25,8 +25,8 @@ use quantile_table::interpolate;
 /// assert!(friction.draw(&mut stream(1, 0))? >= 0.02);
 /// assert!((friction.cumulative(friction.quantile(0.9)) - 0.9).abs() < 1e-10);
 ///
-/// let measured = Distribution::Quantiles { probabilities: vec![0.0, 0.5, 1.0], values: vec![0.3, 0.4, 0.8] };
-/// assert_eq!(measured.quantile(0.75), 0.6);
+/// let measured = Distribution::Quantiles { probabilities: vec![0.0, 0.5, 1.0], values: vec![0.25, 0.5, 1.0] };
+/// assert_eq!(measured.quantile(0.75), 0.75);
 ///
 /// let slip = Distribution::Uniform { from: 2.0, to: 1.0 }.check().unwrap_err();
 /// assert_eq!(slip.to_string(), "to = 1; allowed: at least from = 2");
@@ -34,6 +34,7 @@ use quantile_table::interpolate;
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "distribution", rename_all = "kebab-case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Distribution {
     /// Always this.
     Constant {
@@ -119,6 +120,7 @@ impl Distribution {
 
     /// The median; but of a normal distribution with no bound above, its mean. That is the median without the bound below,
     /// which is there to keep a coefficient positive and takes next to nothing away.
+    #[must_use]
     pub fn median(&self) -> f64 {
         match *self {
             Self::Constant { value } => value,
@@ -130,6 +132,7 @@ impl Distribution {
     }
 
     /// The smallest value that can be drawn, and the key that sets it; `None` for any value > 0.
+    #[must_use]
     pub fn least(&self) -> Option<(&'static str, f64)> {
         match *self {
             Self::Constant { value } => Some(("value", value)),
@@ -141,6 +144,7 @@ impl Distribution {
     }
 
     /// The distribution function, P(X <= x).
+    #[must_use]
     pub fn cumulative(&self, x: f64) -> f64 {
         match *self {
             Self::Constant { value } => f64::from(x >= value),
@@ -164,6 +168,7 @@ impl Distribution {
     }
 
     /// The value below which the part `u` of the probability lies, 0 < u < 1.
+    #[must_use]
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Constant { value } => value,
@@ -180,6 +185,7 @@ impl Distribution {
     }
 
     /// The interval outside of which less than 2e-12 of the probability lies.
+    #[must_use]
     pub fn support(&self) -> (f64, f64) {
         match *self {
             Self::Constant { value } => (value, value),
