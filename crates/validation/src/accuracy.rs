@@ -5,7 +5,7 @@ use std::path::Path;
 use cea::{BatchSolver, QrSolver};
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
-use squeal::estimators::{OneParameterFamily, exact, support};
+use squeal::estimators::{OneParameterFamily, exact};
 use squeal::study::{Scene, Study, UncertainBrake};
 
 use crate::ValidationError;
@@ -82,7 +82,7 @@ pub fn accuracy(case: &LatticeCase, nlevp: &Path, effort: &Effort) -> Result<Acc
     };
     let (coulomb, lugre) = (scene_of(Law::AmontonsCoulomb)?, scene_of(Law::LuGre)?);
 
-    let (from, to) = support(case.friction.mu);
+    let (from, to) = case.friction.mu.support();
     let mut undamped = OneParameterFamily::new(&brake, &plan.scenes[0], &QrSolver)?;
     let mut system = |mu: f64| {
         let mut system = undamped.system(mu).clone();

@@ -8,7 +8,6 @@
 use std::collections::BTreeSet;
 
 use num_complex::Complex;
-use squeal::estimators::quantile;
 use squeal::estimators::{Exact, OneParameterFamily};
 use squeal::study::Reference;
 
@@ -32,8 +31,7 @@ pub(crate) fn near_coalescence(
 ) -> Result<BTreeSet<u16>, ValidationError> {
     let distribution = family.distribution();
     let median = distribution.median();
-    let ends =
-        [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| quantile(distribution, u));
+    let ends = [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| distribution.quantile(u));
     let widest = (ends[1] - median).max(median - ends[0]);
     let mut near = BTreeSet::new();
     for (index, names) in reference.names.iter().enumerate() {

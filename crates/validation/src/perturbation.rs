@@ -14,7 +14,6 @@ use cea::Workspace;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 use squeal::estimators::OneParameterFamily;
-use squeal::estimators::support;
 use squeal::estimators::{Integral, integrate};
 use squeal::study::Reference;
 
@@ -118,7 +117,7 @@ pub fn perturbation(
     order: TaylorOrder,
 ) -> Result<Integral, ValidationError> {
     let distribution = family.distribution();
-    let (from, to) = support(distribution);
+    let (from, to) = distribution.support();
     let median = distribution.median();
     let lambdas = family.lambdas(median)?.to_vec();
     let curvature = if order == TaylorOrder::First { 0.0 } else { 0.5 };
@@ -138,7 +137,7 @@ pub fn perturbation(
     ends.retain(|&mu| from < mu && mu < to);
     ends.extend([from, to]);
     ends.sort_by(f64::total_cmp);
-    Ok(integrate(distribution, &ends, |mu| {
+    Ok(integrate(&distribution, &ends, |mu| {
         let d = mu - median;
         let is_unstable = |p: &[f64; 3]| p[0] + d * (p[1] + d * p[2]) > 0.0;
         Ok((0..parts.len()).filter(|&i| is_unstable(&parts[i])).map(|i| reference.names[i].clone()).collect())

@@ -277,7 +277,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<Sp
 }
 
 fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<FrictionDistributions, CaseError> {
-    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
+    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = &friction;
     let all = [
         ("mu", mu, false),
         ("mu_s", mu_s, true),
@@ -289,10 +289,10 @@ fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<F
         ("sigma2", sigma2, false),
     ];
     for (name, distribution, positive) in all {
-        if let Some((key, value, allowed)) = distribution.fault() {
-            return Err(check.value(&format!("friction.{name}.{key}"), value, &allowed));
-        }
-        // A log-normal has no least value: all of its values are > 0.
+        distribution
+            .check()
+            .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+        // None: all of its values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };

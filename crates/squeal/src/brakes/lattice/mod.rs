@@ -15,7 +15,7 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Distribution, Draws, LatticeCase, Law};
 use crate::study::{
-    StudySource, Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
     UncertainBrake,
 };
 

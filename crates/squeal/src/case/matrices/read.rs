@@ -58,9 +58,9 @@ fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::Parameter>) -> Resul
             let allowed = "a letter or _, then letters, digits and _, no function and not pi";
             return Err(check.value("parameters", format!("{name:?}"), allowed));
         }
-        if let Some((key, value, allowed)) = distribution.fault() {
-            return Err(check.value(&format!("parameters.{name}.{key}"), value, &allowed));
-        }
+        distribution
+            .check()
+            .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
         Ok(Parameter { name, unit, distribution })
     };
     given.into_iter().map(checked).collect()
