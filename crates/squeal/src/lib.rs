@@ -57,7 +57,7 @@ pub mod study;
 
 pub use error::Error;
 pub use run::{estimate, fingerprint, run_study};
-pub use {cea, friction, linsys, montecarlo, osc_model, work};
+pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -9,6 +9,8 @@ use crate::report::{Claim, Results, claims, claims_markdown, draw_occurrence};
 use crate::study::UncertainBrake;
 use crate::{Error, run_study};
 
+/// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
+const SUMMARISED_PANELS: usize = 4;
 /// More worker threads than any machine has cores for.
 const MOST_THREADS: usize = 1024;
 
@@ -81,10 +83,13 @@ impl RunArgs {
         claims: &(dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
         out: &mut dyn Write,
     ) -> Result<(), Error> {
-        let mut scorecard = Vec::new();
+        let (mut scorecard, mut summary) = (Vec::new(), String::new());
         let manifest = run_study(brake, &self.out, self.threads, &mut |results, dir| {
             draw_occurrence(results, dir)?;
             scorecard = claims(results)?;
+            if results.panels().len() <= SUMMARISED_PANELS {
+                summary = results.text()?;
+            }
             Ok(())
         })?;
         let failed = |source| Error::Write { path: "standard output".into(), source };
@@ -93,7 +98,7 @@ impl RunArgs {
         }
         writeln!(
             out,
-            "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
+            "{summary}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
             manifest.analyses,
             manifest.solved,
             manifest.certified,

@@ -5,6 +5,7 @@ mod manifest;
 mod paper;
 mod pictures;
 mod results;
+mod summary;
 mod tables;
 
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
