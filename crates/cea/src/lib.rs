@@ -4,6 +4,7 @@
 //! This crate never sees a lattice, a friction law or a random number.
 
 mod batch;
+mod census;
 mod error;
 mod francis;
 mod gain;
@@ -25,6 +26,7 @@ mod vectors;
 mod walk;
 
 pub use batch::BatchSolver;
+pub use census::{Judged, StabilityCensus, stability_census};
 pub use error::CeaError;
 pub use gain::{Channels, peak_gain};
 #[cfg(feature = "lapack")]
