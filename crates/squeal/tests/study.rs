@@ -6,7 +6,7 @@ mod common;
 
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
-use montecarlo::{Study as _, stream};
+use montecarlo::{Experiment as _, stream};
 use osc_model::Linearise;
 use squeal::case::{Case, Law};
 use squeal::study::{Plan, Sample, SceneTally, Study, Tally, sliding};
@@ -38,7 +38,7 @@ fn two_by_two(changes: &[(&str, &str)]) -> Case {
 /// The counts of each scene after some samples.
 fn tallies(plan: &Plan, samples: u64) -> Vec<SceneTally> {
     let study = Study::new(plan, &QrSolver).unwrap();
-    let sampling = montecarlo::Plan::new(plan.case.seed, samples);
+    let sampling = montecarlo::Sampling::new(plan.case.seed, samples);
     let summary = montecarlo::run(&study, &sampling, || Tally::empty(plan)).unwrap();
     assert_eq!(summary.failures.total(), 0);
     summary.tally.scenes

@@ -212,7 +212,7 @@ fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode:
     Ok(family_work(&lattice.structural().m, &families, mode.lambda, &shape, lattice.bodies())?.net())
 }
 
-impl montecarlo::Study for Study<'_> {
+impl montecarlo::Experiment for Study<'_> {
     type Sample = Sample;
     type Outcome = Outcome;
     type Error = Error;
