@@ -11,7 +11,7 @@ mod gain;
 pub mod general;
 #[cfg(feature = "lapack")]
 mod lapack;
-mod mac;
+mod mode;
 mod modes;
 mod qr;
 mod scaling;
@@ -20,10 +20,7 @@ mod solver;
 mod spectrum;
 mod split;
 mod stability;
-mod trace;
-mod track;
 mod vectors;
-mod walk;
 
 pub use batch::BatchSolver;
 pub use census::{Judged, StabilityCensus, stability_census};
@@ -31,13 +28,12 @@ pub use error::CeaError;
 pub use gain::{Channels, peak_gain};
 #[cfg(feature = "lapack")]
 pub use lapack::{LapackSolver, dgeev, dggev};
-pub use mac::{Mode, mac};
-pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
+pub use mode::Mode;
+pub use modes::{Modes, mass_norm_squared, mass_times, pair_numbers, ranks_together};
 pub use qr::QrSolver;
 pub use scaling::StandardForm;
-pub use secular::{Feedback, Gain, Growing, Line, Pilots, Secular};
+pub use secular::{EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, Pilots, Secular};
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;
-pub use track::{Links, Start, Way, follow, identify, identify_all};
-pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all};
+pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all, singular_vectors};

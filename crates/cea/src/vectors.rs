@@ -111,6 +111,19 @@ fn make_independent(
     }
 }
 
+/// The right singular vector of the smallest singular value of each of some n x n matrices, unit length: where `Q(lambda)` is
+/// nearly singular, the vector of smallest backward error. All in one batch; `None` where the entries of a matrix are too
+/// large or too small to be squared. Counts as one factorisation each.
+pub fn singular_vectors(
+    matrices: &[DMatrix<Complex<f64>>],
+    work: &mut Workspace,
+) -> Vec<Option<DVector<Complex<f64>>>> {
+    let Some(n) = matrices.first().map(DMatrix::nrows) else { return Vec::new() };
+    let vectors = null_vectors(matrices, &start(n, 0), &mut work.scratch);
+    work.counters.factorisations += matrices.len() as u64;
+    vectors.into_iter().map(|found| Some(found?.vector)).collect()
+}
+
 /// Normwise backward error of (lambda, phi): `|Q(lambda) phi| / ((sum |lambda|^j |A_j|) |phi|)`, Frobenius norms
 /// (Tisseur, Linear Algebra Appl. 309, 2000).
 pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<Complex<f64>>) -> f64 {

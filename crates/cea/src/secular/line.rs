@@ -5,6 +5,7 @@ use std::ptr;
 use nalgebra::DVector;
 use num_complex::Complex;
 
+use super::pair::{EigenvaluePair, pairs};
 use super::{Gain, MIDDLE, Resolvent, Secular};
 use crate::batch::{NullVector, Point, characteristic, null_vectors, secular_matrices};
 use crate::vectors::start;
@@ -32,6 +33,15 @@ pub struct Line<'a> {
     pub to: Gain,
 }
 
+/// One step of Newton's method next to an eigenvalue on a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NewtonStep {
+    /// The next guess of the eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+    /// d lambda / d t there, rad/s.
+    pub rate: Complex<f64>,
+}
+
 impl Line<'_> {
     pub(super) fn at(&self, t: f64, sigma: Complex<f64>) -> Point {
         let unit = self.secular.resolvent.unit;
@@ -39,40 +49,51 @@ impl Line<'_> {
         let mix = 1.0 - t;
         Point { sigma, position: mix * from.position + t * to.position, slope: from.slope * mix + to.slope * t }
     }
-}
 
-/// One step of Newton's method at a guess of an eigenvalue at a part of each line, and how the eigenvalue moves along the
-/// line; rad/s.
-pub(crate) fn corrected(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<[Complex<f64>; 2]> {
-    let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
-    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
-        let resolvent = &group[0].0.secular.resolvent;
-        let three = |(line, t, guess): &(Line<'_>, f64, Complex<f64>)| {
-            let sigma = guess / resolvent.unit;
-            [line.at(*t, sigma), line.at(*t, sigma * (1.0 + DIFFERENCE)), line.at(t + DIFFERENCE, sigma)]
-        };
-        let points: Vec<Point> = group.iter().flat_map(three).collect();
-        characteristic(resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
-        for ((_, _, guess), value) in group.iter().zip(values.as_chunks::<3>().0) {
-            let slope = (value[1] - value[0]) / (guess * DIFFERENCE);
-            found.push([guess - value[0] / slope, (value[0] - value[2]) / (slope * DIFFERENCE)]);
+    /// One step of Newton's method for the secular equation, for each of some guesses of an eigenvalue, rad/s, at a part t of a
+    /// line: three values of the equation each, those of one structure in a batch. The derivatives are differences, right to
+    /// some 1e-7 of themselves. Not finite where the equation has no value or no slope.
+    pub fn correct(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<NewtonStep> {
+        let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
+        for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+            let resolvent = &group[0].0.secular.resolvent;
+            let three = |(line, t, guess): &(Line<'_>, f64, Complex<f64>)| {
+                let sigma = guess / resolvent.unit;
+                [line.at(*t, sigma), line.at(*t, sigma * (1.0 + DIFFERENCE)), line.at(t + DIFFERENCE, sigma)]
+            };
+            let points: Vec<Point> = group.iter().flat_map(three).collect();
+            characteristic(resolvent, &points, &mut work.scratch, &mut values);
+            work.counters.secular_values += values.len() as u64;
+            for ((_, _, guess), value) in group.iter().zip(values.as_chunks::<3>().0) {
+                let slope = (value[1] - value[0]) / (guess * DIFFERENCE);
+                let rate = (value[0] - value[2]) / (slope * DIFFERENCE);
+                found.push(NewtonStep { lambda: guess - value[0] / slope, rate });
+            }
         }
+        found
     }
-    found
-}
 
-/// The shape of the mode at an eigenvalue at a part of each line.
-pub(crate) fn shapes(at: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<DVector<Complex<f64>>>> {
-    let mut found = Vec::with_capacity(at.len());
-    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
-        let resolvent = &group[0].0.secular.resolvent;
-        let points: Vec<Point> = group.iter().map(|(line, t, lambda)| line.at(*t, lambda / resolvent.unit)).collect();
-        let near = |found: &Shape| found.residual <= LARGEST_NEXT_TO;
-        let moved = moved(resolvent, &points, work).into_iter();
-        found.extend(moved.map(|found| found.filter(near).map(|found| found.shape)));
+    /// The shape (length n, any factor) of the mode at each of some eigenvalues, rad/s, at a part t of a line: one value of
+    /// the secular equation each. `None` where the equation has no zero there, or a mode whose shape it does not tell.
+    pub fn shapes(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<DVector<Complex<f64>>>> {
+        let mut found = Vec::with_capacity(at.len());
+        for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+            let resolvent = &group[0].0.secular.resolvent;
+            let points: Vec<Point> =
+                group.iter().map(|(line, t, lambda)| line.at(*t, lambda / resolvent.unit)).collect();
+            let near = |found: &Shape| found.residual <= LARGEST_NEXT_TO;
+            let moved = moved(resolvent, &points, work).into_iter();
+            found.extend(moved.map(|found| found.filter(near).map(|found| found.shape)));
+        }
+        found
     }
-    found
+
+    /// The two eigenvalues next to each of some guesses at a part t of a line, and the rate, per t, at which mean and square
+    /// move; `None` where there are no two, or others as near. Sixteen values of the secular equation each and more where the
+    /// guess is far off.
+    pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        pairs(at, work)
+    }
 }
 
 /// The shape of a mode, up to a factor.

@@ -1,6 +1,6 @@
-//! Two eigenvalues near each other on a line of gains, as one: their middle and the square of half their distance.
+//! Two eigenvalues near each other on a line of gains, as one: their mean and the square of half their distance.
 //!
-//! Where two eigenvalues coalesce each of them has a branch point; the middle m and the square s of `lambda = m +- sqrt(s)`
+//! Where two eigenvalues coalesce each of them has a branch point; the mean m and the square s of `lambda = m +- sqrt(s)`
 //! are analytic there, as the coefficients of the polynomial that has both as zeros (Kato, Perturbation Theory for Linear
 //! Operators, II.1.2). Both follow from the characteristic polynomial on a circle about them: eight values tell its Taylor
 //! polynomial, of which the quadratic factor is split off by Bairstow's method (1914).
@@ -29,30 +29,33 @@ const ASIDE: f64 = 0.5;
 /// New circles about a pair that is elsewhere than guessed.
 const CIRCLES: usize = 4;
 
-/// `m +- sqrt(s)`.
+/// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Pair {
+pub struct EigenvaluePair {
     /// m, rad/s.
-    pub middle: Complex<f64>,
+    pub mean: Complex<f64>,
     /// s, rad^2/s^2.
-    pub square: Complex<f64>,
+    pub half_gap_squared: Complex<f64>,
 }
 
-impl Pair {
+impl EigenvaluePair {
     fn radius(&self) -> f64 {
-        (RADIUS * self.square.norm().sqrt()).max(LEAST_RADIUS * self.middle.norm())
+        (RADIUS * self.half_gap_squared.norm().sqrt()).max(LEAST_RADIUS * self.mean.norm())
     }
 
     /// What it becomes by moving at some rates.
     pub fn moved(&self, rate: &Self, step: f64) -> Self {
-        Self { middle: self.middle + rate.middle * step, square: self.square + rate.square * step }
+        Self {
+            mean: self.mean + rate.mean * step,
+            half_gap_squared: self.half_gap_squared + rate.half_gap_squared * step,
+        }
     }
 }
 
 /// The pair next to each guess at a part of a line, and how it moves along the line; `None` where there is none, or no pair
 /// that is alone.
-pub(crate) fn pairs(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<Option<[Pair; 2]>> {
-    let mut guesses: Vec<Pair> = at.iter().map(|(.., guess)| *guess).collect();
+pub(super) fn pairs(at: &[(Line<'_>, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
     let mut found = vec![None; at.len()];
     let mut open: Vec<usize> = (0..at.len()).collect();
     for _ in 0..CIRCLES {
@@ -62,11 +65,15 @@ pub(crate) fn pairs(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<O
             let Some([here, ahead]) = circles.next().flatten() else { return false };
             let before = std::mem::replace(&mut guesses[i], here);
             let radius = before.radius();
-            if (here.middle - before.middle).norm() > ASIDE * radius || here.square.norm() > radius * radius {
+            if (here.mean - before.mean).norm() > ASIDE * radius || here.half_gap_squared.norm() > radius * radius {
                 return true;
             }
-            let rate = Pair { middle: ahead.middle - here.middle, square: ahead.square - here.square };
-            let rate = Pair { middle: rate.middle / DIFFERENCE, square: rate.square / DIFFERENCE };
+            let rate = EigenvaluePair {
+                mean: ahead.mean - here.mean,
+                half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
+            };
+            let rate =
+                EigenvaluePair { mean: rate.mean / DIFFERENCE, half_gap_squared: rate.half_gap_squared / DIFFERENCE };
             found[i] = Some([here, rate]);
             false
         });
@@ -78,14 +85,14 @@ pub(crate) fn pairs(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<O
 }
 
 /// The pair by the circle about each guess, and that a little further on the line.
-fn on_circles(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<Option<[Pair; 2]>> {
+fn on_circles(at: &[(Line<'_>, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
     let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
     for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
         let unit = group[0].0.secular.resolvent.unit;
         let mut points: Vec<Point> = Vec::with_capacity(2 * VALUES * group.len());
         for (line, t, guess) in group {
             for t in [*t, *t + DIFFERENCE] {
-                points.extend((0..VALUES).map(|k| line.at(t, (guess.middle + turn(k) * guess.radius()) / unit)));
+                points.extend((0..VALUES).map(|k| line.at(t, (guess.mean + turn(k) * guess.radius()) / unit)));
             }
         }
         characteristic(&group[0].0.secular.resolvent, &points, &mut work.scratch, &mut values);
@@ -95,7 +102,10 @@ fn on_circles(at: &[(Line<'_>, f64, Pair)], work: &mut Workspace) -> Vec<Option<
             let radius = guess.radius();
             let pair = |a: &[Complex<f64>; VALUES]| {
                 let (middle, square) = small_pair(a)?;
-                Some(Pair { middle: guess.middle + middle * radius, square: square * (radius * radius) })
+                Some(EigenvaluePair {
+                    mean: guess.mean + middle * radius,
+                    half_gap_squared: square * (radius * radius),
+                })
             };
             found.push(pair(&here).zip(pair(&ahead)).map(|(here, ahead)| [here, ahead]));
         }

@@ -5,7 +5,6 @@
 mod brake;
 mod critical;
 mod modes;
-mod ways;
 
 use std::cell::Cell;
 

@@ -1,11 +1,12 @@
 //! What is known at a sample point, one state of friction: eigenvalues near the axis with their derivatives, and names.
 
-use cea::{BatchSolver, EigenSolver, Mode, Modes, Start, Way, Workspace, identify_all, right_vectors_of_all};
+use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all};
 use friction::Tangent;
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use osc_model::{Linearise, Sliding};
+use tracking::{Start, Way, identify_all};
 
 use super::EstimatorError;
 use crate::study::{NearAxis, Sample, Scratch, Study};

@@ -1,11 +1,11 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
 use cea::{
-    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Pilots, Secular, Spectrum, Start, Verdict, Way,
-    Workspace, identify_all, verdict,
+    CeaError, EigenSolver, Gain, Growing, Line, Mode, Modes, Pilots, Secular, Spectrum, Verdict, Workspace, verdict,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
+use tracking::{Links, Start, Way, identify_all};
 
 use super::Reference;
 use super::memory::{Memory, timed};

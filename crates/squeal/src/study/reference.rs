@@ -8,10 +8,11 @@
 //!
 //! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
-use cea::{EigenSolver, Mode, Modes, Start, Way, Workspace, by_frequency, follow, identify, ranks_together};
+use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, PreparedLattice, Sector, Sectors};
 use rayon::prelude::*;
+use tracking::{Start, Way, follow, identify};
 
 use super::scene::{sectors, sliding};
 use super::{Plan, Sample, Scene};

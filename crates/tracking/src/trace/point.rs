@@ -1,14 +1,12 @@
 //! A mode at a place on its way, from a guess of its eigenvalue: by the secular equation on lines of gains, by singular
 //! vectors of Q between systems.
 
+use cea::{Line, Mode, NewtonStep, Workspace, mass_norm_squared, singular_vectors};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use crate::batch::{NullVector, null_vectors};
 use crate::track::Way;
-use crate::vectors::start;
-use crate::{Mode, Workspace, mass_norm_squared, secular};
 
 /// A correction of the eigenvalue after which another would not be felt, relatively.
 const SETTLED: f64 = 5e-5;
@@ -59,7 +57,7 @@ pub(super) fn points(at: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Point
     let is_shapeless = |i: &usize| found[*i].as_ref().is_some_and(|point| point.shape.is_none());
     let shapeless: Vec<usize> = (0..at.len()).filter(is_shapeless).collect();
     let on_lines: Vec<_> = shapeless.iter().filter_map(|&i| Some((at[i].0.line()?, at[i].1, at[i].2))).collect();
-    for (i, shape) in shapeless.into_iter().zip(secular::shapes(&on_lines, work)) {
+    for (i, shape) in shapeless.into_iter().zip(Line::shapes(&on_lines, work)) {
         found[i].iter_mut().for_each(|point| point.shape = shape.clone());
     }
     let point = |(found, (way, ..)): (Option<Corrected>, Place<'_>)| {
@@ -80,7 +78,7 @@ fn corrected(at: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Corrected>> {
         if on_lines.is_empty() {
             found.extend(by_vectors(group, work));
         } else {
-            found.extend(secular::corrected(&on_lines, work).into_iter().map(|[lambda, rate]| {
+            found.extend(Line::correct(&on_lines, work).into_iter().map(|NewtonStep { lambda, rate }| {
                 (lambda.is_finite() && rate.is_finite()).then_some(Corrected { lambda, rate, shape: None })
             }));
         }
@@ -90,15 +88,13 @@ fn corrected(at: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Corrected>> {
 
 /// One step at guesses on ways of one order, by singular vectors.
 fn by_vectors(group: &[Place<'_>], work: &mut Workspace) -> Vec<Option<Corrected>> {
-    let Some(n) = group.first().map(|(way, ..)| way.to.0.order()) else { return Vec::new() };
     let systems: Vec<SecondOrder> = group.iter().map(|(way, t, _)| way.system(*t)).collect();
     let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + ASIDE)).collect();
     let stiffness: Vec<_> =
         systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();
-    let vectors = null_vectors(&stiffness, &start(n, 0), &mut work.scratch);
-    work.counters.factorisations += group.len() as u64;
-    let step = |(i, vector): (usize, Option<NullVector>)| {
-        newton(group[i].0.systems()?, &systems[i], guesses[i], &stiffness[i], vector?.vector)
+    let vectors = singular_vectors(&stiffness, work);
+    let step = |(i, vector): (usize, Option<DVector<Complex<f64>>>)| {
+        newton(group[i].0.systems()?, &systems[i], guesses[i], &stiffness[i], vector?)
     };
     vectors.into_iter().enumerate().map(step).collect()
 }

@@ -1,9 +1,10 @@
 //! Roots that turn about 0, and pairs past coalescences at small distances.
 
 use super::*;
+use crate::Start;
 use crate::trace::{pass, trace};
 use crate::track::Way;
-use crate::{EigenSolver, Feedback, Gain, Mode, Modes, QrSolver, Secular, Start};
+use cea::{EigenSolver, Feedback, Gain, Mode, Modes, QrSolver, Secular};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
@@ -94,20 +95,20 @@ proptest! {
         let of = |position: f64| {
             let both = modes(&secular.system(&Gain { position, ..Gain::default() }));
             let [a, b] = [both[0].lambda, both[1].lambda];
-            Pair { middle: 0.5 * (a + b), square: 0.25 * (a - b) * (a - b) }
+            EigenvaluePair { mean: 0.5 * (a + b), half_gap_squared: 0.25 * (a - b) * (a - b) }
         };
         let expected = of(position);
-        let guess = Pair {
-            middle: expected.middle + Complex::from_polar(aside * 1e-3, angle),
-            square: expected.square * Complex::from_polar(1.0 - 0.5 * aside, angle),
+        let guess = EigenvaluePair {
+            mean: expected.mean + Complex::from_polar(aside * 1e-3, angle),
+            half_gap_squared: expected.half_gap_squared * Complex::from_polar(1.0 - 0.5 * aside, angle),
         };
-        let [here, rate] = pairs(&[(line, 0.25 * position, guess)], &mut Workspace::default())[0].unwrap();
-        let size = expected.middle.norm();
-        prop_assert!((here.middle - expected.middle).norm() < 1e-9 * size, "{here:?} {expected:?}");
-        prop_assert!((here.square - expected.square).norm() < 1e-9 * size * size, "{here:?} {expected:?}");
+        let [here, rate] = Line::pairs(&[(line, 0.25 * position, guess)], &mut Workspace::default())[0].unwrap();
+        let size = expected.mean.norm();
+        prop_assert!((here.mean - expected.mean).norm() < 1e-9 * size, "{here:?} {expected:?}");
+        prop_assert!((here.half_gap_squared - expected.half_gap_squared).norm() < 1e-9 * size * size, "{here:?} {expected:?}");
         let [behind, ahead] = [position - 1e-4, position + 1e-4].map(of);
-        let [middle, square] = [(ahead.middle - behind.middle) / 5e-5, (ahead.square - behind.square) / 5e-5];
-        prop_assert!((rate.middle - middle).norm() < 1e-4 && (rate.square - square).norm() < 1e-4, "{rate:?} {middle} {square}");
+        let [mean, square] = [(ahead.mean - behind.mean) / 5e-5, (ahead.half_gap_squared - behind.half_gap_squared) / 5e-5];
+        prop_assert!((rate.mean - mean).norm() < 1e-4 && (rate.half_gap_squared - square).norm() < 1e-4, "{rate:?} {mean} {square}");
     }
 }
 

@@ -20,11 +20,11 @@ mod pace;
 mod pair;
 mod point;
 
+use cea::{Line, Mode, Workspace};
 use num_complex::Complex;
 
-use crate::mac::{Match, Mode, mac, match_modes};
+use crate::mac::{Match, mac, match_modes};
 use crate::track::Way;
-use crate::{Line, Workspace};
 use pace::{Pace, misses};
 use pair::{Behind, NOT_IT, follow_pairs};
 use point::{Place, Point, points};

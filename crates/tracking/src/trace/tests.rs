@@ -1,7 +1,8 @@
 //! Against small steps, differences and pairs that veer or coalesce.
 
 use super::*;
-use crate::{EigenSolver, Modes, QrSolver, Start};
+use crate::Start;
+use cea::{EigenSolver, Modes, QrSolver};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;

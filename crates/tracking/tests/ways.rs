@@ -1,14 +1,20 @@
 //! Ways along lines of gains against the same ways through whole systems.
 
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+#[allow(dead_code)] // The chains that the tests of the secular equation use, of which these need few.
+#[path = "../../cea/tests/secular/brake.rs"]
+mod brake;
+
 use std::cell::Cell;
 use std::ops::Range;
 
-use cea::{Counters, Feedback, Gain, Line, Links, Mode, QrSolver, Secular, Start, Way, Workspace, follow, identify};
+use brake::{Brake, brake, runner};
+use cea::{Counters, Feedback, Gain, Line, Mode, QrSolver, Secular, Workspace};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use proptest::prelude::*;
-
-use crate::brake::{Brake, brake, runner};
+use tracking::{Links, Start, Way, follow, identify};
 
 /// One end of a way: a gain, its system and the system's modes.
 struct End {

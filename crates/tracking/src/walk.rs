@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
 use crate::mac::match_modes;
 use crate::track::{Links, Way};
-use crate::{CeaError, EigenSolver, Mode, Modes, Workspace};
 
 /// Where a step is cut, as a part of it: aside of round fractions, where symmetric ways have their crossings.
 const CUT: f64 = 0.382;

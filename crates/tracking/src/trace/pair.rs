@@ -3,12 +3,11 @@
 //! The middle m and the square s of `lambda = m +- sqrt(s)` are smooth where the two modes are not. Which of the two square
 //! roots continues the mode follows from how s turns about 0 on its way.
 
+use cea::{EigenvaluePair, Line, Workspace};
 use num_complex::Complex;
 
 use super::NO_ERROR;
 use super::pace::{Pace, misses};
-use crate::secular::{Pair, pairs};
-use crate::{Line, Workspace};
 
 /// The first step, as a part of the way.
 const FIRST: f64 = 0.01;
@@ -27,8 +26,8 @@ const FREE: f64 = 1.0 / 64.0;
 struct PairTrace<'a> {
     line: Line<'a>,
     pace: Pace,
-    here: Pair,
-    rate: Pair,
+    here: EigenvaluePair,
+    rate: EigenvaluePair,
     /// The square root of s that the mode is.
     root: Complex<f64>,
 }
@@ -45,38 +44,38 @@ pub(super) struct Behind {
 /// Follows the modes with the next mode of each past their coalescence, or as far as that goes; `None` where that is not at
 /// all.
 pub(super) fn follow_pairs(from: &[(Line<'_>, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<Behind>> {
-    let alone = |middle: Complex<f64>| Pair { middle, square: Complex::default() };
+    let alone = |mean: Complex<f64>| EigenvaluePair { mean, half_gap_squared: Complex::default() };
     let guesses: Vec<_> = from.iter().map(|&(line, at, lambda)| (line, at, alone(lambda))).collect();
-    let begin = from.iter().zip(pairs(&guesses, work));
+    let begin = from.iter().zip(Line::pairs(&guesses, work));
     let mut traces: Vec<Option<PairTrace<'_>>> =
         begin.map(|(&(line, at, lambda), pair)| PairTrace::new(line, at, lambda, pair?)).collect();
     let mut open: Vec<usize> = (0..traces.len()).filter(|&i| traces[i].is_some()).collect();
     while !open.is_empty() {
         let ahead: Vec<_> = open.iter().filter_map(|&i| traces[i].as_ref().map(PairTrace::ahead)).collect();
-        let mut found = pairs(&ahead, work).into_iter();
+        let mut found = Line::pairs(&ahead, work).into_iter();
         open.retain(|&i| traces[i].as_mut().is_some_and(|trace| trace.go(found.next().flatten())));
     }
     let behind = |(trace, (_, begin, _)): (Option<PairTrace<'_>>, &(Line<'_>, f64, Complex<f64>))| {
-        let PairTrace { pace: Pace { at, .. }, here: Pair { middle, .. }, root, .. } = trace?;
-        (at > *begin).then_some(Behind { at, lambdas: [middle + root, middle - root] })
+        let PairTrace { pace: Pace { at, .. }, here: EigenvaluePair { mean, .. }, root, .. } = trace?;
+        (at > *begin).then_some(Behind { at, lambdas: [mean + root, mean - root] })
     };
     traces.into_iter().zip(from).map(behind).collect()
 }
 
 impl<'a> PairTrace<'a> {
-    fn new(line: Line<'a>, at: f64, lambda: Complex<f64>, [here, rate]: [Pair; 2]) -> Option<Self> {
-        let root = lambda - here.middle;
-        let is_one = (root * root - here.square).norm() <= NOT_IT * here.square.norm();
+    fn new(line: Line<'a>, at: f64, lambda: Complex<f64>, [here, rate]: [EigenvaluePair; 2]) -> Option<Self> {
+        let root = lambda - here.mean;
+        let is_one = (root * root - here.half_gap_squared).norm() <= NOT_IT * here.half_gap_squared.norm();
         is_one.then_some(Self { line, pace: Pace::new(at, FIRST), here, rate, root })
     }
 
-    fn ahead(&self) -> (Line<'a>, f64, Pair) {
+    fn ahead(&self) -> (Line<'a>, f64, EigenvaluePair) {
         let step = self.pace.step();
         (self.line, self.pace.at + step, self.here.moved(&self.rate, step))
     }
 
     /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not; `false` at the end.
-    fn go(&mut self, there: Option<[Pair; 2]>) -> bool {
+    fn go(&mut self, there: Option<[EigenvaluePair; 2]>) -> bool {
         let step = self.pace.step();
         let tried = there.and_then(|[there, rate]| {
             let ratio = self.ratio(&there, &rate, step);
@@ -87,25 +86,29 @@ impl<'a> PairTrace<'a> {
         if let Some((_, there, rate, root)) = tried.filter(|(ratio, ..)| Pace::trusts(*ratio)) {
             (self.here, self.rate, self.root) = (there, rate, root);
         }
-        let is_behind = self.here.square.norm() >= FREE * self.rate.square.norm();
+        let is_behind = self.here.half_gap_squared.norm() >= FREE * self.rate.half_gap_squared.norm();
         !is_behind && !self.pace.is_over(SHORTEST)
     }
 
     /// How badly a step can be trusted, as that of a mode alone.
-    fn ratio(&self, there: &Pair, rate: &Pair, step: f64) -> f64 {
-        let size = self.here.middle.norm();
-        let distance = self.here.square.norm().max(there.square.norm()).sqrt();
-        let middle = misses([self.here.middle, there.middle], [self.rate.middle, rate.middle], step);
-        let square = misses([self.here.square, there.square], [self.rate.square, rate.square], step);
+    fn ratio(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> f64 {
+        let size = self.here.mean.norm();
+        let distance = self.here.half_gap_squared.norm().max(there.half_gap_squared.norm()).sqrt();
+        let middle = misses([self.here.mean, there.mean], [self.rate.mean, rate.mean], step);
+        let square = misses(
+            [self.here.half_gap_squared, there.half_gap_squared],
+            [self.rate.half_gap_squared, rate.half_gap_squared],
+            step,
+        );
         let [of_middle, of_square] = [(middle, size), (square, size * distance)]
             .map(|([tangent, trapezoid], size)| trapezoid / tangent.max(NO_ERROR * size));
         of_middle.max(of_square)
     }
 
     /// The root at the end of a step on which s is a cubic polynomial; `None` where that is too near to 0 to tell.
-    fn turned(&self, there: &Pair, rate: &Pair, step: f64) -> Option<Complex<f64>> {
-        let ends = [self.here.square, there.square];
-        let rates = [self.rate.square, rate.square].map(|rate| rate * step);
+    fn turned(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> Option<Complex<f64>> {
+        let ends = [self.here.half_gap_squared, there.half_gap_squared];
+        let rates = [self.rate.half_gap_squared, rate.half_gap_squared].map(|rate| rate * step);
         let [_, trapezoid] = misses(ends, rates, 1.0);
         let square = |u: f64| {
             let v = 1.0 - u;

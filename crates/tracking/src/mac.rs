@@ -1,12 +1,8 @@
 //! Modal assurance criterion, and matching two sets of modes by it.
 
-use linsys::SecondOrder;
-use nalgebra::{DMatrix, DVector};
-use num_complex::Complex;
+use cea::{Mode, mass_times};
+use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
-
-use crate::vectors::fix_phase;
-use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
 
 /// Least MAC of a match that is beyond doubt.
 const LEAST_MAC: f64 = 0.8;
@@ -15,65 +11,11 @@ const MARGIN: f64 = 0.4;
 /// A rival is out where its eigenvalue is this many times farther than that of the match.
 const EIGENVALUE_RATIO: f64 = 8.0;
 
-/// One oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mode {
-    /// lambda.
-    pub lambda: Complex<f64>,
-    /// phi, length n, `phi^H M phi = 1`, largest component real and positive.
-    pub shape: DVector<Complex<f64>>,
-}
-
-impl Mode {
-    /// The modes of `system` at the given eigenvalues.
-    ///
-    /// # Errors
-    /// Those of [`right_vectors_of_all`].
-    pub fn at(system: &SecondOrder, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Self>, CeaError> {
-        Self::of_all(&[(system, lambdas)], work).remove(0)
-    }
-
-    /// [`Mode::at`] of several systems, one result each: cheaper together.
-    pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
-        let shapes = right_vectors_of_all(of, work);
-        let modes = |(&(system, lambdas), shapes): (&(&SecondOrder, &[Complex<f64>]), Result<Vec<_>, _>)| {
-            Ok(lambdas.iter().zip(shapes?).map(|(&lambda, shape)| Self::normalised(system, lambda, shape)).collect())
-        };
-        of.iter().zip(shapes).map(modes).collect()
-    }
-
-    /// The mode of `system` at `lambda` with a multiple of this shape.
-    pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
-        fix_phase(&mut shape);
-        shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
-        Self { lambda, shape }
-    }
-}
-
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
 pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
-    let weighted: Vec<_> = old.iter().map(|mode| times(mass, &mode.shape)).collect();
+    let weighted: Vec<_> = old.iter().map(|mode| mass_times(mass, &mode.shape)).collect();
     DMatrix::from_fn(old.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
-}
-
-/// `M phi` of a symmetric M, often diagonal.
-pub(crate) fn times(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let n = phi.len();
-    let mut product = DVector::zeros(n);
-    for (j, (column, &u)) in mass.as_slice().chunks_exact(n).zip(phi).enumerate() {
-        if is_zero(&column[..j]) && is_zero(&column[j + 1..]) {
-            product[j] += u * column[j];
-        } else {
-            product.iter_mut().zip(column).for_each(|(row, &m)| *row += u * m);
-        }
-    }
-    product
-}
-
-/// Without a branch for each number, so that many are looked at together.
-fn is_zero(numbers: &[f64]) -> bool {
-    numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
 }
 
 /// What one old mode became.
@@ -144,6 +86,7 @@ fn assign(mac: &DMatrix<f64>) -> Vec<Option<usize>> {
 mod tests {
     use super::*;
     use nalgebra::dvector;
+    use num_complex::Complex;
 
     fn mode(im: f64, shape: [f64; 2]) -> Mode {
         let shape = dvector![shape[0], shape[1]].map(Complex::from);

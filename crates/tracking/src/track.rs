@@ -7,13 +7,13 @@
 
 use std::borrow::Cow;
 
+use cea::{CeaError, EigenSolver, Line, Mode, Workspace};
 use linsys::{Internal, SecondOrder};
 use nalgebra::DMatrix;
 
 use crate::mac::{Match, match_modes};
 use crate::trace::trace;
 use crate::walk::Walk;
-use crate::{CeaError, EigenSolver, Line, Mode, Workspace};
 
 /// Places on the way at which a system that is not known to be near is looked at in any case.
 const STATIONS: usize = 7;
@@ -192,7 +192,7 @@ impl Lost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Modes, QrSolver};
+    use cea::{Modes, QrSolver};
     use nalgebra::{DVector, dmatrix};
     use num_complex::Complex;
 
