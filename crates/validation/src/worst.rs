@@ -1,7 +1,7 @@
 //! The lattice at its worst: systems on which a solver or a verdict could go wrong, each judged against eigenvalues refined
 //! in double-double.
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace, general, verdict};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace, certified, verdict};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
@@ -127,8 +127,8 @@ impl HardCase {
 
     fn general(&self) -> Result<Vec<(Complex<f64>, Verdict)>, CeaError> {
         let mut work = Workspace::default();
-        let spectrum = general::solve(&self.system, &mut work)?;
-        let certified = general::certify(&self.system, &spectrum, &mut work)?;
+        let spectrum = certified::solve(&self.system, &mut work)?;
+        let certified = certified::certify(&self.system, &spectrum, &mut work)?;
         Ok(certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect())
     }
 

@@ -1,0 +1,8 @@
+//! Structures with feedback, friction among others: a bound within which nothing becomes unstable, and the growing modes
+//! without a spectrum.
+
+mod h_infinity;
+mod secular;
+
+pub use h_infinity::{Channels, peak_gain};
+pub use secular::{EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, Pilots, Secular};
