@@ -15,7 +15,7 @@ mod workspace;
 
 pub use dense::{
     BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, backward_error, left_vector, mass_norm_squared,
-    mass_times, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
+    pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
 };
 #[cfg(feature = "lapack")]
 pub use dense::{LapackSolver, dgeev, dggev};

@@ -27,10 +27,12 @@ mod affine;
 mod dof;
 mod error;
 mod market;
+mod product;
 mod second_order;
 
 pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
 pub use market::{LARGEST_ORDER, MarketProblem, read_market};
+pub use product::real_times_complex;
 pub use second_order::{Internal, SecondOrder};

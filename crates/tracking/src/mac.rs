@@ -1,6 +1,7 @@
 //! Modal assurance criterion, and matching two sets of modes by it.
 
-use cea::{Mode, mass_times};
+use cea::Mode;
+use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
@@ -14,7 +15,7 @@ const EIGENVALUE_RATIO: f64 = 8.0;
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
 pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
-    let weighted: Vec<_> = old.iter().map(|mode| mass_times(mass, &mode.shape)).collect();
+    let weighted: Vec<_> = old.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect();
     DMatrix::from_fn(old.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
 }
 

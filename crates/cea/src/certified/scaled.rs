@@ -6,7 +6,7 @@
 //! report 2001-034), equally on both sides where the matrices are symmetric. Every factor is a power of two, so the
 //! scaled problem is the given one to the last bit, barring underflow.
 
-use linsys::SecondOrder;
+use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -114,19 +114,14 @@ impl Scaled {
 
     /// `Q~(sigma) x`.
     pub(crate) fn times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        (times(&self.m, x) * sigma + times(&self.c, x)) * sigma + times(&self.k, x)
+        (real_times_complex(&self.m, x) * sigma + real_times_complex(&self.c, x)) * sigma
+            + real_times_complex(&self.k, x)
     }
 
     /// `Q~'(sigma) x`.
     pub(crate) fn derivative_times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        times(&self.m, x) * (sigma * 2.0) + times(&self.c, x)
+        real_times_complex(&self.m, x) * (sigma * 2.0) + real_times_complex(&self.c, x)
     }
-}
-
-/// A real matrix times a complex vector.
-fn times(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let (re, im) = (a * x.map(|v| v.re), a * x.map(|v| v.im));
-    re.zip_map(&im, Complex::new)
 }
 
 /// gamma: sqrt(|K| / |M|), or what the damping says where one of them vanishes.

@@ -1,7 +1,7 @@
 //! Which eigenvalues are modes, and the two ways of numbering them by frequency.
 
-use linsys::SecondOrder;
-use nalgebra::{DMatrix, DVector};
+use linsys::{SecondOrder, real_times_complex};
+use nalgebra::DVector;
 use num_complex::Complex;
 
 use crate::{CeaError, Spectrum, StandardForm, Workspace, by_frequency, right_vector};
@@ -119,7 +119,7 @@ fn is_internal(
         }
         Err(error) => return Err(error),
     };
-    let drive = system.internal.drive.map(Complex::from) * &phi;
+    let drive = real_times_complex(&system.internal.drive, &phi);
     let internal: f64 = (0..system.states())
         .map(|s| (lambda * drive[s] / (lambda + decay[s]) / form.state_weights[s]).norm_sqr())
         .sum();
@@ -129,26 +129,7 @@ fn is_internal(
 
 /// `phi^H M phi`, real for symmetric M.
 pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f64 {
-    phi.dotc(&mass_times(&system.m, phi)).re
-}
-
-/// `M phi` of a symmetric n x n mass matrix, which is often diagonal; length n.
-pub fn mass_times(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let n = phi.len();
-    let mut product = DVector::zeros(n);
-    for (j, (column, &u)) in mass.as_slice().chunks_exact(n).zip(phi).enumerate() {
-        if is_zero(&column[..j]) && is_zero(&column[j + 1..]) {
-            product[j] += u * column[j];
-        } else {
-            product.iter_mut().zip(column).for_each(|(row, &m)| *row += u * m);
-        }
-    }
-    product
-}
-
-/// Without a branch for each number, so that many are looked at together.
-fn is_zero(numbers: &[f64]) -> bool {
-    numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
+    phi.dotc(&real_times_complex(&system.m, phi)).re
 }
 
 #[cfg(test)]
