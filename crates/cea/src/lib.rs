@@ -11,6 +11,7 @@ mod francis;
 mod lanes;
 mod spectrum;
 mod stability;
+mod verdict;
 mod workspace;
 
 pub use dense::{
@@ -21,6 +22,7 @@ pub use dense::{
 pub use dense::{LapackSolver, dgeev, dggev};
 pub use error::CeaError;
 pub use feedback::{Channels, EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, Pilots, Secular, peak_gain};
-pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
+pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::{Judged, StabilityCensus, stability_census, verdict};
+pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};

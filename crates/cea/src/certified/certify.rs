@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::clusters::{Cluster, ClusterKind, groups, nearly_defective, semisimple};
-use super::measure::{GOOD, Measure, State};
+use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::solve::{GeneralSpectrum, extend};
 use super::verdict::{Group, decide, gap};
 use crate::{CeaError, Verdict, Workspace};
@@ -68,7 +68,7 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
                 work.counters.factorisations += 1;
                 work.counters.eigenvectors += 2;
                 // The norms of matrices extended by internal states hide what is wrong in their small entries.
-                let threshold = if system.states() > 0 { 0.0 } else { GOOD };
+                let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
                 problem.first_look(sigma, gap(&sigmas, i), threshold)?
             }
         };
@@ -124,7 +124,7 @@ fn settle_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
             let (x, y) = (space.right[at].clone(), space.left[at].clone());
             let member = problem.state(sigma, x, y);
             // Members that are told apart have vectors of their own, and a wide group may be worse than they.
-            if member.error() <= GOOD.max(found[i].error()) {
+            if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
                 found[i] = member;
             }
             (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);

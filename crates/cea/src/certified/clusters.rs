@@ -8,11 +8,12 @@ use super::refine::residual;
 use super::scaled::Scaled;
 use super::vectors::{Factor, Vector};
 
-/// Relative distance below which eigenvalues are looked at together whatever their bounds.
-const SAME: f64 = 1e-11;
-/// Relative distance and squared cosine between right vectors of a nearly defective pair.
-const NEAR: f64 = 1e-3;
-const PARALLEL: f64 = 0.999;
+/// Relative distance below which eigenvalues are looked at together whatever their bounds: some 1e5 rounding errors. Chosen.
+const SAME_EIGENVALUE: f64 = 1e-11;
+/// Relative distance within which a pair is called nearly defective: a convention, for a reader's attention alone.
+const NEARLY_DEFECTIVE_GAP: f64 = 1e-3;
+/// Squared cosine between right vectors from which a pair is called nearly defective: 1.8 degrees. A convention too.
+const NEARLY_DEFECTIVE_COSINE: f64 = 0.999;
 
 /// What kind of neighbours the eigenvalues of a cluster are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,10 +47,11 @@ impl Cluster {
     }
 }
 
-/// Largest relative distance of two members.
-const WIDEST: f64 = 1e-2;
+/// Largest relative distance of two members, whatever their bounds: eigenvalues known to less than two digits are not grouped
+/// with everything in reach.
+const WIDEST_GAP: f64 = 1e-2;
 
-/// Groups of nonzero eigenvalues closer than SAME or than four times what each may move by (first order, `shifts`).
+/// Groups of nonzero eigenvalues closer than SAME_EIGENVALUE or than four times what each may move by (first order, `shifts`).
 pub(super) fn groups(eigenvalues: &[Complex<f64>], shifts: &[f64]) -> Vec<Vec<usize>> {
     let count = eigenvalues.len();
     let mut group: Vec<usize> = (0..count).collect();
@@ -57,7 +59,7 @@ pub(super) fn groups(eigenvalues: &[Complex<f64>], shifts: &[f64]) -> Vec<Vec<us
         for j in 0..i {
             let distance = (eigenvalues[i] - eigenvalues[j]).norm();
             let size = eigenvalues[i].norm().min(eigenvalues[j].norm());
-            let reach = (4.0 * shifts[i].min(shifts[j])).clamp(SAME * size, WIDEST * size);
+            let reach = (4.0 * shifts[i].min(shifts[j])).clamp(SAME_EIGENVALUE * size, WIDEST_GAP * size);
             if size > 0.0 && distance <= reach && group[i] != group[j] {
                 let (from, to) = (group[i].max(group[j]), group[i].min(group[j]));
                 group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
@@ -74,7 +76,7 @@ pub(super) fn groups(eigenvalues: &[Complex<f64>], shifts: &[f64]) -> Vec<Vec<us
 
 /// Two eigenvalues that are told apart, with nearly parallel vectors.
 pub(super) fn nearly_defective((a, x): (Complex<f64>, &Vector), (b, y): (Complex<f64>, &Vector)) -> bool {
-    (a - b).norm() <= NEAR * a.norm() && x.dotc(y).norm_sqr() >= PARALLEL
+    (a - b).norm() <= NEARLY_DEFECTIVE_GAP * a.norm() && x.dotc(y).norm_sqr() >= NEARLY_DEFECTIVE_COSINE
 }
 
 /// A semisimple multiple eigenvalue: independent vectors from both sides and the eigenvalues they give.

@@ -11,15 +11,17 @@ use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
 use super::vectors::{Factor, Vector, orthonormalise};
-use super::verdict::SAFETY;
 use crate::{CeaError, Verdict};
 
 /// Half the distance from 1 to the next double: the relative size of a rounding error.
-pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
+pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Backward errors up to this many units are rounding and not worth a Newton step.
-pub(super) const GOOD: f64 = 4.0 * UNIT;
+pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
+/// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
+/// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
+pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
-const FINE: f64 = 1e-6;
+const REFINED_PART: f64 = 1e-6;
 
 /// What is known of one eigenvalue in the course of it, in scaled quantities.
 #[derive(Debug, Clone)]
@@ -50,12 +52,12 @@ impl State {
 
     /// How far sigma may move, to first order, for its own backward error or that of rounded data.
     pub(super) fn shift(&self) -> f64 {
-        self.scaled_condition * self.scaled_error.max(UNIT) * self.sigma.norm()
+        self.scaled_condition * self.scaled_error.max(UNIT_ROUNDOFF) * self.sigma.norm()
     }
 
     /// The same for rounded data alone.
     pub(super) fn data_shift(&self) -> f64 {
-        self.scaled_condition * UNIT * self.sigma.norm()
+        self.scaled_condition * UNIT_ROUNDOFF * self.sigma.norm()
     }
 }
 
@@ -116,9 +118,9 @@ impl Measure {
         let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
         let mut state = self.state(sigma, x[0].clone(), y[0].clone());
         if state.error() > threshold {
-            let reach = (4.0 * SAFETY * state.shift()).min(0.45 * gap);
+            let reach = (4.0 * FIRST_ORDER_SAFETY * state.shift()).min(0.45 * gap);
             match self.refine(&state, reach) {
-                Some((better, _)) if better.error() <= GOOD.max(state.error()) => state = better,
+                Some((better, _)) if better.error() <= ROUNDING_ONLY.max(state.error()) => state = better,
                 _ => {}
             }
         }
@@ -127,7 +129,7 @@ impl Measure {
 
     /// The eigenvalue refined within `reach`, and how far it may still be from the exact one of these matrices.
     pub(super) fn refine(&self, state: &State, reach: f64) -> Option<(State, f64)> {
-        let enough = FINE * state.data_shift();
+        let enough = REFINED_PART * state.data_shift();
         let Refined { sigma, x, left } = newton(&self.scaled, state.sigma, &state.x, enough, reach)?;
         Some((self.state(sigma, x, state.y.clone()), left))
     }

@@ -47,4 +47,3 @@ mod verdict;
 pub use certify::{Certificate, Certified, certify};
 pub use clusters::{Cluster, ClusterKind};
 pub use solve::{GeneralSpectrum, Route, solve};
-pub use verdict::{MARGINAL_LIMIT, SAFETY};

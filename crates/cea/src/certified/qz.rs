@@ -12,17 +12,17 @@ use super::real::{Real, triangularise};
 use crate::CeaError;
 
 /// Double steps allowed per eigenvalue; a healthy pencil takes 1 to 2.
-const STEPS_PER_EIGENVALUE: usize = 30;
+const MOST_QZ_STEPS: usize = 30;
 
 /// Eigenvalues of A - lambda B, complex ones in exact conjugate pairs.
 pub(crate) fn eigenvalues<T: Real>(a: DMatrix<T>, b: DMatrix<T>) -> Result<Vec<Complex<f64>>, CeaError> {
     let size = a.nrows();
     let mut pencil = Pencil::hessenberg_triangular(a, b);
     let mut found = Vec::with_capacity(size);
-    let cap = STEPS_PER_EIGENVALUE * size;
+    let cap = MOST_QZ_STEPS * size;
     let (mut end, mut steps, mut since) = (size, 0, 0);
     while end > 0 {
-        let start = pencil.deflate(end, since > STEPS_PER_EIGENVALUE / 2);
+        let start = pencil.deflate(end, since > MOST_QZ_STEPS / 2);
         match end - start {
             1 => found.push(Complex::from((pencil.h[(start, start)] / pencil.t[(start, start)]).value())),
             2 => found.extend(pencil.pair(start)),
@@ -41,7 +41,7 @@ pub(crate) fn eigenvalues<T: Real>(a: DMatrix<T>, b: DMatrix<T>) -> Result<Vec<C
 }
 
 /// Start of a step whose shifts overflow (EISPACK's `qzit`).
-const EXCEPTIONAL: [f64; 3] = [0.0, 1.0, 1.1605];
+const EXCEPTIONAL_START: [f64; 3] = [0.0, 1.0, 1.1605];
 
 struct Pencil<T> {
     /// Upper Hessenberg.
@@ -155,7 +155,7 @@ impl<T: Real> Pencil<T> {
     fn double_step(&mut self, start: usize, end: usize, exceptional: bool) {
         let mut v = self.start_vector(start, end, exceptional);
         if v.iter().any(|x| !x.value().is_finite()) {
-            v = EXCEPTIONAL.map(T::from);
+            v = EXCEPTIONAL_START.map(T::from);
         }
         for k in start..end - 2 {
             let first = if k > start { k - 1 } else { start };

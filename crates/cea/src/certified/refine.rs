@@ -17,10 +17,12 @@ use super::dd::DdComplex;
 use super::scaled::Scaled;
 use super::vectors::{LEAST_PIVOT, Lu, Vector};
 
-const MOST_STEPS: usize = 6;
+/// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number.
+const MOST_NEWTON_STEPS: usize = 6;
+/// Factorisations, each at the sigma that the last one led to. Chosen.
 const MOST_FACTORISATIONS: usize = 4;
 /// Least relative error claimed: the rounding of double-double.
-const FLOOR: f64 = 1e-31;
+const DOUBLE_DOUBLE_ROUNDING: f64 = 1e-31;
 
 /// A refined eigenvalue of the scaled problem.
 #[derive(Debug, Clone)]
@@ -58,7 +60,7 @@ pub(crate) fn newton(s: &Scaled, start: Complex<f64>, x0: &Vector, enough: f64, 
     for _ in 0..MOST_FACTORISATIONS {
         let bordered = Bordered::new(s, sigma.value(), &rounded(&x));
         last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_NEWTON_STEPS {
             let (dx, shift) = bordered.step(residual(s, sigma, &x));
             let size = shift.norm();
             if size.is_nan() || size > 0.5 * last {
@@ -78,7 +80,7 @@ pub(crate) fn newton(s: &Scaled, start: Complex<f64>, x0: &Vector, enough: f64, 
     let sigma = sigma.value();
     (last <= enough && (sigma - start).norm() <= reach).then(|| {
         let x = rounded(&x).normalize();
-        Refined { sigma, x, left: last.max(FLOOR * start.norm()) }
+        Refined { sigma, x, left: last.max(DOUBLE_DOUBLE_ROUNDING * start.norm()) }
     })
 }
 

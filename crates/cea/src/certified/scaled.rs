@@ -12,8 +12,11 @@ use num_complex::Complex;
 
 use crate::CeaError;
 
-const ROUNDS: usize = 5;
-const SWEEPS: usize = 8;
+/// Rounds of choosing gamma and equilibrating in turn, as each changes what the other saw. Chosen.
+const SCALING_ROUNDS: usize = 5;
+/// Sweeps of Ruiz's iteration: in the limit each halves the distance of the logarithms from zero. Eight leave 1/256 of it, less than
+/// rounding to powers of two.
+const EQUILIBRATION_SWEEPS: usize = 8;
 
 /// The scaled problem and the way back.
 #[derive(Debug, Clone)]
@@ -67,7 +70,7 @@ impl Scaled {
         let (m, c, k) = (&system.m, &system.c, &system.k);
         let (mut left, mut right) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));
         let mut gamma = time_scale(norm(m), norm(c), norm(k));
-        for _ in 0..ROUNDS {
+        for _ in 0..SCALING_ROUNDS {
             equilibrate(system, gamma, &mut left, &mut right);
             let size = |a: &DMatrix<f64>| norm(&DMatrix::from_fn(n, n, |i, j| left[i] * a[(i, j)] * right[j]));
             gamma = time_scale(size(m), size(c), size(k));
@@ -139,7 +142,7 @@ fn equilibrate(system: &SecondOrder, gamma: f64, left: &mut DVector<f64>, right:
     let weight =
         |i: usize, j: usize| (gamma * system.m[(i, j)].abs() + system.c[(i, j)].abs()) * gamma + system.k[(i, j)].abs();
     let weights = DMatrix::from_fn(n, n, weight);
-    for _ in 0..SWEEPS {
+    for _ in 0..EQUILIBRATION_SWEEPS {
         let (mut rows, mut columns) = (DVector::<f64>::zeros(n), DVector::<f64>::zeros(n));
         for j in 0..n {
             for i in 0..n {

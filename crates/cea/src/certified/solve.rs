@@ -12,15 +12,16 @@ use super::structure::Structure;
 use super::vectors::Factor;
 use crate::{CeaError, Workspace, francis, sort};
 
-/// Largest condition number of the scaled mass matrix for the standard form: it multiplies the backward error.
+/// Largest condition number of the scaled mass matrix for the standard form. It multiplies the backward error, and the
+/// Newton step of [`certify`](super::certify::certify) wins two digits back.
 const LARGEST_MASS_CONDITION: f64 = 100.0;
 /// Largest ratio of damping to stiffness and mass, in the scaled problem, that double precision is used for.
 const LARGEST_OVERDAMPING: f64 = 1e5;
 /// Least relative pivot of the deflated matrices that double precision is used for: QZ loses the digits of eigenvalues
 /// that are this much slower or faster than the scale, while their condition numbers may be small.
-const LEAST_DEPTH: f64 = 1e-6;
-/// QR steps allowed per eigenvalue; a healthy matrix takes 2 to 4.
-const STEPS_PER_EIGENVALUE: usize = 60;
+const LEAST_PIVOT_IN_DOUBLE: f64 = 1e-6;
+/// QR steps allowed per eigenvalue before QZ takes over; a healthy matrix takes 2 to 4.
+const QR_STEPS_BEFORE_QZ: usize = 60;
 
 /// How the eigenvalues were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,7 +129,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     if !singular
         && !strongly_damped
         && let Some(state) = standard_form(scaled)
-        && let Some(sigmas) = francis::eigenvalues(state, STEPS_PER_EIGENVALUE)
+        && let Some(sigmas) = francis::eigenvalues(state, QR_STEPS_BEFORE_QZ)
         && found(&sigmas)
     {
         return Ok((Route::Standard, sigmas));
@@ -137,7 +138,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     let pencil = companion.clone().without_infinite(&structure.infinite).without_zero(&structure.zero);
     let (a, b) = pencil.depths();
     if !strongly_damped
-        && a.min(b) > LEAST_DEPTH
+        && a.min(b) > LEAST_PIVOT_IN_DOUBLE
         && let Ok(sigmas) = pencil.eigenvalues()
         && found(&sigmas)
     {

@@ -6,7 +6,7 @@ use num_complex::Complex;
 use super::scaled::Scaled;
 
 /// Rounds with one factorisation; the second nearly always changes nothing.
-const INVERSE_ITERATIONS: usize = 2;
+const NULL_PAIR_ROUNDS: usize = 2;
 
 /// Least pivot whose square does not underflow, as complex division needs.
 pub(crate) const LEAST_PIVOT: f64 = 1e-150;
@@ -130,7 +130,7 @@ impl<'a> Factor<'a> {
     pub(crate) fn null_pairs(&self, count: usize) -> Option<(Vec<Vector>, Vec<Vector>)> {
         let mut y: Vec<_> = (0..count).map(|v| self.start(v)).collect();
         let mut x = Vec::new();
-        for _ in 0..INVERSE_ITERATIONS {
+        for _ in 0..NULL_PAIR_ROUNDS {
             x = y;
             x.iter_mut().for_each(|v| self.lu.solve(v));
             orthonormalise(&mut x)?;

@@ -18,7 +18,7 @@ pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mode::Mode;
 pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
 pub(crate) use null_vectors::{NullVector, null_vectors};
-pub(crate) use qr::MOST_STEPS;
+pub(crate) use qr::MOST_QR_STEPS;
 pub use qr::QrSolver;
 pub(crate) use scaling::MassRoot;
 pub use scaling::StandardForm;

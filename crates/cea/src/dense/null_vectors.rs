@@ -11,7 +11,7 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 use crate::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
 
 /// Inverse iterations with `Q^H Q`; the first does nearly all.
-const STEPS: usize = 3;
+const SINGULAR_VECTOR_ITERATIONS: usize = 3;
 
 /// A unit vector x and `|Q x|`, after the last but one and the last step of the iteration.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ impl WithSimd for Kernel<'_> {
             }
             let floor = floor(o, r, n);
             let mut residuals = [o.splat(f64::INFINITY); 2];
-            for _ in 0..STEPS {
+            for _ in 0..SINGULAR_VECTOR_ITERATIONS {
                 iterate(o, r, x, floor);
                 residuals = [residuals[1], residual(o, r, x)];
             }

@@ -6,7 +6,7 @@ use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, certified,
 
 /// QR steps allowed per eigenvalue: LAPACK's cap. A healthy matrix takes 2 to 4; clusters of equal bristles have been
 /// seen to take more than 60.
-pub(crate) const MOST_STEPS: usize = 300;
+pub(crate) const MOST_QR_STEPS: usize = 300;
 
 /// One system at a time by Francis' QR iteration on the [`StandardForm`], with a cap on its steps.
 ///
@@ -46,8 +46,8 @@ impl EigenSolver for QrSolver {
         work.counters.eigenvalue_solves += 1;
         let mut eigenvalues = Vec::with_capacity(dimension);
         for block in blocks {
-            let failed = CeaError::NoConvergence { iterations: MOST_STEPS, dimension };
-            eigenvalues.extend(francis::eigenvalues(block, MOST_STEPS).ok_or(failed)?);
+            let failed = CeaError::NoConvergence { iterations: MOST_QR_STEPS, dimension };
+            eigenvalues.extend(francis::eigenvalues(block, MOST_QR_STEPS).ok_or(failed)?);
         }
         eigenvalues.iter_mut().for_each(|sigma| *sigma *= gamma);
         sort(&mut eigenvalues);

@@ -23,10 +23,10 @@ use crate::CeaError;
 pub(crate) const STRONGEST_DAMPING: f64 = 100.0;
 /// Largest `a / gamma` of a state that the scalar iteration takes with the rest. It errs by rounding errors of the fastest
 /// state; splitting that off costs next to nothing.
-const FAST_STATE: f64 = 40.0;
+const FASTEST_STATE_UNSPLIT: f64 = 40.0;
 /// The same for the batched iteration, which has no split: 128 times condition number times epsilon was the worst of its
 /// errors up to here, and to hand a lane back costs several spectra.
-pub(crate) const FASTEST_LANE: f64 = 100.0;
+pub(crate) const FASTEST_STATE_IN_LANE: f64 = 100.0;
 
 /// A state matrix of order one, and what its eigenvalues must be multiplied by.
 #[derive(Debug, Clone)]
@@ -90,7 +90,7 @@ impl StandardForm {
 
     /// Dashpots or internal states are so much faster than the rest that the batched iteration would lose digits.
     pub(crate) fn is_steep(&self) -> bool {
-        self.is_strongly_damped() || self.fastest_state() > FASTEST_LANE
+        self.is_strongly_damped() || self.fastest_state() > FASTEST_STATE_IN_LANE
     }
 
     /// Matrices that a QR iteration can take, whose eigenvalues together are those of the state matrix; none where the
@@ -98,7 +98,7 @@ impl StandardForm {
     pub(crate) fn into_blocks(self) -> Option<Vec<DMatrix<f64>>> {
         if self.is_strongly_damped() {
             None
-        } else if self.fastest_state() > FAST_STATE {
+        } else if self.fastest_state() > FASTEST_STATE_UNSPLIT {
             split(&self.state, self.state_weights.len()).map(Vec::from)
         } else {
             Some(vec![self.state])

@@ -1,19 +1,22 @@
-//! How much may be added to a stable system before any eigenvalue can cross the axis: a bound that is a proof.
+//! How much may be added to a stable system before any eigenvalue can cross the axis: a bound of the H-infinity norm,
+//! certified up to rounding (docs/error-bounds.md, section 12).
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use crate::dense::{MOST_STEPS, MassRoot};
+use crate::dense::{MOST_QR_STEPS, MassRoot};
 use crate::{CeaError, StandardForm, Workspace, francis};
 
-/// How far above the largest gain that was seen the first bound is tried.
-const STEP: f64 = 1.01;
-/// The factor from the bound that passed to the one that is given.
-const RESERVE: f64 = 1.01;
+/// How far above the largest gain that was seen the next bound is tried. Only a bound above the peak passes, so
+/// that this one per cent is given up for having few to try.
+const ABOVE_SEEN: f64 = 1.01;
+/// The factor from the bound that passed to the one that is given, for rounding in the gains and in the
+/// Hamiltonian's eigenvalues. Chosen: the rounding is bounded to first order, its constant is not.
+const ROUNDING_RESERVE: f64 = 1.01;
 /// An eigenvalue nearer to the axis than this part of the matrix's norm counts as on it: a pair that a rounding error
-/// splits moves by the square root of it.
-const NEAR: f64 = 1.5e-8;
+/// splits moves by the square root of it, sqrt(2.2e-16) = 1.5e-8.
+const ON_AXIS: f64 = 1.5e-8;
 /// Bounds tried before the search is given up; it converges quadratically and takes two or three.
 const MOST_BOUNDS: usize = 12;
 
@@ -58,9 +61,9 @@ pub fn peak_gain(system: &SecondOrder, channels: &Channels, work: &mut Workspace
         return Err(CeaError::Channels { order: system.order(), states: system.states() });
     }
     let StandardForm { state, gamma, .. } = StandardForm::new(system)?;
-    let near = NEAR * state.norm();
+    let near = ON_AXIS * state.norm();
     work.counters.eigenvalue_solves += 1;
-    let Some(poles) = francis::eigenvalues(state.clone(), MOST_STEPS) else { return Ok(None) };
+    let Some(poles) = francis::eigenvalues(state.clone(), MOST_QR_STEPS) else { return Ok(None) };
     // Not `re >= -near`, which a NaN would pass.
     if !poles.iter().all(|pole| pole.re < -near) {
         return Ok(None);
@@ -77,15 +80,15 @@ pub fn peak_gain(system: &SecondOrder, channels: &Channels, work: &mut Workspace
         if !(seen > 0.0 && seen.is_finite()) {
             return Ok(None);
         }
-        let bound = STEP * seen;
+        let bound = ABOVE_SEEN * seen;
         let matrix = hamiltonian.at(bound);
-        let near = NEAR * matrix.norm();
+        let near = ON_AXIS * matrix.norm();
         work.counters.eigenvalue_solves += 1;
-        let Some(found) = francis::eigenvalues(matrix, MOST_STEPS) else { return Ok(None) };
+        let Some(found) = francis::eigenvalues(matrix, MOST_QR_STEPS) else { return Ok(None) };
         let mut crossings: Vec<f64> =
             found.iter().filter(|l| l.re.abs() <= near && l.im >= 0.0).map(|l| l.im).collect();
         if crossings.is_empty() {
-            return Ok(Some(RESERVE * bound));
+            return Ok(Some(ROUNDING_RESERVE * bound));
         }
         crossings.sort_unstable_by(f64::total_cmp);
         // Two that rounding has merged have nothing higher between them: the next bound is higher in any case.

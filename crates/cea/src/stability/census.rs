@@ -3,7 +3,7 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::verdict::{NEAR_AXIS, bounded};
+use super::first_order::{NEAR_AXIS, bounded};
 use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 
 /// One eigenvalue, what its error is at most, and whether its motion grows.

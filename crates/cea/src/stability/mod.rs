@@ -1,7 +1,7 @@
 //! Whether motions grow: the verdict on one eigenvalue, the census of a system.
 
 mod census;
-mod verdict;
+mod first_order;
 
 pub use census::{Judged, StabilityCensus, stability_census};
-pub use verdict::verdict;
+pub use first_order::verdict;

@@ -10,8 +10,9 @@ use pulp::Simd;
 use super::layout::{Layout, columns};
 use crate::lanes::Ops;
 
-/// Below this sum of squares a column counts as zero. Matrices come scaled to norm one.
-pub(super) const NEGLIGIBLE: f64 = 1e-290;
+/// Below this sum of squares a column counts as zero. Matrices come scaled to norm one, and a sum of squares
+/// below 1e-292 has lost digits to underflow.
+pub(super) const NEGLIGIBLE_COLUMN: f64 = 1e-290;
 
 /// Registers of scratch memory needed.
 pub(super) fn scratch_len(layout: Layout) -> usize {
@@ -99,7 +100,7 @@ pub(super) fn reduce<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, scra
         for &x in &column[k + 2..] {
             sigma = o.fma(x, x, sigma);
         }
-        let some = o.lt(o.splat(NEGLIGIBLE), sigma);
+        let some = o.lt(o.splat(NEGLIGIBLE_COLUMN), sigma);
         let norm = o.sqrt(o.fma(alpha, alpha, sigma));
         let beta = o.select(o.le(zero, alpha), o.neg(norm), norm);
         let tau = o.select(some, o.div(o.sub(beta, alpha), beta), zero);

@@ -11,12 +11,12 @@ use crate::lanes::Ops;
 /// Sweeps allowed for one block before its lane is given up; a healthy matrix takes 2 to 4.
 pub(super) const MOST_SWEEPS: u32 = 60;
 /// Every so many sweeps without a deflation the shifts are exceptional, in case the ordinary ones run in circles.
-const EXCEPTIONAL: u32 = 10;
+const SWEEPS_TO_EXCEPTIONAL_SHIFT: u32 = 10;
 /// Smallest block whose shifts come from its trailing 4 x 4 part. A smaller one would be shifted by its own
 /// eigenvalues exactly, and the bulge would carry nothing but rounding errors.
-const WIDE_BLOCK: usize = 6;
+const LEAST_WIDE_BLOCK: usize = 6;
 /// Of each eight sweeps without a deflation the last two take the customary shifts.
-const CUSTOMARY: (u32, u32) = (8, 6);
+const SHIFT_CYCLE: (u32, u32) = (8, 6);
 
 /// How far a lane has come.
 #[derive(Debug, Clone, Copy)]
@@ -123,7 +123,7 @@ impl<V: bytemuck::Pod> Wanted<V> {
         let lane = view.lane;
         floats(&mut self.tops[slot])[lane] = top as f64;
         floats(&mut self.bottoms[slot])[lane] = bottom as f64;
-        let wide = bottom - top + 1 >= WIDE_BLOCK && sweeps % CUSTOMARY.0 < CUSTOMARY.1;
+        let wide = bottom - top + 1 >= LEAST_WIDE_BLOCK && sweeps % SHIFT_CYCLE.0 < SHIFT_CYCLE.1;
         floats(&mut self.wide[slot])[lane] = f64::from(u8::from(wide));
         let from = if wide { 0 } else { 2 };
         for i in from..4 {
@@ -131,7 +131,7 @@ impl<V: bytemuck::Pod> Wanted<V> {
                 floats(&mut self.corners[slot][i][j])[lane] = view.at(bottom + i - 3, bottom + j - 3);
             }
         }
-        if slot == 0 && sweeps.is_multiple_of(EXCEPTIONAL) {
+        if slot == 0 && sweeps.is_multiple_of(SWEEPS_TO_EXCEPTIONAL_SHIFT) {
             let size = view.at(bottom, bottom - 1).abs() + view.at(bottom - 1, bottom - 2).abs();
             floats(&mut self.exceptional)[lane] = size;
         }
@@ -151,7 +151,7 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
     let (zero, never, none) = (o.splat(0.0), o.splat(f64::MAX), o.splat(-1.0));
     let mut progress = vec![Progress { open: n, sweeps: 0, failed: false }; lanes];
     // The last window of a sweep may look past the last row.
-    let mut tops = vec![false; n + super::layout::WINDOW];
+    let mut tops = vec![false; n + super::layout::REFLECTORS_PER_WINDOW];
     let mut open = o.splat(n as f64);
     let mut reflectors = Reflectors::identities(zero);
     loop {

@@ -1,9 +1,9 @@
 //! How a batch of matrices stands in memory.
 
 /// Reflectors that a window of the sweep generates before it applies them to the rest of the matrix.
-pub(super) const WINDOW: usize = 6;
+pub(super) const REFLECTORS_PER_WINDOW: usize = 6;
 /// Spare rows above each column: the sweep works on groups of four rows and may begin before row 0.
-const ABOVE: usize = 4;
+const ROWS_ABOVE: usize = 4;
 
 /// Entry (i, j) of all matrices of a batch is one register; columns are contiguous, with zeros around the matrix
 /// so that the sweep need not treat its edges apart.
@@ -17,7 +17,7 @@ pub(super) struct Layout {
 
 impl Layout {
     pub fn new(order: usize) -> Self {
-        Self { order, stride: (ABOVE + order + WINDOW + 1) | 1 }
+        Self { order, stride: (ROWS_ABOVE + order + REFLECTORS_PER_WINDOW + 1) | 1 }
     }
 
     /// Where entry (i, j) stands, in registers.
@@ -29,7 +29,7 @@ impl Layout {
     /// Where row i stands in its column.
     #[inline(always)]
     pub fn row(self, i: usize) -> usize {
-        ABOVE + i
+        ROWS_ABOVE + i
     }
 
     /// Where column j begins; there is one spare column in front.
@@ -40,7 +40,7 @@ impl Layout {
 
     /// Registers in all.
     pub fn len(self) -> usize {
-        self.column(self.order + WINDOW + 1)
+        self.column(self.order + REFLECTORS_PER_WINDOW + 1)
     }
 }
 

@@ -10,7 +10,7 @@ use pulp::{Simd, bytemuck};
 
 use super::layout::Layout;
 use crate::dense::scaling::StandardForm;
-use crate::dense::scaling::{FASTEST_LANE, STRONGEST_DAMPING};
+use crate::dense::scaling::{FASTEST_STATE_IN_LANE, STRONGEST_DAMPING};
 use crate::lanes::Ops;
 
 /// n and s, if all matrices have the shapes that they imply.
@@ -161,7 +161,7 @@ fn scale_lanes<S: Simd>(
         }
         let decay = o.mul(minus_rate, a[layout.at(k, k)]);
         a[layout.at(k, k)] = decay;
-        is_steep = o.or(is_steep, o.lt(o.splat(FASTEST_LANE), o.abs(decay)));
+        is_steep = o.or(is_steep, o.lt(o.splat(FASTEST_STATE_IN_LANE), o.abs(decay)));
         size = o.fma(decay, decay, size);
     }
     let size = o.select(is_steep, o.splat(f64::NAN), o.mul(gamma, o.sqrt(size)));

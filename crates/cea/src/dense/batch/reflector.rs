@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::layout::WINDOW;
+use super::layout::REFLECTORS_PER_WINDOW;
 use crate::lanes::Ops;
 
 /// `P = I - (t1, t2, t3)^T (1, v2, v3)`; all zero where a lane has nothing to reflect.
@@ -17,11 +17,11 @@ pub(super) struct Reflector<V> {
 
 /// The reflectors of a window. Aligned, because a register that straddles two cache lines is read twice.
 #[repr(align(64))]
-pub(super) struct Reflectors<V>(pub [Reflector<V>; WINDOW]);
+pub(super) struct Reflectors<V>(pub [Reflector<V>; REFLECTORS_PER_WINDOW]);
 
 impl<V: Copy> Reflectors<V> {
     pub fn identities(zero: V) -> Self {
-        Self([Reflector { v2: zero, v3: zero, t1: zero, t2: zero, t3: zero }; WINDOW])
+        Self([Reflector { v2: zero, v3: zero, t1: zero, t2: zero, t3: zero }; REFLECTORS_PER_WINDOW])
     }
 }
 
@@ -36,7 +36,7 @@ impl<V: Copy> Reflector<V> {
     }
 }
 
-/// A window's reflectors from the left on `WINDOW + 2` rows of four columns.
+/// A window's reflectors from the left on `REFLECTORS_PER_WINDOW + 2` rows of four columns.
 ///
 /// Four columns at a time: their chains of dependent operations overlap, and each coefficient is loaded once for
 /// the four.
@@ -45,7 +45,7 @@ pub(super) fn from_left<S: Simd>(o: Ops<S>, columns: [&mut [S::f64s]; 4], r: &Re
     let [a, b, c, d] = columns;
     let mut x = [a[0], b[0], c[0], d[0]];
     let mut y = [a[1], b[1], c[1], d[1]];
-    for t in 0..WINDOW {
+    for t in 0..REFLECTORS_PER_WINDOW {
         let mut z = [a[t + 2], b[t + 2], c[t + 2], d[t + 2]];
         for g in 0..4 {
             r.0[t].apply(o, &mut x[g], &mut y[g], &mut z[g]);
@@ -53,21 +53,27 @@ pub(super) fn from_left<S: Simd>(o: Ops<S>, columns: [&mut [S::f64s]; 4], r: &Re
         (a[t], b[t], c[t], d[t]) = (x[0], x[1], x[2], x[3]);
         (x, y) = (y, z);
     }
-    (a[WINDOW], b[WINDOW], c[WINDOW], d[WINDOW]) = (x[0], x[1], x[2], x[3]);
-    (a[WINDOW + 1], b[WINDOW + 1], c[WINDOW + 1], d[WINDOW + 1]) = (y[0], y[1], y[2], y[3]);
+    (a[REFLECTORS_PER_WINDOW], b[REFLECTORS_PER_WINDOW], c[REFLECTORS_PER_WINDOW], d[REFLECTORS_PER_WINDOW]) =
+        (x[0], x[1], x[2], x[3]);
+    (
+        a[REFLECTORS_PER_WINDOW + 1],
+        b[REFLECTORS_PER_WINDOW + 1],
+        c[REFLECTORS_PER_WINDOW + 1],
+        d[REFLECTORS_PER_WINDOW + 1],
+    ) = (y[0], y[1], y[2], y[3]);
 }
 
-/// A window's reflectors from the right on `WINDOW + 2` columns, of each four rows from row `i`.
+/// A window's reflectors from the right on `REFLECTORS_PER_WINDOW + 2` columns, of each four rows from row `i`.
 #[inline(always)]
 pub(super) fn from_right<S: Simd>(
     o: Ops<S>,
-    columns: &mut [&mut [S::f64s]; WINDOW + 2],
+    columns: &mut [&mut [S::f64s]; REFLECTORS_PER_WINDOW + 2],
     i: usize,
     r: &Reflectors<S::f64s>,
 ) {
     let mut x = four(columns[0], i);
     let mut y = four(columns[1], i);
-    for t in 0..WINDOW {
+    for t in 0..REFLECTORS_PER_WINDOW {
         let mut z = four(columns[t + 2], i);
         for g in 0..4 {
             r.0[t].apply(o, &mut x[g], &mut y[g], &mut z[g]);
@@ -75,8 +81,8 @@ pub(super) fn from_right<S: Simd>(
         columns[t][i..i + 4].copy_from_slice(&x);
         (x, y) = (y, z);
     }
-    columns[WINDOW][i..i + 4].copy_from_slice(&x);
-    columns[WINDOW + 1][i..i + 4].copy_from_slice(&y);
+    columns[REFLECTORS_PER_WINDOW][i..i + 4].copy_from_slice(&x);
+    columns[REFLECTORS_PER_WINDOW + 1][i..i + 4].copy_from_slice(&y);
 }
 
 #[inline(always)]

@@ -10,8 +10,8 @@
 
 use pulp::Simd;
 
-use super::hessenberg::NEGLIGIBLE;
-use super::layout::{Layout, WINDOW, columns};
+use super::hessenberg::NEGLIGIBLE_COLUMN;
+use super::layout::{Layout, REFLECTORS_PER_WINDOW, columns};
 use super::reflector::{Reflector, Reflectors, from_left, from_right};
 use super::shifts::ShiftPair;
 use crate::lanes::Ops;
@@ -78,13 +78,13 @@ pub(super) fn sweep<S: Simd>(
     let mut k = plan.first;
     while k < plan.last {
         let row = layout.row(k);
-        // Rows from k of the columns k - 1 ..= k + WINDOW + 1.
-        let mut diagonal = columns(&mut a[layout.column(k) - stride..], stride, row, WINDOW + 3);
+        // Rows from k of the columns k - 1 ..= k + REFLECTORS_PER_WINDOW + 1.
+        let mut diagonal = columns(&mut a[layout.column(k) - stride..], stride, row, REFLECTORS_PER_WINDOW + 3);
         window(o, &mut diagonal, k, plan, r);
 
-        let mut j = k + WINDOW + 2;
+        let mut j = k + REFLECTORS_PER_WINDOW + 2;
         while j <= plan.last {
-            from_left(o, columns(&mut a[layout.column(j)..], stride, row, WINDOW + 2), r);
+            from_left(o, columns(&mut a[layout.column(j)..], stride, row, REFLECTORS_PER_WINDOW + 2), r);
             j += 4;
         }
 
@@ -94,22 +94,22 @@ pub(super) fn sweep<S: Simd>(
         for i in (0..rows).step_by(4) {
             from_right(o, &mut above, i, r);
         }
-        k += WINDOW;
+        k += REFLECTORS_PER_WINDOW;
     }
 }
 
-/// Chases the bulges through rows `first..first + WINDOW`. `c[0]` is the column before the window's first.
+/// Chases the bulges through rows `first..first + REFLECTORS_PER_WINDOW`. `c[0]` is the column before the window's first.
 #[inline(always)]
 fn window<S: Simd>(
     o: Ops<S>,
-    c: &mut [&mut [S::f64s]; WINDOW + 3],
+    c: &mut [&mut [S::f64s]; REFLECTORS_PER_WINDOW + 3],
     first: usize,
     plan: &Plan<'_, S::f64s>,
     r: &mut Reflectors<S::f64s>,
 ) {
     let zero = o.splat(0.0);
     let [p, q] = &plan.blocks;
-    for t in 0..WINDOW {
+    for t in 0..REFLECTORS_PER_WINDOW {
         let row = o.splat((first + t) as f64);
         let next = o.splat((first + t + 1) as f64);
         let after = o.splat((first + t + 2) as f64);
@@ -127,7 +127,7 @@ fn window<S: Simd>(
         // The last reflector of a block has two rows.
         let z = o.select(three, z, zero);
         let sigma = o.fma(z, z, o.mul(y, y));
-        let some = o.and(active, o.lt(o.splat(NEGLIGIBLE), sigma));
+        let some = o.and(active, o.lt(o.splat(NEGLIGIBLE_COLUMN), sigma));
         let norm = o.sqrt(o.fma(x, x, sigma));
         let beta = o.select(o.le(zero, x), o.neg(norm), norm);
         let inverse = o.select(some, o.div(o.splat(1.0), o.sub(x, beta)), zero);
