@@ -21,6 +21,7 @@ pub fn sort(eigenvalues: &mut [Complex<f64>]) {
 }
 
 /// Orders eigenvalues by |Im|, then Re, then Im: real ones first, conjugates next to each other.
+#[must_use]
 pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
     a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im))
 }
@@ -38,6 +39,7 @@ impl Spectrum {
 }
 
 /// `f = Im lambda / 2 pi`, Hz.
+#[must_use]
 pub fn frequency_hz(lambda: Complex<f64>) -> f64 {
     lambda.im / std::f64::consts::TAU
 }
@@ -45,6 +47,7 @@ pub fn frequency_hz(lambda: Complex<f64>) -> f64 {
 /// `zeta = -Re lambda / |lambda|`, the textbook's damping ratio: 1 is critical, negative is unstable.
 ///
 /// Abaqus prints `-2 Re lambda / |lambda|`, twice this.
+#[must_use]
 pub fn damping_ratio(lambda: Complex<f64>) -> f64 {
     if lambda.norm() == 0.0 { 0.0 } else { -lambda.re / lambda.norm() }
 }

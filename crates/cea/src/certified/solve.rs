@@ -25,6 +25,7 @@ const QR_STEPS_BEFORE_QZ: usize = 60;
 
 /// How the eigenvalues were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Route {
     /// QR iteration on `[-M^-1 C, -M^-1 K; I, 0]`, scaled: M is well conditioned.
     Standard,

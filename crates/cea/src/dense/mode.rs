@@ -35,6 +35,7 @@ impl Mode {
     }
 
     /// The mode of `system` at `lambda` with a multiple of this shape.
+    #[must_use]
     pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
         fix_phase(&mut shape);
         shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());

@@ -60,16 +60,19 @@ impl Modes {
     }
 
     /// Number of modes: oscillating ones, and one for each two real eigenvalues.
+    #[must_use]
     pub fn count(&self) -> usize {
         self.oscillatory.len() + self.overdamped()
     }
 
     /// Overdamped modes, each two real eigenvalues.
+    #[must_use]
     pub fn overdamped(&self) -> usize {
         self.real.len() / 2
     }
 
     /// Frequency rank of `oscillatory[index]`, from 1. An overdamped mode keeps its place, at zero frequency.
+    #[must_use]
     pub fn rank(&self, index: usize) -> usize {
         self.overdamped() + index + 1
     }
@@ -77,6 +80,7 @@ impl Modes {
 
 /// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
 /// its order. As [`Modes::rank`] of the one; equal eigenvalues rank in the order of their systems.
+#[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
     let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
@@ -93,6 +97,7 @@ pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
 /// Numbers of a mode among all 2 n eigenvalues ordered by |Im lambda|: 2 r - 1 and 2 r for rank r.
 ///
 /// A paper that speaks of "mode 29" of a system with 30 degrees of freedom may mean rank 29 or, so, rank 15.
+#[must_use]
 pub fn pair_numbers(rank: usize) -> (usize, usize) {
     (2 * rank - 1, 2 * rank)
 }
@@ -130,6 +135,7 @@ fn is_internal(
 }
 
 /// `phi^H M phi`, real for symmetric M.
+#[must_use]
 pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f64 {
     phi.dotc(&real_times_complex(&system.m, phi)).re
 }

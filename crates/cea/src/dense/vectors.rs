@@ -127,6 +127,7 @@ pub fn singular_vectors(
 
 /// Normwise backward error of (lambda, phi): `|Q(lambda) phi| / ((sum |lambda|^j |A_j|) |phi|)`, Frobenius norms
 /// (Tisseur, Linear Algebra Appl. 309, 2000).
+#[must_use]
 pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<Complex<f64>>) -> f64 {
     (system.dynamic_stiffness(lambda) * phi).norm() / (size(system, lambda) * phi.norm())
 }

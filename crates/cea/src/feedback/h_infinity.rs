@@ -41,9 +41,36 @@ impl Channels {
     }
 }
 
-/// A bound g of the gain of the channels: while `|Delta| < 1 / g` in the 2-norm, also with Delta a function of lambda, no
-/// eigenvalue has `Re lambda >= 0`. `None` where this is not proven for any g: the system itself is not surely stable, or
-/// rounding leaves a doubt.
+/// Why [`h_infinity_norm_bound`] has none to give.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoNormBound {
+    /// The system itself may be unstable: an eigenvalue is not left of the axis by more than a rounding error may move it.
+    #[error("the system itself is not surely stable: its rightmost eigenvalue has Re lambda = {rightmost:e} 1/s")]
+    NotSurelyStable {
+        /// The largest real part, rad/s.
+        rightmost: f64,
+    },
+    /// The channels have no gain at any frequency that was looked at: what they act on they do not read.
+    #[error("the channels have no gain at any eigenfrequency")]
+    NoGain,
+    /// The gain overflows, or Q is singular to rounding on the axis.
+    #[error("the gain is not finite next to an eigenfrequency")]
+    GainNotFinite,
+    /// The QR iteration on the state matrix or on the Hamiltonian did not settle.
+    #[error("the QR iteration did not settle")]
+    NoConvergence,
+    /// Every bound tried was crossed.
+    #[error("none of {tried} bounds was found to be above the gain")]
+    BoundsExhausted {
+        /// How many were tried.
+        tried: usize,
+    },
+}
+
+/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies: while `|Delta| < 1 / g` in the 2-norm, also with Delta a function of lambda, no
+/// eigenvalue has `Re lambda >= 0`. Certified up to rounding, with the reserves that this file's constants say; or the reason
+/// for which no g is given.
 ///
 /// With `T(lambda) = (position + lambda velocity) Q_0(lambda)^-1 force`, `det Q = det Q_0 det(I + Delta T)`, which does
 /// not vanish where `|Delta| |T| < 1` (small gain: Zames, IEEE Trans. Autom. Control 11, 1966). T has no pole in
@@ -56,17 +83,24 @@ impl Channels {
 /// # Errors
 /// [`CeaError::MassNotPositiveDefinite`], and [`CeaError::Channels`] for internal states in the system or channels of another
 /// order.
-pub fn peak_gain(system: &SecondOrder, channels: &Channels, work: &mut Workspace) -> Result<Option<f64>, CeaError> {
+pub fn h_infinity_norm_bound(
+    system: &SecondOrder,
+    channels: &Channels,
+    work: &mut Workspace,
+) -> Result<Result<f64, NoNormBound>, CeaError> {
     if system.states() > 0 || !channels.fit(system.order()) {
         return Err(CeaError::Channels { order: system.order(), states: system.states() });
     }
     let StandardForm { state, gamma, .. } = StandardForm::new(system)?;
     let near = ON_AXIS * state.norm();
     work.counters.eigenvalue_solves += 1;
-    let Some(poles) = francis::eigenvalues(state.clone(), MOST_QR_STEPS) else { return Ok(None) };
+    let Some(poles) = francis::eigenvalues(state.clone(), MOST_QR_STEPS) else {
+        return Ok(Err(NoNormBound::NoConvergence));
+    };
     // Not `re >= -near`, which a NaN would pass.
     if !poles.iter().all(|pole| pole.re < -near) {
-        return Ok(None);
+        let rightmost = poles.iter().map(|pole| pole.re * gamma).fold(f64::NEG_INFINITY, f64::max);
+        return Ok(Err(NoNormBound::NotSurelyStable { rightmost }));
     }
     let gain = |sigma: f64, work: &mut Workspace| gain_at(system, channels, sigma * gamma, work);
 
@@ -78,23 +112,25 @@ pub fn peak_gain(system: &SecondOrder, channels: &Channels, work: &mut Workspace
     let hamiltonian = Hamiltonian::new(&state, gamma, &MassRoot::new(&system.m)?, channels)?;
     for _ in 0..MOST_BOUNDS {
         if !(seen > 0.0 && seen.is_finite()) {
-            return Ok(None);
+            return Ok(Err(if seen == 0.0 { NoNormBound::NoGain } else { NoNormBound::GainNotFinite }));
         }
         let bound = ABOVE_SEEN * seen;
         let matrix = hamiltonian.at(bound);
         let near = ON_AXIS * matrix.norm();
         work.counters.eigenvalue_solves += 1;
-        let Some(found) = francis::eigenvalues(matrix, MOST_QR_STEPS) else { return Ok(None) };
+        let Some(found) = francis::eigenvalues(matrix, MOST_QR_STEPS) else {
+            return Ok(Err(NoNormBound::NoConvergence));
+        };
         let mut crossings: Vec<f64> =
             found.iter().filter(|l| l.re.abs() <= near && l.im >= 0.0).map(|l| l.im).collect();
         if crossings.is_empty() {
-            return Ok(Some(ROUNDING_RESERVE * bound));
+            return Ok(Ok(ROUNDING_RESERVE * bound));
         }
         crossings.sort_unstable_by(f64::total_cmp);
         // Two that rounding has merged have nothing higher between them: the next bound is higher in any case.
         seen = crossings.windows(2).map(|pair| gain(0.5 * (pair[0] + pair[1]), work)).fold(bound, f64::max);
     }
-    Ok(None)
+    Ok(Err(NoNormBound::BoundsExhausted { tried: MOST_BOUNDS }))
 }
 
 /// `|T(i omega)|` in the 2-norm; infinite where Q is singular.
@@ -150,8 +186,8 @@ mod tests {
     use nalgebra::dmatrix;
     use proptest::prelude::*;
 
-    fn bound(system: &SecondOrder, channels: &Channels) -> Option<f64> {
-        peak_gain(system, channels, &mut Workspace::default()).unwrap()
+    fn bound(system: &SecondOrder, channels: &Channels) -> Result<f64, NoNormBound> {
+        h_infinity_norm_bound(system, channels, &mut Workspace::default()).unwrap()
     }
 
     #[test]
@@ -175,15 +211,19 @@ mod tests {
         let channels = Channels { force: dmatrix![1.0], position: dmatrix![1.0], velocity: dmatrix![0.0] };
         for (c, k) in [(0.0, 1.0), (-0.1, 1.0), (1e-12, 1.0), (1.0, 0.0), (1.0, -1.0)] {
             let system = SecondOrder::new(dmatrix![1.0], dmatrix![c], dmatrix![k]).unwrap();
-            assert_eq!(bound(&system, &channels), None, "c = {c}, k = {k}");
+            let refused = bound(&system, &channels);
+            assert!(matches!(refused, Err(NoNormBound::NotSurelyStable { .. })), "c = {c}, k = {k}: {refused:?}");
         }
+        let damped = SecondOrder::new(dmatrix![1.0], dmatrix![1.0], dmatrix![1.0]).unwrap();
+        let blind = Channels { position: dmatrix![0.0], ..channels };
+        assert_eq!(bound(&damped, &blind), Err(NoNormBound::NoGain));
     }
 
     #[test]
     fn channels_must_fit() {
         let system = SecondOrder::new(dmatrix![1.0], dmatrix![1.0], dmatrix![1.0]).unwrap();
         let channels = Channels { force: dmatrix![1.0], position: dmatrix![1.0, 1.0], velocity: dmatrix![0.0] };
-        let refused = peak_gain(&system, &channels, &mut Workspace::default());
+        let refused = h_infinity_norm_bound(&system, &channels, &mut Workspace::default());
         assert_eq!(refused, Err(CeaError::Channels { order: 1, states: 0 }));
     }
 

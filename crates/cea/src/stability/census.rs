@@ -8,7 +8,7 @@ use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 
 /// One eigenvalue, what its error is at most, and whether its motion grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judged {
+pub struct JudgedEigenvalue {
     /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
     pub lambda: Complex<f64>,
     /// What |lambda - exact| is estimated not to exceed, rad/s.
@@ -21,14 +21,14 @@ pub struct Judged {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StabilityCensus {
     /// Modes that oscillate and grow (flutter), ascending in frequency.
-    pub growing: Vec<Judged>,
+    pub growing: Vec<JudgedEigenvalue>,
     /// Real eigenvalues above zero (divergence), ascending.
-    pub divergent: Vec<Judged>,
+    pub divergent: Vec<JudgedEigenvalue>,
     /// Eigenvalues on the axis to within what rounding the matrices to doubles may move them by: undamped modes, rigid
     /// bodies, the onset itself.
-    pub marginal: Vec<Judged>,
+    pub marginal: Vec<JudgedEigenvalue>,
     /// Eigenvalues of which the certified bounds cannot tell either.
-    pub undecided: Vec<Judged>,
+    pub undecided: Vec<JudgedEigenvalue>,
     /// How many eigenvalues are left of the axis.
     pub damped: usize,
     /// Whether all eigenvalues were found and bounded by [`certified`](crate::certified), because the fast route could not decide on one.
@@ -48,7 +48,7 @@ impl StabilityCensus {
         !self.is_unstable() && !self.undecided.is_empty()
     }
 
-    fn enter(&mut self, judged: Judged) {
+    fn enter(&mut self, judged: JudgedEigenvalue) {
         match judged.verdict {
             Verdict::Stable => self.damped += 1,
             Verdict::Unstable if judged.lambda.im == 0.0 => self.divergent.push(judged),
@@ -110,7 +110,9 @@ fn by_first_order_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<O
         }
         let (lambda, bound) = bounded(system, lambda, work)?;
         match Verdict::of(lambda, bound) {
-            verdict @ (Verdict::Stable | Verdict::Unstable) => census.enter(Judged { lambda, bound, verdict }),
+            verdict @ (Verdict::Stable | Verdict::Unstable) => {
+                census.enter(JudgedEigenvalue { lambda, bound, verdict })
+            }
             _ => return Ok(None),
         }
     }
@@ -122,7 +124,7 @@ fn by_certificates(system: &SecondOrder, work: &mut Workspace) -> Result<Stabili
     let mut census = StabilityCensus { is_certified: true, ..StabilityCensus::default() };
     for found in certified::certify(system, &spectrum, work)?.eigenvalues.iter().filter(|found| found.lambda.im >= 0.0)
     {
-        census.enter(Judged { lambda: found.lambda, bound: found.bound, verdict: found.verdict });
+        census.enter(JudgedEigenvalue { lambda: found.lambda, bound: found.bound, verdict: found.verdict });
     }
     Ok(census)
 }

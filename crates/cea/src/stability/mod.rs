@@ -3,5 +3,5 @@
 mod census;
 mod first_order;
 
-pub use census::{Judged, StabilityCensus, stability_census};
+pub use census::{JudgedEigenvalue, StabilityCensus, stability_census};
 pub use first_order::verdict;

@@ -1,6 +1,6 @@
 //! Sliding states whose systems are all stable, by proof: their samples need no spectrum.
 
-use cea::{Channels, Workspace, peak_gain};
+use cea::{Channels, Workspace, h_infinity_norm_bound};
 use friction::Tangent;
 use linsys::SecondOrder;
 use montecarlo::stream;
@@ -21,7 +21,7 @@ const BELOW: [f64; 3] = [0.0, 0.75, 1.5];
 /// What is certified of one lattice: ellipses in the plane of coefficient mu and slope `N0 h` of friction.
 ///
 /// No state all of whose contacts lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law, and whether
-/// the contacts are alike or not. See [`peak_gain`] for the proof; docs/error-bounds.md puts it together.
+/// the contacts are alike or not. See [`h_infinity_norm_bound`] for the proof; docs/error-bounds.md puts it together.
 #[derive(Debug, Clone, Default)]
 pub struct Certificate {
     ellipses: Vec<Ellipse>,
@@ -98,7 +98,7 @@ impl Certificate {
             let point = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 1.0, stiffness_factor: 1.0 };
             let contacts = vec![point; lattice.arrangement().in_contact().len()];
             let system = lattice.linearised(&Sliding { speed: 1.0, contacts })?;
-            if let Some(gain) = peak_gain(&system, &weighted, &mut Workspace::default())? {
+            if let Ok(gain) = h_infinity_norm_bound(&system, &weighted, &mut Workspace::default())? {
                 let half_axes = Friction { mu: spread.mu / gain, slope: spread.slope / gain };
                 ellipses.push(Ellipse { centre, half_axes });
             }

@@ -121,6 +121,7 @@ impl Growing {
     }
 
     /// Whether the bounds leave open which modes are below one of these frequencies, rad/s.
+    #[must_use]
     pub fn blurs(&self, frequencies: &[f64]) -> bool {
         let mut bounds = self.modes.iter().zip(&self.radii);
         bounds.any(|(mode, radius)| frequencies.iter().any(|im| (mode.im - im).abs() < *radius))
@@ -142,11 +143,13 @@ impl Secular {
     }
 
     /// The structure without feedback.
+    #[must_use]
     pub fn structure(&self) -> &SecondOrder {
         &self.structure
     }
 
     /// The structure with a gain: what its secular equation stands for.
+    #[must_use]
     pub fn system(&self, gain: &Gain) -> SecondOrder {
         let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
         system.k += gain.position * force * reading;

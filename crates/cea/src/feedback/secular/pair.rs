@@ -44,6 +44,7 @@ impl EigenvaluePair {
     }
 
     /// What it becomes by moving at some rates.
+    #[must_use]
     pub fn moved(&self, rate: &Self, step: f64) -> Self {
         Self {
             mean: self.mean + rate.mean * step,
