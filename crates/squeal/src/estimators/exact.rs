@@ -9,7 +9,7 @@ use cea::Counters;
 use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
 use super::{EstimatorError, OneParameterFamily, Onsets};
-use crate::study::{Plan, Reference, Sample};
+use crate::study::Reference;
 
 /// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
@@ -31,10 +31,10 @@ pub struct Exact {
 ///
 /// # Errors
 /// Those of [`OneParameterFamily::onsets`].
-pub fn exact(plan: &Plan, reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
-    let distribution = plan.case.friction.mu;
+pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
+    let distribution = family.distribution();
     let (from, to) = support(distribution);
-    let median = Sample::median(&plan.case).contact(0).mu;
+    let median = distribution.median();
     family.spectrum(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
