@@ -16,7 +16,7 @@ use osc_model::{
     PlateParameters, PreparedLattice, Sign, Sliding,
 };
 use serde::Deserialize;
-use work::{ModeWork, mode_work};
+use work::{Family, ModeWork, family_work};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -176,7 +176,9 @@ fn work_of(golden: &Golden, lambda: Complex<f64>) -> ModeWork {
     lattice.linearise_friction(&sliding, &mut friction).unwrap();
     let system = lattice.linearised(&sliding).unwrap();
     let phi = right_vector(&system, lambda, &mut Workspace::default()).unwrap();
-    mode_work(lattice.structural(), &friction, lambda, &phi, lattice.bodies()).unwrap()
+    let damping = lattice.structural().damping_alone();
+    let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
+    family_work(&system.m, &families, lambda, &phi, lattice.bodies()).unwrap()
 }
 
 #[test]
@@ -186,7 +188,9 @@ fn work_is_the_golden_one() {
         let expected = &golden.work_mode;
         let [re, im] = expected.lambda;
         let ours = work_of(golden, Complex::new(re, im));
-        let families = [(&ours.friction, &expected.friction_work), (&ours.damping, &expected.damping_work)];
+        let found = ours.families.iter().map(|family| &family.bodies);
+        let families: Vec<_> = found.zip([&expected.friction_work, &expected.damping_work]).collect();
+        assert_eq!(families.len(), 2);
         let largest = families.iter().flat_map(|(_, w)| w.iter()).fold(0.0_f64, |most, w| most.max(w.abs()));
         for (found, expected) in families {
             assert_eq!(found.len(), expected.len());

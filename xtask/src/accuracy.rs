@@ -1,13 +1,22 @@
 //! How right the answers are, and at what price.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use squeal::accuracy::{AccuracyError, Effort, accuracy};
 use squeal::case::Case;
+use validation::{Effort, accuracy};
+
+use crate::again::run_again;
+use crate::error::TaskError;
 
 /// Accuracy against time: solver routes, estimators, the lattice at its worst, hard problems
+///
+/// LAPACK's dgeev and dggev take part with --features lapack: the system's OpenBLAS (libopenblas-dev).
 #[derive(Debug, clap::Args)]
 pub struct AccuracyArgs {
+    /// Build with these features first: lapack
+    #[arg(long, value_name = "LIST")]
+    features: Option<String>,
     /// A minute instead of some
     #[arg(long)]
     quick: bool,
@@ -16,8 +25,19 @@ pub struct AccuracyArgs {
     out: Option<PathBuf>,
 }
 
+impl AccuracyArgs {
+    /// The task and its options but `--features`.
+    fn words(&self) -> Vec<OsString> {
+        let mut words = vec!["accuracy".into()];
+        words.extend(self.quick.then(|| "--quick".into()));
+        words.extend(self.out.iter().flat_map(|path| ["--out".into(), path.into()]));
+        words
+    }
+}
+
 /// Runs the task.
-pub fn run(args: &AccuracyArgs) -> Result<(), AccuracyError> {
+pub fn run(args: &AccuracyArgs) -> Result<(), TaskError> {
+    run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let case = Case::read(&root.join("cases/paper.toml")).map_err(squeal::Error::from)?;
     let effort = if args.quick { Effort::quick() } else { Effort::full() };
@@ -27,4 +47,15 @@ pub fn run(args: &AccuracyArgs) -> Result<(), AccuracyError> {
     println!("{}", report.markdown());
     println!("Figures and data: {}", out.display());
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_options_but_features_are_told_again() {
+        let args = AccuracyArgs { features: Some("lapack".into()), quick: true, out: Some("a b".into()) };
+        assert_eq!(args.words(), ["accuracy", "--quick", "--out", "a b"]);
+    }
 }

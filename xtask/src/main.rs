@@ -1,7 +1,9 @@
 //! The project's own tasks: `cargo xtask reproduce`, `accuracy` and `bench`.
 
 mod accuracy;
+mod again;
 mod bench;
+mod error;
 mod reproduce;
 
 use std::process::ExitCode;

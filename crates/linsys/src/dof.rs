@@ -38,6 +38,11 @@ impl DofMap {
         Ok(Self { free, position })
     }
 
+    /// All of `total` degrees of freedom free.
+    pub fn all(total: usize) -> Self {
+        Self { free: (0..total).collect(), position: (0..total).map(Some).collect() }
+    }
+
     /// Degrees of freedom of the unconstrained model.
     pub fn total(&self) -> usize {
         self.position.len()

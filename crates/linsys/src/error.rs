@@ -51,6 +51,48 @@ pub enum LinsysError {
         /// What fits.
         expected_columns: usize,
     },
+    /// A term of an affine system that is larger or smaller than the first one.
+    #[error("the term \"{term}\" has {found} degrees of freedom; expected {expected}, as the first one")]
+    TermOrder {
+        /// The term.
+        term: String,
+        /// Its degrees of freedom.
+        found: usize,
+        /// Those of the first term.
+        expected: usize,
+    },
+    /// A term of an affine system that has internal states; only channels may have them.
+    #[error("the term \"{term}\" has {states} internal states; expected none")]
+    TermStates {
+        /// The term.
+        term: String,
+        /// Its internal states.
+        states: usize,
+    },
+    /// An operating point of another affine system.
+    #[error("{found} {what}; expected {expected}")]
+    Count {
+        /// What was counted.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many fit.
+        expected: usize,
+    },
+    /// A coefficient that is NaN or infinite.
+    #[error("the coefficient of the term \"{term}\" is {value}; it must be finite")]
+    Coefficient {
+        /// The term.
+        term: String,
+        /// The coefficient.
+        value: f64,
+    },
+    /// A number of a friction channel that is NaN or infinite.
+    #[error("the channel \"{channel}\" has a number that is not finite")]
+    ChannelGain {
+        /// The channel.
+        channel: String,
+    },
     /// The system has no degrees of freedom.
     #[error("the system has no degrees of freedom")]
     Empty,

@@ -23,11 +23,13 @@
 //! # Ok::<(), linsys::LinsysError>(())
 //! ```
 
+mod affine;
 mod dof;
 mod error;
 mod market;
 mod second_order;
 
+pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
 pub use market::{LARGEST_ORDER, MarketProblem, read_market};

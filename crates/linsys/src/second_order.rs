@@ -85,6 +85,11 @@ impl SecondOrder {
         }
     }
 
+    /// C alone, with M = K = 0 and no internal states: the dashpots as forces of their own.
+    pub fn damping_alone(&self) -> Self {
+        Self { c: self.c.clone(), ..Self::zeros(self.order(), 0) }
+    }
+
     /// n, the number of degrees of freedom.
     pub fn order(&self) -> usize {
         self.m.nrows()

@@ -4,27 +4,27 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::MonteCarloError;
+use crate::experiment::{Experiment, Runs, Tally};
 use crate::failures::{Failure, Failures};
 use crate::progress::Progress;
 use crate::stream::stream;
-use crate::study::{Runs, Study, Tally};
 use crate::summary::Summary;
 
 /// Draws the samples of `indices`, evaluates them in all scenes and enters them in `tally`, which is empty.
 ///
 /// Gives `None` when `stop` was raised meanwhile: the run has failed elsewhere and nobody waits for this block.
-pub(crate) fn evaluate<S: Study, T: Tally<S>>(
-    study: &S,
+pub(crate) fn evaluate<S: Experiment, T: Tally<S>>(
+    experiment: &S,
     seed: u64,
     indices: Range<u64>,
     mut tally: T,
     progress: &dyn Progress,
     stop: &AtomicBool,
 ) -> Result<Option<Summary<T>>, MonteCarloError> {
-    let scenes = study.scenes();
+    let scenes = experiment.scenes();
     let mut failures = Failures::new(scenes);
 
-    let drawn: Vec<_> = indices.clone().map(|index| (index, study.draw(&mut stream(seed, index)))).collect();
+    let drawn: Vec<_> = indices.clone().map(|index| (index, experiment.draw(&mut stream(seed, index)))).collect();
     let samples: Vec<_> = drawn.iter().filter_map(|(_, draw)| draw.as_ref().ok()).collect();
     let mut results: Vec<Vec<_>> = samples.iter().map(|_| Vec::with_capacity(scenes)).collect();
 
@@ -35,7 +35,7 @@ pub(crate) fn evaluate<S: Study, T: Tally<S>>(
             return Ok(None);
         }
         if !samples.is_empty() {
-            study.evaluate_block(scene, &samples, &mut scratch, &mut out);
+            experiment.evaluate_block(scene, &samples, &mut scratch, &mut out);
         }
         if out.len() != samples.len() {
             let (expected, found) = (samples.len(), out.len());

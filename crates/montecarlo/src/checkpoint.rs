@@ -20,7 +20,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Damage, MonteCarloError};
-use crate::plan::Plan;
+use crate::sampling::Sampling;
 use crate::summary::Summary;
 
 const MAGIC: &str = "montecarlo-checkpoint";
@@ -33,7 +33,7 @@ pub struct Checkpoint {
     pub path: PathBuf,
     /// Time between two writes; zero writes after every block.
     pub every: Duration,
-    /// Whatever tells this study from others, and this version of its tally from others: a hash of the case, say.
+    /// Whatever tells this experiment from others, and this version of its tally from others: a hash of the case, say.
     pub fingerprint: String,
 }
 
@@ -56,8 +56,8 @@ pub(crate) struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
-    pub(crate) fn new(checkpoint: &'a Checkpoint, plan: &Plan, scenes: usize) -> Self {
-        let Plan { seed, first, samples, block, .. } = *plan;
+    pub(crate) fn new(checkpoint: &'a Checkpoint, sampling: &Sampling, scenes: usize) -> Self {
+        let Sampling { seed, first, samples, block, .. } = *sampling;
         let identity = Identity { fingerprint: checkpoint.fingerprint.clone(), seed, first, samples, block, scenes };
         Self { checkpoint, identity, saved: Instant::now() }
     }
@@ -81,7 +81,7 @@ impl<'a> Store<'a> {
     fn check_identity(&self, found: &Identity) -> Result<(), MonteCarloError> {
         let expected = &self.identity;
         for (field, expected, found) in [
-            ("study", expected.fingerprint.clone(), found.fingerprint.clone()),
+            ("experiment", expected.fingerprint.clone(), found.fingerprint.clone()),
             ("seed", expected.seed.to_string(), found.seed.to_string()),
             ("first sample", expected.first.to_string(), found.first.to_string()),
             ("number of samples", expected.samples.to_string(), found.samples.to_string()),

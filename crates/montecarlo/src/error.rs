@@ -6,13 +6,13 @@ use std::path::PathBuf;
 /// Errors of this crate. A failed evaluation is not among them: it is counted in [`Failures`](crate::Failures).
 #[derive(Debug, thiserror::Error)]
 pub enum MonteCarloError {
-    /// The plan, or the study, has none of something it needs.
+    /// The sampling, or the experiment, has none of something it needs.
     #[error("the number of {what} is 0; at least 1 is needed")]
     Zero {
         /// Samples, scenes, threads, samples per block.
         what: &'static str,
     },
-    /// The global indices of the plan do not fit in 64 bits.
+    /// The global indices of the sampling do not fit in 64 bits.
     #[error("{samples} samples from index {first} on pass the largest index, {}", u64::MAX)]
     TooManySamples {
         /// First global index.
@@ -23,7 +23,7 @@ pub enum MonteCarloError {
     /// The thread pool could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A study's `evaluate_block` gave too few or too many results.
+    /// An experiment's `evaluate_block` gave too few or too many results.
     #[error("scene {scene} gave {found} results for {expected} samples from index {first} on")]
     BlockLength {
         /// The scene.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::study::Merge;
+use crate::experiment::Merge;
 
 /// How many failures are listed in full.
 const LISTED: usize = 1_000;
@@ -14,7 +14,7 @@ pub struct Failure {
     pub index: u64,
     /// The scene, or `None` where the draw itself failed and so every scene lacks the sample.
     pub scene: Option<usize>,
-    /// The study's error as text.
+    /// The experiment's error as text.
     pub message: String,
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
-use crate::study::Merge;
+use crate::experiment::Merge;
 
 /// Count, sum and sum of squares of integers, kept exactly, so that they are the same in whatever order and grouping the
 /// values were entered. For a mean over many scenes enter each sample's sum and divide afterwards.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
-use crate::study::{Merge, Runs, Study, Tally};
+use crate::experiment::{Experiment, Merge, Runs, Tally};
 
 /// Wilson's score interval for a proportion, from `hits` in `trials`:
 ///
@@ -49,7 +49,7 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
 
 /// Whether something occurred in one trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Occurrence {
+pub enum Trial {
     /// It did.
     Yes,
     /// It did not.
@@ -68,12 +68,12 @@ pub struct Proportion {
 
 impl Proportion {
     /// Enters one trial.
-    pub fn record(&mut self, occurrence: Occurrence) {
+    pub fn record(&mut self, trial: Trial) {
         self.trials += 1;
-        match occurrence {
-            Occurrence::Yes => self.hits += 1,
-            Occurrence::No => {}
-            Occurrence::Ambiguous => self.ambiguous += 1,
+        match trial {
+            Trial::Yes => self.hits += 1,
+            Trial::No => {}
+            Trial::Ambiguous => self.ambiguous += 1,
         }
     }
 
@@ -119,12 +119,12 @@ impl Merge for Proportion {
 }
 
 /// One proportion per scene, each of the samples that were evaluated there.
-impl<S: Study<Outcome = Occurrence>> Tally<S> for Vec<Proportion> {
+impl<S: Experiment<Outcome = Trial>> Tally<S> for Vec<Proportion> {
     fn record(&mut self, runs: &Runs<'_, S>) {
         self.resize(runs.results.len(), Proportion::default());
         for (proportion, result) in self.iter_mut().zip(runs.results) {
-            if let Ok(occurrence) = result {
-                proportion.record(*occurrence);
+            if let Ok(trial) = result {
+                proportion.record(*trial);
             }
         }
     }
@@ -161,7 +161,7 @@ mod tests {
             let mut rng = stream(7, experiment);
             let mut counts = Proportion::default();
             for _ in 0..trials {
-                counts.record(if rng.random_bool(p) { Occurrence::Yes } else { Occurrence::No });
+                counts.record(if rng.random_bool(p) { Trial::Yes } else { Trial::No });
             }
             covered += u64::from(counts.interval(Confidence::P95).contains(p));
         }

@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::MonteCarloError;
+use crate::experiment::Merge;
 use crate::failures::Failures;
-use crate::study::Merge;
 
 /// What a stretch of samples gave. Also the state that a checkpoint holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary<T> {
-    /// The plan's seed.
+    /// The sampling's seed.
     pub seed: u64,
     /// Global index of the first sample.
     pub first: u64,
@@ -27,9 +27,9 @@ impl<T: Merge> Summary<T> {
         self.first + self.samples
     }
 
-    /// Puts two parts of one study together: the later one must begin where this one ends.
+    /// Puts two parts of one experiment together: the later one must begin where this one ends.
     ///
-    /// Whether both belong to the same *study* is for the caller to know.
+    /// Whether both belong to the same *experiment* is for the caller to know.
     ///
     /// # Errors
     /// Another seed, another number of scenes, or a gap or overlap between the two.

@@ -6,20 +6,20 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-use common::{Counts, WALK, Walk, bytes, checkpoint, plan, walk};
-use montecarlo::{Checkpoint, Damage, Merge, MonteCarloError, Plan, Runs, Tally, run_with};
+use common::{Counts, WALK, Walk, bytes, checkpoint, sampling, walk};
+use montecarlo::{Checkpoint, Damage, Merge, MonteCarloError, Runs, Sampling, Tally, run_with};
 use serde::{Deserialize, Serialize};
 
 #[test]
 fn a_broken_off_run_resumes_to_the_same_bytes() {
-    let uninterrupted = bytes(&walk(&plan(150, 1), None).unwrap());
+    let uninterrupted = bytes(&walk(&sampling(150, 1), None).unwrap());
     for (panics_at, threads) in [(0, 1), (7, 2), (70, 1), (71, 2), (149, 2)] {
         let folder = tempfile::tempdir().unwrap();
         let checkpoint = checkpoint(folder.path());
-        let study = Walk { panics_at: Some(panics_at), ..WALK };
-        let broken = || run_with(&study, &plan(150, threads), Counts::default, Some(&checkpoint), &());
+        let experiment = Walk { panics_at: Some(panics_at), ..WALK };
+        let broken = || run_with(&experiment, &sampling(150, threads), Counts::default, Some(&checkpoint), &());
         assert!(catch_unwind(AssertUnwindSafe(broken)).is_err());
-        let resumed = walk(&plan(150, 3 - threads), Some(&checkpoint)).unwrap();
+        let resumed = walk(&sampling(150, 3 - threads), Some(&checkpoint)).unwrap();
         assert_eq!(bytes(&resumed), uninterrupted, "broken off at {panics_at}");
     }
 }
@@ -28,9 +28,9 @@ fn a_broken_off_run_resumes_to_the_same_bytes() {
 fn a_complete_checkpoint_gives_its_result_without_evaluating() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = Checkpoint { every: Duration::from_secs(3600), ..checkpoint(folder.path()) };
-    let first = walk(&plan(50, 1), Some(&checkpoint)).unwrap();
-    let study = Walk { panics_at: Some(0), ..WALK };
-    let second = run_with(&study, &plan(50, 1), Counts::default, Some(&checkpoint), &()).unwrap();
+    let first = walk(&sampling(50, 1), Some(&checkpoint)).unwrap();
+    let experiment = Walk { panics_at: Some(0), ..WALK };
+    let second = run_with(&experiment, &sampling(50, 1), Counts::default, Some(&checkpoint), &()).unwrap();
     assert_eq!(bytes(&first), bytes(&second));
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left, ["run.checkpoint"]);
@@ -40,28 +40,28 @@ fn a_complete_checkpoint_gives_its_result_without_evaluating() {
 fn a_file_truncated_anywhere_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    walk(&plan(10, 1), Some(&checkpoint)).unwrap();
+    walk(&sampling(10, 1), Some(&checkpoint)).unwrap();
     let whole = fs::read(&checkpoint.path).unwrap();
     for length in 0..whole.len() {
         fs::write(&checkpoint.path, &whole[..length]).unwrap();
-        let refused = walk(&plan(10, 1), Some(&checkpoint));
+        let refused = walk(&sampling(10, 1), Some(&checkpoint));
         assert!(matches!(refused, Err(MonteCarloError::CheckpointDamaged { .. })), "{length} bytes: {refused:?}");
     }
     fs::write(&checkpoint.path, &whole).unwrap();
-    assert!(walk(&plan(10, 1), Some(&checkpoint)).is_ok());
+    assert!(walk(&sampling(10, 1), Some(&checkpoint)).is_ok());
 }
 
 #[test]
 fn a_file_with_any_byte_altered_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    walk(&plan(10, 1), Some(&checkpoint)).unwrap();
+    walk(&sampling(10, 1), Some(&checkpoint)).unwrap();
     let whole = fs::read(&checkpoint.path).unwrap();
     for at in 0..whole.len() {
         let mut altered = whole.clone();
         altered[at] ^= 1;
         fs::write(&checkpoint.path, &altered).unwrap();
-        let refused = walk(&plan(10, 1), Some(&checkpoint));
+        let refused = walk(&sampling(10, 1), Some(&checkpoint));
         assert!(matches!(refused, Err(MonteCarloError::CheckpointDamaged { .. })), "byte {at}: {refused:?}");
     }
 }
@@ -70,13 +70,13 @@ fn a_file_with_any_byte_altered_is_refused() {
 fn a_damaged_file_is_named_with_the_damage_and_the_way_out() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    walk(&plan(10, 1), Some(&checkpoint)).unwrap();
+    walk(&sampling(10, 1), Some(&checkpoint)).unwrap();
     let whole = fs::read_to_string(&checkpoint.path).unwrap();
     let body = whole.split_once('\n').unwrap().1.len();
 
     let damage = |content: &str| {
         fs::write(&checkpoint.path, content).unwrap();
-        walk(&plan(10, 1), Some(&checkpoint)).unwrap_err()
+        walk(&sampling(10, 1), Some(&checkpoint)).unwrap_err()
     };
     assert_eq!(
         damage(&whole[..whole.len() - 5]).to_string(),
@@ -102,19 +102,19 @@ fn a_damaged_file_is_named_with_the_damage_and_the_way_out() {
 fn a_checkpoint_of_another_run_is_refused_by_field() {
     let folder = tempfile::tempdir().unwrap();
     let written = checkpoint(folder.path());
-    walk(&plan(10, 1), Some(&written)).unwrap();
+    walk(&sampling(10, 1), Some(&written)).unwrap();
     let before = fs::read(&written.path).unwrap();
 
-    let this = plan(10, 1);
-    let other_study = Checkpoint { fingerprint: "walk 2".to_string(), ..written.clone() };
-    for (plan, checkpoint, difference) in [
-        (this.clone(), &other_study, "study is walk 1, here it is walk 2"),
-        (Plan { seed: 1, ..this.clone() }, &written, "seed is 2026, here it is 1"),
-        (Plan { first: 3, ..this.clone() }, &written, "first sample is 0, here it is 3"),
-        (Plan { samples: 20, ..this.clone() }, &written, "number of samples is 10, here it is 20"),
-        (Plan { block: 4, ..this.clone() }, &written, "number of samples per block is 8, here it is 4"),
+    let this = sampling(10, 1);
+    let other_experiment = Checkpoint { fingerprint: "walk 2".to_string(), ..written.clone() };
+    for (sampling, checkpoint, difference) in [
+        (this.clone(), &other_experiment, "experiment is walk 1, here it is walk 2"),
+        (Sampling { seed: 1, ..this.clone() }, &written, "seed is 2026, here it is 1"),
+        (Sampling { first: 3, ..this.clone() }, &written, "first sample is 0, here it is 3"),
+        (Sampling { samples: 20, ..this.clone() }, &written, "number of samples is 10, here it is 20"),
+        (Sampling { block: 4, ..this.clone() }, &written, "number of samples per block is 8, here it is 4"),
     ] {
-        let error = walk(&plan, Some(checkpoint)).unwrap_err();
+        let error = walk(&sampling, Some(checkpoint)).unwrap_err();
         assert!(matches!(error, MonteCarloError::CheckpointMismatch { .. }));
         let expected = format!("checkpoint {} belongs to another run: its {difference}; ", written.path.display());
         assert!(error.to_string().starts_with(&expected), "{error}");
@@ -126,8 +126,8 @@ fn a_checkpoint_of_another_run_is_refused_by_field() {
 fn a_folder_that_cannot_be_written_is_found_before_the_first_draw() {
     let folder = tempfile::tempdir().unwrap();
     let missing = checkpoint(&folder.path().join("missing"));
-    let study = Walk { panics_at: Some(0), ..WALK };
-    let error = run_with(&study, &plan(10, 1), Counts::default, Some(&missing), &()).unwrap_err();
+    let experiment = Walk { panics_at: Some(0), ..WALK };
+    let error = run_with(&experiment, &sampling(10, 1), Counts::default, Some(&missing), &()).unwrap_err();
     let MonteCarloError::CheckpointIo { action: "write", path, source } = error else { panic!("{error}") };
     assert!(path.starts_with(folder.path().join("missing")));
     assert_eq!(source.kind(), std::io::ErrorKind::NotFound);
@@ -139,20 +139,20 @@ fn a_folder_that_cannot_be_written_is_found_before_the_first_draw() {
 fn a_full_disk_is_an_error_and_leaves_the_previous_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    let study = Walk { panics_at: Some(40), ..WALK };
-    let broken = || run_with(&study, &plan(80, 1), Counts::default, Some(&checkpoint), &());
+    let experiment = Walk { panics_at: Some(40), ..WALK };
+    let broken = || run_with(&experiment, &sampling(80, 1), Counts::default, Some(&checkpoint), &());
     assert!(catch_unwind(AssertUnwindSafe(broken)).is_err());
     let before = fs::read(&checkpoint.path).unwrap();
 
     let partial = folder.path().join("run.checkpoint.partial");
     std::os::unix::fs::symlink("/dev/full", &partial).unwrap();
-    let error = walk(&plan(80, 1), Some(&checkpoint)).unwrap_err();
+    let error = walk(&sampling(80, 1), Some(&checkpoint)).unwrap_err();
     let MonteCarloError::CheckpointIo { action: "write", path, source } = error else { panic!("{error}") };
     assert_eq!((path, source.kind()), (partial, std::io::ErrorKind::StorageFull));
     assert_eq!(fs::read(&checkpoint.path).unwrap(), before);
 
-    let resumed = walk(&plan(80, 1), Some(&checkpoint)).unwrap();
-    assert_eq!(bytes(&resumed), bytes(&walk(&plan(80, 1), None).unwrap()));
+    let resumed = walk(&sampling(80, 1), Some(&checkpoint)).unwrap();
+    assert_eq!(bytes(&resumed), bytes(&walk(&sampling(80, 1), None).unwrap()));
 }
 
 /// JSON has no infinity: it would be written as null, which is no float.
@@ -173,17 +173,17 @@ impl Tally<Walk> for Largest {
 fn a_tally_that_cannot_be_read_back_is_refused_when_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    let error = run_with(&WALK, &plan(10, 1), || Largest(f64::NEG_INFINITY), Some(&checkpoint), &()).unwrap_err();
+    let error = run_with(&WALK, &sampling(10, 1), || Largest(f64::NEG_INFINITY), Some(&checkpoint), &()).unwrap_err();
     assert!(matches!(error, MonteCarloError::NotStorable { .. }), "{error}");
     assert!(!checkpoint.path.exists());
-    assert!(run_with(&WALK, &plan(10, 1), || Largest(-1.0), Some(&checkpoint), &()).is_ok());
+    assert!(run_with(&WALK, &sampling(10, 1), || Largest(-1.0), Some(&checkpoint), &()).is_ok());
 }
 
 #[test]
 fn a_checkpoint_of_another_tally_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let checkpoint = checkpoint(folder.path());
-    run_with(&WALK, &plan(10, 1), || Largest(-1.0), Some(&checkpoint), &()).unwrap();
-    let error = walk(&plan(10, 1), Some(&checkpoint)).unwrap_err();
+    run_with(&WALK, &sampling(10, 1), || Largest(-1.0), Some(&checkpoint), &()).unwrap();
+    let error = walk(&sampling(10, 1), Some(&checkpoint)).unwrap_err();
     assert!(matches!(error, MonteCarloError::CheckpointDamaged { damage: Damage::Content(_), .. }), "{error}");
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{Counts, WALK, Walk, bytes, checkpoint, plan, walk};
+use common::{Counts, WALK, Walk, bytes, checkpoint, sampling, walk};
 use montecarlo::run_with;
 
 const FOLDER: &str = "MONTECARLO_KILL_TEST_FOLDER";
@@ -19,8 +19,8 @@ const SAMPLES: u64 = 2_000;
 #[ignore = "run by the test below"]
 fn victim() {
     let folder = std::env::var(FOLDER).unwrap();
-    let study = Walk { pause: Duration::from_millis(1), ..WALK };
-    run_with(&study, &plan(SAMPLES, 2), Counts::default, Some(&checkpoint(Path::new(&folder))), &()).unwrap();
+    let experiment = Walk { pause: Duration::from_millis(1), ..WALK };
+    run_with(&experiment, &sampling(SAMPLES, 2), Counts::default, Some(&checkpoint(Path::new(&folder))), &()).unwrap();
 }
 
 /// How many samples the checkpoint holds.
@@ -54,6 +54,6 @@ fn a_killed_run_resumes_to_the_same_bytes() {
         done = reached;
     }
     assert!(done < SAMPLES);
-    let resumed = walk(&plan(SAMPLES, 2), Some(&checkpoint)).unwrap();
-    assert_eq!(bytes(&resumed), bytes(&walk(&plan(SAMPLES, 1), None).unwrap()));
+    let resumed = walk(&sampling(SAMPLES, 2), Some(&checkpoint)).unwrap();
+    assert_eq!(bytes(&resumed), bytes(&walk(&sampling(SAMPLES, 1), None).unwrap()));
 }

@@ -44,10 +44,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod accuracy;
 pub mod case;
 pub mod commands;
 mod error;
+pub mod estimators;
 pub mod figures;
 pub mod output;
 pub mod report;

@@ -54,7 +54,7 @@ pub fn run_study(
         write(&dir.join(MARKER), format!("{identity}\n").as_bytes())?;
     }
     let start = Instant::now();
-    let mut sampling = montecarlo::Plan::new(case.seed, case.samples);
+    let mut sampling = montecarlo::Sampling::new(case.seed, case.samples);
     sampling.threads = threads;
     sampling.block = block(case.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
@@ -122,6 +122,6 @@ pub fn estimate(plan: &Plan) -> Result<Duration, Error> {
     let few = 2 * 8;
     let samples = few.min(plan.case.samples);
     let start = Instant::now();
-    run_with(&study, &montecarlo::Plan::new(plan.case.seed, samples), || Tally::empty(plan), None, &())?;
+    run_with(&study, &montecarlo::Sampling::new(plan.case.seed, samples), || Tally::empty(plan), None, &())?;
     Ok(references + start.elapsed().mul_f64(plan.case.samples as f64 / samples as f64))
 }

@@ -7,7 +7,7 @@ mod common;
 use cea::{BatchSolver, Counters, EigenSolver, Modes, Spectrum, Verdict, Workspace, verdict};
 use common::case;
 use linsys::SecondOrder;
-use montecarlo::{Study as _, stream};
+use montecarlo::{Experiment as _, stream};
 use rayon::prelude::*;
 use squeal::case::Case;
 use squeal::study::{Outcome, Plan, Sample, Study};

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use common::case;
 use linsys::SecondOrder;
-use montecarlo::{Study as _, stream};
+use montecarlo::{Experiment as _, stream};
 use osc_model::Sector;
 use rayon::prelude::*;
 use squeal::case::Case;

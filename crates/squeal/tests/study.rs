@@ -6,11 +6,11 @@ mod common;
 
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
-use montecarlo::{Study as _, stream};
+use montecarlo::{Experiment as _, stream};
 use osc_model::Linearise;
 use squeal::case::{Case, Law};
 use squeal::study::{Plan, Sample, SceneTally, Study, Tally, sliding};
-use work::mode_work;
+use work::{Family, family_work};
 
 /// The paper's case with some of its text replaced.
 fn case(changes: &[(&str, &str)]) -> Case {
@@ -38,7 +38,7 @@ fn two_by_two(changes: &[(&str, &str)]) -> Case {
 /// The counts of each scene after some samples.
 fn tallies(plan: &Plan, samples: u64) -> Vec<SceneTally> {
     let study = Study::new(plan, &QrSolver).unwrap();
-    let sampling = montecarlo::Plan::new(plan.case.seed, samples);
+    let sampling = montecarlo::Sampling::new(plan.case.seed, samples);
     let summary = montecarlo::run(&study, &sampling, || Tally::empty(plan)).unwrap();
     assert_eq!(summary.failures.total(), 0);
     summary.tally.scenes
@@ -162,9 +162,10 @@ fn every_unstable_mode_of_the_papers_samples_gains_its_net_work() {
         let lattice = plan.lattice(scene);
         let mut friction = SecondOrder::zeros(system.order(), 0);
         lattice.linearise_friction(&plan.sliding(scene, &sample).unwrap(), &mut friction).unwrap();
+        let damping = lattice.structural().damping_alone();
+        let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
         for mode in Mode::at(&system, &unstable, &mut work).unwrap() {
-            let energy =
-                mode_work(lattice.structural(), &friction, mode.lambda, &mode.shape, lattice.bodies()).unwrap();
+            let energy = family_work(&system.m, &families, mode.lambda, &mode.shape, lattice.bodies()).unwrap();
             worst = worst.max(energy.identity_residual());
             modes += 1;
         }

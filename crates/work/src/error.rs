@@ -1,19 +1,48 @@
 //! What can be wrong with a mode whose work is asked for.
 
+use linsys::LinsysError;
 use num_complex::Complex;
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum WorkError {
-    /// The mode shape, or the friction part, does not fit the structure.
-    #[error("the {part} has {found} degrees of freedom, the structure has {expected}")]
-    Order {
-        /// "mode shape" or "friction part".
-        part: &'static str,
+    /// No family was given, so there is no force whose work could be asked for.
+    #[error("no force family is given; work needs at least one")]
+    NoFamily,
+    /// The mass matrix is not square.
+    #[error("the mass matrix is {rows} x {columns}; it must be square")]
+    MassShape {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+    },
+    /// The mode shape does not fit the mass matrix.
+    #[error("the mode shape has {found} degrees of freedom, the mass matrix has {expected}")]
+    ShapeOrder {
+        /// Degrees of freedom of the mode shape.
+        found: usize,
+        /// Those of the mass matrix.
+        expected: usize,
+    },
+    /// A family does not fit the mass matrix.
+    #[error("the force family {family:?} has {found} degrees of freedom, the mass matrix has {expected}")]
+    FamilyOrder {
+        /// Name of the family.
+        family: String,
         /// Its degrees of freedom.
         found: usize,
-        /// Those of the structure.
+        /// Those of the mass matrix.
         expected: usize,
+    },
+    /// The matrices of a family do not fit each other, or hold an entry that is not finite.
+    #[error("the force family {family:?} is no system")]
+    Family {
+        /// Name of the family.
+        family: String,
+        /// What is wrong with it.
+        source: LinsysError,
     },
     /// A body owns a degree of freedom that is not there.
     #[error("body {body} owns degree of freedom {dof}; there are {order}, numbered from 0")]
@@ -32,8 +61,10 @@ pub enum WorkError {
         value: f64,
     },
     /// The eigenvalue is that of an uncoupled internal state: the state's amplitude does not follow from phi.
-    #[error("lambda = {lambda} equals minus the decay rate of internal state {state}")]
+    #[error("lambda = {lambda} equals minus the decay rate of internal state {state} of the force family {family:?}")]
     InternalPole {
+        /// Name of the family.
+        family: String,
         /// The eigenvalue.
         lambda: Complex<f64>,
         /// The state, from 0.

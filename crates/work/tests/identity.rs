@@ -9,7 +9,7 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use num_complex::Complex;
 use proptest::prelude::*;
-use work::{WorkError, mode_work};
+use work::{Family, ModeWork, WorkError, family_work};
 
 const ORDER: usize = 5;
 const STATES: usize = 2;
@@ -48,6 +48,19 @@ fn sum(structure: &SecondOrder, friction: &SecondOrder) -> SecondOrder {
     SecondOrder::with_internal(structure.m.clone(), c, k, friction.internal.clone()).unwrap()
 }
 
+/// Work of friction and of the dashpots of the structure, in this order.
+fn two_families(
+    structure: &SecondOrder,
+    friction: &SecondOrder,
+    lambda: Complex<f64>,
+    phi: &DVector<Complex<f64>>,
+    bodies: &[Vec<usize>],
+) -> Result<ModeWork, WorkError> {
+    let damping = structure.damping_alone();
+    let families = [Family { name: "friction", system: friction }, Family { name: "damping", system: &damping }];
+    family_work(&structure.m, &families, lambda, phi, bodies)
+}
+
 proptest! {
     #[test]
     fn net_work_is_what_the_mode_gains((structure, friction) in systems(), scale in 0.1..10.0, angle in 0.0..TAU) {
@@ -55,12 +68,12 @@ proptest! {
         let bodies = [vec![0, 1], vec![2], vec![3, 4]];
         for lambda in QrSolver.eigenvalues(&system, work).unwrap().oscillatory() {
             let phi = right_vector(&system, lambda, work).unwrap();
-            let found = mode_work(&structure, &friction, lambda, &phi, &bodies).unwrap();
+            let found = two_families(&structure, &friction, lambda, &phi, &bodies).unwrap();
             prop_assert!(found.identity_residual() < 1e-9, "{lambda}: {:e}", found.identity_residual());
             prop_assert!((found.net().iter().sum::<f64>() - found.total).abs() <= 1e-12 * found.magnitude);
 
             let rescaled = phi * Complex::from_polar(scale, angle);
-            let again = mode_work(&structure, &friction, lambda, &rescaled, &bodies).unwrap();
+            let again = two_families(&structure, &friction, lambda, &rescaled, &bodies).unwrap();
             for (a, b) in found.net().iter().zip(again.net()) {
                 prop_assert!((a - b).abs() <= 1e-12 * found.magnitude, "work depends on the scale of phi");
             }
@@ -87,35 +100,90 @@ fn work_is_the_integral_of_force_times_velocity() {
         (0..steps).map(|i| power(f64::from(i) * step) * step).sum()
     };
     let modal_mass = 2.0 * u.norm_sqr();
-    let found = mode_work(&structure, &friction, lambda, &dvector![u], &[[0]]).unwrap();
-    assert!((found.friction[0] - integral(friction_force) / modal_mass).abs() < 1e-12);
-    assert!((found.damping[0] - integral(damping_force) / modal_mass).abs() < 1e-12);
+    let found = two_families(&structure, &friction, lambda, &dvector![u], &[vec![0]]).unwrap();
+    assert!((found.families[0].bodies[0] - integral(friction_force) / modal_mass).abs() < 1e-12);
+    assert!((found.families[1].bodies[0] - integral(damping_force) / modal_mass).abs() < 1e-12);
     // Not an eigenpair, so the identity must fail visibly.
     assert!((found.expected_total - 2.0 * PI * 0.25 * 4.5).abs() < 1e-12);
     assert!(found.identity_residual() > 0.01);
 }
 
+/// Splitting a family into its terms, in any order, moves nothing between bodies and changes no sum.
+#[test]
+fn families_add_up() {
+    let mass = dmatrix![2.0, 0.0; 0.0, 1.0];
+    let gyroscopic =
+        SecondOrder::new(DMatrix::zeros(2, 2), dmatrix![0.0, 0.8; -0.8, 0.0], DMatrix::zeros(2, 2)).unwrap();
+    let follower = SecondOrder::new(DMatrix::zeros(2, 2), DMatrix::zeros(2, 2), dmatrix![0.0, 3.0; -1.0, 0.0]).unwrap();
+    let dashpots = SecondOrder::new(DMatrix::zeros(2, 2), dmatrix![0.1, 0.0; 0.0, 0.3], DMatrix::zeros(2, 2)).unwrap();
+    let k = dmatrix![90.0, -20.0; -20.0, 50.0];
+    let system = SecondOrder::new(mass.clone(), &gyroscopic.c + &dashpots.c, &k + &follower.k).unwrap();
+    let together = SecondOrder::new(DMatrix::zeros(2, 2), &gyroscopic.c + &dashpots.c, follower.k.clone()).unwrap();
+
+    let (bodies, work) = ([vec![0], vec![1]], &mut Workspace::default());
+    let apart = [
+        Family { name: "gyroscopic", system: &gyroscopic },
+        Family { name: "follower", system: &follower },
+        Family { name: "dashpots", system: &dashpots },
+    ];
+    let mut modes = 0;
+    for lambda in QrSolver.eigenvalues(&system, work).unwrap().oscillatory() {
+        let phi = right_vector(&system, lambda, work).unwrap();
+        let apart = family_work(&mass, &apart, lambda, &phi, &bodies).unwrap();
+        let together = family_work(&mass, &[Family { name: "all", system: &together }], lambda, &phi, &bodies).unwrap();
+        assert!(apart.identity_residual() < 1e-12 && together.identity_residual() < 1e-12);
+        for (a, b) in apart.net().iter().zip(&together.families[0].bodies) {
+            assert!((a - b).abs() < 1e-12 * apart.magnitude);
+        }
+        assert_eq!(
+            apart.families.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(),
+            ["gyroscopic", "follower", "dashpots"]
+        );
+        // Dashpots take from every body.
+        assert!(apart.families[2].bodies.iter().all(|&work| work < 0.0));
+        modes += 1;
+    }
+    assert_eq!(modes, 2);
+}
+
 #[test]
 fn refuses_what_does_not_fit() {
     let one = |m: f64| SecondOrder::new(dmatrix![m], dmatrix![0.0], dmatrix![1.0]).unwrap();
-    let two = SecondOrder::zeros(2, 0);
+    let (mut broken, two) = (one(1.0), SecondOrder::zeros(2, 0));
+    broken.c[0] = f64::NAN;
     let (i, phi) = (Complex::i(), dvector![Complex::i()]);
-    let message = |result: Result<work::ModeWork, WorkError>| result.unwrap_err().to_string();
+    fn friction(system: &SecondOrder) -> [Family<'_>; 1] {
+        [Family { name: "friction", system }]
+    }
+    let message = |result: Result<ModeWork, WorkError>| result.unwrap_err().to_string();
     assert_eq!(
-        message(mode_work(&two, &two, i, &phi, &[[0]])),
-        "the mode shape has 1 degrees of freedom, the structure has 2"
+        message(family_work(&two.m, &friction(&two), i, &phi, &[[0]])),
+        "the mode shape has 1 degrees of freedom, the mass matrix has 2"
     );
     assert_eq!(
-        message(mode_work(&one(1.0), &two, i, &phi, &[[0]])),
-        "the friction part has 2 degrees of freedom, the structure has 1"
+        message(family_work(&dmatrix![1.0, 0.0], &friction(&two), i, &phi, &[[0]])),
+        "the mass matrix is 1 x 2; it must be square"
     );
     assert_eq!(
-        message(mode_work(&one(1.0), &one(0.0), i, &phi, &[vec![0], vec![1]])),
+        message(family_work(&one(1.0).m, &friction(&two), i, &phi, &[[0]])),
+        "the force family \"friction\" has 2 degrees of freedom, the mass matrix has 1"
+    );
+    assert_eq!(
+        message(family_work(&one(1.0).m, &friction(&broken), i, &phi, &[[0]])),
+        "the force family \"friction\" is no system"
+    );
+    assert_eq!(family_work(&one(1.0).m, &[], i, &phi, &[[0]]), Err(WorkError::NoFamily));
+    assert_eq!(
+        message(family_work(&one(1.0).m, &friction(&one(0.0)), i, &phi, &[vec![0], vec![1]])),
         "body 1 owns degree of freedom 1; there are 1, numbered from 0"
     );
-    assert_eq!(mode_work(&one(0.0), &one(0.0), i, &phi, &[[0]]), Err(WorkError::ModalMass { value: 0.0 }));
+    assert_eq!(
+        family_work(&one(0.0).m, &friction(&one(0.0)), i, &phi, &[[0]]),
+        Err(WorkError::ModalMass { value: 0.0 })
+    );
     let mut bristle = SecondOrder::zeros(1, 1);
     bristle.internal.decay[0] = 3.0;
     let lambda = Complex::new(-3.0, 0.0);
-    assert_eq!(mode_work(&one(1.0), &bristle, lambda, &phi, &[[0]]), Err(WorkError::InternalPole { lambda, state: 0 }));
+    let expected = WorkError::InternalPole { family: "friction".into(), lambda, state: 0 };
+    assert_eq!(family_work(&one(1.0).m, &friction(&bristle), lambda, &phi, &[[0]]), Err(expected));
 }

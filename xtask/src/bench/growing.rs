@@ -2,9 +2,9 @@
 
 use cea::{BatchSolver, EigenSolver, Feedback, Gain, Pilots, Secular, Workspace};
 use squeal::Error;
-use squeal::accuracy::Spectra;
 use squeal::osc_model::{Linearise, PreparedLattice, Sliding};
 use squeal::study::gain;
+use validation::Spectra;
 
 /// How the route is called.
 pub const GROWING: &str = "secular equation, growing modes";

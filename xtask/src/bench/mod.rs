@@ -1,7 +1,5 @@
 //! What it costs: every route to the eigenvalues against its peers, then the study by its stages and as a whole.
 
-mod again;
-mod error;
 mod growing;
 mod machine;
 mod problems;
@@ -12,6 +10,7 @@ mod stages;
 mod study;
 mod table;
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -19,8 +18,8 @@ use squeal::case::Case;
 use squeal::output::{make_folder, write};
 use squeal::study::Plan;
 
-use again::again;
-pub use error::BenchError;
+use crate::again::run_again;
+use crate::error::TaskError;
 use machine::Machine;
 use problems::{Problem, SIZES};
 use python::Python;
@@ -47,6 +46,17 @@ pub struct BenchArgs {
     quick: bool,
 }
 
+impl BenchArgs {
+    /// The task and its options but `--features`.
+    fn words(&self) -> Vec<OsString> {
+        let mut words = vec!["bench".into()];
+        words.extend(self.quick.then(|| "--quick".into()));
+        words.extend(self.samples.map(|samples| format!("--samples={samples}").into()));
+        words.extend(self.json.iter().flat_map(|path| ["--json".into(), path.into()]));
+        words
+    }
+}
+
 /// All that was measured.
 #[derive(Debug, Serialize)]
 struct BenchReport {
@@ -56,10 +66,8 @@ struct BenchReport {
 }
 
 /// Runs the task.
-pub fn run(args: &BenchArgs) -> Result<(), BenchError> {
-    if let Some(again) = again(args) {
-        std::process::exit(again.and_then(|mut again| again.status()).map_err(BenchError::Start)?.code().unwrap_or(2));
-    }
+pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
+    run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |name: &str| Case::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
     let case = read("paper.toml")?;
@@ -116,6 +124,13 @@ fn start_python(problem: &Problem) -> Option<Python> {
 mod tests {
     use super::*;
     use serde_json::Value;
+
+    #[test]
+    fn the_options_but_features_are_told_again() {
+        let args =
+            BenchArgs { features: Some("faer".into()), json: Some("a b.json".into()), samples: Some(5), quick: true };
+        assert_eq!(args.words(), ["bench", "--quick", "--samples=5", "--json", "a b.json"]);
+    }
 
     #[test]
     fn the_json_has_the_promised_fields_and_the_table_every_route() {

@@ -3,8 +3,8 @@
 use cea::{EigenSolver, QrSolver, Workspace};
 use num_complex::Complex;
 use squeal::Error;
-use squeal::accuracy::{AccuracyError, refine_all};
 use squeal::case::{Case, Law};
+use validation::{ValidationError, refine_all};
 
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
@@ -60,7 +60,7 @@ impl Problem {
     ///
     /// # Errors
     /// Those of the model and of the refinement.
-    pub fn new(case: &Case, size: &Size, few: bool) -> Result<Self, AccuracyError> {
+    pub fn new(case: &Case, size: &Size, few: bool) -> Result<Self, ValidationError> {
         let Size { rows, columns, held, law, .. } = *size;
         let (draws, refined) = if few { (8, 1) } else { (size.draws, size.refined) };
         let grid = Grid::new(rows, columns).map_err(Error::from)?;
@@ -91,7 +91,7 @@ impl Problem {
 }
 
 /// All eigenvalues, refined.
-fn reference(system: &SecondOrder) -> Result<Vec<Complex<f64>>, AccuracyError> {
+fn reference(system: &SecondOrder) -> Result<Vec<Complex<f64>>, ValidationError> {
     let mut found = QrSolver.eigenvalues(system, &mut Workspace::default())?.eigenvalues;
     let mut exact = Vec::new();
     // Bristles that nothing drives, where the static coefficient is the kinetic one, decay each by itself.

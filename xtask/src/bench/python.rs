@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use cea::StandardForm;
 use num_complex::Complex;
 use serde::Deserialize;
-use squeal::accuracy::Spectra;
+use validation::Spectra;
 
 use super::problems::Problem;
 

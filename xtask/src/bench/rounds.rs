@@ -4,14 +4,14 @@
 use cpu_time::ThreadTime;
 use num_complex::Complex;
 use serde::Serialize;
-use squeal::accuracy::{Spectra, relative_errors};
 use squeal::montecarlo::quantile;
+use validation::{Spectra, relative_errors};
 
-use super::error::BenchError;
 use super::growing::GROWING;
 use super::problems::Problem;
 use super::python::Python;
 use super::routes::{DGEEV, routes};
+use crate::error::TaskError;
 
 /// A route on one size of problem.
 #[derive(Debug, Clone, Serialize)]
@@ -48,7 +48,7 @@ struct Timed {
 ///
 /// # Errors
 /// A Python process that ended.
-pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteRow>, BenchError> {
+pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteRow>, TaskError> {
     let routes = routes();
     // The eigenvalues come from a first call each, which also warms up memory and caches.
     let mut timed: Vec<Timed> = routes
@@ -79,7 +79,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
         }
         if let Some(python) = &mut python {
             for (at, timed) in peers.iter_mut().enumerate() {
-                timed.seconds.push(python.time(at).map_err(BenchError::Python)?);
+                timed.seconds.push(python.time(at).map_err(TaskError::Python)?);
             }
         }
     }
@@ -87,7 +87,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
     timed.iter().map(|timed| row(problem, timed, dgeev.as_deref())).collect()
 }
 
-fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteRow, BenchError> {
+fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteRow, TaskError> {
     let per_problem = 1e6 / problem.systems.len() as f64;
     let us = sorted(timed.seconds.iter().map(|s| s * per_problem));
     let ratios = dgeev.map(|dgeev| sorted(timed.seconds.iter().zip(dgeev).map(|(own, dgeev)| own / dgeev)));

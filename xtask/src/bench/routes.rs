@@ -1,6 +1,6 @@
 //! The routes written in Rust: this project's, and its peers behind features.
 
-use squeal::accuracy::{self, Route};
+use validation::Route;
 
 /// The routes of this project, nalgebra, and LAPACK and faer where they are built in.
 pub fn routes() -> Vec<Route> {
@@ -10,7 +10,7 @@ pub fn routes() -> Vec<Route> {
         #[cfg(feature = "faer")]
         Route { name: "faer, scaled", solve: peers::faer },
     ];
-    accuracy::routes().into_iter().chain(peers.iter().copied()).collect()
+    validation::routes().into_iter().chain(peers.iter().copied()).collect()
 }
 
 /// The route that the others are compared with.
@@ -18,8 +18,8 @@ pub const DGEEV: &str = "LAPACK dgeev, scaled";
 
 #[cfg(any(feature = "lapack", feature = "faer"))]
 mod peers {
-    use squeal::accuracy::Spectra;
     use squeal::linsys::SecondOrder;
+    use validation::Spectra;
 
     /// OpenBLAS's dgeev without vectors on the scaled standard form.
     #[cfg(feature = "lapack")]

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use cea::BatchSolver;
 use serde::Serialize;
-use squeal::montecarlo::{Runs, Study as _, Tally as _, stream};
+use squeal::montecarlo::{Experiment as _, Runs, Tally as _, stream};
 use squeal::study::{Plan, Sample, Scratch, Spent, Study, Tally, timed};
 
-use super::error::BenchError;
+use crate::error::TaskError;
 
 /// Samples evaluated together, as in a run.
 const BLOCK: u64 = 128;
@@ -27,7 +27,7 @@ pub struct Stage {
 ///
 /// # Errors
 /// Those of the study.
-pub fn stages(plan: &Plan) -> Result<Vec<Stage>, BenchError> {
+pub fn stages(plan: &Plan) -> Result<Vec<Stage>, TaskError> {
     let study = Study::new(plan, &BatchSolver)?;
     let [mut drawing, mut evaluation, mut tallying] = [Duration::ZERO; 3];
     let draw = || -> Result<Vec<Sample>, squeal::Error> {

@@ -8,8 +8,8 @@ use squeal::report::{Times, draw_paper};
 use squeal::run_study;
 use squeal::study::Plan;
 
-use super::error::BenchError;
 use super::stages::{Stage, stages};
+use crate::error::TaskError;
 
 /// The study, from its references to its figures.
 #[derive(Debug, Clone, Serialize)]
@@ -41,10 +41,10 @@ impl StudyTimes {
     ///
     /// # Errors
     /// Those of the study.
-    pub fn measure(plan: &Plan, folder: &Path) -> Result<Self, BenchError> {
+    pub fn measure(plan: &Plan, folder: &Path) -> Result<Self, TaskError> {
         // A study that is found finished is not run again.
         if folder.exists() {
-            let failed = |source| BenchError::Remove { path: folder.to_owned(), source };
+            let failed = |source| TaskError::Remove { path: folder.to_owned(), source };
             std::fs::remove_dir_all(folder).map_err(failed)?;
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -1,11 +1,11 @@
-//! A small study with everything in it: three scenes, float and integer outcomes, failed draws and evaluations.
+//! A small experiment with everything in it: three scenes, float and integer outcomes, failed draws and evaluations.
 
 #![allow(dead_code)] // Each test program uses a part of it.
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use montecarlo::{
-    Checkpoint, IntegerMean, Merge, MonteCarloError, Occurrence, Plan, Proportion, Runs, Sketch, StreamRng, Study,
-    Summary, Tally, run_with,
+    Checkpoint, Experiment, IntegerMean, Merge, MonteCarloError, Proportion, QuantileSketch, Runs, Sampling, StreamRng,
+    Summary, Tally, Trial, run_with,
 };
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ pub struct Step {
     pub bits: u64,
 }
 
-impl Study for Walk {
+impl Experiment for Walk {
     type Sample = Step;
     type Outcome = f64;
     type Error = String;
@@ -63,7 +63,7 @@ impl Study for Walk {
 pub struct Counts {
     pub positive: [Proportion; SCENES],
     pub positive_scenes: IntegerMean,
-    pub values: Sketch,
+    pub values: QuantileSketch,
     pub samples: Vec<(u64, f64)>,
 }
 
@@ -83,13 +83,13 @@ impl Tally<Walk> for Counts {
         let mut positive = 0;
         for (proportion, result) in self.positive.iter_mut().zip(runs.results) {
             let Ok(value) = result else { continue };
-            let occurrence = match value {
-                v if v.abs() < 0.01 => Occurrence::Ambiguous,
-                v if *v > 0.0 => Occurrence::Yes,
-                _ => Occurrence::No,
+            let trial = match value {
+                v if v.abs() < 0.01 => Trial::Ambiguous,
+                v if *v > 0.0 => Trial::Yes,
+                _ => Trial::No,
             };
-            positive += i32::from(occurrence == Occurrence::Yes);
-            proportion.record(occurrence);
+            positive += i32::from(trial == Trial::Yes);
+            proportion.record(trial);
             self.values.record(*value);
         }
         self.positive_scenes.record(positive);
@@ -97,8 +97,8 @@ impl Tally<Walk> for Counts {
     }
 }
 
-pub fn plan(samples: u64, threads: usize) -> Plan {
-    Plan { threads: Some(threads), ..Plan::new(2026, samples) }
+pub fn sampling(samples: u64, threads: usize) -> Sampling {
+    Sampling { threads: Some(threads), ..Sampling::new(2026, samples) }
 }
 
 /// A checkpoint in a folder, written after every block.
@@ -106,8 +106,8 @@ pub fn checkpoint(folder: &Path) -> Checkpoint {
     Checkpoint { path: folder.join("run.checkpoint"), every: Duration::ZERO, fingerprint: "walk 1".to_string() }
 }
 
-pub fn walk(plan: &Plan, checkpoint: Option<&Checkpoint>) -> Result<Summary<Counts>, MonteCarloError> {
-    run_with(&WALK, plan, Counts::default, checkpoint, &())
+pub fn walk(sampling: &Sampling, checkpoint: Option<&Checkpoint>) -> Result<Summary<Counts>, MonteCarloError> {
+    run_with(&WALK, sampling, Counts::default, checkpoint, &())
 }
 
 pub fn bytes(summary: &Summary<Counts>) -> String {

@@ -7,7 +7,7 @@ use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, damping_ratio,
 use linsys::SecondOrder;
 use osc_model::{BrakeModel, ContactArrangement, Linearise, PreparedLattice};
 use serde_json::{Value, json};
-use work::{ModeWork, mode_work};
+use work::{Family, ModeWork, family_work};
 
 use crate::Error;
 use crate::case::{Case, Law};
@@ -62,11 +62,13 @@ impl CeaArgs {
 
         let mut friction = SecondOrder::zeros(system.order(), 0);
         lattice.linearise_friction(&at, &mut friction)?;
+        let damping = lattice.structural().damping_alone();
+        let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
         let mut rows = Vec::new();
         for (index, &lambda) in modes.oscillatory.iter().enumerate() {
             let shape = if self.modes {
                 let mode = Mode::at(&system, &[lambda], &mut work)?.swap_remove(0);
-                let energy = mode_work(lattice.structural(), &friction, lambda, &mode.shape, lattice.bodies())?;
+                let energy = family_work(&lattice.structural().m, &families, lambda, &mode.shape, lattice.bodies())?;
                 Some((lattice.dof_map().expand(&mode.shape).iter().copied().collect(), energy))
             } else {
                 None
@@ -157,14 +159,16 @@ fn table(rows: &[Row], modes: &Modes) -> String {
 }
 
 fn bodies(shape: &[num_complex::Complex<f64>], energy: &ModeWork) -> String {
-    let mut text = format!("{:>10}  {:>33}  {:>12}  {:>12}\n", "", "shape x, y, z", "friction", "damping");
+    let heads: String = energy.families.iter().map(|family| format!("  {:>12}", family.name)).collect();
+    let mut text = format!("{:>10}  {:>33}{heads}\n", "", "shape x, y, z");
     let largest = shape.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    let scale = energy.net().iter().map(|w| w.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let net = energy.net();
+    let scale = net.iter().map(|w| w.abs()).fold(f64::MIN_POSITIVE, f64::max);
     for (body, u) in shape.chunks(3).enumerate() {
-        let name = if body + 1 == energy.friction.len() { "plate".into() } else { (body + 1).to_string() };
+        let name = if body + 1 == net.len() { "plate".into() } else { (body + 1).to_string() };
         let parts: Vec<String> = u.iter().map(|u| format!("{:+.2}{:+.2}i", u.re / largest, u.im / largest)).collect();
-        let (friction, damping) = (energy.friction[body] / scale, energy.damping[body] / scale);
-        text += &format!("{name:>10}  {:>33}  {friction:>+12.4}  {damping:>+12.4}\n", parts.join(" "));
+        let works = energy.families.iter().map(|family| format!("  {:>+12.4}", family.bodies[body] / scale));
+        text += &format!("{name:>10}  {:>33}{}\n", parts.join(" "), works.collect::<String>());
     }
     text
 }
@@ -185,8 +189,9 @@ fn json_text(scene: &Value, rows: &[Row], modes: &Modes) -> String {
             });
             if let Some((shape, energy)) = &row.shape {
                 mode["shape"] = shape.iter().map(|u| json!([u.re, u.im])).collect();
-                mode["friction_work"] = json!(energy.friction);
-                mode["damping_work"] = json!(energy.damping);
+                for family in &energy.families {
+                    mode[format!("{}_work", family.name)] = json!(family.bodies);
+                }
                 mode["net_work"] = json!(energy.net());
             }
             mode

@@ -12,8 +12,8 @@ use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
 use crate::Error;
 use crate::case::{Labels, Law};
 use crate::figures::{
-    Body, LawMode, ModeWorkFigure, ModelSketch, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
-    OccurrenceRow, mode_and_work, model_sketch, occurrence_boxes,
+    Body, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
+    OccurrenceRow, mode_and_work, model_diagram, occurrence_boxes,
 };
 use crate::study::Scene;
 
@@ -39,7 +39,7 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let case = &results.plan().case;
     let grid = case.lattice.grid;
-    let sketch = ModelSketch {
+    let diagram = ModelDiagram {
         title: case.name.clone(),
         rows: grid.rows(),
         columns: grid.columns(),
@@ -48,7 +48,7 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         phi_degrees: case.lattice.phi.to_degrees(),
         leans_with_sliding: case.lattice.lean == Lean::Along,
     };
-    let mut figures = vec![(model_sketch(&sketch)?, "fig02")];
+    let mut figures = vec![(model_diagram(&diagram)?, "fig02")];
     for (&law, stem) in case.laws.iter().zip(["fig04", "fig05", "fig06"]) {
         let heading = format!("{} friction", law.title());
         figures.push((occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?, stem));

@@ -4,7 +4,7 @@ use cea::{CeaError, EigenSolver, Gain, Growing, Mode, Pilots, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
-use work::mode_work;
+use work::{Family, family_work};
 
 use super::certificate::{Certificate, certificates};
 use super::growing::{Equations, equations, gain, growing, pilots};
@@ -207,10 +207,12 @@ fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode:
     let shape = sector.expand(&mode.shape);
     let mut friction = SecondOrder::zeros(shape.len(), 0);
     lattice.linearise_friction(sliding, &mut friction)?;
-    Ok(mode_work(lattice.structural(), &friction, mode.lambda, &shape, lattice.bodies())?.net())
+    let damping = lattice.structural().damping_alone();
+    let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
+    Ok(family_work(&lattice.structural().m, &families, mode.lambda, &shape, lattice.bodies())?.net())
 }
 
-impl montecarlo::Study for Study<'_> {
+impl montecarlo::Experiment for Study<'_> {
     type Sample = Sample;
     type Outcome = Outcome;
     type Error = Error;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{IntegerMean, Merge, Runs, Sketch};
+use montecarlo::{IntegerMean, Merge, QuantileSketch, Runs};
 use serde::{Deserialize, Serialize};
 
 use super::compare::{Comparison, Panel, comparisons, panels};
@@ -51,7 +51,7 @@ pub struct SceneTally {
     /// Samples in which the mode of a frequency rank is unstable.
     pub ranked: BTreeMap<u16, Hits>,
     /// Net work of each body, by name of the mode, over the samples in which it is unstable and known by name.
-    pub net_work: BTreeMap<u16, Vec<Sketch>>,
+    pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
 }
 
 /// In how many samples something is so, and in how many more it may be so.
@@ -92,7 +92,7 @@ impl SceneTally {
                 self.ambiguous_modes += 1;
             }
             if let (&[name], Some(work)) = (mode.names.as_slice(), &mode.net_work) {
-                let bodies = self.net_work.entry(name).or_insert_with(|| vec![Sketch::default(); work.len()]);
+                let bodies = self.net_work.entry(name).or_insert_with(|| vec![QuantileSketch::default(); work.len()]);
                 for (sketch, &value) in bodies.iter_mut().zip(work) {
                     sketch.record(value);
                 }
@@ -124,7 +124,7 @@ impl SceneTally {
             }
         }
         for (name, bodies) in later.net_work {
-            let entry = self.net_work.entry(name).or_insert_with(|| vec![Sketch::default(); bodies.len()]);
+            let entry = self.net_work.entry(name).or_insert_with(|| vec![QuantileSketch::default(); bodies.len()]);
             for (sketch, more) in entry.iter_mut().zip(bodies) {
                 sketch.merge(more);
             }

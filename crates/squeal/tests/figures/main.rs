@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use made_up::{convergence, countermeasure, hard_occurrence, one_law, shapes};
 use proptest::prelude::*;
 use squeal::figures::{
-    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelSketch, OccurrenceFigure, OccurrencePanel, OccurrenceRow,
-    loglog, mode_and_work, model_sketch, occurrence_boxes,
+    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelDiagram, OccurrenceFigure, OccurrencePanel, OccurrenceRow,
+    loglog, mode_and_work, model_diagram, occurrence_boxes,
 };
 
 fn pictures() -> PathBuf {
@@ -174,8 +174,8 @@ fn every_series_has_a_name_and_a_zero_has_its_place() {
 }
 
 #[test]
-fn the_sketch_numbers_every_spring() {
-    let data = ModelSketch {
+fn the_model_diagram_numbers_every_spring() {
+    let data = ModelDiagram {
         title: "The model".into(),
         rows: 3,
         columns: 3,
@@ -184,7 +184,7 @@ fn the_sketch_numbers_every_spring() {
         phi_degrees: 60.0,
         leans_with_sliding: false,
     };
-    let figure = model_sketch(&data).unwrap();
+    let figure = model_diagram(&data).unwrap();
     let picture = check(&figure, "fig02");
     assert_eq!(picture.count("body"), 9);
     assert!(picture.says("12"));
@@ -197,10 +197,10 @@ fn the_sketch_numbers_every_spring() {
         }
     }
     assert_eq!(csv.lines().filter(|l| l.ends_with("plate")).count(), 7);
-    let other = ModelSketch { rows: 2, columns: 4, in_contact: vec![true; 8], leans_with_sliding: true, ..data };
-    check(&model_sketch(&other).unwrap(), "sketch_2x4");
-    let short = ModelSketch { in_contact: vec![true; 3], ..other };
-    assert!(matches!(model_sketch(&short), Err(FigureError::Length { found: 3, expected: 8, .. })));
+    let other = ModelDiagram { rows: 2, columns: 4, in_contact: vec![true; 8], leans_with_sliding: true, ..data };
+    check(&model_diagram(&other).unwrap(), "model_diagram_2x4");
+    let short = ModelDiagram { in_contact: vec![true; 3], ..other };
+    assert!(matches!(model_diagram(&short), Err(FigureError::Length { found: 3, expected: 8, .. })));
 }
 
 #[test]

@@ -1,0 +1,236 @@
+//! Systems that are affine in a few coefficients: what a brake is to everything that computes with it.
+//!
+//! ```text
+//! Q(lambda) = sum_k theta_k (lambda^2 M_k + lambda C_k + K_k)                       the structure, in named terms
+//!           + sum_i b_i (mu_i r_i^T + lambda s_i(lambda) b_i^T)                     friction, one channel per contact
+//! s_i(lambda) = slope_i + force_i drive_i / (lambda + decay_i)                      Ns/m
+//! ```
+//!
+//! The terms and channels are the brake; the numbers `theta_k`, `mu_i`, `s_i` are an [`OperatingPoint`] of it. A sample of
+//! a study is an operating point and no matrix.
+
+mod channel;
+mod point;
+mod term;
+
+pub use channel::Channel;
+pub use point::{ChannelGain, Lag, OperatingPoint};
+pub use term::Term;
+
+use nalgebra::DMatrix;
+
+use crate::{Internal, LinsysError, SecondOrder};
+
+/// The terms and friction channels of a brake over its free degrees of freedom.
+///
+/// ```
+/// use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
+/// use nalgebra::dmatrix;
+///
+/// // A mass in x and y; friction mu times the normal spring's force 5 y acts in x.
+/// let (m, c) = (dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![0.1, 0.0; 0.0, 0.1]);
+/// let structure = SecondOrder::new(m, c, dmatrix![4.0, 1.0; 1.0, 9.0])?;
+/// let pad = Channel::new("pad", "friction", vec![(0, 1.0)], vec![(1, -5.0)]);
+/// let brake = AffineSystem::new(vec![Term::new("structure", "damping", structure)?], vec![pad])?;
+/// let at = OperatingPoint { coefficients: vec![1.0], channels: vec![ChannelGain::proportional(0.4)] };
+/// assert_eq!(brake.assemble(&at)?.k, dmatrix![4.0, -1.0; 1.0, 9.0]);
+/// # Ok::<(), linsys::LinsysError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct AffineSystem {
+    terms: Vec<Term>,
+    channels: Vec<Channel>,
+    families: Vec<String>,
+}
+
+impl AffineSystem {
+    /// A system of these terms, at least one, and channels.
+    ///
+    /// # Errors
+    /// No term, terms of different order, a channel that acts on or reads a degree of freedom that is not there, a number
+    /// that is not finite.
+    pub fn new(terms: Vec<Term>, channels: Vec<Channel>) -> Result<Self, LinsysError> {
+        let order = terms.first().map(Term::order).ok_or(LinsysError::Empty)?;
+        if let Some(other) = terms.iter().find(|term| term.order() != order) {
+            return Err(LinsysError::TermOrder { term: other.name.clone(), found: other.order(), expected: order });
+        }
+        channels.iter().try_for_each(|channel| channel.check(order))?;
+        let mut families: Vec<String> = Vec::new();
+        let all = channels.iter().map(|channel| &channel.family).chain(terms.iter().map(|term| &term.family));
+        for family in all {
+            if !families.contains(family) {
+                families.push(family.clone());
+            }
+        }
+        Ok(Self { terms, channels, families })
+    }
+
+    /// n, the number of free degrees of freedom.
+    pub fn order(&self) -> usize {
+        self.terms.first().map_or(0, Term::order)
+    }
+
+    /// The terms of the structure.
+    pub fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// The friction channels.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Names of the force families whose work is told apart, those of channels first.
+    pub fn families(&self) -> &[String] {
+        &self.families
+    }
+
+    /// The b_i as columns, n x m.
+    pub fn force_matrix(&self) -> DMatrix<f64> {
+        let mut force = DMatrix::zeros(self.order(), self.channels.len());
+        for (at, channel) in self.channels.iter().enumerate() {
+            channel.force.iter().for_each(|&(dof, value)| force[(dof, at)] += value);
+        }
+        force
+    }
+
+    /// The r_i as rows, m x n.
+    pub fn reading_matrix(&self) -> DMatrix<f64> {
+        let mut reading = DMatrix::zeros(self.channels.len(), self.order());
+        for (at, channel) in self.channels.iter().enumerate() {
+            channel.reading.iter().for_each(|&(dof, value)| reading[(at, dof)] += value);
+        }
+        reading
+    }
+
+    /// The structure without friction: `sum_k theta_k (M_k, C_k, K_k)`.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term.
+    pub fn structure(&self, coefficients: &[f64]) -> Result<SecondOrder, LinsysError> {
+        self.check_coefficients(coefficients)?;
+        let mut out = SecondOrder::zeros(self.order(), 0);
+        self.add_structure(coefficients, &mut out);
+        Ok(out)
+    }
+
+    /// The whole system at an operating point.
+    ///
+    /// # Errors
+    /// As [`AffineSystem::assemble_into`].
+    pub fn assemble(&self, at: &OperatingPoint) -> Result<SecondOrder, LinsysError> {
+        let mut out = SecondOrder::zeros(self.order(), 0);
+        self.assemble_into(at, &mut out)?;
+        Ok(out)
+    }
+
+    /// Writes the whole system at an operating point to `out`. Nothing is allocated if `out` already has its order and
+    /// states.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term and one finite gain for each channel.
+    pub fn assemble_into(&self, at: &OperatingPoint, out: &mut SecondOrder) -> Result<(), LinsysError> {
+        self.check(at)?;
+        self.clear(out, at.channels.iter().filter(|gain| gain.lag.is_some()).count());
+        self.add_structure(&at.coefficients, out);
+        self.add_friction(at, |_| true, out);
+        Ok(())
+    }
+
+    /// Writes what friction alone adds to `out`: m = 0, k without any elastic part.
+    ///
+    /// # Errors
+    /// As [`AffineSystem::assemble_into`].
+    pub fn friction_into(&self, at: &OperatingPoint, out: &mut SecondOrder) -> Result<(), LinsysError> {
+        self.check(at)?;
+        self.clear(out, at.channels.iter().filter(|gain| gain.lag.is_some()).count());
+        self.add_friction(at, |_| true, out);
+        Ok(())
+    }
+
+    /// Writes the forces of one family that can do net work to `out`: the channels of that name, and of the terms of that
+    /// name the damping and every stiffness that is not symmetric. Elastic and inertial forces are left out.
+    ///
+    /// # Errors
+    /// As [`AffineSystem::assemble_into`].
+    pub fn family_into(&self, family: &str, at: &OperatingPoint, out: &mut SecondOrder) -> Result<(), LinsysError> {
+        self.check(at)?;
+        let is_member = |channel: &Channel| channel.family == family;
+        let members = self.channels.iter().zip(&at.channels);
+        self.clear(out, members.filter(|(channel, gain)| is_member(channel) && gain.lag.is_some()).count());
+        for (term, &coefficient) in self.terms.iter().zip(&at.coefficients).filter(|(term, _)| term.family == family) {
+            add_scaled(&mut out.c, &term.matrices().c, coefficient);
+            if !term.is_elastic() {
+                add_scaled(&mut out.k, &term.matrices().k, coefficient);
+            }
+        }
+        self.add_friction(at, is_member, out);
+        Ok(())
+    }
+
+    /// Refuses an operating point of another system.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term and one finite gain for each channel.
+    pub fn check(&self, at: &OperatingPoint) -> Result<(), LinsysError> {
+        self.check_coefficients(&at.coefficients)?;
+        let (found, expected) = (at.channels.len(), self.channels.len());
+        if found != expected {
+            return Err(LinsysError::Count { what: "channel gains", found, expected });
+        }
+        match self.channels.iter().zip(&at.channels).find(|(_, gain)| !gain.is_finite()) {
+            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.name.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_coefficients(&self, coefficients: &[f64]) -> Result<(), LinsysError> {
+        let (found, expected) = (coefficients.len(), self.terms.len());
+        if found != expected {
+            return Err(LinsysError::Count { what: "term coefficients", found, expected });
+        }
+        match self.terms.iter().zip(coefficients).find(|(_, value)| !value.is_finite()) {
+            Some((term, &value)) => Err(LinsysError::Coefficient { term: term.name.clone(), value }),
+            None => Ok(()),
+        }
+    }
+
+    /// Gives `out` the order of this system and so many states, everything zero.
+    fn clear(&self, out: &mut SecondOrder, states: usize) {
+        if out.order() != self.order() {
+            *out = SecondOrder::zeros(self.order(), states);
+            return;
+        }
+        if out.states() != states {
+            out.internal = Internal::zeros(self.order(), states);
+        }
+        let Internal { drive, force, .. } = &mut out.internal;
+        for matrix in [&mut out.m, &mut out.c, &mut out.k, drive, force] {
+            matrix.fill(0.0);
+        }
+    }
+
+    fn add_structure(&self, coefficients: &[f64], out: &mut SecondOrder) {
+        for (term, &coefficient) in self.terms.iter().zip(coefficients) {
+            let SecondOrder { m, c, k, .. } = term.matrices();
+            add_scaled(&mut out.m, m, coefficient);
+            add_scaled(&mut out.c, c, coefficient);
+            add_scaled(&mut out.k, k, coefficient);
+        }
+    }
+
+    fn add_friction(&self, at: &OperatingPoint, is_wanted: impl Fn(&Channel) -> bool, out: &mut SecondOrder) {
+        let mut state = 0;
+        for (channel, gain) in self.channels.iter().zip(&at.channels).filter(|(channel, _)| is_wanted(channel)) {
+            channel.add(gain, state, out);
+            state += usize::from(gain.lag.is_some());
+        }
+    }
+}
+
+fn add_scaled(sum: &mut DMatrix<f64>, matrix: &DMatrix<f64>, factor: f64) {
+    sum.zip_apply(matrix, |sum, value| *sum += factor * value);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! Where friction of one contact enters.
+
+use super::ChannelGain;
+use crate::{LinsysError, SecondOrder};
+
+/// The forces `b` of one contact's friction and what they read of the displacements, both sparse.
+///
+/// Friction adds `b (mu r^T + lambda s(lambda) b^T)` to the dynamic stiffness: a force along b that grows with the normal
+/// force `r^T u` and with the sliding velocity `b^T u'`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// The contact's name.
+    pub name: String,
+    /// The family to which the work of its forces belongs.
+    pub family: String,
+    /// b: degrees of freedom, from 0, with coefficients.
+    pub force: Vec<(usize, f64)>,
+    /// r, N/m: degrees of freedom, from 0, with coefficients.
+    pub reading: Vec<(usize, f64)>,
+}
+
+impl Channel {
+    /// A channel with these directions.
+    pub fn new(
+        name: impl Into<String>,
+        family: impl Into<String>,
+        force: Vec<(usize, f64)>,
+        reading: Vec<(usize, f64)>,
+    ) -> Self {
+        Self { name: name.into(), family: family.into(), force, reading }
+    }
+
+    pub(super) fn check(&self, order: usize) -> Result<(), LinsysError> {
+        for &(dof, value) in self.force.iter().chain(&self.reading) {
+            if dof >= order {
+                return Err(LinsysError::UnknownDof { dof, total: order });
+            }
+            if !value.is_finite() {
+                return Err(LinsysError::ChannelGain { channel: self.name.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds this channel's forces; its lag, if any, takes the internal state `state`.
+    pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
+        for &(row, b) in &self.force {
+            for &(column, r) in &self.reading {
+                out.k[(row, column)] += gain.mu * (b * r);
+            }
+            for &(column, other) in &self.force {
+                out.c[(row, column)] += gain.slope * (b * other);
+            }
+        }
+        if let Some(lag) = gain.lag {
+            out.internal.decay[state] = lag.decay;
+            for &(dof, b) in &self.force {
+                // The bristle is driven by the sliding velocity -b^T u', and its force drags against b.
+                out.internal.drive[(state, dof)] = -b * lag.drive;
+                out.internal.force[(dof, state)] = b * lag.force;
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The numbers that make one system of an affine family.
+
+use num_complex::Complex;
+
+/// Coefficients of the terms and gains of the channels of an [`AffineSystem`](super::AffineSystem).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct OperatingPoint {
+    /// theta_k, one for each term.
+    pub coefficients: Vec<f64>,
+    /// One for each channel.
+    pub channels: Vec<ChannelGain>,
+}
+
+/// How strongly friction acts in one channel: `mu r^T + lambda s(lambda) b^T`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ChannelGain {
+    /// mu, the coefficient of friction: tangential over normal force.
+    pub mu: f64,
+    /// `N0 h`, the normal load times the slope of the coefficient over the sliding velocity, Ns/m.
+    pub slope: f64,
+    /// An internal first-order state, such as the bristle of a LuGre contact.
+    pub lag: Option<Lag>,
+}
+
+/// `z' = -decay z + drive v` under the sliding velocity v, adding the force `force z` to friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lag {
+    /// Decay rate, 1/s.
+    pub decay: f64,
+    /// What a change of velocity feeds into the state.
+    pub drive: f64,
+    /// The normal load times what the state contributes to the coefficient, N per unit of the state.
+    pub force: f64,
+}
+
+impl ChannelGain {
+    /// Friction of a constant coefficient: mu alone.
+    pub fn proportional(mu: f64) -> Self {
+        Self { mu, ..Self::default() }
+    }
+
+    /// `s(lambda) = N0 h(lambda) = slope + force drive / (lambda + decay)`, Ns/m: the state eliminated.
+    pub fn complex_slope(&self, lambda: Complex<f64>) -> Complex<f64> {
+        match self.lag {
+            None => Complex::from(self.slope),
+            Some(lag) => self.slope + lag.force * lag.drive / (lambda + lag.decay),
+        }
+    }
+
+    /// s at infinity and at 0, Ns/m: the ends of a diameter of the disc in which `s(lambda)` lies for every
+    /// `Re lambda >= 0`. Not finite for a state that does not decay.
+    pub fn slope_extremes(&self) -> [f64; 2] {
+        let lag = self.lag.map_or(0.0, |lag| lag.force * lag.drive / lag.decay);
+        [self.slope, self.slope + lag]
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        let lag = self.lag.map_or([0.0; 3], |lag| [lag.decay, lag.drive, lag.force]);
+        self.mu.is_finite() && self.slope.is_finite() && lag.iter().all(|value| value.is_finite())
+    }
+}

@@ -1,0 +1,45 @@
+//! One term of a structure.
+
+use crate::{LinsysError, SecondOrder};
+
+/// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Term {
+    /// What the part is called.
+    pub name: String,
+    /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
+    pub family: String,
+    matrices: SecondOrder,
+    is_elastic: bool,
+}
+
+impl Term {
+    /// A term with these matrices, which have no internal states.
+    ///
+    /// # Errors
+    /// Matrices that are no system, or internal states.
+    pub fn new(name: impl Into<String>, family: impl Into<String>, matrices: SecondOrder) -> Result<Self, LinsysError> {
+        matrices.check()?;
+        let (name, family, states) = (name.into(), family.into(), matrices.states());
+        if states > 0 {
+            return Err(LinsysError::TermStates { term: name, states });
+        }
+        let is_elastic = matrices.k == matrices.k.transpose();
+        Ok(Self { name, family, matrices, is_elastic })
+    }
+
+    /// M, C and K.
+    pub fn matrices(&self) -> &SecondOrder {
+        &self.matrices
+    }
+
+    /// n.
+    pub fn order(&self) -> usize {
+        self.matrices.order()
+    }
+
+    /// Whether K is symmetric: its forces then do no net work in a mode.
+    pub fn is_elastic(&self) -> bool {
+        self.is_elastic
+    }
+}

@@ -1,0 +1,279 @@
+//! The cells of a surrogate being made: sample points at their corners, the eigenvalues there, and the leaf that follows.
+
+use std::collections::{BTreeSet, HashMap};
+
+use friction::{InternalTangent, Tangent};
+use num_complex::Complex;
+
+use super::EstimatorError;
+use super::friction_points::FrictionPoints;
+use super::kd_tree::{CORNERS, Cell, CornerNames, CrossingMode, Leaf, ModeSet};
+use super::response_surface::{ResponseSurface, link};
+use super::sample_points::{SamplePoints, SampledMode};
+use crate::study::Study;
+
+/// Halvings of each direction in any case; chosen.
+const FIRST_HALVINGS: u32 = 2;
+/// Steps of the finest grid in each direction; chosen.
+const GRID_STEPS: u32 = 1 << 16;
+/// One point in so many is left outside at either end of each direction; chosen.
+const POINTS_PER_OUTLIER: usize = 4096;
+/// Points that the tangent of a sample point is taken from; chosen.
+const TANGENT_CANDIDATES: usize = 2048;
+/// A mode is clear of the axis in a whole cell from this many times the residual of its polynomial on; chosen.
+const CLEAR_RESIDUALS: f64 = 10.0;
+/// Points of a cell whose slopes are looked at at the frequencies of its modes; chosen.
+const SLOPES_PER_CELL: usize = 32;
+/// A mode is followed in a cell if it could reach the axis moving this much faster than at a corner; chosen.
+const RATE_MARGIN: f64 = 1.5;
+
+/// A cell being made, on the finest grid.
+pub(super) struct PendingCell {
+    /// Place in [`CellBuilder::cells`].
+    pub place: usize,
+    low: [u32; 3],
+    size: [u32; 3],
+    /// Indices of the points in it.
+    pub points: Vec<u32>,
+}
+
+impl PendingCell {
+    fn corner(&self, k: usize) -> [u32; 3] {
+        std::array::from_fn(|d| self.low[d] + if k >> d & 1 == 1 { self.size[d] } else { 0 })
+    }
+}
+
+/// A cell as its modes are seen: its different corners, and how far mu and H range in it.
+struct CellView<'a> {
+    /// Bits of the directions in which the cell has an extent: one without has one side.
+    sides: usize,
+    /// Numbers of the corners that differ.
+    corners: Vec<usize>,
+    /// mu and the modes at each of these.
+    modes: Vec<(f64, &'a [SampledMode])>,
+    /// Extent in mu.
+    width: f64,
+    /// Extent in H, at the frequency of the coordinates.
+    extent: f64,
+    /// All its points.
+    tangents: Vec<&'a Tangent>,
+}
+
+/// The k-d tree of a scene being made.
+pub(super) struct CellBuilder<'a> {
+    solver: SamplePoints<'a>,
+    points: &'a FrictionPoints,
+    coordinates: Vec<[f64; 3]>,
+    from: [f64; 3],
+    step: [f64; 3],
+    pub sample_points: HashMap<[u32; 3], Vec<SampledMode>>,
+    pub cells: Vec<Cell>,
+    pub names: Vec<u16>,
+}
+
+impl<'a> CellBuilder<'a> {
+    pub fn new(study: &'a Study<'a>, scene: usize, points: &'a FrictionPoints) -> Result<Self, EstimatorError> {
+        let coordinates: Vec<[f64; 3]> = points.training.iter().map(|tangent| points.coordinates(tangent)).collect();
+        let (mut from, mut step) = ([0.0; 3], [0.0; 3]);
+        for d in 0..3 {
+            let mut all: Vec<f64> = coordinates.iter().map(|point| point[d]).collect();
+            all.sort_by(f64::total_cmp);
+            // What lies farther out belongs to the cell next to it.
+            let outliers = all.len() / POINTS_PER_OUTLIER;
+            from[d] = all[outliers];
+            step[d] = (all[all.len() - 1 - outliers] - from[d]) / f64::from(GRID_STEPS);
+        }
+        Ok(Self {
+            solver: SamplePoints::new(study, scene)?,
+            points,
+            coordinates,
+            from,
+            step,
+            sample_points: HashMap::new(),
+            cells: vec![Cell::Empty],
+            names: Vec::new(),
+        })
+    }
+
+    fn at(&self, grid: [u32; 3]) -> [f64; 3] {
+        std::array::from_fn(|d| self.from[d] + self.step[d] * f64::from(grid[d]))
+    }
+
+    /// The cells to begin with.
+    pub fn first(&mut self) -> Vec<PendingCell> {
+        let size = self.step.map(|step| if step > 0.0 { GRID_STEPS } else { 0 });
+        let all = (0..self.coordinates.len() as u32).collect();
+        let mut open = vec![PendingCell { place: 0, low: [0; 3], size, points: all }];
+        let mut found = Vec::new();
+        while let Some(cell) = open.pop() {
+            if cell.points.is_empty() {
+                continue;
+            }
+            if cell.size.iter().all(|&size| size <= GRID_STEPS >> FIRST_HALVINGS) {
+                found.push(cell);
+            } else {
+                open.extend(self.halve(cell));
+            }
+        }
+        found
+    }
+
+    /// The halves of a cell, in its longest direction.
+    pub fn halve(&mut self, cell: PendingCell) -> Vec<PendingCell> {
+        let longest = (0..3).rev().max_by_key(|&d| cell.size[d]).unwrap_or(0);
+        let mut size = cell.size;
+        size[longest] /= 2;
+        let mut high = cell.low;
+        high[longest] += size[longest];
+        let middle = self.at(high)[longest];
+        let (below, above) = cell.points.iter().partition(|&&i| self.coordinates[i as usize][longest] < middle);
+        let halves = [self.cells.len(), self.cells.len() + 1];
+        // A half without points goes on with what the whole says.
+        let whole = std::mem::replace(&mut self.cells[cell.place], Cell::Halved { direction: longest, middle, halves });
+        self.cells.extend([whole.clone(), whole]);
+        vec![
+            PendingCell { place: halves[0], low: cell.low, size, points: below },
+            PendingCell { place: halves[1], low: high, size, points: above },
+        ]
+    }
+
+    /// A tangent with given coordinates: that of a point near by, its slope and the drive of its internal state moved.
+    fn tangent(&self, at: [f64; 3]) -> Tangent {
+        let distance = |i: &usize| {
+            let other = self.coordinates[*i];
+            (other[1] - at[1]).powi(2) + (other[1] * other[2] - at[1] * at[2]).powi(2)
+        };
+        let count = self.coordinates.len();
+        let candidates = (0..count).step_by(count.div_ceil(TANGENT_CANDIDATES).max(1));
+        let nearest = candidates.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let internal = nearest.and_then(|i| self.points.training[i].internal).filter(|state| state.force != 0.0);
+        let Some(state) = internal else {
+            return Tangent { mu: at[0], slope: at[1], internal: None };
+        };
+        let lag = 1.0 / Complex::new(state.decay, self.points.omega);
+        let product = at[1] * at[2] / lag.im;
+        let internal = Some(InternalTangent { drive: product / state.force, ..state });
+        Tangent { mu: at[0], slope: at[1] - product * lag.re, internal }
+    }
+
+    /// Finds the modes at those corners of some cells that are no sample points yet.
+    pub fn solve(&mut self, cells: &[PendingCell]) -> Result<(), EstimatorError> {
+        let wanted = cells.iter().flat_map(|cell| (0..CORNERS).map(|k| cell.corner(k)));
+        let wanted: BTreeSet<[u32; 3]> = wanted.filter(|grid| !self.sample_points.contains_key(grid)).collect();
+        let tangents: Vec<Tangent> = wanted.iter().map(|&grid| self.tangent(self.at(grid))).collect();
+        let solved = self.solver.solve(&tangents)?;
+        for &name in solved.iter().flatten().flat_map(|mode| &mode.names) {
+            if !self.names.contains(&name) && self.names.len() < u64::BITS as usize {
+                self.names.push(name);
+            }
+        }
+        self.sample_points.extend(wanted.into_iter().zip(solved));
+        Ok(())
+    }
+
+    /// What is known in a cell, and at how many of its points that is uncertain.
+    pub fn leaf(&self, cell: &PendingCell) -> (Leaf, usize) {
+        let view = self.view(cell);
+        let (low, high) = (self.at(cell.corner(0)), self.at(cell.corner(CORNERS - 1)));
+        let mut leaf = Leaf {
+            middle: std::array::from_fn(|d| 0.5 * (low[d] + high[d])),
+            unstable: CornerNames::new([ModeSet::default(); CORNERS]),
+            crossing: Vec::new(),
+            is_uncertain: false,
+        };
+        let mut always = [ModeSet::default(); CORNERS];
+        let mut uncertain = vec![false; cell.points.len()];
+        let mut used: BTreeSet<(usize, usize)> = BTreeSet::new();
+        for start in 0..view.corners.len() {
+            for (index, mode) in view.modes[start].1.iter().enumerate() {
+                if used.contains(&(start, index)) || !view.reaches_axis(mode) {
+                    continue;
+                }
+                let path = link(&view.modes, &view.corners, start, index);
+                used.extend(path.iter().flatten().copied().enumerate());
+                let corners = path.map(|path| view.along(&path));
+                let surface = corners.and_then(|corners| Some((ResponseSurface::new(&corners)?, corners)));
+                let Some((surface, corners)) = surface else {
+                    leaf.is_uncertain = true;
+                    continue;
+                };
+                let names = self.corner_names(&view, &corners);
+                let at_points = view.growths(&surface);
+                // Far from the axis at every point of the cell and at every corner?
+                let growths = at_points.iter().map(|point| point.0).chain(corners.iter().map(|c| c.1.lambda.re));
+                let [least, most] = [f64::min, f64::max].map(|of| growths.clone().reduce(of).unwrap_or(0.0));
+                // The range is allowed for once more: few of the points that may fall here are known.
+                let clear = CLEAR_RESIDUALS * surface.residual + (most - least);
+                if least > clear {
+                    always.iter_mut().zip(names.at).for_each(|(all, names)| *all = all.or(names));
+                } else if most >= -clear {
+                    let mode = CrossingMode { surface, names };
+                    for (is_uncertain, (growth, is_outside)) in uncertain.iter_mut().zip(at_points) {
+                        *is_uncertain |= mode.judge(growth, is_outside)[1];
+                    }
+                    leaf.crossing.push(mode);
+                }
+            }
+        }
+        leaf.unstable = CornerNames::new(always);
+        let is_everywhere = leaf.is_uncertain || leaf.unstable.is_uncertain;
+        let count = if is_everywhere { uncertain.len() } else { uncertain.into_iter().filter(|&is| is).count() };
+        (leaf, count)
+    }
+
+    fn view(&self, cell: &PendingCell) -> CellView<'_> {
+        let sides = (0..3).filter(|&d| cell.size[d] > 0).map(|d| 1 << d).sum::<usize>();
+        let corners: Vec<usize> = (0..CORNERS).filter(|k| k & !sides == 0).collect();
+        let coordinates: Vec<[f64; 3]> = corners.iter().map(|&k| self.at(cell.corner(k))).collect();
+        let modes_at = |k: usize| self.sample_points.get(&cell.corner(k)).map_or(&[][..], Vec::as_slice);
+        let slope = |at: &[f64; 3]| Complex::new(at[1], at[1] * at[2]);
+        CellView {
+            sides,
+            modes: corners.iter().zip(&coordinates).map(|(&k, at)| (at[0], modes_at(k))).collect(),
+            width: self.step[0] * f64::from(cell.size[0]),
+            extent: coordinates.iter().map(|at| (slope(at) - slope(&coordinates[0])).norm()).fold(0.0, f64::max),
+            tangents: cell.points.iter().map(|&i| &self.points.training[i as usize]).collect(),
+            corners,
+        }
+    }
+
+    /// The names of a mode, as bits.
+    fn bits(&self, names: &[u16]) -> ModeSet {
+        let bit = |name: &u16| self.names.iter().position(|other| other == name).map_or(0, |bit| 1 << bit);
+        let perhaps = names.iter().fold(0, |bits, name| bits | bit(name));
+        ModeSet { sure: if names.len() == 1 { perhaps } else { 0 }, perhaps }
+    }
+
+    /// What a mode is called near each corner; where it is stable, as at the nearest corner where it is not.
+    fn corner_names(&self, view: &CellView<'_>, modes: &[(f64, &SampledMode)]) -> CornerNames {
+        let near = |k: usize| {
+            let unstable = (0..view.corners.len()).filter(|&c| modes[c].1.lambda.re > 0.0);
+            let nearest = unstable.min_by_key(|&c| ((view.corners[c] ^ k) & view.sides).count_ones());
+            nearest.map_or(ModeSet::default(), |c| self.bits(&modes[c].1.names))
+        };
+        let at: [ModeSet; CORNERS] = std::array::from_fn(near);
+        CornerNames { is_uncertain: at[0].perhaps == 0 || at.iter().any(|&names| names != at[0]), at }
+    }
+}
+
+impl<'a> CellView<'a> {
+    /// Whether a mode at a corner could reach the axis somewhere in the cell.
+    fn reaches_axis(&self, mode: &SampledMode) -> bool {
+        // At other frequencies than that of the coordinates slopes differ by more.
+        let some = self.tangents.iter().step_by(self.tangents.len().div_ceil(SLOPES_PER_CELL));
+        let away = some.map(|tangent| (tangent.complex_slope(mode.lambda) - mode.slope).norm_sqr());
+        let extent = away.fold(self.extent * self.extent, f64::max).sqrt();
+        mode.lambda.re + RATE_MARGIN * (mode.by_mu.re.abs() * self.width + mode.by_slope.norm() * extent) > 0.0
+    }
+
+    /// mu and the mode at each corner, by its index there.
+    fn along(&self, path: &[usize]) -> Vec<(f64, &'a SampledMode)> {
+        self.modes.iter().zip(path).map(|((mu, all), &i)| (*mu, &all[i])).collect()
+    }
+
+    /// Re lambda at each point of the cell, and whether its slope is outside the surface's range.
+    fn growths(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
+        let at = self.tangents.iter().map(|tangent| surface.eigenvalue(tangent));
+        at.map(|(lambda, is_outside)| (lambda.re, is_outside)).collect()
+    }
+}

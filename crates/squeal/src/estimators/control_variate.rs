@@ -1,0 +1,213 @@
+//! Occurrences from a prediction that costs nothing, corrected by full solutions: a control variate with an interval.
+//!
+//! For the event Y that a mode is unstable and any prediction G of it,
+//!
+//! ```text
+//! P(Y) = P(G) + P(Y and not G) - P(G and not Y)
+//! ```
+//!
+//! The first term is the mean of the prediction over scrambled Sobol points; the other two are counted over independent
+//! samples, solved in full: their reference. The surrogate says itself where it is uncertain. *Clear* and *uncertain* samples
+//! are strata, counted apart: what happens in few of the uncertain ones weighs little, because there are few of them.
+//!
+//! In clear samples prediction and reference hardly ever differ: there the limits of Clopper and Pearson (Biometrika 26,
+//! 1934) hold for every n, and where they never differ in n samples their sum is below `-ln(tail) / n`. The mean of the
+//! prediction and the many differences in uncertain samples are sums of much that is small and independent; they share one
+//! interval by Student's t. Some thousand solutions do what takes plain Monte Carlo a million. A bad prediction makes the
+//! interval wide, never wrong.
+
+use std::collections::BTreeMap;
+
+use montecarlo::Experiment as _;
+
+use super::friction_points::{FrictionPoints, tangent};
+use super::interval::{PredictionMeans, intervals};
+use super::kd_tree::ModeSet;
+use super::stratum::Stratum;
+use super::{Estimated, EstimatorError, Surrogate};
+use crate::study::{Sample, Scratch, Study, unstable_names};
+
+/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
+/// the 0.001 of [`super::interval::UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
+const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
+/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
+const CLEAR_TAIL_PART: f64 = 0.7;
+/// Error probabilities of the first look, for tests of the intervals.
+#[cfg(test)]
+pub(super) const FIRST_TAILS: [f64; 2] = tails(INTERIM_LOOKS[0].0);
+/// Half width that the first look is sized for, as a part of the one asked for; chosen.
+const FIRST_LOOK_WIDTH: f64 = 0.95;
+/// Parts of that which Student's t may have, of which the cheapest is taken; chosen.
+const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
+/// Price of an uncertain sample in clear ones, whose modes need no following; chosen.
+const UNCERTAIN_PRICE: f64 = 2.0;
+/// Part of all samples in which the prediction of a mode is taken to be wrong beforehand; chosen.
+const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
+/// The same of the uncertain samples; chosen.
+const PRIOR_WRONG_OF_UNCERTAIN: f64 = 0.05;
+/// Uncertain samples that tell it better where many are needed. They count for nothing else. Chosen.
+const PILOTS: u64 = 400;
+/// Standard error by uncertain samples that a surrogate is refined for, as a part of the half width; chosen.
+const SURROGATE_ERROR_PART: f64 = 0.13;
+/// Fewest uncertain samples of the first look, so that Student's t applies; chosen.
+const FEWEST_UNCERTAIN: f64 = 120.0;
+/// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes; chosen.
+const SAMPLES_PER_BLOCK: usize = 2048;
+/// Draws for a block after which it stays as small as it is: some surrogates leave hardly any doubt. Chosen.
+const MOST_DRAWS: usize = 4_000_000;
+
+/// Occurrences of one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlVariateEstimate {
+    /// By name, with the half width of the 95 % interval.
+    pub modes: BTreeMap<u16, Estimated>,
+    /// Upper limit of the occurrence of any mode that is not listed.
+    pub unseen: f64,
+    /// Samples solved in full.
+    pub solved: u64,
+    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
+    pub wrong: [u64; 2],
+    /// Probability that the prediction is uncertain.
+    pub uncertain: f64,
+}
+
+impl ControlVariateEstimate {
+    /// The largest half width, without what open names leave open: more samples do not close that.
+    pub fn half_width(&self) -> f64 {
+        let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
+        self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
+    }
+}
+
+/// The occurrences of a scene to `half_width` at 95 %, or as near as the last look gets.
+///
+/// # Errors
+/// A sample that cannot be solved.
+pub fn control_variate(
+    study: &Study<'_>,
+    scene: usize,
+    points: &FrictionPoints,
+    seed: u64,
+    half_width: f64,
+) -> Result<ControlVariateEstimate, EstimatorError> {
+    let variance_allowed = (SURROGATE_ERROR_PART * half_width).powi(2);
+    let samples_needed = |share: f64| variance(share, prior_wrong(share)) / variance_allowed;
+    let surrogate = Surrogate::new(study, scene, points, samples_needed)?;
+    let means = PredictionMeans::new(&surrogate, points);
+    let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed);
+    let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
+    if first[1] > 2 * PILOTS {
+        let mut pilots = Stratum::default();
+        samples.solve(1, PILOTS, &mut pilots)?;
+        first = first_sizes(&means, pilots.most_wrong(), half_width);
+    }
+    let mut strata = <[Stratum; 2]>::default();
+    let mut result = None;
+    for (look, (tail, longer)) in INTERIM_LOOKS.into_iter().enumerate() {
+        for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
+            samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
+        }
+        let found = intervals(&means, &strata, tails(tail), look == 0);
+        let is_narrow = found.half_width() <= half_width;
+        result = Some(found);
+        if is_narrow {
+            break;
+        }
+    }
+    result.ok_or(EstimatorError::NoConvergence { what: "an occurrence", left: 1.0, steps: 0 })
+}
+
+/// A look's error probabilities of the clear samples and of Student's t.
+const fn tails(tail: f64) -> [f64; 2] {
+    [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
+}
+
+/// In which part of the uncertain samples, `share` of all, the prediction is taken to be wrong beforehand.
+fn prior_wrong(share: f64) -> f64 {
+    (PRIOR_WRONG_OF_ALL / share + PRIOR_WRONG_OF_UNCERTAIN).min(0.5)
+}
+
+/// The variance of an occurrence by one uncertain sample, `share` of all.
+fn variance(share: f64, wrong: f64) -> f64 {
+    share * share * wrong
+}
+
+/// How many clear and uncertain samples will do if the prediction is right in every clear one and `wrong` in a part of the
+/// others: the cheapest of the ways to divide the half width between them.
+fn first_sizes(means: &PredictionMeans, wrong: f64, half_width: f64) -> [u64; 2] {
+    let price = |sizes: &[f64; 2]| sizes[0] + UNCERTAIN_PRICE * sizes[1];
+    let divided = STUDENT_PARTS.map(|part| sizes(means, wrong, FIRST_LOOK_WIDTH * half_width, part));
+    let cheapest = divided.into_iter().min_by(|a, b| price(a).total_cmp(&price(b)));
+    cheapest.unwrap_or_default().map(|size| size.ceil() as u64)
+}
+
+/// The same where Student's t has a `part` of the half width.
+fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f64; 2] {
+    let [clear, uncertain] = means.largest_shares();
+    let [tail, of_student] = tails(INTERIM_LOOKS[0].0);
+    let t = means.t(of_student);
+    let of_means = means.modes.values().flatten().map(|mean| mean.1).fold(0.0, f64::max).powi(2);
+    // What the mean of the prediction alone takes more of cannot be helped.
+    let left = ((part * half_width / t).powi(2) - of_means).max(0.1 * of_means);
+    let of_uncertain = (variance(uncertain, wrong) / left).max(FEWEST_UNCERTAIN);
+    let by_student = t * (of_means + variance(uncertain, wrong) / of_uncertain).sqrt();
+    let of_clear = -tail.ln() * clear / (half_width - by_student).max(0.1 * half_width);
+    [of_clear, of_uncertain]
+}
+
+/// The samples of a scene, drawn in the study's order and solved as many of each kind as are asked for.
+struct StratifiedSamples<'a> {
+    study: &'a Study<'a>,
+    scene: usize,
+    surrogate: &'a Surrogate,
+    seed: u64,
+    next: u64,
+    /// Drawn and not solved, with the prediction.
+    waiting: [Vec<(Sample, ModeSet)>; 2],
+    scratch: Scratch,
+}
+
+impl<'a> StratifiedSamples<'a> {
+    fn new(study: &'a Study<'a>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Self {
+        Self { study, scene, surrogate, seed, next: 0, waiting: Default::default(), scratch: Scratch::default() }
+    }
+
+    /// Solves clear (0) or uncertain (1) samples until a stratum has so many, or as many as are found.
+    fn solve(&mut self, kind: usize, size: u64, stratum: &mut Stratum) -> Result<(), EstimatorError> {
+        while stratum.samples < size {
+            self.draw(kind, (size - stratum.samples).min(SAMPLES_PER_BLOCK as u64) as usize)?;
+            let wanted = self.waiting[kind].len().min((size - stratum.samples) as usize);
+            if wanted == 0 {
+                break;
+            }
+            let block: Vec<_> = self.waiting[kind].drain(..wanted).collect();
+            let samples: Vec<&Sample> = block.iter().map(|(sample, _)| sample).collect();
+            let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
+            self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
+            for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
+                stratum.enter(&self.surrogate.named(predicted), &unstable_names(&outcome?.unstable));
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws samples until so many of a kind wait.
+    fn draw(&mut self, kind: usize, wanted: usize) -> Result<(), EstimatorError> {
+        let (plan, key) = (self.study.plan(), self.study.plan().scenes[self.scene].key);
+        for _ in 0..MOST_DRAWS {
+            if self.waiting[kind].len() >= wanted {
+                break;
+            }
+            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(self.seed, self.next));
+            let sample = sample.map_err(crate::Error::from)?;
+            self.next += 1;
+            let prediction = self.surrogate.predict(&tangent(plan, key, &sample)?);
+            let waiting = &mut self.waiting[usize::from(prediction.is_uncertain)];
+            // One kind is rare: not all of the other are needed.
+            if waiting.len() < SAMPLES_PER_BLOCK {
+                waiting.push((sample, prediction.unstable));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,70 @@
+//! What can stand in the way of an estimate.
+
+/// Errors of this module.
+#[derive(Debug, thiserror::Error)]
+pub enum EstimatorError {
+    /// The model, a law, a solver or the case.
+    #[error(transparent)]
+    Study(#[from] crate::Error),
+    /// A scene whose uncertainty is not one number.
+    #[error("the exact integral needs {needed}; the scene has {found}")]
+    NotOneParameter {
+        /// What it takes.
+        needed: &'static str,
+        /// What there is.
+        found: String,
+    },
+    /// Real eigenvalues where every mode must oscillate for its branch to be followed.
+    #[error("at mu = {mu} the structure has {real} real eigenvalues; branches are followed where all modes oscillate")]
+    NotOscillating {
+        /// The friction coefficient.
+        mu: f64,
+        /// Real eigenvalues there.
+        real: usize,
+    },
+    /// A branch runs along the axis, or two branches together, for so long that no step resolves them.
+    #[error("the branches around mu = {mu} are not resolved after {spectra} spectra")]
+    Unresolved {
+        /// The friction coefficient.
+        mu: f64,
+        /// Spectra computed.
+        spectra: usize,
+    },
+    /// The spectra between two onsets contradict the onsets found.
+    #[error("at mu = {mu} {found} modes are unstable; the onsets below it leave {expected}")]
+    Inconsistent {
+        /// The friction coefficient.
+        mu: f64,
+        /// Unstable modes by the spectrum.
+        found: usize,
+        /// Unstable modes by counting onsets.
+        expected: i64,
+    },
+    /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
+    #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
+    NotShared,
+    /// Sobol points or scramblings that are not there.
+    #[error("{points} points in {scramblings} scramblings; allowed: 1 to 65536 points, 2 scramblings or more")]
+    Points {
+        /// Points of each.
+        points: u32,
+        /// Scramblings.
+        scramblings: u32,
+    },
+    /// A search that did not converge.
+    #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
+    NoConvergence {
+        /// What was searched.
+        what: &'static str,
+        /// Residual.
+        left: f64,
+        /// Steps taken.
+        steps: usize,
+    },
+}
+
+impl From<cea::CeaError> for EstimatorError {
+    fn from(error: cea::CeaError) -> Self {
+        Self::Study(error.into())
+    }
+}

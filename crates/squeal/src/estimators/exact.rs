@@ -1,0 +1,65 @@
+//! The exact integral: occurrences without sampling.
+//!
+//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable
+//! is the probability of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of what the root search leaves open, of the steps it could not resolve
+//! and of the tails that were cut off.
+
+use cea::Counters;
+
+use super::distribution::{cumulative, support};
+use super::integral::{Integral, integrate};
+use super::{EstimatorError, OneParameterFamily, Onsets};
+use crate::study::{Plan, Reference, Sample};
+
+/// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
+const CUT_OFF: f64 = 2e-12;
+
+/// What the integral over mu says of one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exact {
+    /// Probabilities.
+    pub integral: Integral,
+    /// Bound of the error of each probability.
+    pub error: f64,
+    /// Where eigenvalues cross the axis.
+    pub onsets: Onsets,
+    /// What was computed, the reference not included.
+    pub counters: Counters,
+}
+
+/// Integrates over the family of a scene whose modes at median parameters are `reference`.
+///
+/// # Errors
+/// Those of [`OneParameterFamily::onsets`].
+pub fn exact(plan: &Plan, reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
+    let distribution = plan.case.friction.mu;
+    let (from, to) = support(distribution);
+    let median = Sample::median(&plan.case).contact(0).mu;
+    family.spectrum(median)?;
+    let onsets = family.onsets(from, to)?;
+    let mut ends = vec![from];
+    ends.extend(onsets.onsets.iter().map(|c| c.mu));
+    ends.push(to);
+    let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
+    let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
+    let roots = onsets.onsets.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
+    let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
+    let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();
+    Ok(Exact { integral, error, onsets, counters: family.counters() })
+}
+
+/// The names of the unstable modes at `mu`, by continuation to the reference at `median`.
+fn named(
+    family: &mut OneParameterFamily<'_>,
+    mu: f64,
+    median: f64,
+    reference: &Reference,
+) -> Result<Vec<Vec<u16>>, EstimatorError> {
+    let lambdas = family.lambdas(mu)?;
+    let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
+    let name = |index: usize| {
+        let ends = family.follow(mu, index, median)?;
+        Ok(reference.names_of(ends))
+    };
+    unstable.into_iter().map(name).collect()
+}

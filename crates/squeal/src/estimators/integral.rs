@@ -1,0 +1,67 @@
+//! Probabilities of sets of unstable modes over one uncertain parameter.
+
+use std::collections::BTreeMap;
+
+use super::EstimatorError;
+use super::distribution::cumulative;
+use crate::case::Distribution;
+use crate::study::{UnstableMode, unstable_names};
+
+/// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct OccurrenceBounds {
+    /// Of the mode unstable for sure.
+    pub lower: f64,
+    /// Of the mode perhaps unstable.
+    pub upper: f64,
+}
+
+/// An interval of the parameter in which the same modes are unstable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// The names of each unstable mode, several where they are open.
+    pub unstable: Vec<Vec<u16>>,
+}
+
+/// What follows from the pieces.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Integral {
+    /// By name of the tracked mode; modes that are never unstable are not listed.
+    pub occurrences: BTreeMap<u16, OccurrenceBounds>,
+    /// Probability of any unstable mode.
+    pub any: f64,
+    /// Expected number of unstable modes.
+    pub expected_modes: f64,
+    /// The pieces, ascending.
+    pub pieces: Vec<Piece>,
+}
+
+/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` says what each piece is like inside.
+///
+/// # Errors
+/// Those of `unstable`.
+pub fn integrate(
+    distribution: Distribution,
+    ends: &[f64],
+    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
+) -> Result<Integral, EstimatorError> {
+    let mut integral = Integral::default();
+    for step in ends.windows(2) {
+        let names = unstable(0.5 * (step[0] + step[1]))?;
+        let part = cumulative(distribution, step[1]) - cumulative(distribution, step[0]);
+        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), net_work: None };
+        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
+            let occurrence = integral.occurrences.entry(name).or_default();
+            occurrence.upper += part;
+            occurrence.lower += if is_sure { part } else { 0.0 };
+        }
+        integral.any += if names.is_empty() { 0.0 } else { part };
+        integral.expected_modes += part * names.len() as f64;
+        integral.pieces.push(Piece { from: step[0], to: step[1], unstable: names });
+    }
+    Ok(integral)
+}

@@ -1,0 +1,245 @@
+//! The interval of an occurrence from the mean of a prediction and from the counts of what it gets wrong.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use friction::Tangent;
+use montecarlo::Confidence;
+
+use super::friction_points::FrictionPoints;
+use super::stratum::Stratum;
+use super::{ControlVariateEstimate, Estimated, OccurrenceBounds, Surrogate};
+
+/// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
+pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
+
+/// Means over Sobol points, each with its standard error.
+pub(super) struct PredictionMeans {
+    /// Of the prediction that a mode is surely and perhaps unstable, by name.
+    pub modes: BTreeMap<u16, [(f64, f64); 2]>,
+    /// Of the prediction being uncertain.
+    pub uncertain: (f64, f64),
+    /// Number of scramblings, whose scatter these errors are.
+    pub scramblings: u64,
+}
+
+impl PredictionMeans {
+    pub fn new(surrogate: &Surrogate, points: &FrictionPoints) -> Self {
+        let count = surrogate.names().len();
+        let shares: Vec<Vec<f64>> = points.scramblings.iter().map(|run| shares(surrogate, run)).collect();
+        let mean = |place: usize| mean(shares.iter().map(|run| run[place]));
+        let of = |bit: usize| [2 * bit, 2 * bit + 1].map(mean);
+        Self {
+            modes: surrogate.names().iter().enumerate().map(|(bit, &name)| (name, of(bit))).collect(),
+            uncertain: mean(2 * count),
+            scramblings: shares.len() as u64,
+        }
+    }
+
+    /// Student's t at an error probability.
+    pub fn t(&self, tail: f64) -> f64 {
+        Confidence::new(1.0 - tail).map_or(f64::INFINITY, |level| level.t(self.scramblings - 1))
+    }
+
+    /// Half the width of the interval of the probability of an uncertain prediction.
+    fn uncertain_error(&self) -> f64 {
+        self.t(UNCERTAIN_SHARE_TAIL) * self.uncertain.1
+    }
+
+    /// Upper limits of the probabilities of a clear and of an uncertain prediction.
+    pub fn largest_shares(&self) -> [f64; 2] {
+        let (mean, error) = (self.uncertain.0, self.uncertain_error());
+        [1.0 - mean + error, mean + error].map(|limit| limit.min(1.0))
+    }
+}
+
+/// The parts of some points in which each mode is predicted to be surely, and perhaps, unstable; last, in which the
+/// prediction is uncertain.
+fn shares(surrogate: &Surrogate, points: &[Tangent]) -> Vec<f64> {
+    let count = surrogate.names().len();
+    let mut hits = vec![0_u32; 2 * count + 1];
+    for tangent in points {
+        let prediction = surrogate.predict(tangent);
+        for bit in 0..count {
+            hits[2 * bit] += (prediction.unstable.sure >> bit & 1) as u32;
+            hits[2 * bit + 1] += (prediction.unstable.perhaps >> bit & 1) as u32;
+        }
+        hits[2 * count] += u32::from(prediction.is_uncertain);
+    }
+    hits.into_iter().map(|hits| f64::from(hits) / points.len() as f64).collect()
+}
+
+/// Mean and its standard error.
+fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let count = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+/// The occurrences, with the error probabilities of the clear samples and of Student's t. In the first look one limit of
+/// how often prediction and reference differ in clear samples will do.
+pub(super) fn intervals(
+    means: &PredictionMeans,
+    strata: &[Stratum; 2],
+    tails: [f64; 2],
+    is_first: bool,
+) -> ControlVariateEstimate {
+    let [clear, uncertain] = strata;
+    let names: BTreeSet<u16> =
+        means.modes.keys().chain(strata.iter().flat_map(|stratum| stratum.differences.keys())).copied().collect();
+    let look = Look { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
+    ControlVariateEstimate {
+        modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
+        unseen: look.limits(0)[1] + look.by_student(0, 0.0, 0.0),
+        solved: clear.samples + uncertain.samples,
+        wrong: [clear.wrong, uncertain.wrong],
+        uncertain: means.uncertain.0,
+    }
+}
+
+/// What one look at the counts sees.
+struct Look<'a> {
+    means: &'a PredictionMeans,
+    clear: &'a Stratum,
+    uncertain: &'a Stratum,
+    largest_shares: [f64; 2],
+    tails: [f64; 2],
+    is_first: bool,
+}
+
+impl Look<'_> {
+    fn estimate(&self, name: u16) -> Estimated {
+        let share = self.means.uncertain.0;
+        let [lower, upper] = self.means.modes.get(&name).copied().unwrap_or_default();
+        let [down, up] = self.limits(name);
+        let (in_clear, in_uncertain) = (self.clear.shift(name), self.uncertain.shift(name));
+        let (least, greatest) = (lower.0 + share * in_uncertain[0], upper.0 + share * in_uncertain[1]);
+        let lowest = least - self.by_student(name, lower.1, in_uncertain[0]) - down;
+        let highest = greatest + self.by_student(name, upper.1, in_uncertain[1]) + up;
+        let [lower, upper] = [least + (1.0 - share) * in_clear[0], greatest + (1.0 - share) * in_clear[1]]
+            .map(|end| end.clamp(0.0, 1.0));
+        let half_width = 0.5 * (highest.min(1.0) - lowest.max(0.0));
+        Estimated { occurrence: OccurrenceBounds { lower, upper }, half_width }
+    }
+
+    /// Half the width by Student's t of one end of an occurrence: the mean of the prediction, whose standard error is
+    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share.
+    fn by_student(&self, name: u16, of_mean: f64, shift: f64) -> f64 {
+        let variance = (self.largest_shares[1] * self.uncertain.deviation(name)).powi(2) + of_mean.powi(2);
+        self.means.t(self.tails[1]) * variance.sqrt() + shift.abs() * self.means.uncertain_error()
+    }
+
+    /// By how much clear samples may move the ends of an occurrence down and up.
+    fn limits(&self, name: u16) -> [f64; 2] {
+        self.clear.limits(name, self.tails[0], self.is_first).map(|limit| self.weighted(limit))
+    }
+
+    /// A limit among clear samples as one among all. What is surely on the other side counts with the share that is sure.
+    fn weighted(&self, limit: f64) -> f64 {
+        limit * if limit > 0.0 { self.largest_shares[0] } else { 1.0 - self.largest_shares[1] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimators::control_variate::FIRST_TAILS;
+    use approx::assert_abs_diff_eq;
+
+    /// The intervals of a prediction that is always `predicted`, in one stratum.
+    fn found(predicted: bool, references: impl Iterator<Item = Option<bool>>) -> ControlVariateEstimate {
+        let predicted = if predicted { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let mut clear = Stratum::default();
+        references.for_each(|reference| {
+            clear.enter(&predicted, &reference.map(|is_sure| (7, is_sure)).into_iter().collect())
+        });
+        let mean = (predicted.len() as f64, 0.0);
+        let means = PredictionMeans { modes: BTreeMap::from([(7, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
+        intervals(&means, &[clear, Stratum { samples: 1, ..Stratum::default() }], [0.032, 0.013], false)
+    }
+
+    #[test]
+    fn a_bad_prediction_makes_the_interval_wide_and_not_wrong() {
+        // Predicted in every sample, true in three of ten.
+        let found = found(true, (0..10_000).map(|i| (i % 10 < 3).then_some(true)));
+        let mode = found.modes[&7];
+        assert_eq!((found.wrong, mode.occurrence.lower, mode.occurrence.upper), ([7_000, 0], 1.0 - 0.7, 1.0 - 0.7));
+        // Plain Monte Carlo: 1.96 sqrt(0.21 / 10000) = 0.0090.
+        assert!(mode.half_width > 0.0090 && mode.half_width < 0.014, "{}", mode.half_width);
+    }
+
+    #[test]
+    fn an_open_name_widens_the_occurrence() {
+        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&7].occurrence;
+        assert_eq!((occurrence.lower, occurrence.upper), (0.99, 1.0));
+    }
+
+    #[test]
+    fn what_is_open_is_no_error_of_the_estimator() {
+        let found = found(false, (0..10_000).map(|i| (i % 100 == 0).then_some(false)));
+        let mode = found.modes[&7];
+        assert_eq!((mode.occurrence.lower, mode.occurrence.upper), (0.0, 0.01));
+        assert!(found.half_width() < mode.half_width - 0.0049, "{found:?}");
+    }
+
+    #[test]
+    fn few_uncertain_samples_weigh_little() {
+        // One sample in a hundred is uncertain, and the prediction is wrong in a third of them.
+        let predicted = BTreeMap::new();
+        let reference = |wrong: bool| if wrong { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let (mut clear, mut uncertain) = (Stratum::default(), Stratum::default());
+        (0..5_000).for_each(|_| clear.enter(&predicted, &reference(false)));
+        (0..300).for_each(|i| uncertain.enter(&predicted, &reference(i % 3 == 0)));
+        let means = PredictionMeans { modes: BTreeMap::new(), uncertain: (0.01, 0.0), scramblings: 32 };
+        let found = intervals(&means, &[clear, uncertain], FIRST_TAILS, true);
+        let mode = found.modes[&7];
+        assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
+        assert!(mode.half_width < 0.0018 && found.wrong == [0, 100], "{found:?}");
+    }
+
+    /// How often the intervals of an occurrence miss it, and their mean half width. The predicted is wrong in a part `wrong` of
+    /// the uncertain samples, and in a part `slip` of the clear ones; without such, these are as good as all known.
+    fn missed(wrong: f64, slip: f64, runs: u32) -> (u32, f64) {
+        use rand::{RngExt, SeedableRng};
+
+        let (predicted, uncertain) = (0.3, 0.02);
+        let reference = predicted + (1.0 - 2.0 * predicted) * (uncertain * wrong + (1.0 - uncertain) * slip);
+        let mut rng = rand::rngs::SmallRng::seed_from_u64(1);
+        let (mut missed, mut width) = (0, 0.0);
+        for _ in 0..runs {
+            let mut share = |p: f64| {
+                let one = |_| (0..500).filter(|_| rng.random_bool(p)).count() as f64 / 500.0;
+                mean((0..32).map(one).collect::<Vec<_>>().into_iter())
+            };
+            let (modes, uncertain) = (BTreeMap::from([(7, [share(predicted); 2])]), share(uncertain));
+            let means = PredictionMeans { modes, uncertain, scramblings: 32 };
+            let named = |is_unstable: bool| is_unstable.then_some((7, true)).into_iter().collect();
+            let mut stratum = |count: usize, wrong: f64| {
+                let mut stratum = Stratum::default();
+                for _ in 0..count {
+                    let predicted = rng.random_bool(predicted);
+                    stratum.enter(&named(predicted), &named(predicted != rng.random_bool(wrong)));
+                }
+                stratum
+            };
+            let known = Stratum { samples: 1_000_000, ..Stratum::default() };
+            let strata = [if slip > 0.0 { stratum(2_000, slip) } else { known }, stratum(200, wrong)];
+            let found = intervals(&means, &strata, FIRST_TAILS, true).modes[&7];
+            let centre = 0.5 * (found.occurrence.lower + found.occurrence.upper);
+            missed += u32::from((centre - reference).abs() > found.half_width);
+            width += found.half_width / f64::from(runs);
+        }
+        (missed, width)
+    }
+
+    #[test]
+    fn intervals_hold_as_often_as_they_say() {
+        let (seldom, width) = missed(0.12, 2e-4, 200);
+        assert!(seldom <= 8 && width < 0.014, "{seldom} {width}");
+        // By Student's t alone: 0.9 % and hardly more.
+        for wrong in [0.0, 0.03, 0.12, 0.5] {
+            let (seldom, width) = missed(wrong, 0.0, 500);
+            assert!(seldom <= 11 && width < 0.012, "{wrong}: {seldom} {width}");
+        }
+    }
+}

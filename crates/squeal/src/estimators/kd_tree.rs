@@ -1,0 +1,123 @@
+//! The cells in which a surrogate looks a tangent up: a k-d tree over mu, Re H and Im H / Re H.
+
+use friction::Tangent;
+
+use super::response_surface::ResponseSurface;
+
+/// Corners of a cell.
+pub(super) const CORNERS: usize = 8;
+
+/// Sets of modes, as bits by place in [`super::Surrogate::names`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct ModeSet {
+    /// Names of modes that have no other.
+    pub sure: u64,
+    /// These, and those that a mode with an open name may have.
+    pub perhaps: u64,
+}
+
+impl ModeSet {
+    pub fn or(self, more: Self) -> Self {
+        Self { sure: self.sure | more.sure, perhaps: self.perhaps | more.perhaps }
+    }
+}
+
+/// What a surrogate says of a tangent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Prediction {
+    /// Names of the unstable modes.
+    pub unstable: ModeSet,
+    /// Whether it may well be wrong.
+    pub is_uncertain: bool,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Cell {
+    /// Below `middle` in a direction, and not below.
+    Halved {
+        direction: usize,
+        middle: f64,
+        halves: [usize; 2],
+    },
+    Leaf(Leaf),
+    /// Without any point.
+    Empty,
+}
+
+/// A cell that is not halved. Corner k of eight is on the upper side in direction d where bit d of k is set.
+#[derive(Debug, Clone)]
+pub(super) struct Leaf {
+    /// Where its halves would meet.
+    pub middle: [f64; 3],
+    /// Modes that are unstable in the whole cell.
+    pub unstable: CornerNames,
+    /// Modes that may cross the axis.
+    pub crossing: Vec<CrossingMode>,
+    /// Whether a mode was lost between corners.
+    pub is_uncertain: bool,
+}
+
+/// A mode that may cross the axis in a cell.
+#[derive(Debug, Clone)]
+pub(super) struct CrossingMode {
+    pub surface: ResponseSurface,
+    pub names: CornerNames,
+}
+
+impl CrossingMode {
+    /// Whether the mode grows under a tangent, and whether that or its name is uncertain.
+    pub fn predict(&self, tangent: &Tangent) -> [bool; 2] {
+        let (lambda, is_outside) = self.surface.eigenvalue(tangent);
+        self.judge(lambda.re, is_outside)
+    }
+
+    /// [`CrossingMode::predict`] from what the response surface says.
+    pub fn judge(&self, growth: f64, is_outside: bool) -> [bool; 2] {
+        let grows = growth > 0.0;
+        [grows, growth.abs() < self.surface.uncertainty() || is_outside || grows && self.names.is_uncertain]
+    }
+}
+
+/// What modes are called near each corner of a cell.
+#[derive(Debug, Clone)]
+pub(super) struct CornerNames {
+    pub at: [ModeSet; CORNERS],
+    /// Whether the corners disagree, or none knows.
+    pub is_uncertain: bool,
+}
+
+impl CornerNames {
+    pub fn new(at: [ModeSet; CORNERS]) -> Self {
+        Self { is_uncertain: at.iter().any(|&names| names != at[0]), at }
+    }
+}
+
+/// What the tree `cells`, whose root is the first of them, says of a tangent at its coordinates.
+pub(super) fn predict(cells: &[Cell], tangent: &Tangent, coordinates: [f64; 3]) -> Prediction {
+    let mut at = 0;
+    loop {
+        match &cells[at] {
+            Cell::Halved { direction, middle, halves } => at = halves[usize::from(coordinates[*direction] >= *middle)],
+            Cell::Leaf(leaf) => return leaf.predict(tangent, &coordinates),
+            Cell::Empty => return Prediction { unstable: ModeSet::default(), is_uncertain: true },
+        }
+    }
+}
+
+impl Leaf {
+    fn predict(&self, tangent: &Tangent, coordinates: &[f64; 3]) -> Prediction {
+        let nearest_corner = (0..3).map(|d| usize::from(coordinates[d] >= self.middle[d]) << d).sum::<usize>();
+        let mut prediction = Prediction {
+            unstable: self.unstable.at[nearest_corner],
+            is_uncertain: self.is_uncertain || self.unstable.is_uncertain,
+        };
+        for mode in &self.crossing {
+            let [grows, is_uncertain] = mode.predict(tangent);
+            prediction.is_uncertain |= is_uncertain;
+            if grows {
+                prediction.unstable = prediction.unstable.or(mode.names.at[nearest_corner]);
+            }
+        }
+        prediction
+    }
+}

@@ -1,0 +1,45 @@
+//! Estimators of the occurrences of a scene: the exact integral, a control variate, plain and quasi-Monte Carlo.
+//!
+//! **Which laws have an exact integral.** With one draw shared by all contacts the friction parameters act through few
+//! coefficients, because all contacts have the same tangent:
+//!
+//! | law | acts through | occurrence |
+//! | --- | --- | --- |
+//! | Amontons-Coulomb | mu | one-dimensional integral: [`exact`] |
+//! | velocity-dependent, Stribeck | mu, slope h | [`control_variate`] |
+//! | LuGre | mu, complex slope H(i omega) | [`control_variate`] |
+//!
+//! [`control_variate`] predicts which modes are unstable from response surfaces of the eigenvalues over mu and H
+//! ([`Surrogate`]), has the mean of the prediction from scrambled Sobol points without an eigenproblem, and corrects it by
+//! full solutions of independent samples. Its interval rests on the counts of the correction alone and holds for any
+//! prediction. With lateral friction, which the surrogate does not know, the interval is as right and wider.
+
+mod branches;
+mod cell_builder;
+mod control_variate;
+mod distribution;
+mod error;
+mod exact;
+mod friction_points;
+mod integral;
+mod interval;
+mod kd_tree;
+mod one_parameter_family;
+mod onset;
+mod response_surface;
+mod sample_points;
+mod sampling;
+mod stratum;
+mod surrogate;
+
+pub use branches::Link;
+pub use control_variate::{ControlVariateEstimate, control_variate};
+pub use distribution::{cumulative, quantile, support};
+pub use error::EstimatorError;
+pub use exact::{Exact, exact};
+pub use friction_points::FrictionPoints;
+pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
+pub use one_parameter_family::{Derivative, OneParameterFamily};
+pub use onset::{Onset, Onsets};
+pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
+pub use surrogate::Surrogate;

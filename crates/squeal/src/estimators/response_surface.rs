@@ -1,0 +1,245 @@
+//! The response surface of an eigenvalue over a cell of friction states, a polynomial.
+//!
+//! With one tangent in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, H the complex slope at lambda: a
+//! simple eigenvalue is an analytic function of mu and of the one complex number H, whatever the law. Values and
+//! derivatives at the corners determine a polynomial with complex coefficients, and say by how much it misses them.
+
+use friction::Tangent;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::sample_points::SampledMode;
+
+/// Largest power of mu, and total degree where a cell has four corners: what values and derivatives at its ends tell.
+const DEGREE: usize = 3;
+/// On the diagonal of the normal equations, for directions in which nothing varies; chosen.
+const RIDGE: f64 = 1e-10;
+/// An eigenvalue is uncertain where its distance from the axis is below this many times the residual of its polynomial;
+/// chosen.
+const UNCERTAIN_RESIDUALS: f64 = 2.0;
+/// Distance of slopes from the centre beyond which a polynomial is not relied on, in those of the corners; chosen.
+const RELIABLE_RANGE: f64 = 1.25;
+/// Weight of a change of direction against a change of place, in telling branches apart; chosen.
+const DIRECTION_WEIGHT: f64 = 0.25;
+
+/// lambda as a polynomial in mu and H, both scaled to a cell.
+#[derive(Debug, Clone)]
+pub(super) struct ResponseSurface {
+    degree: usize,
+    centre: (f64, Complex<f64>),
+    scale: (f64, f64),
+    /// In the order of [`powers`].
+    coefficients: Vec<Complex<f64>>,
+    /// By how much the polynomial misses values and derivatives at the corners, and its next terms, which they cannot tell,
+    /// rad/s.
+    pub residual: f64,
+    /// Largest |d lambda / d H| that counts on the polynomial, rad/s by s/m.
+    steepness: f64,
+}
+
+/// Exponents of mu and H up to a total degree.
+fn powers(degree: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..=DEGREE).flat_map(move |a| (0..=degree - a).map(move |b| (a, b)))
+}
+
+/// The powers of a number, and their derivatives.
+fn up_to(x: Complex<f64>) -> [[Complex<f64>; DEGREE + 2]; 2] {
+    let (mut powers, mut derivatives) = ([Complex::from(1.0); DEGREE + 2], [Complex::default(); DEGREE + 2]);
+    for n in 1..DEGREE + 2 {
+        powers[n] = powers[n - 1] * x;
+        derivatives[n] = powers[n - 1] * n as f64;
+    }
+    [powers, derivatives]
+}
+
+impl ResponseSurface {
+    /// The polynomial nearest to values and derivatives at the corners of a cell, each with its mu; `None` where they are
+    /// not finite.
+    pub fn new(corners: &[(f64, &SampledMode)]) -> Option<Self> {
+        let degree = if corners.len() > 4 { DEGREE + 1 } else { DEGREE };
+        let count = corners.len() as f64;
+        let mu = corners.iter().map(|c| c.0).sum::<f64>() / count;
+        let slope = corners.iter().map(|c| c.1.slope).sum::<Complex<f64>>() / count;
+        let reach = |from: f64, to: f64| from.max(to).max(f64::MIN_POSITIVE);
+        let scale = (
+            corners.iter().map(|c| (c.0 - mu).abs()).fold(0.0, reach),
+            corners.iter().map(|c| (c.1.slope - slope).norm()).fold(0.0, reach),
+        );
+        let terms = powers(degree).count();
+        let mut matrix = DMatrix::<Complex<f64>>::zeros(3 * corners.len(), terms);
+        let mut wanted = DVector::<Complex<f64>>::zeros(3 * corners.len());
+        for (k, (at, mode)) in corners.iter().enumerate() {
+            let [m, by_m] = up_to(Complex::from((at - mu) / scale.0));
+            let [h, by_h] = up_to((mode.slope - slope) / scale.1);
+            for (j, (a, b)) in powers(degree).enumerate() {
+                matrix[(3 * k, j)] = m[a] * h[b];
+                matrix[(3 * k + 1, j)] = by_m[a] * h[b];
+                matrix[(3 * k + 2, j)] = m[a] * by_h[b];
+            }
+            wanted[3 * k] = mode.lambda;
+            wanted[3 * k + 1] = mode.by_mu * scale.0;
+            wanted[3 * k + 2] = mode.by_slope * scale.1;
+        }
+        let normal = matrix.ad_mul(&matrix) + DMatrix::identity(terms, terms) * Complex::from(RIDGE);
+        let coefficients = normal.cholesky()?.solve(&matrix.ad_mul(&wanted));
+        let left = (&matrix * &coefficients - wanted).norm_squared();
+        let spare = (3 * corners.len()).saturating_sub(terms).max(1) as f64;
+        // Two ends with derivatives are met by any cubic polynomial: of what comes next in mu, and in a real H, they say
+        // nothing. The last terms do, as those of a geometric series.
+        let term = |power: (usize, usize)| {
+            powers(degree).position(|other| other == power).map_or(0.0, |at| size(coefficients[at]))
+        };
+        let next = |last: f64, before: f64| if last < before { last * last / before } else { last };
+        let mut unseen = next(term((DEGREE, 0)), term((DEGREE - 1, 0)));
+        if degree == DEGREE {
+            unseen += next(term((0, DEGREE)), term((0, DEGREE - 1)));
+        }
+        let steepest = |((a, b), c): ((usize, usize), &Complex<f64>)| {
+            b as f64 * size(*c) * RELIABLE_RANGE.powi((a + b).saturating_sub(1) as i32)
+        };
+        Some(Self {
+            steepness: powers(degree).zip(coefficients.iter()).map(steepest).sum::<f64>() / scale.1,
+            degree,
+            centre: (mu, slope),
+            scale,
+            coefficients: coefficients.iter().copied().collect(),
+            residual: (left / spare).sqrt() + unseen,
+        })
+    }
+
+    /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
+    /// than the coordinates of the tangent.
+    pub fn eigenvalue(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
+        let mut slope = tangent.complex_slope(self.coefficients[0]);
+        let mut lambda = self.at(tangent.mu, slope);
+        if tangent.internal.is_some() {
+            // The slope depends on the eigenvalue. Far from the axis the first one will do.
+            let other = tangent.complex_slope(lambda);
+            if lambda.re.abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
+                (slope, lambda) = (other, self.at(tangent.mu, other));
+            }
+        }
+        (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
+    }
+
+    /// Distance from the axis within which the eigenvalue may be on the other side, rad/s.
+    pub fn uncertainty(&self) -> f64 {
+        UNCERTAIN_RESIDUALS * self.residual
+    }
+
+    fn at(&self, mu: f64, slope: Complex<f64>) -> Complex<f64> {
+        let m = (mu - self.centre.0) / self.scale.0;
+        let h = (slope - self.centre.1) / self.scale.1;
+        // Horner's scheme in H within Horner's scheme in mu.
+        let mut last = self.coefficients.len();
+        let mut sum = Complex::default();
+        for a in (0..=DEGREE).rev() {
+            let first = last - (self.degree - a + 1);
+            let inner =
+                self.coefficients[first..last].iter().rev().fold(Complex::default(), |s: Complex<f64>, c| s * h + c);
+            sum = sum * m + inner;
+            last = first;
+        }
+        sum
+    }
+}
+
+/// |z| of a number whose square is in range.
+fn size(z: Complex<f64>) -> f64 {
+    z.norm_sqr().sqrt()
+}
+
+/// The indices of a mode at all corners of a cell, one index each; corner `ks[c]` of eight is on the upper side in direction
+/// d where bit d is set. `None` where a corner has no modes.
+///
+/// An analytic branch misses the mean of its derivatives at the ends of an edge by the third power of the edge's length, and
+/// they differ by its second; those of another branch differ by the first, also where the two cross half-way.
+pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, index: usize) -> Option<Vec<usize>> {
+    let mut path = vec![index; ks.len()];
+    // Outwards from the start, one direction after the other.
+    let mut known = vec![start];
+    for d in 0..3 {
+        for c in known.clone() {
+            let Some(other) = ks.iter().position(|&k| k == ks[c] ^ (1 << d)) else { continue };
+            let from = &modes[c].1[path[c]];
+            let miss = |to: &SampledMode| {
+                let along = |mode: &SampledMode| {
+                    mode.by_mu * (modes[other].0 - modes[c].0) + mode.by_slope * (to.slope - from.slope)
+                };
+                let (start, end) = (along(from), along(to));
+                size(to.lambda - from.lambda - 0.5 * (start + end)) + DIRECTION_WEIGHT * size(end - start)
+            };
+            let candidates = modes[other].1.iter().map(miss).enumerate();
+            path[other] = candidates.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+            known.push(other);
+        }
+    }
+    Some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use friction::InternalTangent;
+
+    /// A mode whose eigenvalue is `100 i + 3 + offset + 2 m - m H + H^2 + i m^2 H`.
+    fn mode(mu: f64, slope: Complex<f64>, offset: f64) -> SampledMode {
+        let i = Complex::i();
+        SampledMode {
+            lambda: 100.0 * i + 3.0 + offset + 2.0 * mu - mu * slope + slope * slope + i * mu * mu * slope,
+            slope,
+            by_mu: 2.0 - slope + 2.0 * i * mu * slope,
+            by_slope: -mu + 2.0 * slope + i * mu * mu,
+            names: Vec::new(),
+        }
+    }
+
+    const SLOPES: [[f64; 2]; 4] = [[-0.3, -0.1], [0.0, 0.1], [-0.4, -0.5], [0.1, -0.4]];
+
+    /// Corner k in the order of bits: mu, then the two parts of H.
+    fn corners(slopes: &[[f64; 2]], offset: f64) -> Vec<(f64, SampledMode)> {
+        let both = |&[re, im]: &[f64; 2]| [0.3, 0.7].map(|mu| (mu, mode(mu, Complex::new(re, im), offset)));
+        slopes.iter().flat_map(both).collect()
+    }
+
+    #[test]
+    fn a_polynomial_is_found_again() {
+        let internal = InternalTangent { decay: 150.0, drive: -0.5, force: 60.0 };
+        for (slopes, internal) in [(&SLOPES[..2], None), (&SLOPES[..], Some(internal))] {
+            // Far from the axis, and on it, where it has to be right.
+            for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
+                let corners = corners(slopes, offset);
+                let corners: Vec<(f64, &SampledMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
+                let surface = ResponseSurface::new(&corners).unwrap();
+                let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
+                let lambda = surface.eigenvalue(&tangent).0;
+                let expected = mode(0.45, tangent.complex_slope(lambda), offset).lambda;
+                assert!((lambda - expected).norm() < error, "{lambda} {expected} {}", surface.residual);
+            }
+        }
+    }
+
+    #[test]
+    fn branches_that_cross_are_told_apart_by_their_derivatives() {
+        let (a, b) = (corners(&SLOPES, 0.0), corners(&SLOPES, 0.0));
+        // The other branch is the mirror image in mu about 0.5: the two cross half-way.
+        let mirrored = |k: usize| {
+            let mode = &b[k ^ 1].1;
+            SampledMode { by_mu: -mode.by_mu, ..mode.clone() }
+        };
+        let both: Vec<Vec<SampledMode>> = (0..8)
+            .map(|k| {
+                let mut pair = vec![a[k].1.clone(), mirrored(k)];
+                pair.sort_by(|x, y| x.lambda.re.total_cmp(&y.lambda.re));
+                pair
+            })
+            .collect();
+        let modes: Vec<(f64, &[SampledMode])> = (0..8).map(|k| (a[k].0, &both[k][..])).collect();
+        let ks: Vec<usize> = (0..8).collect();
+        let start = both[0].iter().position(|mode| mode.lambda == a[0].1.lambda).unwrap();
+        let path = link(&modes, &ks, 0, start).unwrap();
+        for (k, &index) in path.iter().enumerate() {
+            assert_eq!(both[k][index].lambda, a[k].1.lambda);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Which modes are unstable, from response surfaces instead of a spectrum: a prediction in nanoseconds.
+//!
+//! A tangent has coordinates in the space of mu, Re H and Im H / Re H (see [`FrictionPoints`]). The part of it where samples
+//! fall is halved into cells, the leaves of a k-d tree. The corners of a cell are sample points: there the eigenvalues near
+//! the axis are known, with derivatives and names. Within the cell each is a polynomial in mu and H, of which it is an
+//! analytic function but at coalescences. A prediction is *uncertain* where an eigenvalue is nearer to the axis than its
+//! polynomial is to the sample points, and where these do not agree about a name. Cells with many uncertain points are
+//! halved again.
+
+use std::collections::BTreeMap;
+
+use friction::Tangent;
+
+use super::EstimatorError;
+use super::cell_builder::{CellBuilder, PendingCell};
+use super::friction_points::{FrictionPoints, coordinates};
+use super::kd_tree::{Cell, ModeSet, Prediction, predict};
+use crate::study::Study;
+
+/// Cells halved in one go, so that spectra fill the solver's lanes; chosen.
+const CELLS_PER_ROUND: usize = 32;
+/// Part of the points whose prediction may be uncertain when refinement ends; chosen.
+const UNCERTAIN_PART: f64 = 4e-4;
+/// Sample points below which the cost rule does not end refinement; chosen.
+const FEWEST_SAMPLE_POINTS: usize = 1_000;
+/// Sample points from which on no cell is halved; chosen.
+const MOST_SAMPLE_POINTS: usize = 8_000;
+/// Uncertain samples that have to be saved for one more sample point. By estimate: a sample point costs as much as two of
+/// them, and their number falls with the second power of the number of sample points.
+const SAMPLES_PER_SAMPLE_POINT: f64 = 1.5;
+
+/// The prediction of the unstable modes of one scene.
+#[derive(Debug, Clone)]
+pub struct Surrogate {
+    names: Vec<u16>,
+    omega: f64,
+    cells: Vec<Cell>,
+    sample_points: u64,
+}
+
+impl Surrogate {
+    /// Finds the eigenvalues of a scene where `points` need them. `samples` says how many uncertain samples have to be solved
+    /// if they are a part of all.
+    ///
+    /// # Errors
+    /// What the model and the solver refuse.
+    pub fn new(
+        study: &Study<'_>,
+        scene: usize,
+        points: &FrictionPoints,
+        samples: impl Fn(f64) -> f64,
+    ) -> Result<Self, EstimatorError> {
+        let mut builder = CellBuilder::new(study, scene, points)?;
+        let mut pending = builder.first();
+        let mut done: Vec<(usize, PendingCell)> = Vec::new();
+        while !pending.is_empty() {
+            builder.solve(&pending)?;
+            for cell in pending.drain(..) {
+                let (leaf, uncertain) = builder.leaf(&cell);
+                builder.cells[cell.place] = Cell::Leaf(leaf);
+                done.push((uncertain, cell));
+            }
+            done.sort_by_key(|(uncertain, _)| *uncertain);
+            let uncertain = done.iter().map(|(uncertain, _)| uncertain).sum::<usize>() as f64;
+            let uncertain = uncertain / points.training.len() as f64;
+            let solved = builder.sample_points.len();
+            let is_cheaper =
+                solved >= FEWEST_SAMPLE_POINTS && SAMPLES_PER_SAMPLE_POINT * solved as f64 >= samples(uncertain);
+            if uncertain <= UNCERTAIN_PART || is_cheaper || solved >= MOST_SAMPLE_POINTS {
+                break;
+            }
+            for _ in 0..CELLS_PER_ROUND {
+                if let Some((_, cell)) = done.pop().filter(|(uncertain, _)| *uncertain > 0) {
+                    pending.extend(builder.halve(cell).into_iter().filter(|half| !half.points.is_empty()));
+                }
+            }
+        }
+        let sample_points = builder.sample_points.len() as u64;
+        Ok(Self { names: builder.names, omega: points.omega, cells: builder.cells, sample_points })
+    }
+
+    /// The modes that may be unstable.
+    pub fn names(&self) -> &[u16] {
+        &self.names
+    }
+
+    /// Number of sample points, for each of which one system was solved.
+    pub fn sample_points(&self) -> u64 {
+        self.sample_points
+    }
+
+    /// By name, those that are unstable, and whether surely.
+    pub(super) fn named(&self, unstable: ModeSet) -> BTreeMap<u16, bool> {
+        let perhaps = self.names.iter().enumerate().filter(|(bit, _)| unstable.perhaps >> bit & 1 == 1);
+        perhaps.map(|(bit, &name)| (name, unstable.sure >> bit & 1 == 1)).collect()
+    }
+
+    /// What is unstable under a tangent, as far as the response surfaces tell.
+    pub(super) fn predict(&self, tangent: &Tangent) -> Prediction {
+        predict(&self.cells, tangent, coordinates(tangent, self.omega))
+    }
+}

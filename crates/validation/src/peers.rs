@@ -1,0 +1,50 @@
+//! What users script: a library's eigenvalues of the textbook matrices, as they stand, in the units given.
+//!
+//! Nothing is scaled before, nothing is refined after, and the sign of Re lambda is the verdict. LAPACK's `dgeev` balances
+//! its matrix by itself, `dggev` and nalgebra's Schur form do not.
+
+use cea::Verdict;
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+#[cfg(feature = "lapack")]
+use crate::routes::raw_pencil;
+use crate::routes::{by_schur, raw_state};
+use crate::worst::{HardCase, HardResult};
+
+/// A library's way to all eigenvalues.
+struct Peer {
+    name: &'static str,
+    solve: fn(&SecondOrder) -> Option<Vec<Complex<f64>>>,
+}
+
+/// Those that are compiled in: LAPACK with the feature `lapack` only.
+const PEERS: &[Peer] = &[
+    Peer { name: "nalgebra Schur", solve: |system| by_schur(raw_state(system)?) },
+    #[cfg(feature = "lapack")]
+    Peer { name: "LAPACK dgeev", solve: |system| cea::dgeev(raw_state(system)?) },
+    #[cfg(feature = "lapack")]
+    Peer {
+        name: "LAPACK dggev",
+        solve: |system| {
+            let (a, b) = raw_pencil(system);
+            cea::dggev(a, b)
+        },
+    },
+];
+
+/// Each peer on this case.
+pub(crate) fn judge_peers(case: &HardCase) -> Vec<HardResult> {
+    let judge = |peer: &Peer| match (peer.solve)(&case.system) {
+        Some(lambdas) => {
+            let finite = lambdas.into_iter().filter(|l| l.re.is_finite() && l.im.is_finite());
+            let found: Vec<_> = finite.map(|l| (l, Verdict::of(l, 0.0))).collect();
+            HardResult::Judged(case.compare(peer.name, &found))
+        }
+        None => {
+            let reason = "M is singular, or no convergence".to_owned();
+            HardResult::Refused { case: case.name.clone(), route: peer.name, reason }
+        }
+    };
+    PEERS.iter().map(judge).collect()
+}

@@ -1,0 +1,352 @@
+//! Eigenvalues to more digits than a double has, as references: Newton's method on (lambda, x) with the residual in
+//! double-double arithmetic.
+//!
+//! Internal states stay in the vector, `w = (x, z)`, so that the equations are polynomial. For k eigenvalues that are equal
+//! or nearly so, k vectors are found together with a k x k matrix S whose eigenvalues they are:
+//!
+//! ```text
+//! M X S^2 + C X S + K X - F Z = 0,   Z S + a Z - E X S = 0,   W_0^H W = I,   W = (X, Z)
+//! ```
+//!
+//! The matrix of the Newton steps, with S near lambda I, is factored in double precision; only the residual decides where
+//! they end (Tisseur, SIAM J. Matrix Anal. Appl. 22, 2001; Kressner, Numer. Math. 114, 2009 for S). The result is right to
+//! the last bit or the one before it.
+
+use cea::Workspace;
+use linsys::{Internal, SecondOrder};
+use nalgebra::{DMatrix, DVector, Schur};
+use num_complex::Complex;
+use twofloat::TwoFloat;
+
+use crate::ValidationError;
+
+type Long = Complex<TwoFloat>;
+
+/// Newton steps; each gains the digits that the factorisation is good for.
+const MOST_STEPS: usize = 30;
+/// Relative size of a step that needs no other.
+const SETTLED: f64 = 1e-22;
+/// Largest relative size of the last step: where the condition number is above 1e8, double-double settles no further.
+const ACCEPTED: f64 = 1e-18;
+/// Eigenvalues closer than this, relatively, may be one that is multiple.
+const MULTIPLE: f64 = 1e-7;
+
+/// An eigenvalue known better than any double-precision solver can know it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refined {
+    /// lambda, rad/s, each part rounded to a double.
+    pub lambda: Complex<f64>,
+    /// Normwise relative condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q' phi|)`
+    /// (Tisseur, Linear Algebra Appl. 309, 2000, theorem 5), with the share of internal states where there are some; for a
+    /// multiple eigenvalue with the least singular value of `Psi^H Q' Phi` in place of the scalar.
+    pub condition: f64,
+}
+
+/// Refines the simple eigenvalue nearest to `start`.
+///
+/// # Errors
+/// [`ValidationError::NoConvergence`] for a multiple eigenvalue or a start that is none.
+pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<Refined, ValidationError> {
+    Ok(refine_block(system, &[start])?.swap_remove(0))
+}
+
+/// Refines all of `starts`, the eigenvalues of a system that are wanted; multiple ones together.
+///
+/// # Errors
+/// [`ValidationError::NoConvergence`] for most defective eigenvalues, and for a start that is none.
+pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Refined>, ValidationError> {
+    let mut refined: Vec<Option<Refined>> = vec![None; starts.len()];
+    for (i, &start) in starts.iter().enumerate() {
+        if refined[i].is_some() {
+            continue;
+        }
+        let near = |j: &usize| (starts[*j] - start).norm() <= MULTIPLE * start.norm();
+        let together: Vec<usize> = (0..starts.len()).filter(near).collect();
+        match refine(system, start) {
+            Err(ValidationError::NoConvergence { .. }) if together.len() > 1 => {
+                let of: Vec<_> = together.iter().map(|&j| starts[j]).collect();
+                together.into_iter().zip(refine_block(system, &of)?).for_each(|(j, r)| refined[j] = Some(r));
+            }
+            simple => refined[i] = Some(simple?),
+        }
+    }
+    Ok(refined.into_iter().flatten().collect())
+}
+
+fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Refined>, ValidationError> {
+    let (n, s, k) = (system.order(), system.states(), starts.len());
+    let vectors = cea::right_vectors(system, starts, &mut Workspace::default())?;
+    let mut w: Vec<Vec<Long>> = Vec::with_capacity(k);
+    for (x, &start) in vectors.iter().zip(starts) {
+        let drive = system.internal.drive.map(Complex::from) * x;
+        let z = (0..s).map(|i| start * drive[i] / (start + system.internal.decay[i]));
+        w.push(x.iter().copied().chain(z).map(long).collect());
+    }
+    let mut small: Vec<Vec<Long>> =
+        (0..k).map(|j| (0..k).map(|i| long(if i == j { starts[j] } else { Complex::default() })).collect()).collect();
+    let mut left = f64::INFINITY;
+    for _ in 0..MOST_STEPS {
+        let centre = (0..k).map(|j| short(small[j][j])).sum::<Complex<f64>>() / k as f64;
+        let rounded: Vec<_> = w.iter().map(|c| DVector::from_iterator(n + s, c.iter().map(|&v| short(v)))).collect();
+        let mut matrix = bordered(system, centre, &rounded);
+        let rows: Vec<f64> = (0..n + s + k).map(|i| matrix.row(i).norm()).collect();
+        matrix.row_iter_mut().zip(&rows).for_each(|(mut row, norm)| row /= Complex::from(*norm));
+        let factor = matrix.lu();
+        let next = product(&w, &small);
+        let residuals: Vec<_> = residuals(system, &w, &next, &product(&next, &small))
+            .into_iter()
+            .map(|r| -r.insert_rows(n + s, k, Complex::default()))
+            .collect();
+        let mut square = 0.0;
+        for (j, mut right) in residuals.into_iter().enumerate() {
+            right.iter_mut().zip(&rows).for_each(|(r, norm)| *r /= norm);
+            if !factor.solve_mut(&mut right) {
+                return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
+            }
+            w[j].iter_mut().zip(right.iter()).for_each(|(v, &d)| *v += long(d));
+            small[j].iter_mut().zip(right.iter().skip(n + s)).for_each(|(v, &d)| *v += long(d));
+            square += right.rows(n + s, k).norm_squared();
+        }
+        left = square.sqrt() / centre.norm().max(f64::MIN_POSITIVE);
+        if left <= SETTLED || !left.is_finite() {
+            break;
+        }
+    }
+    if left.is_nan() || left > ACCEPTED {
+        return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
+    }
+    let lambdas = match small.as_slice() {
+        [a, b] => {
+            let half = long(Complex::from(0.5));
+            let (mean, difference) = ((a[0] + b[1]) * half, (a[0] - b[1]) * half);
+            let root = short(difference * difference + a[1] * b[0]).sqrt();
+            vec![short(mean + long(root)), short(mean - long(root))]
+        }
+        [a] => vec![short(a[0])],
+        // The offsets from the mean are small, and so are the errors of their eigenvalues.
+        _ => {
+            let of_mean = Long::new(TwoFloat::from(1.0 / k as f64), TwoFloat::from(0.0));
+            let mean = (0..k).fold(long(Complex::default()), |sum, j| sum + small[j][j]) * of_mean;
+            let offset = |i: usize, j: usize| short(if i == j { small[j][j] - mean } else { small[j][i] });
+            let failed = || ValidationError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_STEPS };
+            let schur = Schur::try_new(DMatrix::from_fn(k, k, offset), f64::EPSILON, 100 * k).ok_or_else(failed)?;
+            let offsets = schur.eigenvalues().ok_or_else(failed)?;
+            offsets.iter().map(|&d| short(mean + long(d))).collect()
+        }
+    };
+    lambdas.iter().map(|&lambda| Ok(Refined { lambda, condition: condition(system, lambda, &lambdas)? })).collect()
+}
+
+/// The condition number of [`Refined::condition`]; `together` are the eigenvalues of the pair, or the one.
+fn condition(system: &SecondOrder, lambda: Complex<f64>, together: &[Complex<f64>]) -> Result<f64, ValidationError> {
+    let mut work = Workspace::default();
+    let right = cea::right_vectors(system, together, &mut work)?;
+    let left = cea::right_vectors(&transposed(system), together, &mut work)?;
+    let derivative = system.dynamic_stiffness_derivative(lambda);
+    let k = together.len();
+    let slope = DMatrix::from_fn(k, k, |i, j| left[i].dot(&(&derivative * &right[j])));
+    Ok(size(system, lambda) / (lambda.norm() * slope.singular_values().min()))
+}
+
+/// The system whose right vectors are the conjugates of the left vectors of this one.
+pub(crate) fn transposed(system: &SecondOrder) -> SecondOrder {
+    SecondOrder {
+        m: system.m.transpose(),
+        c: system.c.transpose(),
+        k: system.k.transpose(),
+        internal: Internal {
+            decay: system.internal.decay.clone(),
+            drive: system.internal.force.transpose(),
+            force: system.internal.drive.transpose(),
+        },
+    }
+}
+
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share: what relative changes of M, C, K, E, F and a amount to in
+/// Q(lambda). A state's gain g = lambda / (lambda + a) changes by `|a / (lambda + a)|` of itself.
+pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+    let l = lambda.norm();
+    let states = (0..system.states()).map(|s| {
+        let (decay, sum) = (system.internal.decay[s], (lambda + system.internal.decay[s]).norm());
+        l / sum
+            * (1.0 + decay.abs() / sum)
+            * system.internal.drive.row(s).norm()
+            * system.internal.force.column(s).norm()
+    });
+    l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states.sum::<f64>()
+}
+
+/// The smallest normwise backward error with which `lambda` is an eigenvalue: the least singular value of Q(lambda) over
+/// the size of its terms.
+pub(crate) fn least_backward_error(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+    least_singular_value(system.dynamic_stiffness(lambda)) / size(system, lambda).max(f64::MIN_POSITIVE)
+}
+
+/// By inverse iteration from both sides in turn; 0 where the factorisation finds an exact zero.
+fn least_singular_value(q: DMatrix<Complex<f64>>) -> f64 {
+    let mut x = DVector::from_fn(q.nrows(), |i, _| Complex::from_polar(1.0, ((i + 1) * (i + 2)) as f64)).normalize();
+    let (adjoint, factor) = (q.adjoint().lu(), q.lu());
+    let mut least = f64::INFINITY;
+    for _ in 0..3 {
+        for side in [&adjoint, &factor] {
+            if !side.solve_mut(&mut x) {
+                return 0.0;
+            }
+            least = least.min(1.0 / x.norm());
+            x.normalize_mut();
+        }
+    }
+    least
+}
+
+/// The Jacobian of the equations with S = lambda I, (n + s + k) x (n + s + k).
+fn bordered(system: &SecondOrder, lambda: Complex<f64>, w: &[DVector<Complex<f64>>]) -> DMatrix<Complex<f64>> {
+    let (n, s, k) = (system.order(), system.states(), w.len());
+    let mut matrix = DMatrix::zeros(n + s + k, n + s + k);
+    let square = lambda * lambda;
+    for j in 0..n {
+        for i in 0..n {
+            matrix[(i, j)] = square * system.m[(i, j)] + lambda * system.c[(i, j)] + system.k[(i, j)];
+            for (column, w) in w.iter().enumerate() {
+                matrix[(i, n + s + column)] += (2.0 * lambda * system.m[(i, j)] + system.c[(i, j)]) * w[j];
+            }
+        }
+        for i in 0..s {
+            matrix[(n + i, j)] = -lambda * system.internal.drive[(i, j)];
+            matrix[(j, n + i)] = Complex::from(-system.internal.force[(j, i)]);
+            for (column, w) in w.iter().enumerate() {
+                matrix[(n + i, n + s + column)] -= system.internal.drive[(i, j)] * w[j];
+            }
+        }
+    }
+    for (column, w) in w.iter().enumerate() {
+        for i in 0..s {
+            matrix[(n + i, n + i)] = lambda + system.internal.decay[i];
+            matrix[(n + i, n + s + column)] += w[n + i];
+        }
+        for j in 0..n + s {
+            matrix[(n + s + column, j)] = w[j].conj();
+        }
+    }
+    matrix
+}
+
+/// The left-hand sides of the equations but the last in double-double, rounded at the end; W, W S and W S^2 given.
+fn residuals(
+    system: &SecondOrder,
+    w: &[Vec<Long>],
+    first: &[Vec<Long>],
+    second: &[Vec<Long>],
+) -> Vec<DVector<Complex<f64>>> {
+    let (n, s) = (system.order(), system.states());
+    let of_column = |((w, first), second): ((&Vec<Long>, &Vec<Long>), &Vec<Long>)| {
+        let mut sums = vec![long(Complex::default()); n + s];
+        for j in 0..n {
+            for (i, sum) in sums[..n].iter_mut().enumerate() {
+                add(sum, second[j], system.m[(i, j)]);
+                add(sum, first[j], system.c[(i, j)]);
+                add(sum, w[j], system.k[(i, j)]);
+            }
+            for i in 0..s {
+                add(&mut sums[n + i], first[j], -system.internal.drive[(i, j)]);
+                add(&mut sums[j], w[n + i], -system.internal.force[(j, i)]);
+            }
+        }
+        for i in 0..s {
+            add(&mut sums[n + i], w[n + i], system.internal.decay[i]);
+            sums[n + i] += first[n + i];
+        }
+        DVector::from_iterator(n + s, sums.into_iter().map(short))
+    };
+    w.iter().zip(first).zip(second).map(of_column).collect()
+}
+
+/// `W S`, both by columns.
+fn product(w: &[Vec<Long>], small: &[Vec<Long>]) -> Vec<Vec<Long>> {
+    let entry = |row: usize, column: &Vec<Long>| {
+        w.iter().zip(column).fold(long(Complex::default()), |sum, (w, &s)| sum + w[row] * s)
+    };
+    small.iter().map(|column| (0..w[0].len()).map(|row| entry(row, column)).collect()).collect()
+}
+
+fn add(sum: &mut Long, factor: Long, entry: f64) {
+    if entry != 0.0 {
+        sum.re += factor.re * entry;
+        sum.im += factor.im * entry;
+    }
+}
+
+fn long(z: Complex<f64>) -> Long {
+    Complex::new(TwoFloat::from(z.re), TwoFloat::from(z.im))
+}
+
+fn short(z: Long) -> Complex<f64> {
+    Complex::new(f64::from(z.re), f64::from(z.im))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linsys::Internal;
+    use nalgebra::{dmatrix, dvector};
+
+    #[test]
+    fn a_real_part_far_below_the_rounding_of_lambda_is_found() {
+        // lambda^2 + 2 d lambda + 1 = 0: Re lambda = -d.
+        let d = 1e-21;
+        let system = SecondOrder::new(dmatrix![1.0], dmatrix![2.0 * d], dmatrix![1.0]).unwrap();
+        let refined = refine(&system, Complex::new(1e-12, 1.0 + 1e-12)).unwrap();
+        assert!((refined.lambda.re + d).abs() < 1e-6 * d, "{}", refined.lambda);
+        // |lambda|^2 m + |lambda| c + k over |lambda| |2 lambda m + c|.
+        assert!((refined.condition - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_cubic_of_a_maxwell_element_is_solved_to_the_last_bits() {
+        let internal = Internal { decay: dvector![3.0], drive: dmatrix![1.0], force: dmatrix![-5.0] };
+        let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
+        // (l^2 + 4)(l + 3) + 5 l = l^3 + 3 l^2 + 9 l + 12: the real root of the cubic is -2 + ..., the pair follows.
+        let spectrum = cea::EigenSolver::eigenvalues(&cea::QrSolver, &system, &mut Workspace::default()).unwrap();
+        let roots: Vec<_> = spectrum.eigenvalues.iter().map(|&l| refine(&system, l).unwrap().lambda).collect();
+        let sum: Complex<f64> = roots.iter().sum();
+        let product: Complex<f64> = roots.iter().product();
+        assert!((sum + 3.0).norm() < 2e-15 && (product + 12.0).norm() < 1e-14);
+    }
+
+    #[test]
+    fn a_double_eigenvalue_is_refined_as_a_pair() {
+        // Two equal oscillators, coupled through a full K in coordinates that hide it: 3 -1; -1 3 would split them.
+        let system =
+            SecondOrder::new(dmatrix![2.0, 1.0; 1.0, 2.0], dmatrix![0.2, 0.1; 0.1, 0.2], dmatrix![6.0, 3.0; 3.0, 6.0])
+                .unwrap();
+        let exact = Complex::new(-0.05, (3.0_f64 - 0.0025).sqrt());
+        for refined in refine_all(&system, &[exact + 1e-9, exact - 1e-9]).unwrap() {
+            assert!((refined.lambda - exact).norm() < 1e-15, "{refined:?}");
+            assert!(refined.condition < 10.0);
+        }
+    }
+
+    #[test]
+    fn three_eigenvalues_that_differ_in_their_last_digits_are_told_apart() {
+        // K = I + 1e-11 diag(0, 1, 2), seen in turned coordinates.
+        let axis = DVector::from_vec(vec![0.6, 0.48, 0.64]);
+        let turn = DMatrix::identity(3, 3) - &axis * axis.transpose() * 2.0;
+        let offsets = DMatrix::from_diagonal(&DVector::from_vec(vec![0.0, 1e-11, 2e-11]));
+        let k = DMatrix::identity(3, 3) + &turn * offsets * &turn;
+        let system = SecondOrder::new(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), k).unwrap();
+        let starts = [0.0, 0.5e-11, 1e-11].map(|d| Complex::new(1e-12, 1.0 + d));
+        let mut found: Vec<f64> = refine_block(&system, &starts).unwrap().iter().map(|r| r.lambda.im - 1.0).collect();
+        found.sort_by(f64::total_cmp);
+        for (found, exact) in found.into_iter().zip([0.0, 0.5e-11, 1e-11]) {
+            assert!((found - exact).abs() < 1e-15, "{found:e} {exact:e}");
+        }
+    }
+
+    #[test]
+    fn a_defective_eigenvalue_is_infinitely_ill_conditioned() {
+        let system =
+            SecondOrder::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![4.0, 1.0; 0.0, 4.0]).unwrap();
+        let refined = refine(&system, Complex::new(0.0, 2.0 + 1e-9));
+        assert!(refined.is_err() || refined.is_ok_and(|r| r.condition > 1e12));
+    }
+}

@@ -1,0 +1,134 @@
+//! Onsets, derivatives, expansions and the lattice at its extremes against refined eigenvalues.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+
+use cea::{EigenSolver, QrSolver, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+use squeal::case::{Case, Law};
+use squeal::estimators::{Exact, OneParameterFamily, exact};
+use squeal::study::{Plan, Study};
+use validation::{HardResult, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
+
+/// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
+fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
+    let mut text = std::fs::read_to_string(path)
+        .unwrap()
+        .replace("[\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", &format!("[\"{law}\"]"))
+        .replace("in_contact = [9, 8, 7, 6]", &format!("arrangements = {arrangements}"));
+    let sets = text.find("[[constraints]]").unwrap()..text.find("[[speeds]]").unwrap();
+    text.replace_range(sets, "");
+    for (from, to) in edits {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    Plan::new(Case::parse(path, text).unwrap()).unwrap()
+}
+
+const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
+
+fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
+    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    exact(study.plan(), &study.references()[scene], &mut family).unwrap()
+}
+
+#[test]
+fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
+    let plan = plan(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&plan, &QrSolver).unwrap();
+    for scene in 0..plan.scenes.len() {
+        let exact = exact_of(&study, scene);
+        assert!(exact.onsets.onsets.len() >= 4 && exact.onsets.unresolved.is_empty());
+        let mut family = OneParameterFamily::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
+        for crossing in &exact.onsets.onsets {
+            assert!(crossing.error < 1e-11);
+            let mut real = |mu: f64| {
+                let system = family.system(mu).clone();
+                let guess = Complex::new(0.0, crossing.omega);
+                let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+                let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
+                refine(&system, nearest.unwrap()).unwrap().lambda.re
+            };
+            let (below, above) = (real(crossing.mu - 2e-11), real(crossing.mu + 2e-11));
+            assert!(below * above < 0.0 && (above > 0.0) == crossing.destabilises, "{below} {above}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_the_limits_of_differences() {
+    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+    let (mu, h) = (0.4, 1e-4);
+    // Modes keep their order by frequency over so small a step.
+    let at = |family: &mut OneParameterFamily<'_>, mu: f64| {
+        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu).clone());
+        refine_all(&system, &lambdas).unwrap()
+    };
+    let (all_below, all_above) = (at(&mut family, mu - h), at(&mut family, mu + h));
+    let all = at(&mut family, mu);
+    for (i, middle) in all.iter().enumerate() {
+        if all.iter().enumerate().any(|(j, m)| j != i && (m.lambda - middle.lambda).norm() < 1e-6) {
+            continue; // x and y of the plate, exactly double
+        }
+        let (below, middle, above) = (all_below[i].lambda, middle.lambda, all_above[i].lambda);
+        let expansion = expand(&mut family, mu, middle).unwrap();
+        let slope = family.derivative(mu, middle).unwrap().slope;
+        let first = (above - below) / (2.0 * h);
+        let second = (above - 2.0 * middle + below) / (h * h);
+        assert!((expansion.first - slope).norm() < 1e-7 * (1.0 + slope.norm()));
+        assert!((expansion.first - first).norm() < 1e-4 * (1.0 + first.norm()), "{first} {expansion:?}");
+        assert!((expansion.second - second).norm() < 1e-2 * (10.0 + second.norm()), "{second} {expansion:?}");
+    }
+}
+
+#[test]
+fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
+    // With friction in y coupled a mode becomes unstable near mu = 0.4345.
+    let coupled = ("lateral = \"none\"", "lateral = \"coupled\"");
+    let narrow = [
+        coupled,
+        (
+            "mu = { distribution = \"normal\", mean = 0.50, deviation = 0.10",
+            "mu = { distribution = \"normal\", mean = 0.4345, deviation = 0.0002",
+        ),
+    ];
+    let error = |edits: &[(&str, &str)], order| {
+        let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
+        let study = Study::new(&plan, &QrSolver).unwrap();
+        let exact = exact_of(&study, 0).integral.occurrences;
+        let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+        let found = perturbation(&plan, &study.references()[0], &mut family, order).unwrap().occurrences;
+        let names = exact.keys().chain(found.keys());
+        let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::OccurrenceBounds>, name: &u16| {
+            all.get(name).map_or(0.0, |o| o.lower)
+        };
+        names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)
+    };
+    let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));
+    assert!(second < 1e-4 && second < first && first < 0.01, "{first} {second}");
+    assert!(error(&[coupled], TaylorOrder::First) > 0.01);
+}
+
+#[test]
+fn the_lattice_at_its_extremes_is_solved_to_its_targets() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
+    let mut case = Case::read(path).unwrap();
+    case.laws = vec![Law::AmontonsCoulomb, Law::LuGre];
+    let plan = Plan::new(case).unwrap();
+    let scene = |law| plan.scenes.iter().find(|s| s.key.law == law).unwrap();
+    for case in extremes(&plan, scene(Law::AmontonsCoulomb), scene(Law::LuGre)).unwrap() {
+        // Strong dashpots take nine of thirty modes the oscillation: two real eigenvalues each.
+        let modes = case.system.order() + if case.name.starts_with("lateral") { 9 } else { 0 };
+        assert_eq!(case.reference.len(), modes, "{}", case.name);
+        for result in case.judge().iter().filter(|r| ["QrSolver + verdict", "general + certify"].contains(&r.route())) {
+            let HardResult::Judged(judged) = result else { panic!("{result:?}") };
+            assert!(judged.max_error_in_condition_epsilon <= 100.0, "{judged:?}");
+            assert!(judged.max_backward_error <= 1e-14, "{judged:?}");
+            assert_eq!((judged.wrong_signs, judged.false_instabilities), (0, 0), "{judged:?}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Forces of each family in a mode, and their work.
+
+use std::f64::consts::PI;
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::WorkError;
+
+/// Forces whose work is told apart from that of all others: friction, dashpots, gyroscopic forces.
+#[derive(Debug, Clone, Copy)]
+pub struct Family<'a> {
+    /// What the forces are called in results and errors.
+    pub name: &'a str,
+    /// Their C, K and internal states, with the signs of `M u'' + C u' + K u = F z`; M is not read.
+    ///
+    /// Forces that do no net work in any mode, such as those of an elastic, symmetric K, are best left out: their work
+    /// on single bodies only moves energy between them.
+    pub system: &'a SecondOrder,
+}
+
+/// Work of one family in one mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FamilyWork {
+    /// Name of the family.
+    pub name: String,
+    /// Its work on each body.
+    pub bodies: Vec<f64>,
+}
+
+/// Work per cycle in one mode, per `phi^H M phi`: J/(kg m^2) = 1/s^2. Positive work feeds the mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeWork {
+    /// Of each family, in the order in which they were given.
+    pub families: Vec<FamilyWork>,
+    /// Net work of all families over all degrees of freedom, whether they belong to a body or not.
+    pub total: f64,
+    /// `2 pi Re(lambda) Im(lambda)`, what `total` is where all that is left out is symmetric and elastic.
+    pub expected_total: f64,
+    /// Sum of the magnitudes of all work, over families and degrees of freedom: what rounding errors are relative to.
+    pub magnitude: f64,
+}
+
+impl ModeWork {
+    /// Net work, all families together, on each body.
+    #[must_use]
+    pub fn net(&self) -> Vec<f64> {
+        let mut families = self.families.iter();
+        let mut net = families.next().map(|first| first.bodies.clone()).unwrap_or_default();
+        for family in families {
+            for (sum, work) in net.iter_mut().zip(&family.bodies) {
+                *sum += work;
+            }
+        }
+        net
+    }
+
+    /// `|total - expected_total|` over the larger of [`ModeWork::magnitude`] and `|expected_total|`.
+    ///
+    /// At rounding level where (lambda, phi) is an eigenpair and the elastic forces are symmetric; 0 where nothing
+    /// does any work.
+    #[must_use]
+    pub fn identity_residual(&self) -> f64 {
+        let scale = self.magnitude.max(self.expected_total.abs());
+        if scale == 0.0 { 0.0 } else { (self.total - self.expected_total).abs() / scale }
+    }
+}
+
+/// Work of each family of forces in the mode (lambda, phi), summed over the degrees of freedom of each body.
+///
+/// `mass` is M of the system that has the mode, n x n, which normalises the work. The system's C, K and internal states
+/// are the sum of those of all `families` and of an elastic K that is left out. `phi` has the n mechanical components of
+/// the mode. Each entry of `bodies` lists the degrees of freedom of one body, from 0.
+///
+/// ```
+/// use linsys::SecondOrder;
+/// use nalgebra::{dmatrix, dvector};
+/// use num_complex::Complex;
+/// use work::{Family, family_work};
+///
+/// // 2 kg on a spring of 50 N/m; a dashpot of 3 Ns/m against friction whose slope is worth -7 Ns/m.
+/// let of_dashpot = |c: f64| SecondOrder::new(dmatrix![0.0], dmatrix![c], dmatrix![0.0]);
+/// let (friction, dashpot) = (of_dashpot(-7.0)?, of_dashpot(3.0)?);
+/// let families = [Family { name: "friction", system: &friction }, Family { name: "dashpots", system: &dashpot }];
+///
+/// let lambda = Complex::new(1.0, 24_f64.sqrt()); // 2 lambda^2 - 4 lambda + 50 = 0
+/// let work = family_work(&dmatrix![2.0], &families, lambda, &dvector![Complex::new(0.0, 0.1)], &[vec![0]])?;
+/// assert!(work.families[0].bodies[0] > 0.0 && work.families[1].bodies[0] < 0.0);
+/// assert!((work.net()[0] - work.expected_total).abs() < 1e-12 * work.expected_total);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// No family, sizes that do not fit, a modal mass that is not positive, or an eigenvalue equal to minus a decay rate.
+pub fn family_work(
+    mass: &DMatrix<f64>,
+    families: &[Family<'_>],
+    lambda: Complex<f64>,
+    phi: &DVector<Complex<f64>>,
+    bodies: &[impl AsRef<[usize]>],
+) -> Result<ModeWork, WorkError> {
+    check(mass, families, phi)?;
+    let modal_mass = phi.dotc(&times(mass, phi)).re;
+    if !(modal_mass > 0.0 && modal_mass.is_finite()) {
+        return Err(WorkError::ModalMass { value: modal_mass });
+    }
+
+    let mut found = ModeWork {
+        families: Vec::with_capacity(families.len()),
+        total: 0.0,
+        expected_total: 2.0 * PI * lambda.re * lambda.im,
+        magnitude: 0.0,
+    };
+    for family in families {
+        let force = force(family, lambda, phi)?;
+        let on_each_dof: Vec<f64> = phi.iter().zip(&force).map(|(u, f)| PI * (u.conj() * f).im / modal_mass).collect();
+        for work in &on_each_dof {
+            found.total += work;
+            found.magnitude += work.abs();
+        }
+        let of_bodies = bodies.iter().enumerate().map(|(body, dofs)| sum_over(&on_each_dof, body, dofs.as_ref()));
+        found.families.push(FamilyWork { name: family.name.to_string(), bodies: of_bodies.collect::<Result<_, _>>()? });
+    }
+    Ok(found)
+}
+
+/// Whether the sizes fit each other.
+fn check(mass: &DMatrix<f64>, families: &[Family<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
+    let (rows, columns) = mass.shape();
+    if rows != columns {
+        return Err(WorkError::MassShape { rows, columns });
+    }
+    if phi.len() != rows {
+        return Err(WorkError::ShapeOrder { found: phi.len(), expected: rows });
+    }
+    if families.is_empty() {
+        return Err(WorkError::NoFamily);
+    }
+    for Family { name, system } in families {
+        let family = || name.to_string();
+        system.check().map_err(|source| WorkError::Family { family: family(), source })?;
+        if system.order() != rows {
+            return Err(WorkError::FamilyOrder { family: family(), found: system.order(), expected: rows });
+        }
+    }
+    Ok(())
+}
+
+/// `-(lambda C + K) phi + F z`, `z = lambda E phi / (lambda + a)`.
+fn force(
+    Family { name, system }: &Family<'_>,
+    lambda: Complex<f64>,
+    phi: &DVector<Complex<f64>>,
+) -> Result<DVector<Complex<f64>>, WorkError> {
+    let mut force = times(&system.c, phi) * -lambda - times(&system.k, phi);
+    let mut states = times(&system.internal.drive, phi);
+    for (state, (z, decay)) in states.iter_mut().zip(&system.internal.decay).enumerate() {
+        let shifted = lambda + decay;
+        if shifted.norm() == 0.0 {
+            return Err(WorkError::InternalPole { family: name.to_string(), lambda, state });
+        }
+        *z *= lambda / shifted;
+    }
+    force += times(&system.internal.force, &states);
+    Ok(force)
+}
+
+fn sum_over(work: &[f64], body: usize, dofs: &[usize]) -> Result<f64, WorkError> {
+    dofs.iter().map(|&dof| work.get(dof).ok_or(WorkError::UnknownDof { body, dof, order: work.len() })).sum()
+}
+
+/// A real matrix times a complex vector.
+fn times(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let mut product = DVector::zeros(a.nrows());
+    for (column, &value) in a.column_iter().zip(x) {
+        for (slot, &entry) in product.iter_mut().zip(column.iter()) {
+            *slot += value * entry;
+        }
+    }
+    product
+}
