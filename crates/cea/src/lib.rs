@@ -30,7 +30,7 @@ pub use mode::Mode;
 pub use modes::{Modes, mass_norm_squared, mass_times, pair_numbers, ranks_together};
 pub use qr::QrSolver;
 pub use scaling::StandardForm;
-pub use secular::{EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, Pilots, Secular};
+pub use secular::{Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, NewtonStep, Secular};
 pub use solver::{Counters, EigenSolver, Workspace};
 pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
 pub use stability::verdict;

@@ -1,13 +1,13 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, EigenSolver, Gain, Growing, Mode, Pilots, ranks_together};
+use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, Mode, ranks_together};
 use linsys::SecondOrder;
 use montecarlo::StreamRng;
 use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
 use work::{Family, family_work};
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, equations, gain, growing, pilots};
+use super::growing::{Equations, anchors, equations, gain, growing};
 use super::memory::{Scratch, timed};
 use super::part::{Equation, Known, Part, Solver, Unstable};
 use super::reference::{Reference, References, references};
@@ -48,7 +48,7 @@ pub struct Study<'a> {
     /// Of each lattice.
     equations: Vec<Equations>,
     /// Of each sector of each scene.
-    pilots: Vec<Vec<Option<Pilots>>>,
+    anchors: Vec<Vec<Option<Anchors>>>,
     /// Of the reference of each scene.
     reference_gains: Vec<Option<Gain>>,
 }
@@ -63,11 +63,11 @@ impl<'a> Study<'a> {
         let references = references(plan, solver).map_err(failed)?.into_iter();
         let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(plan)?, equations(plan)?);
-        let pilots = pilots(plan, &equations, &certificates, solver)?;
+        let anchors = anchors(plan, &equations, &certificates, solver)?;
         let median = Sample::median(&plan.case);
         let reference_gain = |scene| plan.sliding(scene, &median).map(|state| gain(&state));
         let reference_gains = plan.scenes.iter().map(reference_gain).collect::<Result<_, _>>()?;
-        Ok(Self { references, sector_references, certificates, equations, pilots, reference_gains, plan, solver })
+        Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, plan, solver })
     }
 
     /// The plan.
@@ -93,16 +93,16 @@ impl<'a> Study<'a> {
     /// How each sector of a scene is solved.
     pub(super) fn solvers(&self, scene: usize) -> Vec<Solver<'_>> {
         let equations = &self.equations[self.plan.scenes[scene].lattice];
-        let each = self.sector_references[scene].iter().zip(equations).zip(&self.pilots[scene]);
+        let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
-        let solvers = each.map(|((reference, secular), pilots)| Solver {
+        let solvers = each.map(|((reference, secular), anchors)| Solver {
             spectra: self.solver,
             reference,
-            equation: secular.as_ref().zip(pilots.as_ref()).zip(gain).map(|((secular, pilots), reference)| Equation {
-                secular,
-                pilots,
-                reference,
-            }),
+            equation: secular
+                .as_ref()
+                .zip(anchors.as_ref())
+                .zip(gain)
+                .map(|((secular, anchors), reference)| Equation { secular, anchors, reference }),
         });
         solvers.collect()
     }

@@ -1,6 +1,6 @@
-//! What finds the growing modes of a scene without spectra: the secular equations of its lattice, and pilots.
+//! What finds the growing modes of a scene without spectra: the secular equations of its lattice, and anchors.
 
-use cea::{CeaError, EigenSolver, Feedback, Gain, Pilots, Secular, Spectrum, Workspace};
+use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Secular, Spectrum, Workspace};
 use montecarlo::stream;
 use osc_model::{ContactPoint, Linearise, PreparedLattice, Sectors, Sliding};
 use rayon::prelude::*;
@@ -9,8 +9,8 @@ use super::part::{Equation, Known, Solver};
 use super::{Certificate, Plan, Sample, Scene};
 use crate::Error;
 
-/// Pilots of a scene.
-pub const PILOTS: usize = 16;
+/// Anchors of a scene.
+pub const ANCHORS: usize = 16;
 /// Draws in which so many are looked for that no certificate covers.
 const DRAWS: u64 = 64;
 
@@ -36,16 +36,16 @@ pub(super) fn equations(plan: &Plan) -> Result<Vec<Equations>, Error> {
     plan.lattices.par_iter().zip(&plan.sectors).map(of_lattice).collect()
 }
 
-/// The pilots of each sector of each scene of a plan.
+/// The anchors of each sector of each scene of a plan.
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn pilots(
+pub(super) fn anchors(
     plan: &Plan,
     equations: &[Equations],
     certificates: &[Certificate],
     solver: &dyn EigenSolver,
-) -> Result<Vec<Vec<Option<Pilots>>>, Error> {
+) -> Result<Vec<Vec<Option<Anchors>>>, Error> {
     let of_scene = |scene: &Scene| {
         let (lattice, sectors) = (plan.lattice(scene), &plan.sectors[scene.lattice]);
         let certificate = &certificates[scene.lattice];
@@ -53,7 +53,7 @@ pub(super) fn pilots(
             |index| plan.sliding(scene, &Sample::draw(&plan.case, &mut stream(plan.case.seed, index)).ok()?).ok();
         let states = (0..DRAWS).filter_map(state).filter(|state| !certificate.covers(state));
         let states: Vec<(Sliding, Gain)> =
-            states.filter_map(|state| gain(&state).map(|gain| (state, gain))).take(PILOTS).collect();
+            states.filter_map(|state| gain(&state).map(|gain| (state, gain))).take(ANCHORS).collect();
         let wholes = states.iter().map(|(state, _)| lattice.linearised(state)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Workspace::default();
         let of_sector = |(sector, equation): (&osc_model::Sector, &Option<Secular>)| {
@@ -62,7 +62,7 @@ pub(super) fn pilots(
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
             let known = states.iter().zip(spectra).filter_map(|((_, gain), spectrum)| Some((*gain, spectrum.ok()?)));
-            Ok(Some(equation.pilots(&known.collect::<Vec<_>>(), &mut work)))
+            Ok(Some(equation.anchors(&known.collect::<Vec<_>>(), &mut work)))
         };
         sectors.iter().zip(&equations[scene.lattice]).map(of_sector).collect()
     };
@@ -79,7 +79,7 @@ pub fn gain(state: &Sliding) -> Option<Gain> {
     let (load, tangent) = (first.normal_load, first.tangent);
     let lag = tangent.internal.map_or(0.0, |state| load * state.force * state.drive);
     let decay = tangent.internal.map_or(0.0, |state| state.decay);
-    Some(Gain { position: tangent.mu, velocity: load * tangent.slope, lag, decay })
+    Some(Gain { mu: tangent.mu, velocity: load * tangent.slope, lag, decay })
 }
 
 /// The modes of each state that grow, sector by sector; `None` in all sectors of a state that is left to spectra.
@@ -96,7 +96,8 @@ pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Wor
     };
     let frequencies: Vec<Vec<f64>> = (0..states.len()).map(growing).collect();
     for (sector, found) in sectors.iter().zip(&mut found) {
-        let is_open = |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.blurs(&frequencies[at]));
+        let is_open =
+            |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.leaves_order_open(&frequencies[at]));
         let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
         let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
         for (at, again) in open.into_iter().zip(search(sector, &again, work)) {
@@ -112,7 +113,7 @@ pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Wor
 }
 
 fn search(sector: &Solver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
-    let Some(Equation { secular, pilots, .. }) = sector.equation else { return vec![None; gains.len()] };
-    let found = secular.growing(pilots, gains, work);
+    let Some(Equation { secular, anchors, .. }) = sector.equation else { return vec![None; gains.len()] };
+    let found = secular.growing(anchors, gains, work);
     gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
 }

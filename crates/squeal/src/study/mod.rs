@@ -21,7 +21,7 @@ pub use certificate::Certificate;
 pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use draw::{FrictionDraw, Sample};
 pub use evaluate::{Outcome, Study, UnstableMode};
-pub use growing::{PILOTS, gain};
+pub use growing::{ANCHORS, gain};
 pub use memory::{Scratch, Spent, timed};
 pub(crate) use near::NearAxis;
 pub use reference::Reference;
