@@ -58,7 +58,7 @@ pub use dense::{
 pub use dense::{LapackSolver, dgeev, dggev};
 pub use error::CeaError;
 pub use feedback::{
-    Channels, EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, NoNormBound, Pilots, Secular,
+    Anchors, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, NewtonStep, NoNormBound, Secular,
     h_infinity_norm_bound,
 };
 pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};

@@ -5,12 +5,12 @@ use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-/// Least MAC of a match that is beyond doubt.
-const LEAST_MAC: f64 = 0.8;
-/// A mode whose MAC comes this close to that of the match is a rival.
-const MARGIN: f64 = 0.4;
-/// A rival is out where its eigenvalue is this many times farther than that of the match.
-const EIGENVALUE_RATIO: f64 = 8.0;
+/// Least MAC of a match that is beyond doubt; chosen.
+const LEAST_CLEAR_MAC: f64 = 0.8;
+/// Largest difference of MAC between the match and a rival of it; chosen.
+const RIVAL_MAC_MARGIN: f64 = 0.4;
+/// Largest distance of the eigenvalue of a rival, in distances of that of the match; chosen.
+const RIVAL_DISTANCE_RATIO: f64 = 8.0;
 
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
@@ -51,11 +51,14 @@ pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Ve
             };
             let distance = |j: usize| (new[j].lambda - old[i].lambda).norm();
             let rivals = (0..new.len()).filter(|&j| {
-                let near = mac[(i, j)] > mac[(i, best)] - MARGIN || mac[(i, best)] < LEAST_MAC;
-                j != best && near && mac[(i, j)] > 1.0 - LEAST_MAC && distance(j) < EIGENVALUE_RATIO * distance(best)
+                let near = mac[(i, j)] > mac[(i, best)] - RIVAL_MAC_MARGIN || mac[(i, best)] < LEAST_CLEAR_MAC;
+                j != best
+                    && near
+                    && mac[(i, j)] > 1.0 - LEAST_CLEAR_MAC
+                    && distance(j) < RIVAL_DISTANCE_RATIO * distance(best)
             });
             let mut rivals: Vec<_> = rivals.collect();
-            if rivals.is_empty() && mac[(i, best)] < LEAST_MAC / 2.0 {
+            if rivals.is_empty() && mac[(i, best)] < LEAST_CLEAR_MAC / 2.0 {
                 // Nothing looks like the old mode: no match at all, and every new mode is as good.
                 rivals = (0..new.len()).filter(|&j| j != best && distance(j) < 2.0 * distance(best)).collect();
                 if rivals.is_empty() {

@@ -9,7 +9,7 @@ use validation::{ValidationError, refine_all};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
 use squeal::osc_model::{BrakeModel, ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters, Linearise};
-use squeal::study::{PILOTS, Sample, sliding};
+use squeal::study::{ANCHORS, Sample, sliding};
 
 use super::secular::SecularRoute;
 
@@ -74,7 +74,7 @@ impl Problem {
             sliding(case, &lattice, law, speed, &sample, |_| 1.0)
         };
         let states = (0..draws).map(state).collect::<Result<Vec<_>, Error>>()?;
-        let pilots = (draws..).take(PILOTS).map(state).collect::<Result<Vec<_>, Error>>()?;
+        let anchors = (draws..).take(ANCHORS).map(state).collect::<Result<Vec<_>, Error>>()?;
         let systems = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>();
         let systems = systems.map_err(Error::from)?;
         let references = systems.iter().take(refined).map(reference).collect::<Result<_, _>>()?;
@@ -85,7 +85,7 @@ impl Problem {
             states: systems[0].states(),
             systems,
             references,
-            growing: SecularRoute::new(&lattice, &pilots, &states)?,
+            growing: SecularRoute::new(&lattice, &anchors, &states)?,
         })
     }
 }

@@ -5,4 +5,4 @@ mod h_infinity;
 mod secular;
 
 pub use h_infinity::{Channels, NoNormBound, h_infinity_norm_bound};
-pub use secular::{EigenvaluePair, Feedback, Gain, Growing, Line, NewtonStep, Pilots, Secular};
+pub use secular::{Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, NewtonStep, Secular};

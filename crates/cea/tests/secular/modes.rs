@@ -8,12 +8,12 @@ use num_complex::Complex;
 use proptest::prelude::*;
 
 use crate::NEAR_AXIS;
-use crate::brake::{Brake, PILOTS, brake, gains, runner};
+use crate::chains::{ANCHORS, Brake, brake, gains, runner};
 
 /// Gains about the first instability of each of some chains, with and without internal states.
 fn cases() -> impl Strategy<Value = (Brake, Vec<[f64; 3]>, bool)> {
     let unit = (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
-    (brake(0.001..0.05, 0.01), prop::collection::vec(unit, 2 * PILOTS), any::<bool>())
+    (brake(0.001..0.05, 0.01), prop::collection::vec(unit, 2 * ANCHORS), any::<bool>())
 }
 
 /// The distance of the nearest of other eigenvalues.
@@ -128,7 +128,7 @@ fn rates_are_the_limits_of_differences() {
                 let steps =
                     [critical.unwrap().abs(), 1.0 / brake.feedback.force.norm_squared()].map(|size| 1e-4 * size);
                 let by = [
-                    difference(&brake, lambda, steps[0], |p| Gain { position: gain.position + p, ..gain }),
+                    difference(&brake, lambda, steps[0], |p| Gain { mu: gain.mu + p, ..gain }),
                     difference(&brake, lambda, steps[1], |v| Gain { velocity: gain.velocity + v, ..gain }),
                 ];
                 // An eigenvalue that moves takes the slope with it: d lambda = rate (d v + slope' d lambda).
@@ -157,10 +157,10 @@ fn modes_near_the_axis_are_all_that_are_there() {
         let critical = brake.critical(0.0);
         prop_assume!(critical.is_some());
         let gains = gains(&brake, critical.unwrap(), &units, has_lag);
-        let (known, gains) = gains.split_at(PILOTS);
+        let (known, gains) = gains.split_at(ANCHORS);
         let secular = brake.secular();
-        let pilots = brake.pilots(&secular, known);
-        let found = secular.near_axis(&pilots, gains, part, &mut Workspace::default());
+        let anchors = brake.anchors(&secular, known);
+        let found = secular.near_axis(&anchors, gains, part, &mut Workspace::default());
         prop_assert_eq!(found.len(), gains.len());
         for (gain, found) in gains.iter().zip(found) {
             let modes = brake.modes(gain);

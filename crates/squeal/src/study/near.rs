@@ -39,8 +39,8 @@ impl<B: UncertainBrake> Study<'_, B> {
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; points.len()]) };
         let mut found = vec![Some(Vec::new()); points.len()];
-        for (solver, Equation { secular, pilots, .. }) in solvers.iter().zip(equations) {
-            let near = secular.near_axis(pilots, &gains, part, &mut memory.work);
+        for (solver, Equation { secular, anchors, .. }) in solvers.iter().zip(equations) {
+            let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
             let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
             };

@@ -15,18 +15,18 @@ use num_complex::Complex;
 
 use super::Gain;
 
-/// Part of 1 that the sum of all `|w_i| / r_i` may take.
-pub(super) const MOST: f64 = 0.9;
-/// Rounding errors of w, relative to z, with a reserve; next to another eigenvalue they are larger by `NEXT_TO` over the
+/// Largest sum of all `|w_i| / r_i`; below 1 it is a proof, the rest is kept for rounding errors of the sum.
+pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
+/// Bound of the rounding error of w, relative to z; next to another eigenvalue it is larger by `CLUSTER_DISTANCE` over the
 /// relative distance.
-const ROUNDING: f64 = 1e-11;
-const NEXT_TO: f64 = 1e-3;
-/// What w is taken to be at most, as a multiple of what it is found to be: next to a pole of the structure that is strongly
+const CORRECTION_ROUNDING: f64 = 1e-11;
+const CLUSTER_DISTANCE: f64 = 1e-3;
+/// Safety factor on |w|: next to a pole of the structure that is strongly
 /// coupled, the large parts of a determinant cancel, and values were seen to err by 0.004 of themselves.
-const RESERVE: f64 = 1.25;
+const CORRECTION_SAFETY: f64 = 1.25;
 
-/// How far beyond what is asked modes near the axis are found, as a factor.
-const BEYOND: f64 = 1.5;
+/// Modes near the axis are found out to this multiple of the distance asked for: of those just beyond it nothing need be known.
+const NEAR_AXIS_MARGIN: f64 = 1.5;
 
 /// |z| of a number whose square is in range.
 fn size(z: Complex<f64>) -> f64 {
@@ -35,21 +35,21 @@ fn size(z: Complex<f64>) -> f64 {
 
 /// Guesses of all eigenvalues: those of modes with Im > 0, their conjugates, and those of internal states.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Cast {
+pub(super) struct Approximations {
     pub sigmas: Vec<Complex<f64>>,
-    pub bristles: Option<Bristles>,
+    pub internal: Option<InternalCluster>,
 }
 
 /// Guesses of the eigenvalues of internal states, evenly on a circle about a real number.
 ///
 /// These eigenvalues lie together, far to the left; only what they may do to others counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bristles {
+pub(super) struct InternalCluster {
     pub middle: f64,
     pub radius: f64,
 }
 
-impl Bristles {
+impl InternalCluster {
     /// Those with Im >= 0 of `count`, each with how many it stands for. They are the zeros of
     /// `(z - middle)^count + radius^count`.
     pub fn guesses(self, count: usize) -> impl Iterator<Item = (Complex<f64>, f64)> {
@@ -62,7 +62,7 @@ impl Bristles {
     }
 }
 
-impl Cast {
+impl Approximations {
     /// `prod (z - z_j)` over all modes and their conjugates but mode `k` itself.
     pub fn others(&self, k: usize, z: Complex<f64>) -> Complex<f64> {
         let mut product = Complex::from(1.0);
@@ -74,16 +74,18 @@ impl Cast {
     }
 
     /// `(z + decay)^m / prod (z - z_b)` over the m internal states.
-    pub fn bristle_factor(&self, z: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
-        let Some(Bristles { middle, radius }) = self.bristles.filter(|_| m > 0) else { return Complex::from(1.0) };
+    pub fn internal_factor(&self, z: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
+        let Some(InternalCluster { middle, radius }) = self.internal.filter(|_| m > 0) else {
+            return Complex::from(1.0);
+        };
         let power = m as i32;
         let [pole, distance] = [(z + gain.decay) / radius, (z - middle) / radius];
         pole.powi(power) / (distance.powi(power) + 1.0)
     }
 
     /// The correction of a guess for an internal state from the value there.
-    pub fn bristle_correction(&self, z: Complex<f64>, value: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
-        let Some(Bristles { middle, radius }) = self.bristles else { return Complex::default() };
+    pub fn internal_correction(&self, z: Complex<f64>, value: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
+        let Some(InternalCluster { middle, radius }) = self.internal else { return Complex::default() };
         // The derivative of (z - middle)^m + radius^m at its zeros.
         let [pole, distance] = [(z + gain.decay) / radius, (z - middle) / radius];
         let power = m as i32;
@@ -101,13 +103,13 @@ pub(super) struct Enclosure {
     /// The sum of all shares, and those of internal states.
     pub total: f64,
     /// The shares of internal states.
-    of_bristles: f64,
+    of_internal: f64,
 }
 
 impl Enclosure {
     /// The radii, as small as the bound allows if all shrink alike.
     pub fn smallest(&self) -> impl Iterator<Item = f64> + '_ {
-        let part = (self.total - self.of_bristles) / (MOST - self.of_bristles);
+        let part = (self.total - self.of_internal) / (LARGEST_TOTAL_SHARE - self.of_internal);
         self.radii.iter().map(move |radius| radius * part)
     }
 }
@@ -126,19 +128,19 @@ impl Wanted {
         match self {
             Self::Growing => sigma.re > 0.0,
             // Also some that decay a little faster: nothing need be known of those just beyond the line.
-            Self::Near(part) => sigma.re > -BEYOND * part * size(sigma),
+            Self::Near(part) => sigma.re > -NEAR_AXIS_MARGIN * part * size(sigma),
         }
     }
 }
 
 /// The largest radii that keep the modes wanted apart from all others, and what they leave of 1. The others keep left of
-/// the axis and off the frequencies `apart_from`. `bristles` are guesses of internal states with their corrections; they
+/// the axis and off the frequencies `apart_from`. `internal` are guesses of internal states with their corrections; they
 /// keep off all modes.
 pub(super) fn enclosure(
     wanted: Wanted,
     sigmas: &[Complex<f64>],
     corrections: &[Complex<f64>],
-    bristles: &[(Complex<f64>, f64)],
+    internal: &[(Complex<f64>, f64)],
     apart_from: &[f64],
 ) -> Enclosure {
     let found: Vec<usize> = (0..sigmas.len()).filter(|&i| wanted.is_found(sigmas[i])).collect();
@@ -168,13 +170,13 @@ pub(super) fn enclosure(
         let z = sigmas[i];
         let others = sigmas.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (z - other).norm_sqr());
         let nearest = (others.fold(f64::INFINITY, f64::min) / z.norm_sqr()).sqrt();
-        2.0 * (RESERVE * size(*w) + ROUNDING * size(z) * (1.0 + NEXT_TO / nearest)) / r
+        2.0 * (CORRECTION_SAFETY * size(*w) + CORRECTION_ROUNDING * size(z) * (1.0 + CLUSTER_DISTANCE / nearest)) / r
     };
     let shares: Vec<f64> = corrections.iter().enumerate().zip(&radii).map(share).collect();
-    let bristle = |&(z, size): &(Complex<f64>, f64)| {
+    let internal_share = |&(z, size): &(Complex<f64>, f64)| {
         let free = sigmas.iter().zip(&radii).map(|(sigma, r)| self::size(sigma - z) - r).fold(-z.re, f64::min);
         size / free.max(0.0)
     };
-    let (of_modes, of_bristles) = (shares.iter().sum::<f64>(), bristles.iter().map(bristle).sum::<f64>());
-    Enclosure { radii, shares, total: of_modes + of_bristles, of_bristles }
+    let (of_modes, of_internal) = (shares.iter().sum::<f64>(), internal.iter().map(internal_share).sum::<f64>());
+    Enclosure { radii, shares, total: of_modes + of_internal, of_internal }
 }

@@ -1,6 +1,6 @@
 //! The growing modes of a structure with friction, without its spectrum.
 //!
-//! Friction that is alike in m places changes a structure by a matrix of rank m: its eigenvalues are the zeros of the
+//! Friction that is alike in m ports changes a structure by a matrix of rank m: its eigenvalues are the zeros of the
 //! determinant of an m x m matrix, the secular equation
 //!
 //! ```text
@@ -8,14 +8,14 @@
 //! ```
 //!
 //! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). It takes a small part of a spectrum to
-//! evaluate. Eigenvalues are guessed from those of *pilots*, states solved beforehand, and corrected one by one. The
+//! evaluate. Eigenvalues are guessed from those of *anchors*, states solved beforehand, and corrected one by one. The
 //! corrections bound all of them at once ([`enclosure`]): modes that damp stay guesses whose bounds lie left of the axis
 //! and away from the frequencies of those that grow, and only the latter are found to the last digits.
 
+mod anchors;
 mod enclosure;
-mod line;
+mod gain_path;
 mod pair;
-mod pilot;
 mod resolvent;
 mod response;
 mod search;
@@ -27,26 +27,26 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use crate::{CeaError, Spectrum, Workspace};
+pub use anchors::Anchors;
 use enclosure::Wanted;
-pub use line::{Line, NewtonStep};
+pub use gain_path::{GainPath, NewtonStep};
 pub use pair::EigenvaluePair;
-pub use pilot::Pilots;
 pub use resolvent::Feedback;
 use resolvent::Resolvent;
 use response::Point;
 
-/// Largest square of the number of places, per degree of freedom: with 30 a spectrum costs as much as some thirteen places,
+/// Largest square of the number of ports, per degree of freedom: with 30 a spectrum costs as much as some thirteen ports,
 /// extrapolated from nine.
-const MOST_PLACES: usize = 6;
+const MOST_PORTS: usize = 6;
 /// The middle of the frequencies, in units: where slopes are compared.
-const MIDDLE: Complex<f64> = Complex::new(0.0, 1.0);
+const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
 
 /// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gain {
-    /// p.
-    pub position: f64,
-    /// v, Ns/m.
+    /// mu, the proportional gain; p in the equations.
+    pub mu: f64,
+    /// v, what is proportional to the velocity, Ns/m.
     pub velocity: f64,
     /// What an internal state adds, N/m; 0 for none.
     pub lag: f64,
@@ -62,7 +62,7 @@ impl Gain {
 
     /// The feedback at an eigenvalue.
     fn at(&self, sigma: Complex<f64>) -> Point {
-        Point { sigma, position: self.position, slope: self.slope(sigma) }
+        Point { sigma, mu: self.mu, slope: self.slope(sigma) }
     }
 
     fn in_units(&self, unit: f64) -> Self {
@@ -81,18 +81,18 @@ impl Gain {
 /// let (m, c) = (DMatrix::identity(2, 2), dmatrix![0.02, 0.0; 0.0, 0.03]);
 /// let structure = SecondOrder::new(m, c, dmatrix![10.0, 0.6; 0.6, 12.0])?;
 /// let feedback = Feedback { force: dmatrix![1.0; 0.0], reading: dmatrix![0.0, -1.0] };
-/// let gain = |position| Gain { position, ..Gain::default() };
+/// let gain = |mu| Gain { mu, ..Gain::default() };
 ///
 /// let mut work = Workspace::default();
 /// let secular = Secular::new(&structure, &feedback, &mut work)?.ok_or("a sum over its modes it is not")?;
-/// let mut pilots = Vec::new();
+/// let mut anchors = Vec::new();
 /// for p in [0.0, 1.0, 2.0, 3.0] {
 ///     let mut system = structure.clone();
 ///     system.k[(0, 1)] -= p;
-///     pilots.push((gain(p), QrSolver.eigenvalues(&system, &mut work)?));
+///     anchors.push((gain(p), QrSolver.eigenvalues(&system, &mut work)?));
 /// }
-/// let pilots = secular.pilots(&pilots, &mut work);
-/// let found = secular.growing(&pilots, &[(gain(1.5), &[]), (gain(3.5), &[])], &mut work);
+/// let anchors = secular.anchors(&anchors, &mut work);
+/// let found = secular.growing(&anchors, &[(gain(1.5), &[]), (gain(3.5), &[])], &mut work);
 /// let growing = found.iter().flatten().map(|found| found.frequencies().count());
 /// assert_eq!(growing.collect::<Vec<_>>(), [0, 1]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -122,20 +122,20 @@ impl Growing {
 
     /// Whether the bounds leave open which modes are below one of these frequencies, rad/s.
     #[must_use]
-    pub fn blurs(&self, frequencies: &[f64]) -> bool {
+    pub fn leaves_order_open(&self, frequencies: &[f64]) -> bool {
         let mut bounds = self.modes.iter().zip(&self.radii);
         bounds.any(|(mode, radius)| frequencies.iter().any(|im| (mode.im - im).abs() < *radius))
     }
 }
 
 impl Secular {
-    /// `None` where spectra are the better way: with many places, and for structures whose response is not a sum over
+    /// `None` where spectra are the better way: with many ports, and for structures whose response is not a sum over
     /// oscillating modes.
     ///
     /// # Errors
     /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
     pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
-        if feedback.force.ncols().pow(2) > MOST_PLACES * structure.order() {
+        if feedback.force.ncols().pow(2) > MOST_PORTS * structure.order() {
             return Ok(None);
         }
         let resolvent = Resolvent::new(structure, feedback, work)?;
@@ -152,7 +152,7 @@ impl Secular {
     #[must_use]
     pub fn system(&self, gain: &Gain) -> SecondOrder {
         let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
-        system.k += gain.position * force * reading;
+        system.k += gain.mu * force * reading;
         system.c += gain.velocity * force * force.transpose();
         if gain.lag != 0.0 {
             let decay = DVector::from_element(force.ncols(), gain.decay);
@@ -161,31 +161,31 @@ impl Secular {
         system
     }
 
-    /// Takes states whose spectra are known as pilots. Those with overdamped modes are left out.
-    pub fn pilots(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Pilots {
-        Pilots::new(&self.resolvent, states, work)
+    /// Takes states whose spectra are known as anchors. Those with overdamped modes are left out.
+    pub fn anchors(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Anchors {
+        Anchors::new(&self.resolvent, states, work)
     }
 
     /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
     /// plain which are lower; `None` where a doubt is left.
     ///
     /// What is found for a gain does not depend on the others, to the last bit.
-    pub fn growing(&self, pilots: &Pilots, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
-        search::search(&self.resolvent, pilots, Wanted::Growing, gains, work)
+    pub fn growing(&self, anchors: &Anchors, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
+        search::search(&self.resolvent, anchors, Wanted::Growing, gains, work)
     }
 
     /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
     /// gains; `None` where a doubt is left.
     pub fn near_axis(
         &self,
-        pilots: &Pilots,
+        anchors: &Anchors,
         gains: &[Gain],
         part: f64,
         work: &mut Workspace,
     ) -> Vec<Option<Vec<Complex<f64>>>> {
         let wanted = Wanted::Near(part);
         let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
-        let found = search::search(&self.resolvent, pilots, wanted, &gains, work).into_iter();
+        let found = search::search(&self.resolvent, anchors, wanted, &gains, work).into_iter();
         let is_near = |lambda: &Complex<f64>| lambda.re > -part * lambda.norm();
         found.map(|found| Some(found?.modes.into_iter().filter(is_near).collect())).collect()
     }

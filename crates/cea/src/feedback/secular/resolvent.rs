@@ -1,11 +1,11 @@
-//! A structure seen through the places where friction acts: its response there as a sum over its own modes.
+//! A structure seen through the ports where friction acts: its response there as a sum over its own modes.
 //!
 //! ```text
 //! R Q_0(lambda)^-1 B = sum_k (U_k lambda + V_k) / ((lambda - p_k)(lambda - conj p_k))
 //! ```
 //!
 //! with the eigenvalues p_k of the structure, which come in pairs, and real m x m matrices: what each mode moves in the
-//! places read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
+//! ports read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
 //! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
 
 use linsys::SecondOrder;
@@ -14,10 +14,11 @@ use num_complex::Complex;
 
 use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
 
-/// Eigenvalues nearer to each other than this, relatively, are one; their vectors span one space.
-const ONE: f64 = 1e-7;
-/// A mode that moves the places less than this, relatively, stays where it is: feedback moves it by the square of it.
-const UNSEEN: f64 = 1e-8;
+/// Eigenvalues nearer to each other than this, relatively, count as one multiple eigenvalue, whose vectors span one space.
+const MULTIPLE_SEPARATION: f64 = 1e-7;
+/// A mode whose largest motion of the ports is less than this, relatively, is uncontrollable: feedback moves its eigenvalue by
+/// the square of it.
+const UNCONTROLLABLE_MOTION: f64 = 1e-8;
 /// Largest relative error of the sums, seen at some lambda against factorisations of Q.
 const LARGEST_ERROR: f64 = 1e-11;
 
@@ -31,17 +32,17 @@ pub struct Feedback {
     pub reading: DMatrix<f64>,
 }
 
-/// The response of a structure at the places of a [`Feedback`]. Eigenvalues and their unit: [`Resolvent::unit`] rad/s.
+/// The response of a structure at the ports of a [`Feedback`]. Eigenvalues and their unit: [`Resolvent::unit`] rad/s.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Resolvent {
     /// The unit of eigenvalues, rad/s: the geometric mean of the structure's.
     pub unit: f64,
     /// The p_k with Im > 0 of modes that feedback moves, multiple ones repeated; in units.
     pub poles: Vec<Complex<f64>>,
-    /// Eigenvalues with Im > 0 that no feedback moves, because their modes do not move the places; in units.
-    pub still: Vec<Complex<f64>>,
+    /// Eigenvalues with Im > 0 that no feedback moves, because their modes are uncontrollable: they do not move the ports; in units.
+    pub uncontrollable: Vec<Complex<f64>>,
     /// m.
-    pub places: usize,
+    pub ports: usize,
     /// U and V of `R Q_0^-1 B`: those of all poles for the first entry, then for the second, by rows.
     pub reading: Vec<[f64; 2]>,
     /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
@@ -79,10 +80,12 @@ impl Resolvent {
         let right = right_vectors(structure, &lambdas, work)?;
         let left = right_vectors(&structure.transposed(), &lambdas, work)?;
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
-        let (mut still, mut modes, mut moving) = (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
+        let (mut uncontrollable, mut modes, mut controllable) =
+            (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut first = 0;
         while first < n {
-            let is_one = |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= ONE * lambdas[first].norm();
+            let is_one =
+                |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= MULTIPLE_SEPARATION * lambdas[first].norm();
             let group = first..first + lambdas[first..].iter().take_while(is_one).count();
             let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
             let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
@@ -91,24 +94,24 @@ impl Resolvent {
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
                 modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
-            // Singular values of no matrix are no good question.
+            // The SVD of a matrix without columns is undefined.
             let seen = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &x).singular_values() };
-            let moved = seen.iter().filter(|&&seen| seen > UNSEEN * force.norm()).count();
-            still.extend(std::iter::repeat_n(pole / unit, group.len() - moved));
+            let reached = seen.iter().filter(|&&seen| seen > UNCONTROLLABLE_MOTION * force.norm()).count();
+            uncontrollable.extend(std::iter::repeat_n(pole / unit, group.len() - reached));
             let residue = &x * acted;
-            moving.extend((0..moved).map(|copy| (pole / unit, (copy == 0).then(|| residue.clone()))));
+            controllable.extend((0..reached).map(|copy| (pole / unit, (copy == 0).then(|| residue.clone()))));
             first = group.end;
         }
         let mut resolvent = Self {
             unit,
-            poles: moving.iter().map(|(pole, _)| *pole).collect(),
-            still,
-            places: m,
-            reading: vec![[0.0; 2]; m * m * moving.len()],
-            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * moving.len()],
+            poles: controllable.iter().map(|(pole, _)| *pole).collect(),
+            uncontrollable,
+            ports: m,
+            reading: vec![[0.0; 2]; m * m * controllable.len()],
+            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * controllable.len()],
             modes,
         };
-        for (at, (_, residue)) in moving.iter().enumerate() {
+        for (at, (_, residue)) in controllable.iter().enumerate() {
             if let Some(residue) = residue {
                 resolvent.enter(at, &(&reading * residue), &(force.transpose() * residue));
             }
@@ -118,7 +121,7 @@ impl Resolvent {
 
     /// Enters the residues of a pole.
     fn enter(&mut self, at: usize, reading: &DMatrix<Complex<f64>>, mobility: &DMatrix<Complex<f64>>) {
-        let (n, m, unit, pole) = (self.poles.len(), self.places, self.unit, self.poles[at]);
+        let (n, m, unit, pole) = (self.poles.len(), self.ports, self.unit, self.poles[at]);
         // r / (l - p) + conj = (2 Re r l - 2 Re(r conj p)) / ((l - p)(l - conj p)).
         let real = |residue: Complex<f64>| [2.0 * residue.re, -2.0 * (residue * pole.conj()).re];
         let mut upper = 0;
@@ -137,19 +140,21 @@ impl Resolvent {
     fn is_right(&self, structure: &SecondOrder, feedback: &Feedback) -> bool {
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
         [Complex::new(0.3, 0.0), Complex::new(0.1, 0.7), Complex::new(0.05, 1.4)].into_iter().all(|sigma| {
-            let Some(moved) = structure.dynamic_stiffness(sigma * self.unit).lu().solve(&force) else { return false };
+            let Some(response) = structure.dynamic_stiffness(sigma * self.unit).lu().solve(&force) else {
+                return false;
+            };
             let [by_modes, mobility] = self.at(sigma);
             let is_near = |a: DMatrix<Complex<f64>>, b: DMatrix<Complex<f64>>| {
                 (&a - b).norm() <= LARGEST_ERROR * a.norm() || a.norm() < 1e-60
             };
-            is_near(&reading * &moved, by_modes)
-                && is_near(force.transpose() * moved * Complex::from(self.unit), mobility)
+            is_near(&reading * &response, by_modes)
+                && is_near(force.transpose() * response * Complex::from(self.unit), mobility)
         })
     }
 
     /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
-    pub fn moved(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        let mut moved = DVector::zeros(self.modes.len());
+    pub fn response(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        let mut response = DVector::zeros(self.modes.len());
         for Driven { pole, shape, drive } in &self.modes {
             let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
             for (d, w) in drive.iter().zip(w) {
@@ -159,16 +164,16 @@ impl Resolvent {
             let [plain, conjugate] = [plain / (sigma - pole), conjugate / (sigma - pole.conj())];
             // x a + conj(x) b = (a + b) re x + i (a - b) im x.
             let (re, im) = (plain + conjugate, plain - conjugate);
-            for (moved, x) in moved.iter_mut().zip(shape) {
-                *moved += Complex::new(re.re * x.re - im.im * x.im, re.im * x.re + im.re * x.im);
+            for (entry, x) in response.iter_mut().zip(shape) {
+                *entry += Complex::new(re.re * x.re - im.im * x.im, re.im * x.re + im.re * x.im);
             }
         }
-        moved
+        response
     }
 
     /// Both sums.
     pub fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
-        let (n, m) = (self.poles.len(), self.places);
+        let (n, m) = (self.poles.len(), self.ports);
         let sum = |entry: &[[f64; 2]]| -> Complex<f64> {
             let term = |(&[u, v], p): (&[f64; 2], &Complex<f64>)| (sigma * u + v) / ((sigma - p) * (sigma - p.conj()));
             entry.iter().zip(&self.poles).map(term).sum()

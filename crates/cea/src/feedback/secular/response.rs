@@ -24,7 +24,7 @@ const AT_POLE: f64 = 2.5e-23;
 pub(crate) struct Point {
     pub sigma: Complex<f64>,
     /// p.
-    pub position: f64,
+    pub mu: f64,
     /// v at sigma.
     pub slope: Complex<f64>,
 }
@@ -80,19 +80,19 @@ impl WithSimd for Kernel<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (o, lanes) = (Ops(simd), S::F64_LANES);
-        let Resolvent { poles, places, reading, mobility, .. } = self.resolvent;
-        let (n, m) = (poles.len(), *places);
+        let Resolvent { poles, ports, reading, mobility, .. } = self.resolvent;
+        let (n, m) = (poles.len(), *ports);
         let registers = registers::<S>(self.scratch, 4 * n + 4 * m * m);
         let (modes, rest) = registers.split_at_mut(4 * n);
         let (modes, _) = modes.as_chunks_mut::<4>();
         let (matrix, sums) = rest.as_chunks_mut::<2>().0.split_at_mut(m * m);
         for points in self.points.chunks(lanes) {
-            let [re, im, position, slope_re, slope_im] = gather::<S>(o, points);
+            let [re, im, mu, slope_re, slope_im] = gather::<S>(o, points);
             let sigma = ComplexLanes { re, im };
             let product = fill(o, sigma, poles, modes);
             add_up(o, modes, reading, matrix);
             for entry in &mut *matrix {
-                *entry = scale(o, complex(*entry), position).registers();
+                *entry = scale(o, complex(*entry), mu).registers();
             }
             if points.iter().any(|point| point.slope != Complex::default()) {
                 let half = &mut sums[..m * (m + 1) / 2];
@@ -139,8 +139,8 @@ fn gather<S: Simd>(o: Ops<S>, points: &[Point]) -> [S::f64s; 5] {
     let mut registers = [o.splat(0.0); 5];
     let numbers: &mut [f64] = bytemuck::cast_slice_mut(&mut registers);
     for lane in 0..S::F64_LANES {
-        let Point { sigma, position, slope } = points.get(lane).unwrap_or(&points[0]);
-        let of_point = [sigma.re, sigma.im, *position, slope.re, slope.im];
+        let Point { sigma, mu, slope } = points.get(lane).unwrap_or(&points[0]);
+        let of_point = [sigma.re, sigma.im, *mu, slope.re, slope.im];
         for (register, number) in of_point.into_iter().enumerate() {
             numbers[register * S::F64_LANES + lane] = number;
         }

@@ -2,40 +2,41 @@
 
 use num_complex::Complex;
 
-use super::enclosure::{Cast, Enclosure, MOST, Wanted, enclosure};
+use super::enclosure::{Approximations, Enclosure, LARGEST_TOTAL_SHARE, Wanted, enclosure};
 use super::response::{Point, characteristic};
-use super::{Gain, Growing, Pilots, Resolvent};
+use super::{Anchors, Gain, Growing, Resolvent};
 use crate::{Workspace, by_frequency};
 
 /// Rounds of corrections before a search is given up.
 const MOST_ROUNDS: usize = 24;
-/// A mode is corrected while its share is larger than this part of an even one.
-const SMALL_SHARE: f64 = 0.2;
-/// Correction of a growing mode, relatively, after which there is no other.
-const SETTLED: f64 = 1e-9;
-/// Distance from the axis, in units, that rounding errors leave no doubt about.
-const NEAR_AXIS: f64 = 1e-6;
+/// A mode is corrected while its share of the bound is larger than this part of an even one.
+const CORRECTED_SHARE: f64 = 0.2;
+/// Relative correction of a mode that is looked for, below which it counts as converged: the next one of a secant method is
+/// rounding.
+const CONVERGED_CORRECTION: f64 = 1e-9;
+/// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
+const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
 /// One state on its way.
 struct Search {
     wanted: Wanted,
     gain: Gain,
     apart_from: Vec<f64>,
-    cast: Cast,
+    approximations: Approximations,
     /// The characteristic polynomial at each guess, and the product of its distances from the others.
     values: Vec<Complex<f64>>,
     others: Vec<Complex<f64>>,
     corrections: Vec<Complex<f64>>,
     /// The corrections of internal states: where, and how large with all they stand for.
-    bristles: Vec<(Complex<f64>, f64)>,
+    internal: Vec<(Complex<f64>, f64)>,
     stage: Stage,
 }
 
 enum Stage {
     /// Guesses of these modes are to be corrected.
     Enclose(Vec<usize>),
-    /// All eigenvalues are enclosed; those wanted are found in their discs.
-    Settle(Enclosure, Vec<Secant>),
+    /// All eigenvalues are enclosed; those wanted are refined in their discs.
+    Refine(Enclosure, Vec<Secant>),
     GivenUp,
 }
 
@@ -44,13 +45,13 @@ struct Secant {
     mode: usize,
     before: (Complex<f64>, Complex<f64>),
     here: Complex<f64>,
-    is_settled: bool,
+    is_converged: bool,
 }
 
 /// The modes with each of the gains, those wanted found and the others apart from some frequencies, rad/s.
 pub(super) fn search(
     resolvent: &Resolvent,
-    pilots: &Pilots,
+    anchors: &Anchors,
     wanted: Wanted,
     gains: &[(Gain, &[f64])],
     work: &mut Workspace,
@@ -58,14 +59,14 @@ pub(super) fn search(
     let start = |(gain, apart_from): &(Gain, &[f64])| {
         let gain = gain.in_units(resolvent.unit);
         let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
-        Some(Search::new(wanted, gain, apart_from, pilots.guess(&gain)?))
+        Some(Search::new(wanted, gain, apart_from, anchors.guess(&gain)?))
     };
     let mut searches: Vec<Option<Search>> = gains.iter().map(start).collect();
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for round in 0..MOST_ROUNDS {
         points.clear();
         for search in searches.iter().flatten() {
-            search.ask(round == 0, resolvent.places, &mut points);
+            search.ask(round == 0, resolvent.ports, &mut points);
         }
         // Without modes that feedback moves there is nothing to ask.
         if points.is_empty() && round > 0 {
@@ -75,58 +76,68 @@ pub(super) fn search(
         work.counters.secular_values += values.len() as u64;
         let mut values = values.iter().copied();
         for search in searches.iter_mut().flatten() {
-            search.hear(round == 0, resolvent.places, &mut values);
+            search.hear(round == 0, resolvent.ports, &mut values);
         }
     }
     searches.into_iter().map(|search| search?.found(resolvent)).collect()
 }
 
 impl Search {
-    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, cast: Cast) -> Self {
-        let n = cast.sigmas.len();
+    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, approximations: Approximations) -> Self {
+        let n = approximations.sigmas.len();
         let zeros = || vec![Complex::default(); n];
         let stage = Stage::Enclose((0..n).collect());
-        let bristles = Vec::new();
-        Self { wanted, gain, apart_from, values: zeros(), others: zeros(), corrections: zeros(), bristles, cast, stage }
+        let internal = Vec::new();
+        Self {
+            wanted,
+            gain,
+            apart_from,
+            values: zeros(),
+            others: zeros(),
+            corrections: zeros(),
+            internal,
+            approximations,
+            stage,
+        }
     }
 
     /// Where the polynomial is to be evaluated.
-    fn ask(&self, is_first: bool, places: usize, points: &mut Vec<Point>) {
+    fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
         match &self.stage {
-            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| self.gain.at(self.cast.sigmas[i]))),
-            Stage::Settle(_, secants) => {
-                let open = secants.iter().filter(|secant| !secant.is_settled);
+            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i]))),
+            Stage::Refine(_, secants) => {
+                let open = secants.iter().filter(|secant| !secant.is_converged);
                 points.extend(open.map(|secant| self.gain.at(secant.here)));
             }
             Stage::GivenUp => {}
         }
-        if let (true, Some(bristles)) = (is_first, self.cast.bristles) {
-            points.extend(bristles.guesses(places).map(|(z, _)| self.gain.at(z)));
+        if let (true, Some(internal)) = (is_first, self.approximations.internal) {
+            points.extend(internal.guesses(ports).map(|(z, _)| self.gain.at(z)));
         }
     }
 
-    fn hear(&mut self, is_first: bool, places: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
+    fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
         match &mut self.stage {
             Stage::Enclose(modes) => {
                 let modes = std::mem::take(modes);
                 for &i in &modes {
                     self.values[i] = values.next().unwrap_or_default();
-                    self.others[i] = self.cast.others(i, self.cast.sigmas[i]);
+                    self.others[i] = self.approximations.others(i, self.approximations.sigmas[i]);
                 }
-                if let (true, Some(bristles)) = (is_first, self.cast.bristles) {
-                    for (z, stands_for) in bristles.guesses(places) {
+                if let (true, Some(internal)) = (is_first, self.approximations.internal) {
+                    for (z, stands_for) in internal.guesses(ports) {
                         let value = values.next().unwrap_or_default();
-                        let correction = self.cast.bristle_correction(z, value, &self.gain, places);
-                        self.bristles.push((z, stands_for * correction.norm()));
+                        let correction = self.approximations.internal_correction(z, value, &self.gain, ports);
+                        self.internal.push((z, stands_for * correction.norm()));
                     }
                 }
-                self.enclose(places);
+                self.enclose(ports);
             }
-            Stage::Settle(_, secants) => {
-                for secant in secants.iter_mut().filter(|secant| !secant.is_settled) {
+            Stage::Refine(_, secants) => {
+                for secant in secants.iter_mut().filter(|secant| !secant.is_converged) {
                     let z = secant.here;
-                    let factor = self.cast.bristle_factor(z, &self.gain, places);
-                    let value = values.next().unwrap_or_default() * factor / self.cast.others(secant.mode, z);
+                    let factor = self.approximations.internal_factor(z, &self.gain, ports);
+                    let value = values.next().unwrap_or_default() * factor / self.approximations.others(secant.mode, z);
                     secant.go(value);
                 }
             }
@@ -135,22 +146,22 @@ impl Search {
     }
 
     /// Encloses the eigenvalues, or corrects those guesses that stand in the way.
-    fn enclose(&mut self, places: usize) {
-        let sigmas = &self.cast.sigmas;
+    fn enclose(&mut self, ports: usize) {
+        let sigmas = &self.approximations.sigmas;
         for (i, correction) in self.corrections.iter_mut().enumerate() {
-            let factor = self.cast.bristle_factor(sigmas[i], &self.gain, places);
+            let factor = self.approximations.internal_factor(sigmas[i], &self.gain, ports);
             *correction = self.values[i] / self.others[i] * factor;
         }
-        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.bristles, &self.apart_from);
-        if found.total <= MOST {
+        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.apart_from);
+        if found.total <= LARGEST_TOTAL_SHARE {
             let first = |(i, sigma): (usize, &Complex<f64>)| {
                 self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
             };
             let secants = sigmas.iter().enumerate().filter_map(first).collect();
-            self.stage = Stage::Settle(found, secants);
+            self.stage = Stage::Refine(found, secants);
             return;
         }
-        let small = SMALL_SHARE * MOST / sigmas.len() as f64;
+        let small = CORRECTED_SHARE * LARGEST_TOTAL_SHARE / sigmas.len() as f64;
         let modes: Vec<usize> = (0..sigmas.len()).filter(|&i| found.shares[i] > small).collect();
         if modes.is_empty() || found.total.is_nan() {
             self.stage = Stage::GivenUp;
@@ -163,10 +174,10 @@ impl Search {
     }
 
     fn correct(&mut self, i: usize) {
-        let before = self.cast.sigmas[i];
+        let before = self.approximations.sigmas[i];
         let after = before - self.corrections[i];
-        self.cast.sigmas[i] = after;
-        for (j, z) in self.cast.sigmas.iter().enumerate() {
+        self.approximations.sigmas[i] = after;
+        for (j, z) in self.approximations.sigmas.iter().enumerate() {
             if j != i {
                 self.others[j] *= (z - after) * (z - after.conj()) / ((z - before) * (z - before.conj()));
             }
@@ -174,20 +185,20 @@ impl Search {
     }
 
     fn found(mut self, resolvent: &Resolvent) -> Option<Growing> {
-        let Stage::Settle(enclosure, secants) = self.stage else { return None };
-        let (sigmas, mut radii) = (&mut self.cast.sigmas, enclosure.smallest().collect::<Vec<f64>>());
-        for Secant { mode, here, is_settled, .. } in secants {
-            if !is_settled || (here - sigmas[mode]).norm() > enclosure.radii[mode] {
+        let Stage::Refine(enclosure, secants) = self.stage else { return None };
+        let (sigmas, mut radii) = (&mut self.approximations.sigmas, enclosure.smallest().collect::<Vec<f64>>());
+        for Secant { mode, here, is_converged, .. } in secants {
+            if !is_converged || (here - sigmas[mode]).norm() > enclosure.radii[mode] {
                 return None;
             }
             sigmas[mode] = here;
             radii[mode] = 0.0;
         }
-        if sigmas.iter().chain(&resolvent.still).any(|sigma| sigma.re.abs() <= NEAR_AXIS) {
+        if sigmas.iter().chain(&resolvent.uncontrollable).any(|sigma| sigma.re.abs() <= LEAST_AXIS_DISTANCE) {
             return None;
         }
-        let still = resolvent.still.iter().map(|sigma| (sigma, 0.0));
-        let all = sigmas.iter().zip(radii).chain(still);
+        let uncontrollable = resolvent.uncontrollable.iter().map(|sigma| (sigma, 0.0));
+        let all = sigmas.iter().zip(radii).chain(uncontrollable);
         let mut modes: Vec<(Complex<f64>, f64)> =
             all.map(|(sigma, radius)| (sigma * resolvent.unit, radius * resolvent.unit)).collect();
         modes.sort_by(|(a, _), (b, _)| by_frequency(a, b));
@@ -198,7 +209,7 @@ impl Search {
 
 impl Secant {
     fn new(mode: usize, at: Complex<f64>, correction: Complex<f64>) -> Self {
-        Self { mode, before: (at, correction), here: at - correction, is_settled: false }
+        Self { mode, before: (at, correction), here: at - correction, is_converged: false }
     }
 
     fn go(&mut self, value: Complex<f64>) {
@@ -208,7 +219,7 @@ impl Secant {
         self.before = (self.here, value);
         if step.is_finite() {
             self.here -= step;
-            self.is_settled = step.norm() <= SETTLED * self.here.norm();
+            self.is_converged = step.norm() <= CONVERGED_CORRECTION * self.here.norm();
         }
     }
 }

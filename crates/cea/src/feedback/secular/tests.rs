@@ -8,7 +8,7 @@ use num_complex::Complex;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
-use super::enclosure::{Bristles, Cast, MOST, Wanted, enclosure};
+use super::enclosure::{Approximations, InternalCluster, LARGEST_TOTAL_SHARE, Wanted, enclosure};
 use super::response::characteristic;
 use super::*;
 use crate::{EigenSolver, QrSolver};
@@ -36,9 +36,9 @@ pub(crate) fn chain(n: usize, seed: u64) -> SecondOrder {
     SecondOrder::new(m, 50.0 * tridiagonal(part(1)), 1e7 * tridiagonal(part(2))).unwrap()
 }
 
-/// Feedback of any kind in `places`.
-pub(crate) fn feedback(n: usize, places: usize, seed: u64) -> Feedback {
-    Feedback { force: noise(n, places, seed + 100), reading: 1e6 * noise(places, n, seed + 200) }
+/// Feedback of any kind in `ports`.
+pub(crate) fn feedback(n: usize, ports: usize, seed: u64) -> Feedback {
+    Feedback { force: noise(n, ports, seed + 100), reading: 1e6 * noise(ports, n, seed + 200) }
 }
 
 pub(crate) fn resolvent(structure: &SecondOrder, feedback: &Feedback) -> Option<Resolvent> {
@@ -54,7 +54,7 @@ pub(crate) fn point(gain: &Gain, sigma: Complex<f64>) -> Point {
 pub(crate) fn whole(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -> SecondOrder {
     let Feedback { force, reading } = feedback;
     let mut system = structure.clone();
-    system.k += gain.position * force * reading;
+    system.k += gain.mu * force * reading;
     system.c += gain.velocity * force * force.transpose();
     if gain.lag != 0.0 {
         let decay = DVector::from_element(force.ncols(), gain.decay);
@@ -78,13 +78,16 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
     let error = |(sigma, found): (&Complex<f64>, Complex<f64>)| {
         let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
         // What no feedback moves is left out of the polynomial.
-        let still = resolvent.still.iter().map(|still| (sigma - still) * (sigma - still.conj()));
-        (found * still.product::<Complex<f64>>() - expected).norm() / expected.norm()
+        let uncontrollable = resolvent
+            .uncontrollable
+            .iter()
+            .map(|uncontrollable| (sigma - uncontrollable) * (sigma - uncontrollable.conj()));
+        (found * uncontrollable.product::<Complex<f64>>() - expected).norm() / expected.norm()
     };
     sigmas.iter().zip(found).map(error).fold(0.0, f64::max)
 }
 
-pub(crate) const GAIN: Gain = Gain { position: 0.7, velocity: -40.0, lag: 3e5, decay: 4e3 };
+pub(crate) const GAIN: Gain = Gain { mu: 0.7, velocity: -40.0, lag: 3e5, decay: 4e3 };
 
 /// Two equal chains side by side.
 fn twins() -> SecondOrder {
@@ -106,18 +109,18 @@ fn ring() -> SecondOrder {
 #[test]
 fn double_modes_have_one_summand() {
     for structure in [twins(), ring()] {
-        for places in [1, 2, 3] {
-            let feedback = feedback(6, places, 5);
+        for ports in [1, 2, 3] {
+            let feedback = feedback(6, ports, 5);
             // One force sees one vector of each pair, and none moves the other.
-            let Resolvent { poles, still, .. } = resolvent(&structure, &feedback).unwrap();
+            let Resolvent { poles, uncontrollable, .. } = resolvent(&structure, &feedback).unwrap();
             let doubles = poles.windows(2).filter(|pair| pair[0] == pair[1]).count();
-            let unseen = poles.iter().filter(|pole| still.contains(pole)).count();
+            let unseen = poles.iter().filter(|pole| uncontrollable.contains(pole)).count();
             assert!(
-                poles.len() + still.len() == 6 && if places == 1 { unseen >= 2 } else { doubles >= 2 },
+                poles.len() + uncontrollable.len() == 6 && if ports == 1 { unseen >= 2 } else { doubles >= 2 },
                 "{poles:?}"
             );
             let error = error(&structure, &feedback, &GAIN);
-            assert!(error < 1e-10, "{places} places: {error:e}");
+            assert!(error < 1e-10, "{ports} ports: {error:e}");
         }
     }
 }
@@ -158,7 +161,7 @@ struct Known {
     zeros: Vec<Complex<f64>>,
     real: Vec<f64>,
     decay: f64,
-    cast: Cast,
+    approximations: Approximations,
     /// A frequency that modes which damp are to keep from.
     apart_from: f64,
 }
@@ -168,7 +171,7 @@ type OfState = (Complex<f64>, Complex<f64>, f64);
 
 impl Known {
     fn gain(&self) -> Gain {
-        let decay = if self.cast.bristles.is_none() { 0.0 } else { self.decay };
+        let decay = if self.approximations.internal.is_none() { 0.0 } else { self.decay };
         Gain { lag: decay, decay, ..Gain::default() }
     }
 
@@ -180,13 +183,15 @@ impl Known {
 
     /// The corrections of the modes, and those of internal states.
     fn corrections(&self) -> (Vec<Complex<f64>>, Vec<OfState>) {
-        let (Self { cast, .. }, gain, m) = (self, self.gain(), self.real.len());
-        let of_mode =
-            |(i, &z): (usize, &Complex<f64>)| self.value(z) / cast.others(i, z) * cast.bristle_factor(z, &gain, m);
-        let modes = cast.sigmas.iter().enumerate().map(of_mode).collect();
-        let of_state =
-            |(z, count): (Complex<f64>, f64)| (z, cast.bristle_correction(z, self.value(z), &gain, m), count);
-        (modes, cast.bristles.into_iter().flat_map(|bristles| bristles.guesses(m)).map(of_state).collect())
+        let (Self { approximations, .. }, gain, m) = (self, self.gain(), self.real.len());
+        let of_mode = |(i, &z): (usize, &Complex<f64>)| {
+            self.value(z) / approximations.others(i, z) * approximations.internal_factor(z, &gain, m)
+        };
+        let modes = approximations.sigmas.iter().enumerate().map(of_mode).collect();
+        let of_state = |(z, count): (Complex<f64>, f64)| {
+            (z, approximations.internal_correction(z, self.value(z), &gain, m), count)
+        };
+        (modes, approximations.internal.into_iter().flat_map(|internal| internal.guesses(m)).map(of_state).collect())
     }
 }
 
@@ -199,11 +204,11 @@ fn known() -> impl Strategy<Value = Known> {
             let guess = |&(re, im, x, y): &(f64, f64, f64, f64)| Complex::new(re + error * x, im + error * y);
             // A feedback in no place has internal states in name only.
             let has_states = !real.is_empty() || decay > 4.5;
-            let bristles = has_states.then_some(Bristles { middle: -decay, radius: 0.1 * decay });
-            let cast = Cast { sigmas: zeros.iter().map(guess).collect(), bristles };
+            let internal = has_states.then_some(InternalCluster { middle: -decay, radius: 0.1 * decay });
+            let approximations = Approximations { sigmas: zeros.iter().map(guess).collect(), internal };
             let zeros = zeros.into_iter().map(|(re, im, ..)| Complex::new(re, im)).collect();
             let real = real.into_iter().map(|part| decay * (part - 1.0)).collect();
-            Known { zeros, real, decay, cast, apart_from }
+            Known { zeros, real, decay, approximations, apart_from }
         },
     )
 }
@@ -215,14 +220,14 @@ proptest! {
         let z = Complex::new(4.0 + x, 3.0 * y);
         let (modes, states) = known.corrections();
         let mut sum = Complex::from(1.0);
-        for (w, guess) in modes.iter().zip(&known.cast.sigmas) {
+        for (w, guess) in modes.iter().zip(&known.approximations.sigmas) {
             sum += w / (z - guess) + w.conj() / (z - guess.conj());
         }
         for (guess, w, count) in states {
             sum += w / (z - guess) + if count == 2.0 { w.conj() / (z - guess.conj()) } else { Complex::default() };
         }
-        let factor = known.cast.bristle_factor(z, &known.gain(), known.real.len());
-        let expected = known.value(z) / known.cast.others(usize::MAX, z) * factor;
+        let factor = known.approximations.internal_factor(z, &known.gain(), known.real.len());
+        let expected = known.value(z) / known.approximations.others(usize::MAX, z) * factor;
         // Guesses close to each other have large corrections that cancel.
         let largest = modes.iter().map(|w| w.norm()).fold(1.0, f64::max);
         prop_assert!((sum - expected).norm() < 1e-10 * largest, "{sum} {expected}");
@@ -231,7 +236,7 @@ proptest! {
 
 /// All zeros in discs, and one in each that meets no other.
 fn check_discs(known: &Known, radii: &[f64]) -> Result<(), TestCaseError> {
-    let (zeros, guesses) = (&known.zeros, &known.cast.sigmas);
+    let (zeros, guesses) = (&known.zeros, &known.approximations.sigmas);
     let is_in = |zero: &Complex<f64>, i: usize| (zero - guesses[i]).norm() <= radii[i] * (1.0 + 1e-9) + 1e-13;
     for zero in zeros {
         prop_assert!((0..radii.len()).any(|i| is_in(zero, i)), "{zero} is in no disc");
@@ -258,7 +263,7 @@ fn discs_hold_all_zeros_though_values_err_by_a_fifth() {
         let states: Vec<_> = states.iter().map(|(z, w, count)| (*z, count * w.norm())).collect();
         let seen: Vec<_> =
             corrections.iter().zip(errors).map(|(w, angle)| w * (1.0 - Complex::from_polar(0.2, angle))).collect();
-        let found = enclosure(Wanted::Growing, &known.cast.sigmas, &seen, &states, &[known.apart_from]);
+        let found = enclosure(Wanted::Growing, &known.approximations.sigmas, &seen, &states, &[known.apart_from]);
         for ((w, radius), share) in corrections.iter().zip(&found.radii).zip(&found.shares) {
             prop_assert!(!w.is_finite() || 2.0 * w.norm() / radius <= *share, "{w} {radius} {share}");
         }
@@ -268,8 +273,8 @@ fn discs_hold_all_zeros_though_values_err_by_a_fifth() {
         }
         check_discs(&known, &found.radii)?;
         let grows = |zeros: &[Complex<f64>]| zeros.iter().filter(|zero| zero.re > 0.0).count();
-        prop_assert_eq!(grows(&known.cast.sigmas), grows(&known.zeros));
-        if found.total <= MOST {
+        prop_assert_eq!(grows(&known.approximations.sigmas), grows(&known.zeros));
+        if found.total <= LARGEST_TOTAL_SHARE {
             let smallest: Vec<f64> = found.smallest().collect();
             prop_assert!(smallest.iter().zip(&found.radii).all(|(small, large)| *small <= large * (1.0 + 1e-12)));
             check_discs(&known, &smallest)?;
@@ -292,7 +297,7 @@ fn the_system_of_a_gain_has_its_feedback() {
     for gain in [GAIN, Gain { lag: 0.0, ..GAIN }] {
         assert_eq!(secular.system(&gain), whole(&structure, &feedback, &gain));
         let lambda = Complex::new(-30.0, 2500.0);
-        let acting = feedback.reading.map(Complex::from) * Complex::from(gain.position)
+        let acting = feedback.reading.map(Complex::from) * Complex::from(gain.mu)
             + feedback.force.transpose().map(Complex::from) * (lambda * gain.slope(lambda));
         let expected = structure.dynamic_stiffness(lambda) + feedback.force.map(Complex::from) * acting;
         let found = secular.system(&gain).dynamic_stiffness(lambda);
@@ -305,10 +310,10 @@ fn internal_states_driven_otherwise_than_those_of_the_pilots_are_enclosed() {
     let (structure, feedback, mut work) = (chain(12, 1), feedback(12, 6, 1), Workspace::default());
     let secular = Secular::new(&structure, &feedback, &mut work).unwrap().unwrap();
     let spectrum = |gain: Gain| QrSolver.eigenvalues(&whole(&structure, &feedback, &gain), &mut Workspace::default());
-    let pilots = secular.pilots(&[(GAIN, spectrum(GAIN).unwrap())], &mut work);
+    let anchors = secular.anchors(&[(GAIN, spectrum(GAIN).unwrap())], &mut work);
     for part in [0.0, 1e-30, 0.2, 1.0, 3.0, 5.0] {
         let gain = Gain { lag: part * GAIN.lag, ..GAIN };
-        let found = secular.growing(&pilots, &[(gain, &[])], &mut work).remove(0);
+        let found = secular.growing(&anchors, &[(gain, &[])], &mut work).remove(0);
         let found = found.unwrap_or_else(|| panic!("a doubt is left at {part} times the drive"));
         let expected = spectrum(gain).unwrap().oscillatory().filter(|lambda| lambda.re > 0.0).count();
         assert_eq!(found.frequencies().count(), expected, "{part}");

@@ -9,7 +9,7 @@ use crate::Gain;
 /// Points about the eigenvalues of a structure, with gains of all kinds.
 fn points() -> Vec<Point> {
     let of_row = |(i, row): (usize, nalgebra::DVector<f64>)| {
-        let gain = Gain { position: row[2], velocity: 0.02 * row[3], lag: 0.0, decay: 0.0 };
+        let gain = Gain { mu: row[2], velocity: 0.02 * row[3], lag: 0.0, decay: 0.0 };
         let gain = match i % 3 {
             0 => Gain { velocity: 0.0, ..gain },
             1 => gain,
@@ -41,17 +41,17 @@ fn on<S: Simd>(simd: S, resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<
 fn the_polynomial_is_the_determinant_of_the_whole_system() {
     let gains = [
         Gain::default(),
-        Gain { position: -1.3, ..Gain::default() },
+        Gain { mu: -1.3, ..Gain::default() },
         Gain { velocity: 70.0, ..Gain::default() },
         Gain { lag: 0.0, ..GAIN },
         GAIN,
     ];
     for n in [1, 4, 7] {
         let structure = chain(n, n as u64);
-        for places in 0..=4 {
+        for ports in 0..=4 {
             for gain in &gains {
-                let error = error(&structure, &feedback(n, places, 9), gain);
-                assert!(error < 1e-10, "{n} degrees of freedom, {places} places, {gain:?}: {error:e}");
+                let error = error(&structure, &feedback(n, ports, 9), gain);
+                assert!(error < 1e-10, "{n} degrees of freedom, {ports} ports, {gain:?}: {error:e}");
             }
         }
     }
@@ -59,9 +59,9 @@ fn the_polynomial_is_the_determinant_of_the_whole_system() {
 
 #[test]
 fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not() {
-    // With two places and more the determinant of what a pole makes large cancels.
-    for places in [1, 2, 3] {
-        let (structure, feedback) = (chain(4, 1), feedback(4, places, 1));
+    // With two ports and more the determinant of what a pole makes large cancels.
+    for ports in [1, 2, 3] {
+        let (structure, feedback) = (chain(4, 1), feedback(4, ports, 1));
         let resolvent = resolvent(&structure, &feedback).unwrap();
         let gain = Gain { lag: 0.3, decay: 2.0, ..GAIN };
         let of_whole = Gain { lag: 0.3 * resolvent.unit, decay: 2.0 * resolvent.unit, ..gain };
@@ -76,9 +76,9 @@ fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not()
                 // Nearer than that a point counts as as far away.
                 let nearest = AT_POLE.sqrt();
                 let moved = if distance < nearest { 1e3 * nearest } else { 0.0 };
-                let lost = if places > 1 { 5e-17 / distance.max(nearest) } else { 0.0 };
+                let lost = if ports > 1 { 5e-17 / distance.max(nearest) } else { 0.0 };
                 let bound = 1e-12 + moved + lost;
-                assert!(error < bound, "{places} places, {distance:e} from {pole}: {error:e}");
+                assert!(error < bound, "{ports} ports, {distance:e} from {pole}: {error:e}");
             }
         }
     }
@@ -86,13 +86,13 @@ fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not()
 
 #[test]
 fn a_value_depends_neither_on_its_lane_nor_on_its_neighbours() {
-    for places in [1, 2, 3] {
-        let resolvent = resolvent(&chain(5, 2), &feedback(5, places, 2)).unwrap();
+    for ports in [1, 2, 3] {
+        let resolvent = resolvent(&chain(5, 2), &feedback(5, ports, 2)).unwrap();
         let mut points = points();
         let alone: Vec<_> = points.iter().flat_map(|point| values(&resolvent, std::slice::from_ref(point))).collect();
         assert_eq!(bits(&values(&resolvent, &points)), bits(&alone));
         points.rotate_left(5);
-        points[0].position = f64::NAN;
+        points[0].mu = f64::NAN;
         points[7].sigma.im = f64::INFINITY;
         let found = values(&resolvent, &points);
         for (k, found) in found.into_iter().enumerate() {
@@ -130,9 +130,9 @@ fn next_to_a_pole_values_err_by_less_than_the_reserve() {
         [(0.1, [1e-11, 1e-12, 1e-14, 0.0]), (1.0, [1e-11, 1e-12, 1e-14, 0.0]), (10.0, [1e-11, 1e-12, 1e-14, 0.0])]
     {
         let mut worst = 0.0_f64;
-        let gain = Gain { position: strength * GAIN.position, velocity: strength * GAIN.velocity, ..Gain::default() };
-        for (places, seed) in [2, 3, 4].into_iter().flat_map(|places| (1..200).map(move |seed| (places, seed))) {
-            let (structure, feedback) = (chain(6, seed), feedback(6, places, seed));
+        let gain = Gain { mu: strength * GAIN.mu, velocity: strength * GAIN.velocity, ..Gain::default() };
+        for (ports, seed) in [2, 3, 4].into_iter().flat_map(|ports| (1..200).map(move |seed| (ports, seed))) {
+            let (structure, feedback) = (chain(6, seed), feedback(6, ports, seed));
             let (resolvent, whole) = (resolvent(&structure, &feedback).unwrap(), whole(&structure, &feedback, &gain));
             let size = structure.m.determinant() * resolvent.unit.powi(12);
             for (pole, distance) in resolvent.poles.iter().flat_map(|pole| distances.iter().map(move |d| (pole, d))) {

@@ -1,7 +1,7 @@
 //! Against small steps, differences and pairs that veer or coalesce.
 
 use super::*;
-use crate::Start;
+use crate::{PathEnd, PathStart};
 use cea::{EigenSolver, Modes, QrSolver};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix};
@@ -13,27 +13,27 @@ fn modes(system: &SecondOrder) -> Vec<Mode> {
     Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
 }
 
-fn traced(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
+fn continued(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     let (start, end) = (modes(from), modes(to));
-    let way = Way { from: (Start::System(from), &start), to: (to, &end) };
-    trace(&start.iter().map(|mode| (way, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
+    let path = Path { start: PathStart::System(from), start_modes: &start, end: PathEnd { system: to, modes: &end } };
+    continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
 }
 
 /// The eigenvalue at the end of a trace that knows no modes there; `None` where it does not get there.
-fn end_of(way: Way<'_>, mode: &Mode) -> Option<Complex<f64>> {
+fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
     let mut work = Workspace::default();
-    let here = points(&[(way, 0.0, mode.lambda)], &mut work).remove(0)?;
-    let mut trace = Trace { way, near: false, pace: Pace::new(0.0, FIRST), here, bend: Complex::default() };
-    while let Next::Go = trace.go(points(&[trace.ahead()], &mut work).remove(0)) {}
-    (trace.pace.at == 1.0).then_some(trace.here.mode.lambda)
+    let here = modes_on_paths(&[PathPoint { path, t: 0.0, lambda: mode.lambda }], &mut work).remove(0)?;
+    let mut mode = Continuation::new(PathPoint { path, t: 0.0, lambda: mode.lambda }, false, here)?;
+    while let Progress::UnderWay = mode.advance(modes_on_paths(&[mode.predict()], &mut work).remove(0)) {}
+    (mode.steps.t == 1.0).then_some(mode.here.mode.lambda)
 }
 
 /// Where each mode ends by so many steps that the nearest eigenvalue is its own; and how much farther than a step the
 /// second nearest was at least.
-fn crawled(way: Way<'_>) -> Vec<(Complex<f64>, f64)> {
+fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
     const STEPS: u32 = 4000;
     let lambdas = |t: f64| {
-        let spectrum = QrSolver.eigenvalues(&way.system(t), &mut Workspace::default()).unwrap();
+        let spectrum = QrSolver.eigenvalues(&path.system_at(t), &mut Workspace::default()).unwrap();
         spectrum.oscillatory().collect::<Vec<_>>()
     };
     let mut at: Vec<_> = lambdas(0.0).into_iter().map(|lambda| (lambda, f64::INFINITY)).collect();
@@ -58,7 +58,7 @@ fn veering_modes_are_told_apart_though_their_shapes_are_mixed() {
     // MAC takes either for the other, 0.68 against 0.32.
     let (from, to) = (coupled(1.0, 4.0), coupled(2.8, 2.2));
     assert_eq!(match_modes(&modes(&from), &modes(&to), &from.m)[0].to, Some(1));
-    assert_eq!(traced(&from, &to), [Some(0), Some(1)]);
+    assert_eq!(continued(&from, &to), [Some(0), Some(1)]);
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn through_a_coalescence_nothing_is_traced() {
         let k = dmatrix![a, 0.5, 0.0; -0.5, b, 0.0; 0.0, 0.0, 50.0];
         SecondOrder::new(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), k).unwrap()
     };
-    assert_eq!(traced(&flutter(5.0, 10.0), &flutter(7.6, 7.4)), [None, None, Some(2)]);
+    assert_eq!(continued(&flutter(5.0, 10.0), &flutter(7.6, 7.4)), [None, None, Some(2)]);
 }
 
 #[test]
@@ -80,10 +80,10 @@ fn the_rate_is_the_limit_of_differences() {
         SecondOrder::with_internal(m, c, dmatrix![4.0, 1.0; -0.5, k], internal).unwrap()
     };
     let (from, to) = (at(3.0, 1.0, -0.7, 9.0), at(5.0, 0.4, 0.6, 12.0));
-    let way = Way { from: (Start::System(&from), &[]), to: (&to, &[]) };
+    let path = Path { start: PathStart::System(&from), start_modes: &[], end: PathEnd { system: &to, modes: &[] } };
     let mut work = Workspace::default();
-    for Mode { lambda, .. } in modes(&way.system(0.4)) {
-        let mut at = |t: f64, guess| points(&[(way, t, guess)], &mut work).remove(0).unwrap();
+    for Mode { lambda, .. } in modes(&path.system_at(0.4)) {
+        let mut at = |t: f64, lambda| modes_on_paths(&[PathPoint { path, t, lambda }], &mut work).remove(0).unwrap();
         let here = at(0.4, lambda);
         let [behind, ahead] = [0.4 - 1e-4, 0.4 + 1e-4].map(|t| at(t, lambda).mode.lambda);
         assert!((here.mode.lambda - lambda).norm() < 1e-9);
@@ -113,11 +113,12 @@ proptest! {
         let (from, to) = (system(0), system(1));
         let start = modes(&from);
         prop_assume!(start.len() == 4 && modes(&to).len() == 4);
-        let way = Way { from: (Start::System(&from), &start), to: (&to, &[]) };
-        for (mode, (end, margin)) in start.iter().zip(crawled(way)) {
+        let path = Path {
+ start: PathStart::System(&from), start_modes: &start, end: PathEnd { system: &to, modes: &[] } };
+        for (mode, (end, margin)) in start.iter().zip(by_small_steps(path)) {
             // Two modes that pass each other at a smaller distance are told apart by their shapes.
             if margin > 1000.0 {
-                let found = end_of(way, mode);
+                let found = end_of(path, mode);
                 prop_assert!(found.is_none_or(|l| (l - end).norm() < 1e-4 * end.norm()), "{found:?} {end} {margin}");
             }
         }
