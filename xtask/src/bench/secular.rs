@@ -27,7 +27,7 @@ impl SecularRoute {
             return Ok(None);
         };
         let feedback = Feedback { force: channels.force, reading: channels.coupling };
-        let Some(secular) = Secular::new(lattice.structural(), &feedback, &mut work)? else { return Ok(None) };
+        let Ok(secular) = Secular::new(lattice.structural(), &feedback, &mut work)? else { return Ok(None) };
         let mut known = Vec::with_capacity(anchors.len());
         for state in anchors {
             if let Some(gain) = gain(state) {
@@ -41,6 +41,6 @@ impl SecularRoute {
     pub fn solve(&self) -> Spectra {
         let gains: Vec<(Gain, &[f64])> = self.gains.iter().map(|&gain| (gain, &[][..])).collect();
         let found = self.secular.growing(&self.anchors, &gains, &mut Workspace::default()).into_iter();
-        found.map(|found| Some(found?.modes.into_iter().filter(|mode| mode.re > 0.0).collect())).collect()
+        found.map(|found| Some(found.ok()?.modes.into_iter().filter(|mode| mode.re > 0.0).collect())).collect()
     }
 }

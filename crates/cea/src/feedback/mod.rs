@@ -5,4 +5,6 @@ mod h_infinity;
 mod secular;
 
 pub use h_infinity::{Channels, NoNormBound, h_infinity_norm_bound};
-pub use secular::{Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, NewtonStep, Secular};
+pub use secular::{
+    Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoSecular, Secular,
+};

@@ -1,6 +1,6 @@
 //! Chains with feedback, and what QR says of them.
 
-use cea::{Anchors, EigenSolver, Feedback, Gain, Growing, QrSolver, Secular, Spectrum, Workspace};
+use cea::{Anchors, EigenSolver, Feedback, Gain, Growing, LeftOpen, QrSolver, Secular, Spectrum, Workspace};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -88,7 +88,7 @@ impl Brake {
 }
 
 /// What is found with each gain, whatever the frequencies of others.
-pub fn growing(secular: &Secular, anchors: &Anchors, gains: &[Gain]) -> Vec<Option<Growing>> {
+pub fn growing(secular: &Secular, anchors: &Anchors, gains: &[Gain]) -> Vec<Result<Growing, LeftOpen>> {
     let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
     secular.growing(anchors, &gains, &mut Workspace::default())
 }

@@ -20,7 +20,7 @@ fn check_about(
         for (side, grow) in [-1.0, 1.0].into_iter().zip(grow) {
             let gain = by(at, side * 10f64.powi(-exponent));
             let found = growing(anchors.0, anchors.1, &[gain]).remove(0);
-            let number = found.as_ref().map(|found| found.frequencies().count());
+            let number = found.as_ref().ok().map(|found| found.frequencies().count());
             prop_assert!(number.is_none_or(|number| number == grow), "1e-{exponent} to {side}: {number:?}");
             // Frequencies are about 1.
             let mut modes = found.iter().flat_map(|found| &found.modes);
@@ -63,7 +63,7 @@ fn next_to_critical_gains_no_verdict_is_wrong() {
         let (secular, known) = (uneven.secular(), gains(&uneven, threshold, &units, false));
         let anchors = uneven.anchors(&secular, &known);
         add(1, check_about((&secular, &anchors), proportional(threshold), nudge, [0, 1])?);
-        prop_assert_eq!(growing(&secular, &anchors, &[proportional(threshold)]), [None]);
+        prop_assert!(growing(&secular, &anchors, &[proportional(threshold)])[0].is_err());
 
         // None is surely damped.
         let (secular, known) = (undamped.secular(), gains(&undamped, threshold, &units, false));
@@ -81,7 +81,7 @@ fn next_to_critical_gains_no_verdict_is_wrong() {
         let anchors = brake.anchors(&secular, &[0.5, 0.9, 1.1].map(|part| velocity(part * critical)));
         let nudge = |gain: Gain, part: f64| Gain { velocity: gain.velocity * (1.0 + part), ..gain };
         add(3, check_about((&secular, &anchors), velocity(critical), nudge, [0, 1])?);
-        prop_assert_eq!(growing(&secular, &anchors, &[velocity(critical)]), [None]);
+        prop_assert!(growing(&secular, &anchors, &[velocity(critical)])[0].is_err());
         Ok(())
     };
     runner(64).run(&(brake(0.03..0.1, 0.0), units), check).unwrap();

@@ -164,7 +164,7 @@ fn modes_near_the_axis_are_all_that_are_there() {
         prop_assert_eq!(found.len(), gains.len());
         for (gain, found) in gains.iter().zip(found) {
             let modes = brake.modes(gain);
-            let Some(found) = found else {
+            let Ok(found) = found else {
                 let is_special = modes.len() != brake.structure.order() || modes.iter().any(|l| l.re.abs() < NEAR_AXIS);
                 add(if is_special { &special } else { &open }, 1);
                 continue;

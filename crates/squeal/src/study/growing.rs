@@ -36,7 +36,7 @@ impl Equations {
         let mut work = Workspace::default();
         let mut of_sector = |sector: &Sector| {
             let [force, reading] = sector.channels(&brake.system);
-            Ok(Secular::new(&sector.reduced(&structure)?, &Feedback { force, reading }, &mut work)?)
+            Ok(Secular::new(&sector.reduced(&structure)?, &Feedback { force, reading }, &mut work)?.ok())
         };
         let sectors = brake.sectors.iter().map(&mut of_sector).collect::<Result<_, Error>>()?;
         Ok(Self { coefficients, sectors })
@@ -137,5 +137,5 @@ pub(super) fn growing(
 fn search(sector: &Solver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
     let Some(Equation { secular, anchors, .. }) = sector.equation else { return vec![None; gains.len()] };
     let found = secular.growing(anchors, gains, work);
-    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
+    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found.ok()?))).collect()
 }

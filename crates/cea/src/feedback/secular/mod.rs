@@ -16,6 +16,7 @@ mod anchors;
 mod enclosure;
 mod gain_path;
 mod pair;
+mod reasons;
 mod resolvent;
 mod response;
 mod search;
@@ -31,13 +32,14 @@ pub use anchors::Anchors;
 use enclosure::Wanted;
 pub use gain_path::{GainPath, NewtonStep};
 pub use pair::EigenvaluePair;
+pub use reasons::{LeftOpen, NoSecular};
 pub use resolvent::Feedback;
 use resolvent::Resolvent;
 use response::Point;
 
 /// Largest square of the number of ports, per degree of freedom: with 30 a spectrum costs as much as some thirteen ports,
 /// extrapolated from nine.
-const MOST_PORTS: usize = 6;
+const MOST_SQUARED_PORTS: usize = 6;
 /// The middle of the frequencies, in units: where slopes are compared.
 const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
 
@@ -84,7 +86,7 @@ impl Gain {
 /// let gain = |mu| Gain { mu, ..Gain::default() };
 ///
 /// let mut work = Workspace::default();
-/// let secular = Secular::new(&structure, &feedback, &mut work)?.ok_or("a sum over its modes it is not")?;
+/// let secular = Secular::new(&structure, &feedback, &mut work)??;
 /// let mut anchors = Vec::new();
 /// for p in [0.0, 1.0, 2.0, 3.0] {
 ///     let mut system = structure.clone();
@@ -129,14 +131,19 @@ impl Growing {
 }
 
 impl Secular {
-    /// `None` where spectra are the better way: with many ports, and for structures whose response is not a sum over
-    /// oscillating modes.
+    /// The secular equation of a structure, or the reason for which spectra are the better way: many ports, or a response
+    /// that is not a sum over oscillating modes.
     ///
     /// # Errors
     /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
-    pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
-        if feedback.force.ncols().pow(2) > MOST_PORTS * structure.order() {
-            return Ok(None);
+    pub fn new(
+        structure: &SecondOrder,
+        feedback: &Feedback,
+        work: &mut Workspace,
+    ) -> Result<Result<Self, NoSecular>, CeaError> {
+        let (ports, order) = (feedback.force.ncols(), structure.order());
+        if ports.pow(2) > MOST_SQUARED_PORTS * order {
+            return Ok(Err(NoSecular::ManyPorts { ports, order, most: (MOST_SQUARED_PORTS * order).isqrt() + 1 }));
         }
         let resolvent = Resolvent::new(structure, feedback, work)?;
         Ok(resolvent.map(|resolvent| Self { structure: structure.clone(), feedback: feedback.clone(), resolvent }))
@@ -167,26 +174,31 @@ impl Secular {
     }
 
     /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
-    /// plain which are lower; `None` where a doubt is left.
+    /// plain which are lower; or the reason for which a spectrum is the way to know.
     ///
     /// What is found for a gain does not depend on the others, to the last bit.
-    pub fn growing(&self, anchors: &Anchors, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Option<Growing>> {
+    pub fn growing(
+        &self,
+        anchors: &Anchors,
+        gains: &[(Gain, &[f64])],
+        work: &mut Workspace,
+    ) -> Vec<Result<Growing, LeftOpen>> {
         search::search(&self.resolvent, anchors, Wanted::Growing, gains, work)
     }
 
     /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
-    /// gains; `None` where a doubt is left.
+    /// gains; or the reason for which a spectrum is the way to know.
     pub fn near_axis(
         &self,
         anchors: &Anchors,
         gains: &[Gain],
         part: f64,
         work: &mut Workspace,
-    ) -> Vec<Option<Vec<Complex<f64>>>> {
+    ) -> Vec<Result<Vec<Complex<f64>>, LeftOpen>> {
         let wanted = Wanted::Near(part);
         let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
         let found = search::search(&self.resolvent, anchors, wanted, &gains, work).into_iter();
         let is_near = |lambda: &Complex<f64>| lambda.re > -part * lambda.norm();
-        found.map(|found| Some(found?.modes.into_iter().filter(is_near).collect())).collect()
+        found.map(|found| Ok(found?.modes.into_iter().filter(is_near).collect())).collect()
     }
 }

@@ -12,6 +12,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::NoSecular;
 use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
 
 /// Eigenvalues nearer to each other than this, relatively, count as one multiple eigenvalue, whose vectors span one space.
@@ -62,19 +63,26 @@ struct Driven {
 }
 
 impl Resolvent {
-    /// `None` for a structure that has overdamped modes or internal states, that is not symmetric where friction acts, or
-    /// whose modes do not add up to its response.
+    /// The response as a sum; or the reason for which it is none: overdamped modes or internal states, a structure that is
+    /// not symmetric where friction acts, or modes that do not add up.
     ///
     /// # Errors
     /// Those of the eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
-    pub fn new(structure: &SecondOrder, feedback: &Feedback, work: &mut Workspace) -> Result<Option<Self>, CeaError> {
+    pub fn new(
+        structure: &SecondOrder,
+        feedback: &Feedback,
+        work: &mut Workspace,
+    ) -> Result<Result<Self, NoSecular>, CeaError> {
         let (n, m) = (structure.order(), feedback.force.ncols());
         if feedback.force.nrows() != n || feedback.reading.shape() != (m, n) {
             return Err(CeaError::Channels { order: n, states: structure.states() });
         }
+        if structure.states() > 0 {
+            return Ok(Err(NoSecular::InternalStates { states: structure.states() }));
+        }
         let lambdas: Vec<Complex<f64>> = QrSolver.eigenvalues(structure, work)?.oscillatory().collect();
-        if structure.states() > 0 || lambdas.len() != n {
-            return Ok(None);
+        if lambdas.len() != n {
+            return Ok(Err(NoSecular::Overdamped { oscillating: lambdas.len(), order: n }));
         }
         let unit = (lambdas.iter().map(|l| l.norm().ln()).sum::<f64>() / n as f64).exp();
         let right = right_vectors(structure, &lambdas, work)?;
@@ -90,7 +98,9 @@ impl Resolvent {
             let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
             let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
-            let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else { return Ok(None) };
+            let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else {
+                return Ok(Err(NoSecular::Defective { lambda: pole }));
+            };
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
                 modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
@@ -116,7 +126,10 @@ impl Resolvent {
                 resolvent.enter(at, &(&reading * residue), &(force.transpose() * residue));
             }
         }
-        Ok(resolvent.is_right(structure, feedback).then_some(resolvent))
+        Ok(match resolvent.differs_at(structure, feedback) {
+            Some(sigma) => Err(NoSecular::ResponseDiffers { lambda: sigma * unit }),
+            None => Ok(resolvent),
+        })
     }
 
     /// Enters the residues of a pole.
@@ -136,10 +149,10 @@ impl Resolvent {
         }
     }
 
-    /// Whether the sums are what factorisations of Q say.
-    fn is_right(&self, structure: &SecondOrder, feedback: &Feedback) -> bool {
+    /// Where the sums are not what a factorisation of Q says, of three places, in units.
+    fn differs_at(&self, structure: &SecondOrder, feedback: &Feedback) -> Option<Complex<f64>> {
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
-        [Complex::new(0.3, 0.0), Complex::new(0.1, 0.7), Complex::new(0.05, 1.4)].into_iter().all(|sigma| {
+        let is_right = |sigma: Complex<f64>| {
             let Some(response) = structure.dynamic_stiffness(sigma * self.unit).lu().solve(&force) else {
                 return false;
             };
@@ -149,7 +162,9 @@ impl Resolvent {
             };
             is_near(&reading * &response, by_modes)
                 && is_near(force.transpose() * response * Complex::from(self.unit), mobility)
-        })
+        };
+        let places = [Complex::new(0.3, 0.0), Complex::new(0.1, 0.7), Complex::new(0.05, 1.4)];
+        places.into_iter().find(|&sigma| !is_right(sigma))
     }
 
     /// `Q_0^-1 B w` at an eigenvalue, up to a factor.

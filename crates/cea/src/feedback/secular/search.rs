@@ -1,10 +1,10 @@
-//! The search itself: from guesses of all modes to a proof of which of them grow.
+//! The search itself: from guesses of all modes to bounds that say which of them grow, certified up to rounding.
 
 use num_complex::Complex;
 
 use super::enclosure::{Approximations, Enclosure, LARGEST_TOTAL_SHARE, Wanted, enclosure};
 use super::response::{Point, characteristic};
-use super::{Anchors, Gain, Growing, Resolvent};
+use super::{Anchors, Gain, Growing, LeftOpen, Resolvent};
 use crate::{Workspace, by_frequency};
 
 /// Rounds of corrections before a search is given up.
@@ -55,13 +55,14 @@ pub(super) fn search(
     wanted: Wanted,
     gains: &[(Gain, &[f64])],
     work: &mut Workspace,
-) -> Vec<Option<Growing>> {
+) -> Vec<Result<Growing, LeftOpen>> {
     let start = |(gain, apart_from): &(Gain, &[f64])| {
         let gain = gain.in_units(resolvent.unit);
         let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
-        Some(Search::new(wanted, gain, apart_from, anchors.guess(&gain)?))
+        let guess = anchors.guess(&gain).ok_or(LeftOpen::NoAnchor)?;
+        Ok(Search::new(wanted, gain, apart_from, guess))
     };
-    let mut searches: Vec<Option<Search>> = gains.iter().map(start).collect();
+    let mut searches: Vec<Result<Search, LeftOpen>> = gains.iter().map(start).collect();
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for round in 0..MOST_ROUNDS {
         points.clear();
@@ -184,18 +185,22 @@ impl Search {
         }
     }
 
-    fn found(mut self, resolvent: &Resolvent) -> Option<Growing> {
-        let Stage::Refine(enclosure, secants) = self.stage else { return None };
+    fn found(mut self, resolvent: &Resolvent) -> Result<Growing, LeftOpen> {
+        let (enclosure, secants) = match self.stage {
+            Stage::Refine(enclosure, secants) => (enclosure, secants),
+            Stage::Enclose(_) => return Err(LeftOpen::RoundsExhausted { rounds: MOST_ROUNDS }),
+            Stage::GivenUp => return Err(LeftOpen::NotSeparated),
+        };
         let (sigmas, mut radii) = (&mut self.approximations.sigmas, enclosure.smallest().collect::<Vec<f64>>());
         for Secant { mode, here, is_converged, .. } in secants {
             if !is_converged || (here - sigmas[mode]).norm() > enclosure.radii[mode] {
-                return None;
+                return Err(LeftOpen::NoConvergence);
             }
             sigmas[mode] = here;
             radii[mode] = 0.0;
         }
         if sigmas.iter().chain(&resolvent.uncontrollable).any(|sigma| sigma.re.abs() <= LEAST_AXIS_DISTANCE) {
-            return None;
+            return Err(LeftOpen::NearAxis);
         }
         let uncontrollable = resolvent.uncontrollable.iter().map(|sigma| (sigma, 0.0));
         let all = sigmas.iter().zip(radii).chain(uncontrollable);
@@ -203,7 +208,7 @@ impl Search {
             all.map(|(sigma, radius)| (sigma * resolvent.unit, radius * resolvent.unit)).collect();
         modes.sort_by(|(a, _), (b, _)| by_frequency(a, b));
         let (modes, radii) = modes.into_iter().unzip();
-        Some(Growing { modes, radii })
+        Ok(Growing { modes, radii })
     }
 }
 

@@ -41,7 +41,7 @@ pub(crate) fn feedback(n: usize, ports: usize, seed: u64) -> Feedback {
     Feedback { force: noise(n, ports, seed + 100), reading: 1e6 * noise(ports, n, seed + 200) }
 }
 
-pub(crate) fn resolvent(structure: &SecondOrder, feedback: &Feedback) -> Option<Resolvent> {
+pub(crate) fn resolvent(structure: &SecondOrder, feedback: &Feedback) -> Result<Resolvent, NoSecular> {
     Resolvent::new(structure, feedback, &mut Workspace::default()).unwrap()
 }
 
@@ -126,33 +126,38 @@ fn double_modes_have_one_summand() {
 }
 
 #[test]
-fn structures_without_such_a_sum_have_none() {
+fn structures_without_such_a_sum_say_why() {
     let plain = chain(4, 1);
     let feedback = feedback(4, 2, 1);
-    let has_sum = |structure: &SecondOrder| resolvent(structure, &feedback).is_some();
-    assert!(has_sum(&plain));
+    let reason = |structure: &SecondOrder| resolvent(structure, &feedback).err();
+    assert_eq!(reason(&plain), None);
 
     let mut overdamped = plain.clone();
     overdamped.c[(1, 1)] = 1e5;
-    assert!(!has_sum(&overdamped));
+    assert_eq!(reason(&overdamped), Some(NoSecular::Overdamped { oscillating: 3, order: 4 }));
 
     let mut gyroscopic = plain.clone();
     (gyroscopic.c[(0, 1)], gyroscopic.c[(1, 0)]) = (1e3, -1e3);
-    assert!(!has_sum(&gyroscopic));
+    assert!(matches!(reason(&gyroscopic), Some(NoSecular::ResponseDiffers { .. })));
 
     let mut follower = plain.clone();
     follower.k[(0, 1)] += 1e6;
-    assert!(!has_sum(&follower));
+    assert!(matches!(reason(&follower), Some(NoSecular::ResponseDiffers { .. })));
 
     let mut internal = plain;
     internal.internal = Internal { decay: DVector::from_element(1, 1e4), ..Internal::zeros(4, 1) };
-    assert!(!has_sum(&internal));
+    assert_eq!(reason(&internal), Some(NoSecular::InternalStates { states: 1 }));
 
     // A defective pair: critical flutter of two masses.
     let k = dmatrix![10.0, 1.0; -1.0, 12.0];
     let defective = SecondOrder::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), k).unwrap();
     let feedback = Feedback { force: dmatrix![1.0; 0.3], reading: dmatrix![0.2, 1.0] };
-    assert!(resolvent(&defective, &feedback).is_none());
+    let refused = resolvent(&defective, &feedback);
+    assert!(matches!(refused, Err(NoSecular::Defective { .. } | NoSecular::ResponseDiffers { .. })), "{refused:?}");
+
+    let many = Feedback { force: DMatrix::identity(4, 5), reading: DMatrix::identity(5, 4) };
+    let refused = Secular::new(&chain(4, 1), &many, &mut Workspace::default()).unwrap();
+    assert_eq!(refused.unwrap_err(), NoSecular::ManyPorts { ports: 5, order: 4, most: 5 });
 }
 
 /// A real polynomial with n pairs of zeros and some real ones far to the left, and guesses of all.
@@ -314,7 +319,7 @@ fn internal_states_driven_otherwise_than_those_of_the_pilots_are_enclosed() {
     for part in [0.0, 1e-30, 0.2, 1.0, 3.0, 5.0] {
         let gain = Gain { lag: part * GAIN.lag, ..GAIN };
         let found = secular.growing(&anchors, &[(gain, &[])], &mut work).remove(0);
-        let found = found.unwrap_or_else(|| panic!("a doubt is left at {part} times the drive"));
+        let found = found.unwrap_or_else(|open| panic!("{open} at {part} times the drive"));
         let expected = spectrum(gain).unwrap().oscillatory().filter(|lambda| lambda.re > 0.0).count();
         assert_eq!(found.frequencies().count(), expected, "{part}");
     }
