@@ -6,12 +6,11 @@
 
 use cea::Counters;
 
-use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
 use super::{EstimatorError, OneParameterFamily, Onsets};
 use crate::study::Reference;
 
-/// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
+/// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
 
 /// What the integral over mu says of one scene.
@@ -33,15 +32,15 @@ pub struct Exact {
 /// Those of [`OneParameterFamily::onsets`].
 pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
     let distribution = family.distribution();
-    let (from, to) = support(distribution);
+    let (from, to) = distribution.support();
     let median = distribution.median();
     family.spectrum(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
     ends.extend(onsets.onsets.iter().map(|c| c.mu));
     ends.push(to);
-    let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
-    let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
+    let integral = integrate(&distribution, &ends, |mu| named(family, mu, median, reference))?;
+    let probability = |a: f64, b: f64| distribution.cumulative(b) - distribution.cumulative(a);
     let roots = onsets.onsets.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
     let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();

@@ -16,7 +16,6 @@
 mod branches;
 mod cell_builder;
 mod control_variate;
-mod distribution;
 mod error;
 mod evaluations;
 mod exact;
@@ -34,7 +33,6 @@ mod surrogate;
 
 pub use branches::Link;
 pub use control_variate::control_variate;
-pub use distribution::{cumulative, quantile, support};
 pub use error::EstimatorError;
 pub use evaluations::Evaluations;
 pub use exact::{Exact, exact};
