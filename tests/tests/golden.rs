@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use cea::{BatchSolver, EigenSolver, QrSolver, Workspace, general, right_vector};
+use cea::{BatchSolver, EigenSolver, QrSolver, Workspace, certified, right_vector};
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent, VelocityDependent,
     VelocityDependentParameters,
@@ -135,7 +135,7 @@ impl Case {
 }
 
 fn general_route(system: &SecondOrder) -> Vec<Complex<f64>> {
-    general::solve(system, &mut Workspace::default()).unwrap().eigenvalues
+    certified::solve(system, &mut Workspace::default()).unwrap().eigenvalues
 }
 
 fn by(solver: &dyn EigenSolver, system: &SecondOrder) -> Vec<Complex<f64>> {

@@ -3,7 +3,7 @@
 
 use std::hint::black_box;
 
-use cea::{BatchSolver, EigenSolver, QrSolver, Workspace, general, right_vector};
+use cea::{BatchSolver, EigenSolver, QrSolver, Workspace, certified, right_vector};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use linsys::SecondOrder;
 
@@ -69,9 +69,9 @@ fn certificates(criterion: &mut Criterion) {
     for (n, s) in SHAPES {
         let system = chain(n, s, 3e6);
         let mut work = Workspace::default();
-        let Ok(spectrum) = general::solve(&system, &mut work) else { continue };
+        let Ok(spectrum) = certified::solve(&system, &mut work) else { continue };
         group.bench_function(format!("{n}+{s}"), |bencher| {
-            bencher.iter(|| general::certify(black_box(&system), &spectrum, &mut work));
+            bencher.iter(|| certified::certify(black_box(&system), &spectrum, &mut work));
         });
     }
     group.finish();

@@ -5,6 +5,7 @@ use num_complex::Complex;
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CeaError {
     /// The system itself is malformed.
     #[error(transparent)]

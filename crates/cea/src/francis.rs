@@ -8,12 +8,13 @@ use nalgebra::DMatrix;
 use nalgebra::linalg::Hessenberg;
 use num_complex::Complex;
 
-/// Steps without deflation before an exceptional shift.
-const PATIENCE: usize = 10;
+/// Steps without deflation before an exceptional shift: LAPACK's `kexsh`.
+const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
 
-/// A subdiagonal entry this small, relative to its neighbours on the diagonal, is none, whatever stands above it: equal
-/// diagonal entries absorb the shifts, and the iteration would not make it any smaller.
-const NOTHING: f64 = 1e-60;
+/// A subdiagonal entry at most this large, relative to its neighbours on the diagonal, counts as zero whatever stands above
+/// it. Equal diagonal entries absorb the shifts, and the iteration would not make it any smaller. Its product with any entry
+/// above it that is not itself beyond 1e28 is below the square of rounding, so no eigenvalue sees it.
+const NEGLIGIBLE_SUBDIAGONAL: f64 = 1e-60;
 
 /// All eigenvalues of a square matrix, or `None` if one does not settle within `cap` steps or an entry is not finite.
 pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
@@ -64,7 +65,7 @@ fn deflate(h: &mut DMatrix<f64>, last: usize, tiny: f64) -> usize {
             size += if k < last { h[(k + 1, k)].abs() } else { 0.0 };
         }
         let small = below <= tiny
-            || below <= NOTHING * size
+            || below <= NEGLIGIBLE_SUBDIAGONAL * size
             || below <= f64::EPSILON * size && {
                 let (ab, ba) = (below.max(above), below.min(above));
                 let (aa, bb) = (d.abs().max((a - d).abs()), d.abs().min((a - d).abs()));
@@ -83,9 +84,9 @@ fn deflate(h: &mut DMatrix<f64>, last: usize, tiny: f64) -> usize {
 /// The two shifts: eigenvalues of the trailing 2 x 2 block, or exceptional ones.
 fn shifts(h: &DMatrix<f64>, first: usize, last: usize, steps: usize) -> (Complex<f64>, Complex<f64>) {
     let exceptional = |corner: f64, s: f64| of_2x2(0.75 * s + corner, -0.4375 * s, s, 0.75 * s + corner);
-    if steps.is_multiple_of(2 * PATIENCE) {
+    if steps.is_multiple_of(2 * STEPS_TO_EXCEPTIONAL_SHIFT) {
         exceptional(h[(last, last)], h[(last, last - 1)].abs() + h[(last - 1, last - 2)].abs())
-    } else if steps.is_multiple_of(PATIENCE) {
+    } else if steps.is_multiple_of(STEPS_TO_EXCEPTIONAL_SHIFT) {
         exceptional(h[(first, first)], h[(first + 1, first)].abs() + h[(first + 2, first + 1)].abs())
     } else {
         let corner = h[(last, last)];

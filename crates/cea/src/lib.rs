@@ -1,41 +1,72 @@
 //! Complex eigenvalue analysis of second-order systems.
 //!
-//! Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so `Re lambda > 0` grows and `f = Im lambda / 2 pi`.
-//! This crate never sees a lattice, a friction law or a random number.
+//! The eigenvalues lambda of `Q(lambda) phi = (lambda^2 M + lambda C + K) phi = 0`, with the internal states of
+//! [`linsys::SecondOrder`] if there are some. Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so `Re lambda > 0` grows and
+//! `f = Im lambda / 2 pi`; eigenvalues are in rad/s.
+//!
+//! | to know | ask | in |
+//! | --- | --- | --- |
+//! | what grows, what is damped, what cannot be told | [`stability_census`] | `stability` |
+//! | all eigenvalues, fast: of one system, of many | [`QrSolver`], [`BatchSolver`] | `dense` |
+//! | which of them are modes; shapes of chosen ones | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
+//! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | `certified` |
+//! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `feedback` |
+//! | how strong feedback may be before anything can grow | [`h_infinity_norm_bound`] | `feedback` |
+//!
+//! ```
+//! use cea::{EigenSolver, QrSolver, Workspace, frequency_hz, stability_census};
+//! use linsys::SecondOrder;
+//! use nalgebra::dmatrix;
+//!
+//! // A mass of 0.4 kg in x and z; friction, mu = 0.5 on a contact of 3.5e7 N/m, makes the stiffness unsymmetric: flutter.
+//! let k = dmatrix![4.6e7, -6.7e6 + 0.5 * 3.5e7; -6.7e6, 5.8e7];
+//! let system = SecondOrder::new(dmatrix![0.4, 0.0; 0.0, 0.4], dmatrix![100.0, 0.0; 0.0, 100.0], k)?;
+//! let mut work = Workspace::default();
+//! let census = stability_census(&system, &mut work)?;
+//! assert_eq!((census.growing.len(), census.damped, census.is_open()), (1, 1, false));
+//! assert_eq!(frequency_hz(census.growing[0].lambda).round(), 1818.0);
+//!
+//! let spectrum = QrSolver.eigenvalues(&system, &mut work)?; // all four, in conjugate pairs
+//! assert_eq!(spectrum.eigenvalues.len(), 4);
+//! assert_eq!(work.counters.eigenvalue_solves, 2); // what was computed is counted
+//! # Ok::<(), cea::CeaError>(())
+//! ```
+//!
+//! This crate never sees a lattice, a friction law or a random number; modes are followed from system to system in `tracking`.
+//! Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s; both are re-exported, because types of another version
+//! of them are other types.
 
-mod batch;
+pub mod certified;
+mod dense;
 mod error;
+mod feedback;
 mod francis;
-mod gain;
-pub mod general;
-#[cfg(feature = "lapack")]
-mod lapack;
-mod mac;
-mod modes;
-mod qr;
-mod scaling;
-mod secular;
-mod solver;
+mod lanes;
 mod spectrum;
-mod split;
 mod stability;
-mod trace;
-mod track;
-mod vectors;
-mod walk;
+mod verdict;
+mod workspace;
 
-pub use batch::BatchSolver;
-pub use error::CeaError;
-pub use gain::{Channels, peak_gain};
+pub use nalgebra;
+pub use num_complex;
+
+pub use dense::{
+    BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, backward_error, left_vector, mass_norm_squared,
+    pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
+};
 #[cfg(feature = "lapack")]
-pub use lapack::{LapackSolver, dgeev, dggev};
-pub use mac::{Mode, mac};
-pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
-pub use qr::QrSolver;
-pub use scaling::StandardForm;
-pub use secular::{Feedback, Gain, Growing, Line, Pilots, Secular};
-pub use solver::{Counters, EigenSolver, Workspace};
-pub use spectrum::{Spectrum, Verdict, by_frequency, damping_ratio, frequency_hz, sort};
-pub use stability::verdict;
-pub use track::{Links, Start, Way, follow, identify, identify_all};
-pub use vectors::{backward_error, left_vector, right_vector, right_vectors, right_vectors_of_all};
+pub use dense::{LapackSolver, dgeev, dggev};
+pub use error::CeaError;
+pub use feedback::{
+    Anchors, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
+    Secular, h_infinity_norm_bound,
+};
+pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};
+pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict};
+pub use verdict::Verdict;
+pub use workspace::{Counters, Workspace};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -1,7 +1,6 @@
 //! Eigenvalues and what engineers read off them.
 
 use std::cmp::Ordering;
-use std::fmt;
 
 use num_complex::Complex;
 
@@ -22,6 +21,7 @@ pub fn sort(eigenvalues: &mut [Complex<f64>]) {
 }
 
 /// Orders eigenvalues by |Im|, then Re, then Im: real ones first, conjugates next to each other.
+#[must_use]
 pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
     a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im))
 }
@@ -39,6 +39,7 @@ impl Spectrum {
 }
 
 /// `f = Im lambda / 2 pi`, Hz.
+#[must_use]
 pub fn frequency_hz(lambda: Complex<f64>) -> f64 {
     lambda.im / std::f64::consts::TAU
 }
@@ -46,51 +47,9 @@ pub fn frequency_hz(lambda: Complex<f64>) -> f64 {
 /// `zeta = -Re lambda / |lambda|`, the textbook's damping ratio: 1 is critical, negative is unstable.
 ///
 /// Abaqus prints `-2 Re lambda / |lambda|`, twice this.
+#[must_use]
 pub fn damping_ratio(lambda: Complex<f64>) -> f64 {
     if lambda.norm() == 0.0 { 0.0 } else { -lambda.re / lambda.norm() }
-}
-
-/// Whether a motion grows, and never a bare yes or no.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Verdict {
-    /// Re lambda is below zero by more than its error bound.
-    Stable,
-    /// Re lambda is above zero by more than its error bound.
-    Unstable,
-    /// Proven neutral: |Re lambda| is at most what rounding the matrices to doubles may move it by.
-    Marginal {
-        /// That much, in rad/s.
-        tolerance: f64,
-    },
-    /// |Re lambda| is within the error bound, in rad/s.
-    Undecided {
-        /// The bound.
-        bound: f64,
-    },
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Stable => "stable",
-            Self::Unstable => "unstable",
-            Self::Marginal { .. } => "marginal",
-            Self::Undecided { .. } => "undecided",
-        })
-    }
-}
-
-impl Verdict {
-    /// The verdict on `lambda` known to within `bound`, rad/s.
-    pub fn of(lambda: Complex<f64>, bound: f64) -> Self {
-        if lambda.re > bound {
-            Self::Unstable
-        } else if lambda.re < -bound {
-            Self::Stable
-        } else {
-            Self::Undecided { bound }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -98,12 +57,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frequency_damping_and_verdict_of_a_known_eigenvalue() {
+    fn frequency_and_damping_of_a_known_eigenvalue() {
         let lambda = Complex::new(-3.0, 4.0);
         assert_eq!(damping_ratio(lambda), 0.6);
         assert_eq!(frequency_hz(lambda), 4.0 / std::f64::consts::TAU);
-        assert_eq!(Verdict::of(lambda, 1.0), Verdict::Stable);
-        assert_eq!(Verdict::of(-lambda, 1.0), Verdict::Unstable);
-        assert_eq!(Verdict::of(lambda, 4.0), Verdict::Undecided { bound: 4.0 });
     }
 }

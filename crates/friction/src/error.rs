@@ -4,6 +4,7 @@ use std::fmt;
 
 /// The range that a parameter must lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Allowed {
     /// Finite and > 0.
     Positive,
@@ -22,6 +23,7 @@ impl fmt::Display for Allowed {
 
 /// Errors of this crate.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrictionError {
     /// A parameter, or the sliding speed, is outside its range.
     #[error("{name} = {value}; allowed: {allowed}")]

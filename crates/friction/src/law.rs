@@ -44,11 +44,13 @@ impl Steady {
     }
 
     /// Relative speed v of the surfaces, m/s.
+    #[must_use]
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
     /// Friction coefficient: tangential over normal force.
+    #[must_use]
     pub fn mu(&self) -> f64 {
         self.mu
     }
@@ -84,6 +86,7 @@ impl Tangent {
     ///
     /// `dF = N0 h(lambda) dv + mu dN` for motion `e^{lambda t}`. A law without an internal state has the constant
     /// `slope`. `h(0)` is the slope of the steady coefficient over speed. At `lambda = -decay` there is a pole.
+    #[must_use]
     pub fn complex_slope(&self, lambda: Complex<f64>) -> Complex<f64> {
         match self.internal {
             None => Complex::from(self.slope),
@@ -96,6 +99,7 @@ impl Tangent {
     ///
     /// `1 / (lambda + decay)` maps that half plane to the disc with the diameter from 0 to `1 / decay`. Not finite for a
     /// state that does not decay.
+    #[must_use]
     pub fn slope_extremes(&self) -> [f64; 2] {
         let lag = self.internal.map_or(0.0, |state| state.force * state.drive / state.decay);
         [self.slope, self.slope + lag]

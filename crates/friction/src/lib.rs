@@ -33,3 +33,8 @@ pub use law::{FrictionLaw, InternalTangent, Steady, Tangent};
 pub use lugre::{BristleDamping, LuGre, LuGreParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use velocity_dependent::{VelocityDependent, VelocityDependentParameters};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

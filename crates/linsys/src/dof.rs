@@ -44,26 +44,31 @@ impl DofMap {
     }
 
     /// Degrees of freedom of the unconstrained model.
+    #[must_use]
     pub fn total(&self) -> usize {
         self.position.len()
     }
 
     /// Full indices of the free degrees of freedom, ascending.
+    #[must_use]
     pub fn free(&self) -> &[usize] {
         &self.free
     }
 
     /// Position of a full index among the free ones; `None` if it is constrained or out of range.
+    #[must_use]
     pub fn position(&self, full: usize) -> Option<usize> {
         self.position.get(full).copied().flatten()
     }
 
     /// Rows and columns of `full` (total x total) that are free.
+    #[must_use]
     pub fn reduce(&self, full: &DMatrix<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(self.free.len(), self.free.len(), |i, j| full[(self.free[i], self.free[j])])
     }
 
     /// A vector over the free degrees of freedom as one over all, zero where constrained.
+    #[must_use]
     pub fn expand<T: Scalar + Zero>(&self, reduced: &DVector<T>) -> DVector<T> {
         let mut full = DVector::from_element(self.total(), T::zero());
         for (value, &index) in reduced.iter().zip(&self.free) {

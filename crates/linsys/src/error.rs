@@ -6,6 +6,7 @@ use crate::MarketProblem;
 
 /// Names a matrix of a [`SecondOrder`](crate::SecondOrder) in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Matrix {
     /// M, n x n.
     Mass,
@@ -36,6 +37,7 @@ impl fmt::Display for Matrix {
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LinsysError {
     /// A matrix does not have the shape that the others imply.
     #[error("the {matrix} matrix is {rows} x {columns}; expected {expected_rows} x {expected_columns}")]

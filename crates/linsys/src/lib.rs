@@ -10,7 +10,16 @@
 //! `Q(lambda) = lambda^2 M + lambda C + K - lambda F diag(1 / (lambda + a)) E`; see
 //! [`SecondOrder::dynamic_stiffness`].
 //!
-//! This crate knows neither brakes nor eigenvalues.
+//! | where | what |
+//! | --- | --- |
+//! | [`SecondOrder`] | M, C, K and internal states as numbers; `Q(lambda)` and its derivative |
+//! | [`AffineSystem`] | the same as a sum of named terms and friction channels, with coefficients that are drawn |
+//! | [`DofMap`] | which degrees of freedom are free; constrained ones are eliminated |
+//! | [`read_market`] | matrices from Matrix Market files |
+//! | [`real_times_complex`] | the product that every stage needs |
+//!
+//! This crate knows neither brakes nor eigenvalues. Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s; both
+//! are re-exported, because types of another version of them are other types.
 //!
 //! ```
 //! use linsys::SecondOrder;
@@ -27,10 +36,20 @@ mod affine;
 mod dof;
 mod error;
 mod market;
+mod product;
 mod second_order;
+
+pub use nalgebra;
+pub use num_complex;
 
 pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
 pub use market::{LARGEST_ORDER, MarketProblem, read_market};
+pub use product::real_times_complex;
 pub use second_order::{Internal, SecondOrder};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -34,6 +34,7 @@ pub struct Internal {
 
 impl Internal {
     /// `states` internal states on `order` degrees of freedom, all zero.
+    #[must_use]
     pub fn zeros(order: usize, states: usize) -> Self {
         Self {
             decay: DVector::zeros(states),
@@ -69,12 +70,14 @@ impl SecondOrder {
     }
 
     /// A buffer to be filled: all matrices zero.
+    #[must_use]
     pub fn zeros(order: usize, states: usize) -> Self {
         let zero = || DMatrix::zeros(order, order);
         Self { m: zero(), c: zero(), k: zero(), internal: Internal::zeros(order, states) }
     }
 
     /// The system of `Q(lambda)^T`, whose right vectors are the complex conjugate left vectors of this one.
+    #[must_use]
     pub fn transposed(&self) -> Self {
         let Internal { decay, drive, force } = &self.internal;
         Self {
@@ -86,21 +89,25 @@ impl SecondOrder {
     }
 
     /// C alone, with M = K = 0 and no internal states: the dashpots as forces of their own.
+    #[must_use]
     pub fn damping_alone(&self) -> Self {
         Self { c: self.c.clone(), ..Self::zeros(self.order(), 0) }
     }
 
     /// n, the number of degrees of freedom.
+    #[must_use]
     pub fn order(&self) -> usize {
         self.m.nrows()
     }
 
     /// s, the number of internal states.
+    #[must_use]
     pub fn states(&self) -> usize {
         self.internal.decay.len()
     }
 
     /// 2 n + s, the number of eigenvalues where M is regular.
+    #[must_use]
     pub fn dimension(&self) -> usize {
         2 * self.order() + self.states()
     }
@@ -145,6 +152,7 @@ impl SecondOrder {
     /// `Q(lambda) = lambda^2 M + lambda C + K - lambda F diag(1 / (lambda + a)) E`, n x n.
     ///
     /// `lambda` is an eigenvalue exactly where Q is singular, unless it equals `-a` of a state.
+    #[must_use]
     pub fn dynamic_stiffness(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let n = self.order();
         let square = lambda * lambda;
@@ -164,6 +172,7 @@ impl SecondOrder {
     }
 
     /// `Q'(lambda) = 2 lambda M + C - F diag(a / (lambda + a)^2) E`, n x n.
+    #[must_use]
     pub fn dynamic_stiffness_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let n = self.order();
         let mut q = DMatrix::from_fn(n, n, |i, j| lambda * (2.0 * self.m[(i, j)]) + self.c[(i, j)]);

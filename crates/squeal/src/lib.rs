@@ -3,7 +3,7 @@
 //! This crate puts the stages together: a [`case`] file becomes a [`study`], its samples become a [`report`]. The
 //! stages themselves are crates of their own, re-exported here:
 //!
-//! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`work`] -> [`montecarlo`] -> figures
+//! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> figures
 //!
 //! Two frequencies that friction couples, the flutter at the bottom of brake squeal:
 //!
@@ -57,7 +57,7 @@ pub mod study;
 
 pub use error::Error;
 pub use run::{estimate, fingerprint, run_study};
-pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, work};
+pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

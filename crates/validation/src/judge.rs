@@ -1,6 +1,6 @@
 //! Every route on a problem: ours, whose verdicts rest on bounds, and the libraries.
 
-use cea::{CeaError, Verdict, Workspace, general, verdict};
+use cea::{CeaError, Verdict, Workspace, certified, verdict};
 use num_complex::Complex;
 
 use crate::library_baselines::judge_libraries;
@@ -37,8 +37,8 @@ impl ReferenceProblem {
 
     fn general(&self) -> Verdicts {
         let mut work = Workspace::default();
-        let spectrum = general::solve(&self.system, &mut work)?;
-        let certified = general::certify(&self.system, &spectrum, &mut work)?;
+        let spectrum = certified::solve(&self.system, &mut work)?;
+        let certified = certified::certify(&self.system, &spectrum, &mut work)?;
         Ok(certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect())
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cea::{Workspace, general};
+use cea::{Workspace, certified};
 use linsys::{SecondOrder, read_market};
 use num_complex::Complex;
 use squeal::Error;
@@ -38,8 +38,8 @@ fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     };
     let system = SecondOrder::new(matrix("M.mtx")?, matrix("C.mtx")?, matrix("K.mtx")?).map_err(cea::CeaError::from)?;
     let mut work = Workspace::default();
-    let solved = general::solve(&system, &mut work)
-        .and_then(|spectrum| general::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
+    let solved = certified::solve(&system, &mut work)
+        .and_then(|spectrum| certified::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
     let (spectrum, certified) = match solved {
         Ok(solved) => solved,
         Err(error) => return Ok(vec![RouteOutcome::Refused { case, route: GENERAL, reason: error.to_string() }]),

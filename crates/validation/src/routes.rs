@@ -1,6 +1,6 @@
 //! Solver routes side by side: the same systems, all eigenvalues.
 
-use cea::{BatchSolver, EigenSolver, QrSolver, StandardForm, Workspace, general};
+use cea::{BatchSolver, EigenSolver, QrSolver, StandardForm, Workspace, certified};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
@@ -38,7 +38,7 @@ fn by(solver: &dyn EigenSolver, systems: &[SecondOrder]) -> Spectra {
 }
 
 fn by_general(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {
-    general::solve(system, &mut Workspace::default()).ok().map(|s| s.eigenvalues)
+    certified::solve(system, &mut Workspace::default()).ok().map(|s| s.eigenvalues)
 }
 
 fn by_schur_scaled(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {

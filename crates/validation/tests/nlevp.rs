@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use cea::general::{Certified, ClusterKind, GeneralSpectrum, Route, certify, solve};
+use cea::certified::{Certified, ClusterKind, GeneralSpectrum, Route, certify, solve};
 use cea::{CeaError, Verdict, Workspace};
 use linsys::{SecondOrder, read_market};
 use num_complex::Complex;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use linsys::SecondOrder;
+use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -101,7 +101,7 @@ pub fn family_work(
     bodies: &[impl AsRef<[usize]>],
 ) -> Result<ModeWork, WorkError> {
     check(mass, families, phi)?;
-    let modal_mass = phi.dotc(&times(mass, phi)).re;
+    let modal_mass = phi.dotc(&real_times_complex(mass, phi)).re;
     if !(modal_mass > 0.0 && modal_mass.is_finite()) {
         return Err(WorkError::ModalMass { value: modal_mass });
     }
@@ -153,8 +153,8 @@ fn force(
     lambda: Complex<f64>,
     phi: &DVector<Complex<f64>>,
 ) -> Result<DVector<Complex<f64>>, WorkError> {
-    let mut force = times(&system.c, phi) * -lambda - times(&system.k, phi);
-    let mut states = times(&system.internal.drive, phi);
+    let mut force = real_times_complex(&system.c, phi) * -lambda - real_times_complex(&system.k, phi);
+    let mut states = real_times_complex(&system.internal.drive, phi);
     for (state, (z, decay)) in states.iter_mut().zip(&system.internal.decay).enumerate() {
         let shifted = lambda + decay;
         if shifted.norm() == 0.0 {
@@ -162,21 +162,10 @@ fn force(
         }
         *z *= lambda / shifted;
     }
-    force += times(&system.internal.force, &states);
+    force += real_times_complex(&system.internal.force, &states);
     Ok(force)
 }
 
 fn sum_over(work: &[f64], body: usize, dofs: &[usize]) -> Result<f64, WorkError> {
     dofs.iter().map(|&dof| work.get(dof).ok_or(WorkError::UnknownDof { body, dof, order: work.len() })).sum()
-}
-
-/// A real matrix times a complex vector.
-fn times(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let mut product = DVector::zeros(a.nrows());
-    for (column, &value) in a.column_iter().zip(x) {
-        for (slot, &entry) in product.iter_mut().zip(column.iter()) {
-            *slot += value * entry;
-        }
-    }
-    product
 }

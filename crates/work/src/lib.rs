@@ -24,3 +24,8 @@ mod family_work;
 
 pub use error::WorkError;
 pub use family_work::{Family, FamilyWork, ModeWork, family_work};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

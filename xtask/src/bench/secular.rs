@@ -1,6 +1,6 @@
 //! The growing modes alone, by the secular equation: what a study asks of most of its samples.
 
-use cea::{BatchSolver, EigenSolver, Feedback, Gain, Pilots, Secular, Workspace};
+use cea::{Anchors, BatchSolver, EigenSolver, Feedback, Gain, Secular, Workspace};
 use squeal::Error;
 use squeal::osc_model::{PreparedLattice, Sliding};
 use squeal::study::common_gain;
@@ -12,7 +12,7 @@ pub const GROWING: &str = "secular equation, growing modes";
 /// One lattice and its draws.
 pub struct SecularRoute {
     secular: Secular,
-    pilots: Pilots,
+    anchors: Anchors,
     gains: Vec<Gain>,
 }
 
@@ -21,7 +21,7 @@ impl SecularRoute {
     ///
     /// # Errors
     /// Those of the model and of the solver.
-    pub fn new(lattice: &PreparedLattice, pilots: &[Sliding], draws: &[Sliding]) -> Result<Option<Self>, Error> {
+    pub fn new(lattice: &PreparedLattice, anchors: &[Sliding], draws: &[Sliding]) -> Result<Option<Self>, Error> {
         let mut work = Workspace::default();
         let gain = |state: &Sliding| -> Result<Option<Gain>, Error> {
             Ok(common_gain(&lattice.operating_point(state)?.channels))
@@ -31,20 +31,20 @@ impl SecularRoute {
         };
         let system = &lattice.brake().system;
         let feedback = Feedback { force: system.force_matrix(), reading: system.reading_matrix() };
-        let Some(secular) = Secular::new(lattice.structural(), &feedback, &mut work)? else { return Ok(None) };
-        let mut known = Vec::with_capacity(pilots.len());
-        for state in pilots {
+        let Ok(secular) = Secular::new(lattice.structural(), &feedback, &mut work)? else { return Ok(None) };
+        let mut known = Vec::with_capacity(anchors.len());
+        for state in anchors {
             if let Some(gain) = gain(state)? {
                 known.push((gain, BatchSolver.eigenvalues(&lattice.linearised(state)?, &mut work)?));
             }
         }
-        Ok(Some(Self { pilots: secular.pilots(&known, &mut work), secular, gains }))
+        Ok(Some(Self { anchors: secular.anchors(&known, &mut work), secular, gains }))
     }
 
     /// The eigenvalues of growing modes with Im > 0 of each draw.
     pub fn solve(&self) -> Spectra {
         let gains: Vec<(Gain, &[f64])> = self.gains.iter().map(|&gain| (gain, &[][..])).collect();
-        let found = self.secular.growing(&self.pilots, &gains, &mut Workspace::default()).into_iter();
-        found.map(|found| Some(found?.modes.into_iter().filter(|mode| mode.re > 0.0).collect())).collect()
+        let found = self.secular.growing(&self.anchors, &gains, &mut Workspace::default()).into_iter();
+        found.map(|found| Some(found.ok()?.modes.into_iter().filter(|mode| mode.re > 0.0).collect())).collect()
     }
 }

@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-mod brake;
+mod chains;
 mod critical;
 mod modes;
-mod ways;
 
 use std::cell::Cell;
 
-use brake::{Brake, PILOTS, brake, gains, growing, runner};
-use cea::{CeaError, Feedback, Gain, Growing, Secular, Workspace};
+use cea::{CeaError, Feedback, Gain, Growing, LeftOpen, Secular, Workspace};
+use chains::{ANCHORS, Brake, brake, gains, growing, runner};
 use num_complex::Complex;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -46,23 +45,23 @@ fn growing_modes_are_those_of_the_whole_spectrum() {
     let (grow, damp, open, special) = (Cell::new(0), Cell::new(0), Cell::new(0), Cell::new(0));
     let add = |count: &Cell<u32>| count.set(count.get() + 1);
     let unit = || (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
-    let cases = (brake(0.001..0.05, 0.01), prop::collection::vec(unit(), 2 * PILOTS), any::<bool>());
+    let cases = (brake(0.001..0.05, 0.01), prop::collection::vec(unit(), 2 * ANCHORS), any::<bool>());
     let check = |(brake, units, has_lag): (Brake, Vec<[f64; 3]>, bool)| {
         let critical = brake.critical(0.0);
         prop_assume!(critical.is_some());
         let gains = gains(&brake, critical.unwrap(), &units, has_lag);
-        let (known, gains) = gains.split_at(PILOTS);
+        let (known, gains) = gains.split_at(ANCHORS);
         let secular = brake.secular();
-        let pilots = brake.pilots(&secular, known);
-        for (gain, found) in gains.iter().zip(growing(&secular, &pilots, gains)) {
+        let anchors = brake.anchors(&secular, known);
+        for (gain, found) in gains.iter().zip(growing(&secular, &anchors, gains)) {
             let modes = brake.modes(gain);
             let is_special = modes.len() != brake.structure.order() || modes.iter().any(|l| l.re.abs() < NEAR_AXIS);
             match found {
-                Some(found) => {
+                Ok(found) => {
                     check(&found, &modes)?;
                     add(if found.frequencies().next().is_some() { &grow } else { &damp });
                 }
-                None => add(if is_special { &special } else { &open }),
+                Err(_) => add(if is_special { &special } else { &open }),
             }
         }
         Ok(())
@@ -73,62 +72,62 @@ fn growing_modes_are_those_of_the_whole_spectrum() {
     assert!(grow > 1000 && damp > 1000 && 20 * open < grow + damp);
 }
 
-fn bits(found: &[Option<Growing>]) -> Vec<Option<Vec<[u64; 3]>>> {
+fn bits(found: &[Result<Growing, LeftOpen>]) -> Vec<Result<Vec<[u64; 3]>, LeftOpen>> {
     let mode = |(l, radius): (&Complex<f64>, &f64)| [l.re.to_bits(), l.im.to_bits(), radius.to_bits()];
     let of = |found: &Growing| found.modes.iter().zip(&found.radii).map(mode).collect();
-    found.iter().map(|found| found.as_ref().map(of)).collect()
+    found.iter().map(|found| found.as_ref().map(of).map_err(|open| *open)).collect()
 }
 
 #[test]
 fn what_is_found_depends_on_no_other_gain() {
     let unit = (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
-    let order = Just((0..PILOTS + 1).collect::<Vec<_>>()).prop_shuffle();
-    let units = prop::collection::vec(unit, 2 * PILOTS);
+    let order = Just((0..ANCHORS + 1).collect::<Vec<_>>()).prop_shuffle();
+    let units = prop::collection::vec(unit, 2 * ANCHORS);
     let check = |(brake, units, order, count): (Brake, Vec<[f64; 3]>, Vec<usize>, usize)| {
         let critical = brake.critical(0.0).unwrap_or(0.5);
         let mut known = gains(&brake, critical, &units, true);
-        let mut asked = known.split_off(PILOTS);
+        let mut asked = known.split_off(ANCHORS);
         let secular = brake.secular();
-        let pilots = brake.pilots(&secular, &known);
+        let anchors = brake.anchors(&secular, &known);
         // Without internal states, and one that spoils whatever it meets.
-        asked[3] = Gain { position: 0.8 * critical, ..Gain::default() };
-        asked.push(Gain { position: f64::NAN, ..Gain::default() });
-        let alone: Vec<_> = asked.iter().flat_map(|gain| growing(&secular, &pilots, &[*gain])).collect();
-        prop_assert!(alone[PILOTS].is_none() && alone.iter().flatten().count() > 0);
+        asked[3] = Gain { mu: 0.8 * critical, ..Gain::default() };
+        asked.push(Gain { mu: f64::NAN, ..Gain::default() });
+        let alone: Vec<_> = asked.iter().flat_map(|gain| growing(&secular, &anchors, &[*gain])).collect();
+        prop_assert!(alone[ANCHORS].is_err() && alone.iter().flatten().count() > 0);
         let some: Vec<Gain> = order[..count].iter().map(|&at| asked[at]).collect();
         let expected: Vec<_> = order[..count].iter().map(|&at| alone[at].clone()).collect();
-        prop_assert_eq!(bits(&growing(&secular, &pilots, &some)), bits(&expected));
+        prop_assert_eq!(bits(&growing(&secular, &anchors, &some)), bits(&expected));
         Ok(())
     };
-    runner(32).run(&(brake(0.001..0.05, 0.01), units, order, 1..PILOTS + 2), check).unwrap();
+    runner(32).run(&(brake(0.001..0.05, 0.01), units, order, 1..ANCHORS + 2), check).unwrap();
 }
 
 #[test]
 fn bounds_keep_from_the_frequencies_that_are_asked_for() {
     let (kept, open) = (Cell::new(0), Cell::new(0));
-    let check = |(brake, position, mode, offset): (Brake, f64, usize, f64)| {
-        let gain = Gain { position, ..Gain::default() };
+    let check = |(brake, mu, mode, offset): (Brake, f64, usize, f64)| {
+        let gain = Gain { mu, ..Gain::default() };
         let secular = brake.secular();
-        let known: Vec<Gain> = [0.0, 0.3, 0.6].map(|position| Gain { position, ..gain }).into();
-        let pilots = brake.pilots(&secular, &known);
-        let Some(free) = growing(&secular, &pilots, &[gain]).remove(0) else { return Ok(()) };
+        let known: Vec<Gain> = [0.0, 0.3, 0.6].map(|mu| Gain { mu, ..gain }).into();
+        let anchors = brake.anchors(&secular, &known);
+        let Ok(free) = growing(&secular, &anchors, &[gain]).remove(0) else { return Ok(()) };
         let mode = mode % free.modes.len();
         prop_assume!(free.modes[mode].re < 0.0 && free.radii[mode] > 1e-6);
         let frequency = [free.modes[mode].im + offset * free.radii[mode]];
-        prop_assert!(free.blurs(&frequency));
+        prop_assert!(free.leaves_order_open(&frequency));
         let work = &mut Workspace::default();
-        match secular.growing(&pilots, &[(gain, &frequency[..])], work).remove(0) {
-            Some(found) => {
-                prop_assert!(!found.blurs(&frequency));
+        match secular.growing(&anchors, &[(gain, &frequency[..])], work).remove(0) {
+            Ok(found) => {
+                prop_assert!(!found.leaves_order_open(&frequency));
                 check(&found, &brake.modes(&gain))?;
                 kept.set(kept.get() + 1);
             }
-            None => open.set(open.get() + 1),
+            Err(_) => open.set(open.get() + 1),
         }
         // A mode is not kept from its own frequency.
         let modes = brake.modes(&gain);
-        let own = secular.growing(&pilots, &[(gain, &[modes[mode].im])], work).remove(0);
-        prop_assert!(own.is_none());
+        let own = secular.growing(&anchors, &[(gain, &[modes[mode].im])], work).remove(0);
+        prop_assert!(matches!(own, Err(LeftOpen::NotSeparated | LeftOpen::RoundsExhausted { .. })), "{own:?}");
         Ok(())
     };
     let cases = (brake(0.001..0.05, 0.01), 0.0..0.8, 0..8usize, -0.9..0.9);
@@ -142,14 +141,14 @@ fn without_pilots_nothing_is_found_and_feedback_must_fit() {
     let cases = brake(0.001..0.05, 0.01);
     let check = |brake: Brake| {
         let secular = brake.secular();
-        let gain = Gain { position: 0.1, ..Gain::default() };
-        let none = brake.pilots(&secular, &[]);
-        prop_assert_eq!(growing(&secular, &none, &[gain, gain]), [None, None]);
-        // An overdamped state is no pilot.
+        let gain = Gain { mu: 0.1, ..Gain::default() };
+        let none = brake.anchors(&secular, &[]);
+        prop_assert_eq!(growing(&secular, &none, &[gain, gain]), [Err(LeftOpen::NoAnchor), Err(LeftOpen::NoAnchor)]);
+        // An overdamped state is no anchor.
         let overdamped = Gain { velocity: 1e4, ..gain };
-        let none = brake.pilots(&secular, &[overdamped]);
-        prop_assert_eq!(growing(&secular, &none, &[gain]), [None]);
-        prop_assert!(growing(&secular, &brake.pilots(&secular, &[gain]), &[]).is_empty());
+        let none = brake.anchors(&secular, &[overdamped]);
+        prop_assert_eq!(growing(&secular, &none, &[gain]), [Err(LeftOpen::NoAnchor)]);
+        prop_assert!(growing(&secular, &brake.anchors(&secular, &[gain]), &[]).is_empty());
 
         let order = brake.structure.order();
         let Feedback { force, reading } = &brake.feedback;
@@ -173,16 +172,13 @@ fn guesses_from_pilots_leave_little_to_correct() {
     let check = |brake: Brake| {
         let (secular, size) = (brake.secular(), brake.feedback.force.norm_squared());
         let critical = brake.critical(0.0).unwrap_or(1.0);
-        let gain = |position: f64, velocity: f64| Gain {
-            position: position * critical,
-            velocity: velocity * 0.05 / size,
-            ..Gain::default()
-        };
-        let pilots = brake.pilots(&secular, &[gain(0.2, 0.2), gain(0.5, 0.8)]);
+        let gain =
+            |mu: f64, velocity: f64| Gain { mu: mu * critical, velocity: velocity * 0.05 / size, ..Gain::default() };
+        let anchors = brake.anchors(&secular, &[gain(0.2, 0.2), gain(0.5, 0.8)]);
         let mut work = Workspace::default();
         for gain in [gain(0.1, 0.0), gain(0.35, 0.5), gain(0.6, 1.0)] {
-            let found = secular.growing(&pilots, &[(gain, &[])], &mut work).remove(0);
-            prop_assert!(found.is_none_or(|found| found.frequencies().next().is_none()));
+            let found = secular.growing(&anchors, &[(gain, &[])], &mut work).remove(0);
+            prop_assert!(found.ok().is_none_or(|found| found.frequencies().next().is_none()));
             modes.set(modes.get() + brake.structure.order());
         }
         values.set(values.get() + work.counters.secular_values);

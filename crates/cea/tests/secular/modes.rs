@@ -2,18 +2,18 @@
 
 use std::cell::Cell;
 
-use cea::{Gain, Mode, Workspace, backward_error, mac};
+use cea::{Gain, Mode, Workspace, backward_error};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use proptest::prelude::*;
 
 use crate::NEAR_AXIS;
-use crate::brake::{Brake, PILOTS, brake, gains, runner};
+use crate::chains::{ANCHORS, Brake, brake, gains, runner};
 
 /// Gains about the first instability of each of some chains, with and without internal states.
 fn cases() -> impl Strategy<Value = (Brake, Vec<[f64; 3]>, bool)> {
     let unit = (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
-    (brake(0.001..0.05, 0.01), prop::collection::vec(unit, 2 * PILOTS), any::<bool>())
+    (brake(0.001..0.05, 0.01), prop::collection::vec(unit, 2 * ANCHORS), any::<bool>())
 }
 
 /// The distance of the nearest of other eigenvalues.
@@ -51,8 +51,8 @@ fn shapes_are_those_of_the_whole_system() {
             let expected = Mode::at(system, lambdas, &mut work).unwrap();
             for ((found, expected), &lambda) in found.iter().zip(&expected).zip(lambdas) {
                 prop_assert_eq!(found.lambda, lambda);
-                let [one, other] = [found, expected].map(std::slice::from_ref);
-                let apart = 1.0 - mac(one, other, &system.m)[(0, 0)];
+                let mac = found.shape.dotc(&(system.m.map(Complex::from) * &expected.shape)).norm_sqr();
+                let apart = 1.0 - mac;
                 let error = backward_error(system, lambda, &found.shape);
                 worst_mac.set(worst_mac.get().max(apart));
                 worst_error.set(worst_error.get().max(error));
@@ -128,7 +128,7 @@ fn rates_are_the_limits_of_differences() {
                 let steps =
                     [critical.unwrap().abs(), 1.0 / brake.feedback.force.norm_squared()].map(|size| 1e-4 * size);
                 let by = [
-                    difference(&brake, lambda, steps[0], |p| Gain { position: gain.position + p, ..gain }),
+                    difference(&brake, lambda, steps[0], |p| Gain { mu: gain.mu + p, ..gain }),
                     difference(&brake, lambda, steps[1], |v| Gain { velocity: gain.velocity + v, ..gain }),
                 ];
                 // An eigenvalue that moves takes the slope with it: d lambda = rate (d v + slope' d lambda).
@@ -157,14 +157,14 @@ fn modes_near_the_axis_are_all_that_are_there() {
         let critical = brake.critical(0.0);
         prop_assume!(critical.is_some());
         let gains = gains(&brake, critical.unwrap(), &units, has_lag);
-        let (known, gains) = gains.split_at(PILOTS);
+        let (known, gains) = gains.split_at(ANCHORS);
         let secular = brake.secular();
-        let pilots = brake.pilots(&secular, known);
-        let found = secular.near_axis(&pilots, gains, part, &mut Workspace::default());
+        let anchors = brake.anchors(&secular, known);
+        let found = secular.near_axis(&anchors, gains, part, &mut Workspace::default());
         prop_assert_eq!(found.len(), gains.len());
         for (gain, found) in gains.iter().zip(found) {
             let modes = brake.modes(gain);
-            let Some(found) = found else {
+            let Ok(found) = found else {
                 let is_special = modes.len() != brake.structure.order() || modes.iter().any(|l| l.re.abs() < NEAR_AXIS);
                 add(if is_special { &special } else { &open }, 1);
                 continue;

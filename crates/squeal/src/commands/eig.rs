@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use cea::general::{Certificate, Certified, ClusterKind, GeneralSpectrum, certify, solve};
+use cea::certified::{Certificate, Certified, ClusterKind, GeneralSpectrum, certify, solve};
 use cea::{Workspace, damping_ratio, frequency_hz};
 use linsys::{SecondOrder, read_market};
 use nalgebra::{DMatrix, DVector};

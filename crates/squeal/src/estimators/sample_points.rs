@@ -1,9 +1,10 @@
 //! What is known at a sample point, one state of friction: eigenvalues near the axis with their derivatives, and names.
 
-use cea::{BatchSolver, EigenSolver, Mode, Modes, Start, Way, Workspace, identify_all, right_vectors_of_all};
+use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all};
 use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use tracking::{Path, PathEnd, PathStart, identify_all};
 
 use super::EstimatorError;
 use super::friction_points::LeadingFriction;
@@ -116,13 +117,13 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
         }
         right.iter_mut().for_each(|modes| modes.retain(|mode| mode.lambda.re > 0.0));
         let reference = &self.study.references()[self.scene];
-        let to = (&reference.system, &reference.modes[..]);
-        let ways: Vec<Way<'_>> = systems
+        let end = PathEnd { system: &reference.system, modes: &reference.modes };
+        let paths: Vec<Path<'_>> = systems
             .iter()
             .zip(&right)
-            .map(|(system, modes)| Way { from: (Start::System(system), modes), to })
+            .map(|(system, modes)| Path { start: PathStart::System(system), start_modes: modes, end })
             .collect();
-        let links = identify_all(&BatchSolver, &ways, &mut self.work);
+        let links = identify_all(&BatchSolver, &paths, &mut self.work);
         for (modes, links) in found.iter_mut().zip(links) {
             for (mode, link) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
                 mode.names = reference.names_of(link);

@@ -1,6 +1,6 @@
 //! Operating points whose systems are all stable, by a small-gain certificate: their samples need no spectrum.
 
-use cea::{Channels, Workspace, peak_gain};
+use cea::{Channels, Workspace, h_infinity_norm_bound};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use montecarlo::stream;
 use nalgebra::DMatrix;
@@ -19,7 +19,7 @@ const SPREADS_BELOW_MEDIAN: [f64; 3] = [0.0, 0.75, 1.5];
 /// What is certified of one configuration: ellipses in the plane of coefficient mu and slope `N0 h` of friction.
 ///
 /// No operating point all of whose channels lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law,
-/// and whether the channels are alike or not. See [`peak_gain`] for the proof; docs/error-bounds.md puts it together.
+/// and whether the channels are alike or not. See [`h_infinity_norm_bound`] for the proof; docs/error-bounds.md puts it together.
 #[derive(Debug, Clone, Default)]
 pub struct Certificate {
     /// Of the terms: another structure is not certified.
@@ -99,7 +99,7 @@ impl Certificate {
             let gain = ChannelGain { mu: centre.mu, slope: centre.slope, lag: None };
             let channels = vec![gain; system.channels().len()];
             let centred = system.assemble(&OperatingPoint { coefficients: coefficients.clone(), channels })?;
-            if let Some(gain) = peak_gain(&centred, &weighted, &mut Workspace::default())? {
+            if let Ok(gain) = h_infinity_norm_bound(&centred, &weighted, &mut Workspace::default())? {
                 let half_axes = Friction { mu: spread.mu / gain, slope: spread.slope / gain };
                 ellipses.push(Ellipse { centre, half_axes });
             }

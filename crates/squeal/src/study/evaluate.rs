@@ -1,12 +1,12 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{CeaError, EigenSolver, Gain, Growing, Pilots, ranks_together};
+use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, equations, growing, pilots};
+use super::growing::{Equations, anchors, equations, growing};
 use super::memory::{Scratch, timed};
 use super::net_work::WorkSystems;
 use super::part::{Equation, Known, Part, Solver, Unstable};
@@ -48,7 +48,7 @@ pub struct Study<'a, B: UncertainBrake> {
     /// Of each configuration.
     equations: Vec<Equations>,
     /// Of each sector of each scene.
-    pilots: Vec<Vec<Option<Pilots>>>,
+    anchors: Vec<Vec<Option<Anchors>>>,
     /// Of the reference of each scene.
     reference_gains: Vec<Option<Gain>>,
 }
@@ -67,10 +67,10 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let references = references(plan, &points, solver).map_err(failed)?.into_iter();
         let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
-        let pilots = pilots(brake, &equations, &certificates, solver)?;
+        let anchors = anchors(brake, &equations, &certificates, solver)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
-        Ok(Self { references, sector_references, certificates, equations, pilots, reference_gains, brake, solver })
+        Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, brake, solver })
     }
 
     /// The brake.
@@ -106,16 +106,16 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// How each sector of a scene is solved.
     pub(super) fn solvers(&self, scene: usize) -> Vec<Solver<'_>> {
         let equations = &self.equations(scene).sectors;
-        let each = self.sector_references[scene].iter().zip(equations).zip(&self.pilots[scene]);
+        let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
-        let solvers = each.map(|((reference, secular), pilots)| Solver {
+        let solvers = each.map(|((reference, secular), anchors)| Solver {
             spectra: self.solver,
             reference,
-            equation: secular.as_ref().zip(pilots.as_ref()).zip(gain).map(|((secular, pilots), reference)| Equation {
-                secular,
-                pilots,
-                reference,
-            }),
+            equation: secular
+                .as_ref()
+                .zip(anchors.as_ref())
+                .zip(gain)
+                .map(|((secular, anchors), reference)| Equation { secular, anchors, reference }),
         });
         solvers.collect()
     }

@@ -1,6 +1,6 @@
-//! What finds the growing modes of a scene without spectra: the secular equations of its configuration, and pilots.
+//! What finds the growing modes of a scene without spectra: the secular equations of its configuration, and anchors.
 
-use cea::{CeaError, EigenSolver, Feedback, Gain, Pilots, Secular, Spectrum, Workspace};
+use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Secular, Spectrum, Workspace};
 use linsys::{ChannelGain, OperatingPoint};
 use montecarlo::stream;
 use osc_model::Sector;
@@ -10,8 +10,8 @@ use super::part::{Equation, Known, Solver};
 use super::{Certificate, Configuration, Scene, UncertainBrake};
 use crate::Error;
 
-/// Pilots of a scene.
-pub const PILOTS: usize = 16;
+/// Anchors of a scene.
+pub const ANCHORS: usize = 16;
 /// Draws in which so many are looked for that no certificate covers.
 const DRAWS: u64 = 64;
 
@@ -36,7 +36,7 @@ impl Equations {
         let mut work = Workspace::default();
         let mut of_sector = |sector: &Sector| {
             let [force, reading] = sector.channels(&brake.system);
-            Ok(Secular::new(&sector.reduced(&structure)?, &Feedback { force, reading }, &mut work)?)
+            Ok(Secular::new(&sector.reduced(&structure)?, &Feedback { force, reading }, &mut work)?.ok())
         };
         let sectors = brake.sectors.iter().map(&mut of_sector).collect::<Result<_, Error>>()?;
         Ok(Self { coefficients, sectors })
@@ -56,16 +56,16 @@ pub(super) fn equations(configurations: &[Configuration]) -> Result<Vec<Equation
     configurations.par_iter().map(Equations::new).collect()
 }
 
-/// The pilots of each sector of each scene.
+/// The anchors of each sector of each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn pilots<B: UncertainBrake>(
+pub(super) fn anchors<B: UncertainBrake>(
     brake: &B,
     equations: &[Equations],
     certificates: &[Certificate],
     solver: &dyn EigenSolver,
-) -> Result<Vec<Vec<Option<Pilots>>>, Error> {
+) -> Result<Vec<Vec<Option<Anchors>>>, Error> {
     let plan = brake.plan();
     let of_scene = |scene: &Scene| {
         let (of_scene, equations) = (plan.brake(scene), &equations[scene.configuration]);
@@ -73,7 +73,7 @@ pub(super) fn pilots<B: UncertainBrake>(
         let point = |index| brake.operating_point(scene, &brake.draw(&mut stream(plan.seed, index)).ok()?).ok();
         let points = (0..DRAWS).filter_map(point).filter(|at| !certificate.covers(at));
         let points: Vec<(OperatingPoint, Gain)> =
-            points.filter_map(|at| equations.gain(&at).map(|gain| (at, gain))).take(PILOTS).collect();
+            points.filter_map(|at| equations.gain(&at).map(|gain| (at, gain))).take(ANCHORS).collect();
         let wholes = points.iter().map(|(at, _)| of_scene.system.assemble(at)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Workspace::default();
         let of_sector = |(sector, equation): (&Sector, &Option<Secular>)| {
@@ -82,7 +82,7 @@ pub(super) fn pilots<B: UncertainBrake>(
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
             let known = points.iter().zip(spectra).filter_map(|((_, gain), spectrum)| Some((*gain, spectrum.ok()?)));
-            Ok(Some(equation.pilots(&known.collect::<Vec<_>>(), &mut work)))
+            Ok(Some(equation.anchors(&known.collect::<Vec<_>>(), &mut work)))
         };
         of_scene.sectors.iter().zip(&equations.sectors).map(of_sector).collect()
     };
@@ -96,7 +96,7 @@ pub fn common_gain(channels: &[ChannelGain]) -> Option<Gain> {
         return None;
     }
     let (lag, decay) = first.lag.map_or((0.0, 0.0), |lag| (lag.force * lag.drive, lag.decay));
-    Some(Gain { position: first.mu, velocity: first.slope, lag, decay })
+    Some(Gain { mu: first.mu, velocity: first.slope, lag, decay })
 }
 
 /// The modes that grow at each operating point, sector by sector; `None` in all sectors of a point that is left to spectra.
@@ -118,7 +118,8 @@ pub(super) fn growing(
     };
     let frequencies: Vec<Vec<f64>> = (0..points.len()).map(growing).collect();
     for (sector, found) in sectors.iter().zip(&mut found) {
-        let is_open = |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.blurs(&frequencies[at]));
+        let is_open =
+            |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.leaves_order_open(&frequencies[at]));
         let open: Vec<usize> = (0..points.len()).filter(is_open).collect();
         let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
         for (at, again) in open.into_iter().zip(search(sector, &again, work)) {
@@ -134,7 +135,7 @@ pub(super) fn growing(
 }
 
 fn search(sector: &Solver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<Known> {
-    let Some(Equation { secular, pilots, .. }) = sector.equation else { return vec![None; gains.len()] };
-    let found = secular.growing(pilots, gains, work);
-    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found?))).collect()
+    let Some(Equation { secular, anchors, .. }) = sector.equation else { return vec![None; gains.len()] };
+    let found = secular.growing(anchors, gains, work);
+    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found.ok()?))).collect()
 }

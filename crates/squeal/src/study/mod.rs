@@ -24,7 +24,7 @@ pub use brake::UncertainBrake;
 pub use certificate::Certificate;
 pub use compare::{Comparison, Kind, Panel, comparisons, panels};
 pub use evaluate::{Outcome, Study, UnstableMode};
-pub use growing::{PILOTS, common_gain};
+pub use growing::{ANCHORS, common_gain};
 pub use memory::{Scratch, Spent, timed};
 pub(crate) use near::NearAxis;
 pub use net_work::mode_work;

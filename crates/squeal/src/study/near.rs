@@ -1,6 +1,6 @@
 //! Modes near the axis at some operating points of a scene, with their derivatives and names: what a table of them is made from.
 
-use cea::Gain;
+use cea::{Gain, LeftOpen};
 use linsys::OperatingPoint;
 use num_complex::Complex;
 
@@ -39,16 +39,16 @@ impl<B: UncertainBrake> Study<'_, B> {
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; points.len()]) };
         let mut found = vec![Some(Vec::new()); points.len()];
-        for (solver, Equation { secular, pilots, .. }) in solvers.iter().zip(equations) {
-            let near = secular.near_axis(pilots, &gains, part, &mut memory.work);
-            let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
+        for (solver, Equation { secular, anchors, .. }) in solvers.iter().zip(equations) {
+            let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
+            let growing = |near: &Result<Vec<Complex<f64>>, LeftOpen>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
             };
             let growing: Vec<(Gain, Vec<Complex<f64>>)> =
                 gains.iter().zip(&near).map(|(gain, near)| (*gain, growing(near))).collect();
             let named = solver.named_at(&growing, memory);
             for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
-                let (Some(near), Some(of_point)) = (near, found.as_mut()) else {
+                let (Ok(near), Some(of_point)) = (near, found.as_mut()) else {
                     *found = None;
                     continue;
                 };

@@ -1,11 +1,12 @@
 //! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
 
 use cea::{
-    CeaError, EigenSolver, Gain, Growing, Line, Links, Mode, Modes, Pilots, Secular, Spectrum, Start, Verdict, Way,
-    Workspace, identify_all, verdict,
+    Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
+    verdict,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
+use tracking::{Links, Path, PathEnd, PathStart, identify_all};
 
 use super::Reference;
 use super::memory::{Memory, timed};
@@ -51,7 +52,7 @@ pub(super) struct Solver<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Equation<'a> {
     pub secular: &'a Secular,
-    pub pilots: &'a Pilots,
+    pub anchors: &'a Anchors,
     /// The gain of the reference.
     pub reference: Gain,
 }
@@ -79,7 +80,7 @@ impl Solver<'_> {
             judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
         let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
         let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
-        let starts: Vec<Start<'_>> = systems.iter().map(Start::System).collect();
+        let starts: Vec<PathStart<'_>> = systems.iter().map(PathStart::System).collect();
         let named = self.named(&starts, shaped, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
@@ -108,22 +109,22 @@ impl Solver<'_> {
             }
             shaped
         });
-        let start = |&(from, _): &(Gain, _)| Start::Line(Line { secular, from, to: reference });
+        let start = |&(from, _): &(Gain, _)| PathStart::Gain(GainPath { secular, from, to: reference });
         self.named(&of.iter().map(start).collect::<Vec<_>>(), shaped, memory)
     }
 
     fn named(
         &self,
-        starts: &[Start<'_>],
+        starts: &[PathStart<'_>],
         shaped: Vec<Result<Vec<Mode>, CeaError>>,
         memory: &mut Memory,
     ) -> Vec<Result<Named, CeaError>> {
         let Memory { work, spent, .. } = memory;
-        let to = (&self.reference.system, &self.reference.modes[..]);
+        let end = PathEnd { system: &self.reference.system, modes: &self.reference.modes };
         let modes = shaped.iter().map(|modes| modes.as_deref().unwrap_or_default());
-        let ways: Vec<Way<'_>> =
-            starts.iter().zip(modes).map(|(start, modes)| Way { from: (*start, modes), to }).collect();
-        let links = timed(&mut spent.names, || identify_all(self.spectra, &ways, work));
+        let paths: Vec<Path<'_>> =
+            starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
+        let links = timed(&mut spent.names, || identify_all(self.spectra, &paths, work));
         let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
             Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
         };

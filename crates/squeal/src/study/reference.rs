@@ -8,10 +8,11 @@
 //!
 //! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
-use cea::{EigenSolver, Mode, Modes, Start, Way, Workspace, by_frequency, follow, identify, ranks_together};
+use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
+use tracking::{Path, PathEnd, PathStart, follow, identify};
 
 use super::{Configuration, Origin, Plan, Scene};
 use crate::Error;
@@ -23,8 +24,8 @@ pub struct Reference {
     pub system: SecondOrder,
     /// Its oscillating modes, ascending in frequency.
     pub modes: Vec<Mode>,
-    /// What each is called: one name, several where a coalescence on the way leaves it open, none where a mode only
-    /// began to oscillate on the way.
+    /// What each is called: one name, several where a coalescence on the path leaves it open, none where a mode only
+    /// began to oscillate on the path.
     pub names: Vec<Vec<u16>>,
 }
 
@@ -90,8 +91,9 @@ impl Reference {
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
         let link = if near { identify } else { follow };
-        let way = Way { from: (Start::System(&self.system), &self.modes), to: (&next.system, &next.modes) };
-        let links = link(solver, way, work)?;
+        let end = PathEnd { system: &next.system, modes: &next.modes };
+        let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
+        let links = link(solver, path, work)?;
         for (names, link) in self.names.iter().zip(links) {
             for to in link {
                 next.names[to].extend(names);

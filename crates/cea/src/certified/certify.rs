@@ -1,0 +1,340 @@
+//! How right each eigenvalue is: backward error, condition number, bound, verdict.
+
+use linsys::SecondOrder;
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::clusters::{Cluster, ClusterKind, groups, nearly_defective, semisimple};
+use super::measure::{Measure, ROUNDING_ONLY, State};
+use super::solve::{GeneralSpectrum, extend};
+use super::verdict::{Group, decide, gap};
+use crate::{CeaError, Verdict, Workspace};
+
+/// One finite eigenvalue and what is known about its error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// The eigenvalue, rad/s, improved where it could be.
+    pub lambda: Complex<f64>,
+    /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, of the matrices as given
+    /// (Tisseur, Linear Algebra Appl. 309, 2000).
+    pub backward_error: f64,
+    /// `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q'(lambda) phi|)` (Tisseur): relative
+    /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
+    /// semisimple multiple eigenvalue.
+    pub condition: f64,
+    /// What |lambda - exact| is estimated not to exceed, rad/s, for the matrices as given and for any that differ from
+    /// them by a rounding error.
+    pub bound: f64,
+    /// Whether the motion grows.
+    pub verdict: Verdict,
+    /// phi, length n (+ s internal states), unit 2-norm.
+    pub right: DVector<Complex<f64>>,
+    /// psi, `psi^H Q(lambda) = 0`, as phi.
+    pub left: DVector<Complex<f64>>,
+}
+
+/// The certificates of a spectrum, and which of its eigenvalues belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certified {
+    /// One for each finite eigenvalue, in the order of the spectrum.
+    pub eigenvalues: Vec<Certificate>,
+    /// Multiple eigenvalues, defective and nearly defective groups; of conjugate groups both are listed.
+    pub clusters: Vec<Cluster>,
+}
+
+/// Backward errors, condition numbers and verdicts of all finite eigenvalues of `spectrum`.
+///
+/// Costs one factorisation of Q(lambda) for each conjugate pair, and a second one with residuals in double-double where
+/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states.
+///
+/// # Errors
+/// [`CeaError::NoEigenvector`] where an eigenvalue is none of this system.
+pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Workspace) -> Result<Certified, CeaError> {
+    let extended = extend(system);
+    let problem = Measure::new(&extended);
+    let sigmas: Vec<_> = spectrum.eigenvalues.iter().map(|l| l / problem.scaled.gamma).collect();
+    let conjugates = conjugates(&sigmas);
+    let zeros = if spectrum.zeros > 0 { problem.zeros(&extended.k) } else { Vec::new() };
+    let mut next_zero = zeros.iter().cycle();
+
+    let mut found: Vec<State> = Vec::with_capacity(sigmas.len());
+    for (i, &sigma) in sigmas.iter().enumerate() {
+        let state = match (conjugates[i], sigma == Complex::default()) {
+            (Some(first), _) => found[first].conjugate(),
+            (None, true) => {
+                next_zero.next().cloned().ok_or(CeaError::NoEigenvector { lambda: sigma, residual: 1.0 })?
+            }
+            (None, false) => {
+                work.counters.factorisations += 1;
+                work.counters.eigenvectors += 2;
+                // The norms of matrices extended by internal states hide what is wrong in their small entries.
+                let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
+                problem.first_look(sigma, gap(&sigmas, i), threshold)?
+            }
+        };
+        found.push(state);
+    }
+    let mut groups = settle_groups(&problem, &mut found);
+    groups.extend(nearly_defective_pairs(&found, &conjugates, &groups));
+    for i in 0..found.len() {
+        match conjugates[i] {
+            Some(first) => found[i] = found[first].conjugate(),
+            None => decide(&problem, &mut found, i, &groups),
+        }
+    }
+    if spectrum.zeros > 1 {
+        let members = (0..found.len()).filter(|&i| found[i].sigma == Complex::default()).collect();
+        // As many null vectors of K as zero eigenvalues, or chains.
+        let complete = zeros.len() == spectrum.zeros;
+        groups.push((members, if complete { ClusterKind::Semisimple } else { ClusterKind::Defective }));
+    }
+    Ok(in_given_units(&problem, found, groups))
+}
+
+/// For each eigenvalue the earlier one that it is the conjugate of, if any.
+fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
+    let mut taken = vec![false; sigmas.len()];
+    let mut partners = vec![None; sigmas.len()];
+    for (i, s) in sigmas.iter().enumerate() {
+        // In the order of `sort` a conjugate stands among those of equal |Im|.
+        let earlier = (0..i).rev().take_while(|&j| sigmas[j].im.abs() == s.im.abs());
+        let partner = earlier.filter(|&j| s.im != 0.0 && sigmas[j] == s.conj() && !taken[j]).last();
+        if let Some(j) = partner {
+            (taken[i], taken[j], partners[i]) = (true, true, Some(j));
+        }
+    }
+    partners
+}
+
+/// Finds groups and takes the members of semisimple ones from their common null space.
+fn settle_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
+    let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
+    let shifts: Vec<_> = found.iter().map(State::shift).collect();
+    let mut settled = Vec::new();
+    for members in groups(&sigmas, &shifts) {
+        let own: Vec<_> = members.iter().map(|&i| sigmas[i]).collect();
+        let Some(space) = semisimple(&problem.scaled, &own) else {
+            settled.push((members, ClusterKind::Defective));
+            continue;
+        };
+        let mean = own.iter().sum::<Complex<f64>>() / own.len() as f64;
+        let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
+        for (at, &i) in members.iter().enumerate() {
+            let sigma = space.sigmas.as_ref().map_or(sigmas[i], |s| s[at]);
+            let (x, y) = (space.right[at].clone(), space.left[at].clone());
+            let member = problem.state(sigma, x, y);
+            // Members that are told apart have vectors of their own, and a wide group may be worse than they.
+            if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
+                found[i] = member;
+            }
+            (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
+        }
+        settled.push((members, ClusterKind::Semisimple));
+    }
+    settled
+}
+
+/// Pairs of the same half plane that belong to no group and have nearly parallel vectors.
+fn nearly_defective_pairs(found: &[State], conjugates: &[Option<usize>], groups: &[Group]) -> Vec<Group> {
+    let alone: Vec<usize> = (0..found.len())
+        .filter(|&i| found[i].sigma != Complex::default() && !groups.iter().any(|(members, _)| members.contains(&i)))
+        .collect();
+    let mut pairs = Vec::new();
+    for (at, &i) in alone.iter().enumerate() {
+        for &j in &alone[..at] {
+            let (a, b) = (&found[i], &found[j]);
+            if conjugates[i].is_none() == conjugates[j].is_none() && nearly_defective((a.sigma, &a.x), (b.sigma, &b.x))
+            {
+                pairs.push((vec![j, i], ClusterKind::NearlyDefective));
+            }
+        }
+    }
+    pairs
+}
+
+fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> Certified {
+    let s = &problem.scaled;
+    let (right, left) = problem.weights();
+    let unit = |v: DVector<Complex<f64>>| {
+        let norm = v.norm();
+        v.unscale(norm)
+    };
+    let certificate = |state: State| Certificate {
+        lambda: state.sigma * s.gamma,
+        backward_error: state.backward_error,
+        condition: state.condition,
+        bound: state.bound * s.gamma,
+        verdict: state.verdict,
+        right: unit(state.x.component_mul(right)),
+        left: unit(state.y.component_mul(left)),
+    };
+    let eigenvalues: Vec<_> = found.into_iter().map(certificate).collect();
+    let lambdas: Vec<_> = eigenvalues.iter().map(|e| e.lambda).collect();
+    let clusters = groups.into_iter().map(|(members, kind)| Cluster::of(members, &lambdas, kind)).collect();
+    Certified { eigenvalues, clusters }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certified::solve;
+    use nalgebra::{DMatrix, dmatrix};
+    use proptest::prelude::*;
+
+    fn certified(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Certified {
+        let system = SecondOrder::new(m, c, k).unwrap();
+        let mut work = Workspace::default();
+        let spectrum = solve(&system, &mut work).unwrap();
+        certify(&system, &spectrum, &mut work).unwrap()
+    }
+
+    fn all_marginal(c: &Certified) -> bool {
+        c.eigenvalues.iter().all(|e| matches!(e.verdict, Verdict::Marginal { .. }))
+    }
+
+    #[test]
+    fn condition_and_verdict_of_an_oscillator_by_hand() {
+        // Q' = 2 lambda m + c; at lambda = -1 +- 7i with m = 1, c = 2, k = 50: |Q'| = 14.
+        let found = certified(dmatrix![1.0], dmatrix![2.0], dmatrix![50.0]);
+        for e in &found.eigenvalues {
+            let l = e.lambda.norm();
+            assert!((e.condition - (l * l + 2.0 * l + 50.0) / (l * 14.0)).abs() < 1e-12);
+            assert!(e.verdict == Verdict::Stable && e.backward_error < 1e-15 && e.bound < 1e-14);
+        }
+    }
+
+    #[test]
+    fn weak_damping_is_told_from_none() {
+        let chain = dmatrix![3.0, -1.0, 0.0; -1.0, 3.0, -1.0; 0.0, -1.0, 2.0];
+        let none = certified(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), chain.clone());
+        assert!(all_marginal(&none));
+        let weak = certified(DMatrix::identity(3, 3), &chain * 1e-13, chain.clone());
+        assert!(weak.eigenvalues.iter().all(|e| e.verdict == Verdict::Stable));
+        let negative = certified(DMatrix::identity(3, 3), &chain * -1e-13, chain);
+        assert!(negative.eigenvalues.iter().all(|e| e.verdict == Verdict::Unstable));
+    }
+
+    #[test]
+    fn a_gyroscope_and_a_doublet_are_neutral_and_semisimple() {
+        let spin = dmatrix![0.0, 0.3; -0.3, 0.0];
+        assert!(all_marginal(&certified(DMatrix::identity(2, 2), spin, dmatrix![2.0, 0.1; 0.1, 3.0])));
+        // A square: the two middle modes of a ring of four equal masses coincide.
+        let ring = dmatrix![2.7, -1.0, 0.0, -1.0; -1.0, 2.7, -1.0, 0.0; 0.0, -1.0, 2.7, -1.0; -1.0, 0.0, -1.0, 2.7];
+        let found = certified(DMatrix::identity(4, 4), DMatrix::zeros(4, 4), ring);
+        assert!(all_marginal(&found));
+        assert_eq!(found.clusters.len(), 2);
+        for cluster in &found.clusters {
+            assert_eq!((cluster.members.len(), cluster.kind), (2, ClusterKind::Semisimple));
+            assert!((cluster.mean.im.abs() - 2.7_f64.sqrt()).abs() < 1e-15 && cluster.spread < 1e-15);
+        }
+        assert!(found.eigenvalues.iter().all(|e| e.condition < 10.0 && e.backward_error < 1e-15));
+    }
+
+    #[test]
+    fn the_onset_of_flutter_is_a_defective_pair_and_neither_stable_nor_unstable() {
+        // K = [1 1; 0 1] has one vector: lambda = +-i twice, and a perturbation e moves it by sqrt(e) / 2.
+        let found = certified(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, 1.0; 0.0, 1.0]);
+        assert!(found.clusters.iter().all(|c| c.kind == ClusterKind::Defective && (c.mean.norm() - 1.0).abs() < 1e-14));
+        assert!(all_marginal(&found));
+        // Beyond it, at 1e-10, the pair is told apart and one of it grows at 5e-6.
+        let found = certified(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, 1.0; -1e-10, 1.0]);
+        assert!(found.clusters.iter().all(|c| c.kind == ClusterKind::NearlyDefective && c.spread < 1e-5));
+        let rates: Vec<f64> =
+            found.eigenvalues.iter().filter(|e| e.verdict == Verdict::Unstable).map(|e| e.lambda.re).collect();
+        assert_eq!(rates.len(), 2);
+        assert!(rates.iter().all(|re| (re - 5e-6).abs() < 1e-11));
+    }
+
+    #[test]
+    fn rigid_bodies_are_marginal_exactly_or_to_rounding() {
+        let exact = dmatrix![1.0, -1.0; -1.0, 1.0];
+        let found = certified(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), exact);
+        assert!(all_marginal(&found));
+        let zeros = found.clusters.iter().find(|c| c.mean.norm() == 0.0).unwrap();
+        assert_eq!((zeros.members.len(), zeros.kind), (2, ClusterKind::Defective));
+        // Rounded, K has the eigenvalue -1e-16: divergence at a rate of 1e-8 that means nothing.
+        let rounded = dmatrix![1.0, -1.0 - f64::EPSILON; -1.0, 1.0];
+        let found = certified(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), rounded);
+        assert!(all_marginal(&found) && found.eigenvalues.iter().any(|e| e.lambda.re > 1e-9));
+    }
+
+    #[test]
+    fn a_rigid_body_but_for_rounding_is_within_its_bound() {
+        // K = [1, -1 + d; -1 + d, 1] has the eigenvalues d and 2 - d: +-i sqrt(d) for a positive d.
+        for d in [1.0, 3.0, 7.0, 100.0].map(|steps| steps * f64::EPSILON / 2.0) {
+            let found =
+                certified(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![1.0, -1.0 + d; -1.0 + d, 1.0]);
+            let tiny: Vec<_> = found.eigenvalues.iter().filter(|e| e.lambda.norm() < 1e-3).collect();
+            assert_eq!(tiny.len(), 2);
+            for e in tiny {
+                let exact = Complex::new(0.0, d.sqrt().copysign(e.lambda.im));
+                assert!((e.lambda - exact).norm() <= e.bound && e.condition > 1e13, "{d:e}: {e:?}");
+                assert!(matches!(e.verdict, Verdict::Marginal { .. }));
+            }
+        }
+    }
+
+    #[test]
+    fn members_of_a_wide_group_keep_their_own_digits() {
+        // Three slow eigenvalues, 1e-3 apart and known to less in the scaled problem: -k / c in a basis that mixes them.
+        let axis = DVector::from_vec(vec![0.6, 0.48, 0.64]);
+        let turn = DMatrix::identity(3, 3) - &axis * axis.transpose() * 2.0;
+        let slow = [1.0, 1.001, 1.002];
+        let k = &turn * DMatrix::from_diagonal(&DVector::from_vec(slow.to_vec())) * &turn;
+        let c = 1e13;
+        let found = certified(DMatrix::identity(3, 3), DMatrix::identity(3, 3) * c, k);
+        for k in slow {
+            // k / c to 26 digits, as c^2 is that much larger than k.
+            let nearest = found.eigenvalues.iter().map(|e| (e.lambda + k / c).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-14 * k / c, "{k}: {nearest:e}");
+        }
+        assert!(found.eigenvalues.iter().all(|e| e.backward_error < 1e-14 && e.verdict != Verdict::Unstable));
+    }
+
+    #[test]
+    fn vectors_satisfy_the_equation_in_the_given_units() {
+        let (m, c, k) = (dmatrix![1e-9, 0.0; 0.0, 1e3], dmatrix![0.0, 2e-4; 1e-4, 3.0], dmatrix![5.0, 4.0; -4.0, 6e5]);
+        let system = SecondOrder::new(m.clone(), c.clone(), k.clone()).unwrap();
+        for e in certified(m, c, k).eigenvalues {
+            let (q, l) = (system.dynamic_stiffness(e.lambda), e.lambda.norm());
+            let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm();
+            assert!((&q * &e.right).norm() < 1e-15 * size);
+            assert!((e.left.adjoint() * &q).norm() < 1e-15 * size);
+        }
+    }
+
+    /// Entries that break things: zeros, equal ones, and many orders of magnitude.
+    fn entry() -> impl Strategy<Value = f64> {
+        prop_oneof![4 => Just(0.0), 3 => Just(1.0), 1 => Just(-1.0), 1 => Just(0.1), 2 => -2.0..2.0f64,
+            1 => prop_oneof![Just(1e12), Just(1e-12), Just(-1e6), Just(1e-30)]]
+    }
+
+    fn matrices() -> impl Strategy<Value = (DMatrix<f64>, DMatrix<f64>, DMatrix<f64>)> {
+        let square = |n: usize| prop::collection::vec(entry(), n * n).prop_map(move |v| DMatrix::from_vec(n, n, v));
+        (1..5usize).prop_flat_map(move |n| (square(n), square(n), square(n)))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+
+        #[test]
+        fn whatever_the_matrices_all_eigenvalues_are_accounted_for((m, c, k) in matrices()) {
+            let system = SecondOrder::new(m, c, k).unwrap();
+            let mut work = Workspace::default();
+            match solve(&system, &mut work) {
+                Err(error) => {
+                    let honest = matches!(error, CeaError::SingularPencil { .. } | CeaError::NoConvergence { .. });
+                    prop_assert!(honest, "{}", error);
+                }
+                Ok(spectrum) => {
+                    prop_assert_eq!(spectrum.eigenvalues.len() + spectrum.infinite, 2 * system.order());
+                    prop_assert!(spectrum.eigenvalues.iter().all(|l| l.re.is_finite() && l.im.is_finite()));
+                    let certified = certify(&system, &spectrum, &mut work).unwrap();
+                    let upper = certified.eigenvalues.iter().filter(|e| e.lambda.im > 0.0).count();
+                    let lower = certified.eigenvalues.iter().filter(|e| e.lambda.im < 0.0).count();
+                    prop_assert_eq!(upper, lower);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Backward errors and condition numbers of one eigenvalue, of the problem as given and as scaled.
+
+use std::slice::from_ref;
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::real::reveal_rank;
+use super::refine::{Refined, newton};
+use super::scaled::{Norms, Scaled};
+use super::structure::nullity;
+use super::vectors::{Factor, Vector, orthonormalise};
+use crate::{CeaError, Verdict};
+
+/// Half the distance from 1 to the next double: the relative size of a rounding error.
+pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+/// Backward errors up to this many units are rounding and not worth a Newton step.
+pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
+/// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
+/// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
+pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
+/// A refined eigenvalue is known to this part of what rounded data move it by, or better.
+const REFINED_PART: f64 = 1e-6;
+
+/// What is known of one eigenvalue in the course of it, in scaled quantities.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub(super) sigma: Complex<f64>,
+    pub(super) x: Vector,
+    pub(super) y: Vector,
+    /// Of the matrices as given.
+    pub(super) backward_error: f64,
+    pub(super) condition: f64,
+    /// Of the scaled matrices.
+    pub(super) scaled_error: f64,
+    pub(super) scaled_condition: f64,
+    /// |sigma - exact| estimated, in the scaled problem.
+    pub(super) bound: f64,
+    pub(super) verdict: Verdict,
+}
+
+impl State {
+    pub(super) fn conjugate(&self) -> Self {
+        Self { sigma: self.sigma.conj(), x: self.x.conjugate(), y: self.y.conjugate(), ..self.clone() }
+    }
+
+    /// The larger backward error.
+    pub(super) fn error(&self) -> f64 {
+        self.backward_error.max(self.scaled_error)
+    }
+
+    /// How far sigma may move, to first order, for its own backward error or that of rounded data.
+    pub(super) fn shift(&self) -> f64 {
+        self.scaled_condition * self.scaled_error.max(UNIT_ROUNDOFF) * self.sigma.norm()
+    }
+
+    /// The same for rounded data alone.
+    pub(super) fn data_shift(&self) -> f64 {
+        self.scaled_condition * UNIT_ROUNDOFF * self.sigma.norm()
+    }
+}
+
+/// The problem as scaled, with the norms of the one given.
+#[derive(Debug)]
+pub(super) struct Measure {
+    pub(super) scaled: Scaled,
+    /// Of the matrices as given but for the units of time and of the whole, so that no power of lambda overflows.
+    given: Norms,
+    /// Weights of left and right vectors, the largest one 1.
+    left: Vector,
+    right: Vector,
+}
+
+impl Measure {
+    pub(super) fn new(system: &SecondOrder) -> Self {
+        let scaled = Scaled::new(system);
+        let weights = |w: &DVector<f64>| w.unscale(w.max()).map(Complex::from);
+        let (left, right) = (weights(&scaled.left), weights(&scaled.right));
+        let unit = |a: &DMatrix<f64>, time: f64| a.map(|x| x * scaled.left.max() * scaled.right.max() * time);
+        let gamma = scaled.gamma;
+        let given = Norms::of(&unit(&system.m, gamma * gamma), &unit(&system.c, gamma), &unit(&system.k, 1.0));
+        Self { scaled, given, left, right }
+    }
+
+    /// What scaled right and left vectors are multiplied by, entry by entry, to be those of the problem as given.
+    pub(super) fn weights(&self) -> (&Vector, &Vector) {
+        (&self.right, &self.left)
+    }
+
+    /// Null vectors of K, whose rank is known exactly, for eigenvalues that are exactly zero.
+    pub(super) fn zeros(&self, stiffness: &DMatrix<f64>) -> Vec<State> {
+        let (n, nullity) = (self.scaled.order(), nullity(stiffness));
+        // In the units given, in which the backward error counts.
+        let k = DMatrix::from_fn(n, n, |i, j| self.scaled.k[(i, j)] / (self.left[i].re * self.right[j].re));
+        let right = null_space(&k, nullity).into_iter().map(|phi| phi.component_div(&self.right));
+        let left = null_space(&k.transpose(), nullity).into_iter().map(|psi| psi.component_div(&self.left));
+        let pairs = right.zip(left);
+        let state = |(x, y)| State {
+            backward_error: if self.given.k == 0.0 { 0.0 } else { self.errors(Complex::default(), &x).1 },
+            sigma: Complex::default(),
+            condition: f64::INFINITY,
+            scaled_error: 0.0,
+            scaled_condition: 0.0,
+            bound: 0.0,
+            // Exactly zero for the matrices as given.
+            verdict: Verdict::Marginal { tolerance: 0.0 },
+            x,
+            y,
+        };
+        pairs.map(state).collect()
+    }
+
+    /// Vectors by inverse iteration, then the eigenvalue improved if its backward error exceeds `threshold`.
+    pub(super) fn first_look(&self, sigma: Complex<f64>, gap: f64, threshold: f64) -> Result<State, CeaError> {
+        let factor = Factor::new(&self.scaled, sigma);
+        let failed = || CeaError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
+        let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
+        let mut state = self.state(sigma, x[0].clone(), y[0].clone());
+        if state.error() > threshold {
+            let reach = (4.0 * FIRST_ORDER_SAFETY * state.shift()).min(0.45 * gap);
+            match self.refine(&state, reach) {
+                Some((better, _)) if better.error() <= ROUNDING_ONLY.max(state.error()) => state = better,
+                _ => {}
+            }
+        }
+        Ok(state)
+    }
+
+    /// The eigenvalue refined within `reach`, and how far it may still be from the exact one of these matrices.
+    pub(super) fn refine(&self, state: &State, reach: f64) -> Option<(State, f64)> {
+        let enough = REFINED_PART * state.data_shift();
+        let Refined { sigma, x, left } = newton(&self.scaled, state.sigma, &state.x, enough, reach)?;
+        Some((self.state(sigma, x, state.y.clone()), left))
+    }
+
+    pub(super) fn state(&self, sigma: Complex<f64>, x: Vector, y: Vector) -> State {
+        let (scaled_condition, condition) = self.conditions(sigma, from_ref(&x), from_ref(&y));
+        let (scaled_error, backward_error) = self.errors(sigma, &x);
+        let verdict = Verdict::Undecided { bound: f64::INFINITY };
+        let bound = f64::INFINITY;
+        State { sigma, x, y, backward_error, condition, scaled_error, scaled_condition, bound, verdict }
+    }
+
+    /// Backward errors of the scaled and of the given problem.
+    fn errors(&self, sigma: Complex<f64>, x: &Vector) -> (f64, f64) {
+        let (s, size) = (&self.scaled, sigma.norm());
+        let image = s.times(sigma, x);
+        let given = image.component_div(&self.left).norm() / x.component_mul(&self.right).norm();
+        (image.norm() / (s.norms.size(size) * x.norm()), given / self.given.size(size))
+    }
+
+    /// Condition numbers of the scaled and of the given problem for bases of the null spaces.
+    pub(super) fn conditions(&self, sigma: Complex<f64>, right: &[Vector], left: &[Vector]) -> (f64, f64) {
+        let s = &self.scaled;
+        let inverse_slope = |right: &[Vector], left: &[Vector]| {
+            let slopes: Vec<_> = right.iter().map(|x| s.derivative_times(sigma, x)).collect();
+            let projected = DMatrix::from_fn(left.len(), right.len(), |i, j| left[i].dotc(&slopes[j]));
+            projected.try_inverse().map_or(f64::INFINITY, |inverse| inverse.norm())
+        };
+        let scaled = s.norms.size(sigma.norm()) * inverse_slope(right, left) / sigma.norm();
+        // The same vectors in the coordinates given: orthonormal there, then expressed in the scaled ones.
+        let moved = |vectors: &[Vector], weights: &Vector| {
+            let mut block: Vec<_> = vectors.iter().map(|v| v.component_mul(weights)).collect();
+            orthonormalise(&mut block)?;
+            Some(block.iter().map(|v| v.component_div(weights)).collect::<Vec<_>>())
+        };
+        let given = match (moved(right, &self.right), moved(left, &self.left)) {
+            (Some(right), Some(left)) => self.given.size(sigma.norm()) * inverse_slope(&right, &left) / sigma.norm(),
+            _ => f64::INFINITY,
+        };
+        (scaled, given)
+    }
+}
+
+/// Orthonormal vectors that `a` annihilates, as many as its known nullity.
+fn null_space(a: &DMatrix<f64>, nullity: usize) -> Vec<Vector> {
+    let n = a.nrows();
+    let mut turned = DMatrix::identity(n, n);
+    reveal_rank(&mut a.transpose(), &mut turned, n - nullity);
+    turned.rows(n - nullity, nullity).row_iter().map(|row| row.transpose().map(Complex::from)).collect()
+}

@@ -1,0 +1,49 @@
+//! The general dense problem `(lambda^2 M + lambda C + K) x = 0`: any real M, C and K, singular or not, in any units.
+//!
+//! [`solve`] finds all eigenvalues, [`certify`] how right each one is. How a problem is solved depends on what the
+//! matrices are and is told in [`Route`]:
+//!
+//! 1. What is exactly singular is found exactly: infinite and zero eigenvalues are counted in a prime field, without a
+//!    tolerance, and a pencil that is singular for every lambda is an error.
+//! 2. The problem is equilibrated and scaled by powers of two.
+//! 3. Where the scaled M is well conditioned and K regular, the eigenvalues are those of the standard form by the QR
+//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest, in double-double
+//!    arithmetic where double has too few digits.
+//!
+//! ```
+//! use cea::{Verdict, Workspace, certified};
+//! use nalgebra::dmatrix;
+//!
+//! // A mass on a damped spring with a massless, undamped joint in between: M is singular.
+//! let system = linsys::SecondOrder::new(
+//!     dmatrix![1.0, 0.0; 0.0, 0.0],
+//!     dmatrix![0.2, 0.0; 0.0, 0.0],
+//!     dmatrix![2.0, -2.0; -2.0, 4.0],
+//! )?;
+//! let mut work = Workspace::default();
+//! let spectrum = certified::solve(&system, &mut work)?;
+//! assert_eq!((spectrum.eigenvalues.len(), spectrum.infinite), (2, 2));
+//!
+//! let certified = certified::certify(&system, &spectrum, &mut work)?;
+//! assert!(certified.eigenvalues.iter().all(|e| e.verdict == Verdict::Stable && e.backward_error < 1e-15));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod certify;
+mod clusters;
+mod dd;
+mod field;
+mod measure;
+mod pencil;
+mod qz;
+mod real;
+mod refine;
+mod scaled;
+mod solve;
+mod structure;
+mod vectors;
+mod verdict;
+
+pub use certify::{Certificate, Certified, certify};
+pub use clusters::{Cluster, ClusterKind};
+pub use solve::{GeneralSpectrum, Route, solve};

@@ -1,0 +1,188 @@
+//! The problem in units of its own: equilibrated rows and columns, time in units of 1 / gamma.
+//!
+//! `Q~(sigma) = w L (lambda^2 M + lambda C + K) R` with `lambda = gamma sigma`, L and R diagonal. gamma makes the
+//! norms of the scaled mass and stiffness equal (Fan, Lin, Van Dooren, SIAM J. Matrix Anal. Appl. 26, 2004); L and R
+//! bring the largest entry of each row and column of `gamma^2 |M| + gamma |C| + |K|` near one (Ruiz's iteration, RAL
+//! report 2001-034), equally on both sides where the matrices are symmetric. Every factor is a power of two, so the
+//! scaled problem is the given one to the last bit, barring underflow.
+
+use linsys::{SecondOrder, real_times_complex};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::CeaError;
+
+/// Rounds of choosing gamma and equilibrating in turn, as each changes what the other saw. Chosen.
+const SCALING_ROUNDS: usize = 5;
+/// Sweeps of Ruiz's iteration: in the limit each halves the distance of the logarithms from zero. Eight leave 1/256 of it, less than
+/// rounding to powers of two.
+const EQUILIBRATION_SWEEPS: usize = 8;
+
+/// The scaled problem and the way back.
+#[derive(Debug, Clone)]
+pub(crate) struct Scaled {
+    pub(crate) m: DMatrix<f64>,
+    pub(crate) c: DMatrix<f64>,
+    pub(crate) k: DMatrix<f64>,
+    /// lambda = gamma sigma.
+    pub(crate) gamma: f64,
+    /// psi = left * (scaled left vector), entry by entry.
+    pub(crate) left: DVector<f64>,
+    /// phi = right * (scaled right vector), entry by entry.
+    pub(crate) right: DVector<f64>,
+    /// Frobenius norms of the scaled matrices.
+    pub(crate) norms: Norms,
+}
+
+/// Frobenius norms of M, C and K.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Norms {
+    pub(crate) m: f64,
+    pub(crate) c: f64,
+    pub(crate) k: f64,
+}
+
+impl Norms {
+    pub(crate) fn of(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>) -> Self {
+        Self { m: norm(m), c: norm(c), k: norm(k) }
+    }
+
+    /// `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    pub(crate) fn size(&self, lambda: f64) -> f64 {
+        (lambda * self.m + self.c) * lambda + self.k
+    }
+}
+
+/// The Frobenius norm without overflow of the squares.
+fn norm(a: &DMatrix<f64>) -> f64 {
+    let largest = a.amax();
+    if largest == 0.0 { 0.0 } else { largest * (a / largest).norm() }
+}
+
+/// The power of two next to x, within the range that keeps products finite.
+fn power_of_two(x: f64) -> f64 {
+    if x > 0.0 && x.is_finite() { x.log2().round().clamp(-500.0, 500.0).exp2() } else { 1.0 }
+}
+
+impl Scaled {
+    pub(crate) fn new(system: &SecondOrder) -> Self {
+        let n = system.order();
+        let (m, c, k) = (&system.m, &system.c, &system.k);
+        let (mut left, mut right) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));
+        let mut gamma = time_scale(norm(m), norm(c), norm(k));
+        for _ in 0..SCALING_ROUNDS {
+            equilibrate(system, gamma, &mut left, &mut right);
+            let size = |a: &DMatrix<f64>| norm(&DMatrix::from_fn(n, n, |i, j| left[i] * a[(i, j)] * right[j]));
+            gamma = time_scale(size(m), size(c), size(k));
+        }
+        let gamma = power_of_two(gamma);
+        left.apply(|x| *x = power_of_two(*x));
+        right.apply(|x| *x = power_of_two(*x));
+        let scale = |a: &DMatrix<f64>, f: f64| DMatrix::from_fn(n, n, |i, j| a[(i, j)] * left[i] * right[j] * f);
+        let (m, c, k) = (scale(m, gamma * gamma), scale(c, gamma), scale(k, 1.0));
+        let norms = Norms::of(&m, &c, &k);
+        Self { m, c, k, gamma, left, right, norms }
+    }
+
+    /// The error where an eigenvalue does not fit into a double.
+    pub(crate) fn range(&self) -> CeaError {
+        let entries = || [&self.m, &self.c, &self.k].into_iter().flat_map(|a| a.iter()).map(|x| x.abs());
+        let smallest = entries().filter(|&x| x > 0.0).fold(f64::INFINITY, f64::min);
+        CeaError::Range { smallest, largest: entries().fold(0.0, f64::max) }
+    }
+
+    /// tau: how many times the damping outweighs stiffness and mass; at least 1.
+    pub(crate) fn overdamping(&self) -> f64 {
+        let Norms { m, c, k } = self.norms;
+        let others = (m * k).sqrt();
+        if others > 0.0 && c > others { c / others } else { 1.0 }
+    }
+
+    /// d = 1 / tau, rounded to a power of two.
+    pub(crate) fn grading(&self) -> f64 {
+        power_of_two(1.0 / self.overdamping())
+    }
+
+    /// n.
+    pub(crate) fn order(&self) -> usize {
+        self.m.nrows()
+    }
+
+    /// `Q~(sigma)`.
+    pub(crate) fn polynomial(&self, sigma: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let n = self.order();
+        let square = sigma * sigma;
+        DMatrix::from_fn(n, n, |i, j| square * self.m[(i, j)] + sigma * self.c[(i, j)] + self.k[(i, j)])
+    }
+
+    /// `Q~(sigma) x`.
+    pub(crate) fn times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        (real_times_complex(&self.m, x) * sigma + real_times_complex(&self.c, x)) * sigma
+            + real_times_complex(&self.k, x)
+    }
+
+    /// `Q~'(sigma) x`.
+    pub(crate) fn derivative_times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        real_times_complex(&self.m, x) * (sigma * 2.0) + real_times_complex(&self.c, x)
+    }
+}
+
+/// gamma: sqrt(|K| / |M|), or what the damping says where one of them vanishes.
+fn time_scale(m: f64, c: f64, k: f64) -> f64 {
+    match (m > 0.0, c > 0.0, k > 0.0) {
+        (true, _, true) => (k / m).sqrt(),
+        (true, true, false) => c / m,
+        (false, true, true) => k / c,
+        _ => 1.0,
+    }
+}
+
+fn equilibrate(system: &SecondOrder, gamma: f64, left: &mut DVector<f64>, right: &mut DVector<f64>) {
+    let n = system.order();
+    let weight =
+        |i: usize, j: usize| (gamma * system.m[(i, j)].abs() + system.c[(i, j)].abs()) * gamma + system.k[(i, j)].abs();
+    let weights = DMatrix::from_fn(n, n, weight);
+    for _ in 0..EQUILIBRATION_SWEEPS {
+        let (mut rows, mut columns) = (DVector::<f64>::zeros(n), DVector::<f64>::zeros(n));
+        for j in 0..n {
+            for i in 0..n {
+                let w = left[i] * weights[(i, j)] * right[j];
+                rows[i] = rows[i].max(w);
+                columns[j] = columns[j].max(w);
+            }
+        }
+        left.zip_apply(&rows, |l, r| *l /= if r > 0.0 { r.sqrt() } else { 1.0 });
+        right.zip_apply(&columns, |r, c| *r /= if c > 0.0 { c.sqrt() } else { 1.0 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dmatrix;
+
+    #[test]
+    fn units_of_length_mass_time_and_rotation_do_not_matter() {
+        let si = SecondOrder::new(
+            dmatrix![2.0, 0.1; 0.1, 3.0],
+            dmatrix![0.3, 0.1; 0.0, 0.2],
+            dmatrix![4.0e6, -3.0e6; 3.0e6, 7.0e6],
+        )
+        .unwrap();
+        let units = dmatrix![2f64.powi(-40), 0.0; 0.0, 2f64.powi(25)];
+        let other = SecondOrder::new(&units * &si.m * &units, &units * &si.c * &units, &units * &si.k * &units);
+        let (a, b) = (Scaled::new(&si), Scaled::new(&other.unwrap()));
+        assert_eq!((a.m, a.c, a.k, a.gamma), (b.m, b.c, b.k, b.gamma));
+    }
+
+    #[test]
+    fn scaling_is_exact() {
+        let system =
+            SecondOrder::new(dmatrix![0.1, 0.0; 0.0, 0.3], DMatrix::zeros(2, 2), dmatrix![1e9, 7.0; 7.0, 1e-3]);
+        let system = system.unwrap();
+        let s = Scaled::new(&system);
+        let undo = DMatrix::from_fn(2, 2, |i, j| s.k[(i, j)] / s.left[i] / s.right[j]);
+        assert_eq!(undo, system.k);
+        assert!(s.norms.size(1.0) < 10.0 && s.norms.size(1.0) > 0.1);
+    }
+}

@@ -1,0 +1,295 @@
+//! All eigenvalues, by the route that the matrices allow.
+
+use std::fmt;
+
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use super::pencil::Pencil;
+use super::scaled::Scaled;
+use super::structure::Structure;
+use super::vectors::Factor;
+use crate::{CeaError, Workspace, francis, sort};
+
+/// Largest condition number of the scaled mass matrix for the standard form. It multiplies the backward error, and the
+/// Newton step of [`certify`](super::certify::certify) wins two digits back.
+const LARGEST_MASS_CONDITION: f64 = 100.0;
+/// Largest ratio of damping to stiffness and mass, in the scaled problem, that double precision is used for.
+const LARGEST_OVERDAMPING: f64 = 1e5;
+/// Least relative pivot of the deflated matrices that double precision is used for: QZ loses the digits of eigenvalues
+/// that are this much slower or faster than the scale, while their condition numbers may be small.
+const LEAST_PIVOT_IN_DOUBLE: f64 = 1e-6;
+/// QR steps allowed per eigenvalue before QZ takes over; a healthy matrix takes 2 to 4.
+const QR_STEPS_BEFORE_QZ: usize = 60;
+
+/// How the eigenvalues were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Route {
+    /// QR iteration on `[-M^-1 C, -M^-1 K; I, 0]`, scaled: M is well conditioned.
+    Standard,
+    /// QZ iteration on the scaled companion pencil: M is ill conditioned, nothing is singular.
+    Qz,
+    /// QZ iteration after the infinite and zero eigenvalues were deflated.
+    DeflatedQz,
+    /// QZ iteration in double-double arithmetic, deflated where needed: what is left is nearly singular, or the damping
+    /// spreads the eigenvalues over more than a double's digits. Ten to twenty times slower.
+    ExtendedQz,
+    /// Every eigenvalue is exactly infinite or zero; nothing was left to iterate on.
+    Deflation,
+}
+
+impl fmt::Display for Route {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Standard => "standard",
+            Self::Qz => "qz",
+            Self::DeflatedQz => "deflated-qz",
+            Self::ExtendedQz => "extended-qz",
+            Self::Deflation => "deflation",
+        })
+    }
+}
+
+/// The spectrum of a general quadratic eigenproblem.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeneralSpectrum {
+    /// The finite eigenvalues, rad/s, in the order of [`sort`]; complex ones in exact conjugate pairs, exact zeros
+    /// among them.
+    pub eigenvalues: Vec<Complex<f64>>,
+    /// How many of them are exactly zero.
+    pub zeros: usize,
+    /// Number of infinite eigenvalues: with the finite ones they make 2 n.
+    pub infinite: usize,
+    /// gamma, rad/s, the unit in which the problem was solved (Fan, Lin, Van Dooren).
+    pub scale: f64,
+    /// How they were found.
+    pub route: Route,
+}
+
+/// All eigenvalues of `lambda^2 M + lambda C + K`, with internal states if the system has some.
+///
+/// # Errors
+/// A malformed system; [`CeaError::SingularPencil`] where every lambda is an eigenvalue; no convergence.
+pub fn solve(system: &SecondOrder, work: &mut Workspace) -> Result<GeneralSpectrum, CeaError> {
+    system.check()?;
+    let extended = extend(system);
+    let spectrum = solve_quadratic(&extended, work)?;
+    // Each internal state came in as a massless degree of freedom and brought one infinite eigenvalue of its own.
+    Ok(GeneralSpectrum { infinite: spectrum.infinite - system.states(), ..spectrum })
+}
+
+/// Internal states as massless degrees of freedom: `z' + a z - E u' = 0` below `M u'' + C u' + K u - F z = 0`.
+pub(super) fn extend(system: &SecondOrder) -> SecondOrder {
+    let (n, s) = (system.order(), system.states());
+    if s == 0 {
+        return system.clone();
+    }
+    let mut out = SecondOrder::zeros(n + s, 0);
+    for (big, small) in [(&mut out.m, &system.m), (&mut out.c, &system.c), (&mut out.k, &system.k)] {
+        big.view_mut((0, 0), (n, n)).copy_from(small);
+    }
+    out.c.view_mut((n, 0), (s, n)).copy_from(&-&system.internal.drive);
+    out.c.view_mut((n, n), (s, s)).fill_with_identity();
+    out.k.view_mut((0, n), (n, s)).copy_from(&-&system.internal.force);
+    out.k.view_mut((n, n), (s, s)).set_diagonal(&system.internal.decay);
+    out
+}
+
+fn solve_quadratic(system: &SecondOrder, work: &mut Workspace) -> Result<GeneralSpectrum, CeaError> {
+    let n = system.order();
+    let structure = Structure::of(system)?;
+    let (infinite, zeros) = (structure.infinite.iter().sum(), structure.zero.iter().sum());
+    let scaled = Scaled::new(system);
+    work.counters.eigenvalue_solves += 1;
+    let (route, sigmas) = if infinite + zeros == 2 * n {
+        (Route::Deflation, Vec::new())
+    } else if is_singular_to_rounding(&scaled) {
+        return Err(CeaError::SingularPencil { exactly: false });
+    } else {
+        by_iteration(&scaled, &structure)?
+    };
+    // None of these is zero: what was rounded off is replaced by what rounding leaves of it.
+    let nonzero = |sigma: Complex<f64>| if sigma == Complex::default() { f64::EPSILON.powi(2).into() } else { sigma };
+    let mut eigenvalues: Vec<_> = sigmas.into_iter().map(|sigma| nonzero(sigma) * scaled.gamma).collect();
+    if eigenvalues.iter().any(|l| !(l.re.is_finite() && l.im.is_finite())) {
+        return Err(scaled.range());
+    }
+    eigenvalues.resize(eigenvalues.len() + zeros, Complex::default());
+    sort(&mut eigenvalues);
+    Ok(GeneralSpectrum { eigenvalues, zeros, infinite, scale: scaled.gamma, route })
+}
+
+/// The eigenvalues that are neither zero nor infinite: the cheapest route that suits the matrices, and where its
+/// iteration fails the next.
+fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Complex<f64>>), CeaError> {
+    let found = |sigmas: &[Complex<f64>]| sigmas.iter().all(|s| s.re.is_finite() && s.im.is_finite());
+    let singular = !structure.infinite.is_empty() || !structure.zero.is_empty();
+    let strongly_damped = scaled.overdamping() > LARGEST_OVERDAMPING;
+    if !singular
+        && !strongly_damped
+        && let Some(state) = standard_form(scaled)
+        && let Some(sigmas) = francis::eigenvalues(state, QR_STEPS_BEFORE_QZ)
+        && found(&sigmas)
+    {
+        return Ok((Route::Standard, sigmas));
+    }
+    let companion = Pencil::companion(scaled);
+    let pencil = companion.clone().without_infinite(&structure.infinite).without_zero(&structure.zero);
+    let (a, b) = pencil.depths();
+    if !strongly_damped
+        && a.min(b) > LEAST_PIVOT_IN_DOUBLE
+        && let Ok(sigmas) = pencil.eigenvalues()
+        && found(&sigmas)
+    {
+        return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
+    }
+    let pencil = companion.extended().without_infinite(&structure.infinite).without_zero(&structure.zero);
+    let sigmas = pencil.eigenvalues()?;
+    if found(&sigmas) { Ok((Route::ExtendedQz, sigmas)) } else { Err(scaled.range()) }
+}
+
+/// `[-M^-1 C, -M^-1 K / d; d I, 0]` (see [`Pencil`]), or nothing where M is ill conditioned.
+fn standard_form(s: &Scaled) -> Option<DMatrix<f64>> {
+    let n = s.order();
+    let inverse = s.m.clone().try_inverse()?;
+    // sqrt(n) for each Frobenius norm.
+    let condition = s.norms.m * inverse.norm() / n as f64;
+    if condition.is_nan() || condition > LARGEST_MASS_CONDITION {
+        return None;
+    }
+    let lu = s.m.clone().lu();
+    let Pencil { a: mut state, .. } = Pencil::companion(s);
+    let upper = lu.solve(&state.rows(0, n))?;
+    state.rows_mut(0, n).copy_from(&upper);
+    Some(state)
+}
+
+/// Q(sigma) has no more than rounding errors for a smallest singular value at points that have nothing in common.
+fn is_singular_to_rounding(s: &Scaled) -> bool {
+    [(0.11, 2.1), (1.07, 0.7), (9.3, 1.3)].into_iter().all(|(radius, angle)| {
+        let sigma = Complex::from_polar(radius, angle);
+        Factor::new(s, sigma).smallest() <= f64::EPSILON * s.norms.size(radius)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EigenSolver, QrSolver};
+    use linsys::Internal;
+    use nalgebra::{dmatrix, dvector};
+    use proptest::prelude::*;
+
+    fn spectrum(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<GeneralSpectrum, CeaError> {
+        solve(&SecondOrder::new(m, c, k).unwrap(), &mut Workspace::default())
+    }
+
+    fn scalar(m: f64, c: f64, k: f64) -> Result<GeneralSpectrum, CeaError> {
+        spectrum(dmatrix![m], dmatrix![c], dmatrix![k])
+    }
+
+    #[test]
+    fn every_scalar_problem_has_its_school_answer() {
+        let oscillator = scalar(2.0, 0.0, 8.0).unwrap();
+        assert_eq!(oscillator.eigenvalues, [Complex::new(0.0, -2.0), Complex::new(0.0, 2.0)]);
+        assert_eq!(oscillator.route, Route::Standard);
+        let relaxation = scalar(0.0, 2.0, 8.0).unwrap();
+        assert_eq!((relaxation.eigenvalues.len(), relaxation.infinite), (1, 1));
+        assert!((relaxation.eigenvalues[0] + 4.0).norm() < 1e-15);
+        let free = scalar(3.0, 6.0, 0.0).unwrap();
+        assert_eq!((free.eigenvalues[1], free.zeros), (Complex::default(), 1));
+        assert!((free.eigenvalues[0] + 2.0).norm() < 1e-15);
+        let body = scalar(3.0, 0.0, 0.0).unwrap();
+        assert_eq!((body.zeros, body.infinite, body.route), (2, 0, Route::Deflation));
+        let spring = scalar(0.0, 0.0, 1e-300).unwrap();
+        assert_eq!((spring.eigenvalues.len(), spring.infinite), (0, 2));
+        assert_eq!(scalar(0.0, 0.0, 0.0), Err(CeaError::SingularPencil { exactly: true }));
+    }
+
+    #[test]
+    fn a_pencil_that_is_singular_but_for_rounding_is_refused_too() {
+        // The second row is 0.1 times the first, rounded: det Q does not vanish exactly, and has no digits.
+        let row = |a: f64, b: f64| dmatrix![a, b; 0.1 * a, 0.1 * b];
+        let refused = spectrum(row(1.1, 0.7), row(0.3, 0.9), row(2.3, -1.7));
+        assert_eq!(refused, Err(CeaError::SingularPencil { exactly: false }));
+    }
+
+    #[test]
+    fn strong_damping_keeps_the_digits_of_slow_and_fast_eigenvalues() {
+        // lambda^2 + 1e9 lambda + 1 = 0.
+        let found = scalar(1.0, 1e9, 1.0).unwrap();
+        assert_eq!(found.route, Route::ExtendedQz);
+        assert!((found.eigenvalues[0].re / -1e9 - 1.0).abs() < 1e-15);
+        assert!((found.eigenvalues[1].re * -1e9 - 1.0).abs() < 1e-15);
+        // Two of them, coupled: C is a rotated diag(1, 3), K a rotated diag(1, 2), so C^-1 K has trace 5/3.
+        let (c, k) = (dmatrix![2.0, 1.0; 1.0, 2.0] * 1e10, dmatrix![1.5, 0.5; 0.5, 1.5]);
+        let found = spectrum(DMatrix::identity(2, 2), c, k).unwrap();
+        let slow: f64 = found.eigenvalues.iter().map(|l| l.re).filter(|re| re.abs() < 1.0).sum();
+        assert!((slow * -1e10 - 5.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_mass_that_is_singular_but_for_rounding_keeps_its_finite_eigenvalues() {
+        // Two masses on one rigid link, 0.1 each: det M is a rounding error, and one pair is all but infinite.
+        let m = dmatrix![0.1, 0.1; 0.1, 0.1 * (1.0 + f64::EPSILON)];
+        let found = spectrum(m, DMatrix::zeros(2, 2), dmatrix![3.0, 0.0; 0.0, 1.0]).unwrap();
+        assert_eq!((found.route, found.infinite), (Route::ExtendedQz, 0));
+        // Serial springs: 1 / lambda^2 = -(0.1 / 3 + 0.1 / 1).
+        let expected = (1.0 / (0.1 / 3.0 + 0.1_f64)).sqrt();
+        assert!((found.eigenvalues[1].im - expected).abs() < 1e-14);
+        assert!(found.eigenvalues[3].norm() > 1e7);
+    }
+
+    #[test]
+    fn internal_states_are_massless_degrees_of_freedom_without_infinite_eigenvalues() {
+        let internal = Internal { decay: dvector![3.0, 0.5], drive: dmatrix![1.0; 2.0], force: dmatrix![-5.0, 0.3] };
+        let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.1], dmatrix![4.0], internal).unwrap();
+        let general = solve(&system, &mut Workspace::default()).unwrap();
+        let standard = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
+        assert_eq!(general.infinite, 0);
+        assert_eq!(general.eigenvalues.len(), 4);
+        for (a, b) in general.eigenvalues.iter().zip(standard.eigenvalues) {
+            assert!((a - b).norm() < 1e-13);
+        }
+    }
+
+    fn square(n: usize) -> impl Strategy<Value = DMatrix<f64>> {
+        prop::collection::vec(-1.0..1.0f64, n * n).prop_map(move |v| DMatrix::from_vec(n, n, v))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The eigenvalues of the reversed problem are the reciprocals, zero and infinite ones change places.
+        #[test]
+        fn reversal_inverts_the_spectrum(m in square(4), c in square(4), k in square(4), rank in 1..4usize) {
+            let mut m = m;
+            m.rows_mut(rank, 4 - rank).fill(0.0);
+            let forward = spectrum(m.clone(), c.clone(), k.clone()).unwrap();
+            let backward = spectrum(k, c, m).unwrap();
+            prop_assert_eq!((forward.infinite, forward.zeros), (4 - rank, 0));
+            prop_assert_eq!((backward.infinite, backward.zeros), (0, 4 - rank));
+            let nonzero: Vec<_> = backward.eigenvalues.iter().filter(|l| l.norm() > 0.0).collect();
+            for l in forward.eigenvalues {
+                let nearest = nonzero.iter().map(|b| (**b * l - 1.0).norm()).fold(f64::INFINITY, f64::min);
+                prop_assert!(nearest < 1e-6, "{} has no reciprocal, nearest {}", l, nearest);
+            }
+        }
+
+        /// Vieta: the sum of the eigenvalues is -tr(M^-1 C), their product det K / det M, by either route.
+        #[test]
+        fn sum_and_product_are_trace_and_determinant(m in square(3), c in square(3), k in square(3)) {
+            prop_assume!(m.determinant().abs() > 1e-2 && k.determinant().abs() > 1e-2);
+            let found = spectrum(m.clone(), c.clone(), k.clone()).unwrap();
+            let inverse = m.clone().try_inverse().unwrap();
+            let sum: Complex<f64> = found.eigenvalues.iter().sum();
+            let product: Complex<f64> = found.eigenvalues.iter().product();
+            let size: f64 = found.eigenvalues.iter().map(|l| l.norm()).sum();
+            prop_assert!((sum + (inverse * c).trace()).norm() <= 1e-9 * size);
+            let expected = k.determinant() / m.determinant();
+            prop_assert!((product - expected).norm() <= 1e-9 * expected.abs() * (1.0 + size));
+        }
+    }
+}

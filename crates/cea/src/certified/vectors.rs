@@ -1,0 +1,223 @@
+//! One factorisation of the scaled Q(sigma) near an eigenvalue, and the null vectors it gives from both sides.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::scaled::Scaled;
+
+/// Rounds with one factorisation; the second nearly always changes nothing.
+const NULL_PAIR_ROUNDS: usize = 2;
+
+/// Least pivot whose square does not underflow, as complex division needs.
+pub(crate) const LEAST_PIVOT: f64 = 1e-150;
+
+pub(crate) type Vector = DVector<Complex<f64>>;
+
+/// `P A = L U` by partial pivoting, with solves from both sides.
+#[derive(Debug)]
+pub(crate) struct Lu {
+    /// Real and imaginary parts apart: the inner loop vectorises.
+    re: DMatrix<f64>,
+    im: DMatrix<f64>,
+    /// Row swapped with row k at step k.
+    swaps: Vec<usize>,
+}
+
+impl Lu {
+    /// A pivot below `least` is replaced by it: a perturbation of that size makes A regular.
+    pub(crate) fn new(a: &DMatrix<Complex<f64>>, least: f64) -> Self {
+        let n = a.nrows();
+        let (mut re, mut im) = (a.map(|z| z.re), a.map(|z| z.im));
+        let mut swaps = Vec::with_capacity(n);
+        for k in 0..n {
+            let size = |i: usize| re[(i, k)].abs() + im[(i, k)].abs();
+            let pivot = (k..n).fold(k, |best, i| if size(i) > size(best) { i } else { best });
+            swaps.push(pivot);
+            re.swap_rows(k, pivot);
+            im.swap_rows(k, pivot);
+            let mut head = Complex::new(re[(k, k)], im[(k, k)]);
+            if head.norm() < least {
+                head = Complex::from(least);
+                (re[(k, k)], im[(k, k)]) = (least, 0.0);
+            }
+            let inverse = head.inv();
+            for i in k + 1..n {
+                let l = Complex::new(re[(i, k)], im[(i, k)]) * inverse;
+                (re[(i, k)], im[(i, k)]) = (l.re, l.im);
+            }
+            let (left_re, mut right_re) = re.columns_range_pair_mut(..k + 1, k + 1..);
+            let (left_im, mut right_im) = im.columns_range_pair_mut(..k + 1, k + 1..);
+            let (lr, li) = (left_re.column(k), left_im.column(k));
+            let (lr, li) = (&lr.as_slice()[k + 1..], &li.as_slice()[k + 1..]);
+            for j in 0..n - k - 1 {
+                let (mut column_re, mut column_im) = (right_re.column_mut(j), right_im.column_mut(j));
+                let (ur, ui) = (column_re[k], column_im[k]);
+                if ur == 0.0 && ui == 0.0 {
+                    continue;
+                }
+                let xs = column_re.as_mut_slice()[k + 1..].iter_mut().zip(&mut column_im.as_mut_slice()[k + 1..]);
+                for ((x, y), (&lr, &li)) in xs.zip(lr.iter().zip(li)) {
+                    *x -= lr * ur - li * ui;
+                    *y -= lr * ui + li * ur;
+                }
+            }
+        }
+        Self { re, im, swaps }
+    }
+
+    fn at(&self, i: usize, j: usize) -> Complex<f64> {
+        Complex::new(self.re[(i, j)], self.im[(i, j)])
+    }
+
+    /// x := A^-1 x.
+    pub(crate) fn solve(&self, x: &mut Vector) {
+        let n = x.len();
+        for (k, &pivot) in self.swaps.iter().enumerate() {
+            x.swap_rows(k, pivot);
+        }
+        for k in 0..n {
+            let head = x[k];
+            for i in k + 1..n {
+                x[i] -= self.at(i, k) * head;
+            }
+        }
+        for k in (0..n).rev() {
+            x[k] /= self.at(k, k);
+            let head = x[k];
+            for i in 0..k {
+                x[i] -= self.at(i, k) * head;
+            }
+        }
+    }
+
+    /// x := A^-H x.
+    pub(crate) fn solve_adjoint(&self, x: &mut Vector) {
+        let n = x.len();
+        for k in 0..n {
+            let sum: Complex<f64> = (0..k).map(|i| self.at(i, k).conj() * x[i]).sum();
+            x[k] = (x[k] - sum) / self.at(k, k).conj();
+        }
+        for k in (0..n).rev() {
+            let sum: Complex<f64> = (k + 1..n).map(|i| self.at(i, k).conj() * x[i]).sum();
+            x[k] -= sum;
+        }
+        for (k, &pivot) in self.swaps.iter().enumerate().rev() {
+            x.swap_rows(k, pivot);
+        }
+    }
+}
+
+/// The scaled Q at one sigma, factored.
+#[derive(Debug)]
+pub(crate) struct Factor<'a> {
+    problem: &'a Scaled,
+    sigma: Complex<f64>,
+    lu: Lu,
+}
+
+impl<'a> Factor<'a> {
+    pub(crate) fn new(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
+        let least = f64::EPSILON * f64::EPSILON * problem.norms.size(sigma.norm());
+        let lu = Lu::new(&problem.polynomial(sigma), least.max(LEAST_PIVOT));
+        Self { problem, sigma, lu }
+    }
+
+    /// Orthonormal x and y, `count` of each, for the smallest singular values of Q(sigma): `Q x` and `Q^H y` are as
+    /// small as they can be. None where they overflow.
+    ///
+    /// The iteration alternates between the sides, as it would for the eigenvectors of Q^H Q. Inverse iteration with Q
+    /// alone leaves the vector again that it found in its first step where the eigenvalue is defective.
+    pub(crate) fn null_pairs(&self, count: usize) -> Option<(Vec<Vector>, Vec<Vector>)> {
+        let mut y: Vec<_> = (0..count).map(|v| self.start(v)).collect();
+        let mut x = Vec::new();
+        for _ in 0..NULL_PAIR_ROUNDS {
+            x = y;
+            x.iter_mut().for_each(|v| self.lu.solve(v));
+            orthonormalise(&mut x)?;
+            y = x.clone();
+            y.iter_mut().for_each(|v| self.lu.solve_adjoint(v));
+            orthonormalise(&mut y)?;
+        }
+        Some((x, y))
+    }
+
+    /// An estimate of the smallest singular value of Q(sigma).
+    pub(crate) fn smallest(&self) -> f64 {
+        self.null_pairs(1).map_or(f64::INFINITY, |(x, _)| self.residual(&x[0]).norm())
+    }
+
+    /// Without a symmetry to be orthogonal to the wanted vector by; real for a real sigma, as all that follows.
+    fn start(&self, v: usize) -> Vector {
+        DVector::from_fn(self.problem.order(), |i, _| {
+            let angle = 2.399_963_229_728_653 * ((i + 1) * (i + 2) + 7 * v * (i + 1)) as f64;
+            let z = Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle);
+            if self.sigma.im == 0.0 { Complex::from(z.re) } else { z }
+        })
+    }
+
+    /// `Q(sigma) x`.
+    pub(crate) fn residual(&self, x: &Vector) -> Vector {
+        self.problem.times(self.sigma, x)
+    }
+}
+
+/// Gram and Schmidt, twice; nothing where a vector is not finite or depends on the others.
+pub(crate) fn orthonormalise(block: &mut [Vector]) -> Option<()> {
+    for v in 0..block.len() {
+        let (done, rest) = block.split_at_mut(v);
+        let x = rest.first_mut()?;
+        let size = x.camax();
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        x.unscale_mut(size);
+        for _ in 0..2 {
+            for other in &*done {
+                let overlap = other.dotc(x);
+                x.axpy(-overlap, other, Complex::from(1.0));
+            }
+            let norm = x.norm();
+            if norm.is_nan() || norm <= 0.0 {
+                return None;
+            }
+            x.unscale_mut(norm);
+        }
+    }
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linsys::SecondOrder;
+    use nalgebra::dmatrix;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn both_solves_invert_the_matrix(entries in prop::collection::vec(-1.0..1.0f64, 60)) {
+            let a = DMatrix::from_fn(5, 5, |i, j| Complex::new(entries[5 * i + j], entries[25 + 5 * i + j]));
+            let b = DVector::from_fn(5, |i, _| Complex::new(entries[50 + i], entries[55 + i]));
+            let lu = Lu::new(&a, 1e-300);
+            prop_assume!(a.determinant().norm() > 1e-3);
+            let (mut x, mut y) = (b.clone(), b.clone());
+            lu.solve(&mut x);
+            lu.solve_adjoint(&mut y);
+            prop_assert!((&a * x - &b).norm() < 1e-10);
+            prop_assert!((a.adjoint() * y - &b).norm() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn a_double_eigenvalue_has_two_null_vectors_and_no_third() {
+        let system = SecondOrder::new(
+            DMatrix::identity(3, 3),
+            DMatrix::zeros(3, 3),
+            dmatrix![4.0, 0.0, 1.0; 0.0, 4.0, 1.0; 0.0, 0.0, 9.0],
+        );
+        let scaled = Scaled::new(&system.unwrap());
+        let factor = Factor::new(&scaled, Complex::new(0.0, 2.0 / scaled.gamma));
+        let sizes: Vec<f64> = factor.null_pairs(3).unwrap().0.iter().map(|x| factor.residual(x).norm()).collect();
+        assert!(sizes[0] < 1e-15 && sizes[1] < 1e-15 && sizes[2] > 0.1, "{sizes:?}");
+    }
+}

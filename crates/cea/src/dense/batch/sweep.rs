@@ -1,0 +1,154 @@
+//! One implicit double-shift QR sweep (Francis, Computer J. 4, 1961-62) of all lanes, each in its own blocks.
+//!
+//! A bulge of three rows starts at the top of each block and is chased down it. Steps are taken in windows: the
+//! reflectors of a window are found on a small diagonal block, which stays in the first cache level, and then applied
+//! to the columns on its right and the rows above it, where each entry is read and written once for all of them. A
+//! lane whose block does not hold the current row reflects by the identity.
+//!
+//! Only eigenvalues are asked for, so nothing outside the rows and columns `first..=last` of the sweep is kept up
+//! to date. What stands there is never read again.
+
+use pulp::Simd;
+
+use super::hessenberg::NEGLIGIBLE_COLUMN;
+use super::layout::{Layout, REFLECTORS_PER_WINDOW, columns};
+use super::reflector::{Reflector, Reflectors, from_left, from_right};
+use super::shifts::ShiftPair;
+use crate::lanes::Ops;
+
+/// A diagonal block of each lane, rows `top..=bottom` (row numbers as floating-point lanes), and its shifts.
+/// A lane without a block has `bottom < top`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block<V> {
+    pub top: V,
+    pub bottom: V,
+    pub shifts: ShiftPair<V>,
+}
+
+/// What a sweep works on.
+pub(super) struct Plan<'a, V> {
+    /// First row of any block of any lane.
+    pub first: usize,
+    /// Last row of any block of any lane.
+    pub last: usize,
+    /// Up to two blocks of each lane, which do not overlap.
+    pub blocks: [Block<V>; 2],
+    /// `tops[k]`: some lane has a block that begins in row k.
+    pub tops: &'a [bool],
+}
+
+/// Lanes whose block holds rows `k..=last`.
+#[inline(always)]
+fn holds<S: Simd>(o: Ops<S>, block: &Block<S::f64s>, k: S::f64s, last: S::f64s) -> S::m64s {
+    o.and(o.le(block.top, k), o.le(last, block.bottom))
+}
+
+/// First column of `(H - s1)(H - s2)` in lanes whose block begins in row k, `column` in the others.
+///
+/// `h` is h00, h10, h01, h11, h21 of the block. The column is not divided by h10 as textbooks do: where h10
+/// vanishes there is nothing to chase, and that is what comes out.
+#[inline(always)]
+fn begin<S: Simd>(
+    o: Ops<S>,
+    block: &Block<S::f64s>,
+    k: S::f64s,
+    h: [S::f64s; 5],
+    column: [S::f64s; 3],
+) -> [S::f64s; 3] {
+    let [h00, h10, h01, h11, h21] = h;
+    let ShiftPair { mean, square } = block.shifts;
+    let here = o.eq(block.top, k);
+    let from_mean = o.sub(h00, mean);
+    let x = o.fma(h01, h10, o.sub(o.mul(from_mean, from_mean), square));
+    let y = o.mul(h10, o.add(from_mean, o.sub(h11, mean)));
+    let z = o.mul(h10, h21);
+    [o.select(here, x, column[0]), o.select(here, y, column[1]), o.select(here, z, column[2])]
+}
+
+/// One sweep of all blocks of the plan.
+#[inline(always)]
+pub(super) fn sweep<S: Simd>(
+    o: Ops<S>,
+    a: &mut [S::f64s],
+    layout: Layout,
+    plan: &Plan<'_, S::f64s>,
+    r: &mut Reflectors<S::f64s>,
+) {
+    let stride = layout.stride;
+    let mut k = plan.first;
+    while k < plan.last {
+        let row = layout.row(k);
+        // Rows from k of the columns k - 1 ..= k + REFLECTORS_PER_WINDOW + 1.
+        let mut diagonal = columns(&mut a[layout.column(k) - stride..], stride, row, REFLECTORS_PER_WINDOW + 3);
+        window(o, &mut diagonal, k, plan, r);
+
+        let mut j = k + REFLECTORS_PER_WINDOW + 2;
+        while j <= plan.last {
+            from_left(o, columns(&mut a[layout.column(j)..], stride, row, REFLECTORS_PER_WINDOW + 2), r);
+            j += 4;
+        }
+
+        // Counted from below: the spare row groups are above the first row.
+        let rows = (k - plan.first).next_multiple_of(4);
+        let mut above = columns(&mut a[layout.column(k)..], stride, row - rows, rows);
+        for i in (0..rows).step_by(4) {
+            from_right(o, &mut above, i, r);
+        }
+        k += REFLECTORS_PER_WINDOW;
+    }
+}
+
+/// Chases the bulges through rows `first..first + REFLECTORS_PER_WINDOW`. `c[0]` is the column before the window's first.
+#[inline(always)]
+fn window<S: Simd>(
+    o: Ops<S>,
+    c: &mut [&mut [S::f64s]; REFLECTORS_PER_WINDOW + 3],
+    first: usize,
+    plan: &Plan<'_, S::f64s>,
+    r: &mut Reflectors<S::f64s>,
+) {
+    let zero = o.splat(0.0);
+    let [p, q] = &plan.blocks;
+    for t in 0..REFLECTORS_PER_WINDOW {
+        let row = o.splat((first + t) as f64);
+        let next = o.splat((first + t + 1) as f64);
+        let after = o.splat((first + t + 2) as f64);
+        let begins = o.or(o.eq(p.top, row), o.eq(q.top, row));
+        let active = o.or(holds(o, p, row, next), holds(o, q, row, next));
+        let three = o.or(holds(o, p, row, after), holds(o, q, row, after));
+
+        let mut column = [c[t][t], c[t][t + 1], c[t][t + 2]];
+        if plan.tops[first + t] {
+            let h = [c[t + 1][t], c[t + 1][t + 1], c[t + 2][t], c[t + 2][t + 1], c[t + 2][t + 2]];
+            column = begin(o, p, row, h, column);
+            column = begin(o, q, row, h, column);
+        }
+        let [x, y, z] = column;
+        // The last reflector of a block has two rows.
+        let z = o.select(three, z, zero);
+        let sigma = o.fma(z, z, o.mul(y, y));
+        let some = o.and(active, o.lt(o.splat(NEGLIGIBLE_COLUMN), sigma));
+        let norm = o.sqrt(o.fma(x, x, sigma));
+        let beta = o.select(o.le(zero, x), o.neg(norm), norm);
+        let inverse = o.select(some, o.div(o.splat(1.0), o.sub(x, beta)), zero);
+        let tau = o.select(some, o.div(o.sub(beta, x), beta), zero);
+        let (v2, v3) = (o.mul(y, inverse), o.mul(z, inverse));
+        let g = Reflector { v2, v3, t1: tau, t2: o.mul(tau, v2), t3: o.mul(tau, v3) };
+        r.0[t] = g;
+
+        c[t][t] = o.select(o.or(begins, o.not(some)), c[t][t], beta);
+        c[t][t + 1] = o.select(some, zero, c[t][t + 1]);
+        c[t][t + 2] = o.select(some, zero, c[t][t + 2]);
+        for column in &mut c[t + 1..] {
+            let (mut x, mut y, mut z) = (column[t], column[t + 1], column[t + 2]);
+            g.apply(o, &mut x, &mut y, &mut z);
+            (column[t], column[t + 1], column[t + 2]) = (x, y, z);
+        }
+        // From below, because the next reflector waits for the lower rows.
+        for i in (0..t + 4).rev() {
+            let (mut x, mut y, mut z) = (c[t + 1][i], c[t + 2][i], c[t + 3][i]);
+            g.apply(o, &mut x, &mut y, &mut z);
+            (c[t + 1][i], c[t + 2][i], c[t + 3][i]) = (x, y, z);
+        }
+    }
+}

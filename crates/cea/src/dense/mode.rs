@@ -1,0 +1,44 @@
+//! One oscillating mode: its eigenvalue and its shape.
+
+use linsys::SecondOrder;
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::vectors::fix_phase;
+use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
+
+/// One oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// lambda.
+    pub lambda: Complex<f64>,
+    /// phi, length n, `phi^H M phi = 1`, largest component real and positive.
+    pub shape: DVector<Complex<f64>>,
+}
+
+impl Mode {
+    /// The modes of `system` at the given eigenvalues.
+    ///
+    /// # Errors
+    /// Those of [`right_vectors_of_all`].
+    pub fn at(system: &SecondOrder, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Self>, CeaError> {
+        Self::of_all(&[(system, lambdas)], work).remove(0)
+    }
+
+    /// [`Mode::at`] of several systems, one result each: cheaper together.
+    pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
+        let shapes = right_vectors_of_all(of, work);
+        let modes = |(&(system, lambdas), shapes): (&(&SecondOrder, &[Complex<f64>]), Result<Vec<_>, _>)| {
+            Ok(lambdas.iter().zip(shapes?).map(|(&lambda, shape)| Self::normalised(system, lambda, shape)).collect())
+        };
+        of.iter().zip(shapes).map(modes).collect()
+    }
+
+    /// The mode of `system` at `lambda` with a multiple of this shape.
+    #[must_use]
+    pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
+        fix_phase(&mut shape);
+        shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
+        Self { lambda, shape }
+    }
+}

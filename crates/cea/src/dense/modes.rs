@@ -1,0 +1,205 @@
+//! Which eigenvalues are modes, and the two ways of numbering them by frequency.
+
+use linsys::{SecondOrder, real_times_complex};
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use crate::{CeaError, Spectrum, StandardForm, Workspace, by_frequency, right_vector};
+
+/// How far an eigenvalue may lie from the decay rate of its internal state, as a part of it, to be told by it alone.
+/// Chosen; it is asked only where there are just as many real eigenvalues as states.
+const LARGEST_SHIFT_OF_DECAY: f64 = 0.5;
+/// |Im lambda| / |lambda| up to which an eigenvalue may be a real one that rounding has spread: that of a defective pair
+/// by 1.5e-8, of a triple by 6e-6. An oscillating mode below it has a damping ratio within 5e-9 of critical.
+const LARGEST_SPREAD_OF_REAL: f64 = 1e-4;
+
+/// A spectrum sorted into modes of the structure and internal states.
+///
+/// Internal (bristle) eigenvalues are never numbered, counted or drawn. They are told by their eigenvector, not by
+/// being real: an overdamped mode is real too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// Oscillating modes: the eigenvalue with Im lambda > 0 of each pair, ascending in frequency, rad/s.
+    pub oscillatory: Vec<Complex<f64>>,
+    /// Real eigenvalues of the structure, ascending: overdamped modes (two each), or divergence where positive.
+    pub real: Vec<f64>,
+    /// Eigenvalues of internal states; one or both of a complex pair.
+    pub internal: Vec<Complex<f64>>,
+}
+
+impl Modes {
+    /// Sorts the spectrum of `system`.
+    ///
+    /// Eigenvectors are computed only where counting leaves a doubt: where the real eigenvalues do not pair off with
+    /// the decay rates of the internal states.
+    ///
+    /// # Errors
+    /// Those of [`right_vector`].
+    pub fn classify(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
+        if system.states() == 0 {
+            let (oscillatory, real) = (spectrum.oscillatory().collect(), spectrum.real().collect());
+            return Ok(Self { oscillatory, real, internal: Vec::new() });
+        }
+        // Equal bristles make a multiple real eigenvalue, which rounding may turn into pairs just off the axis.
+        let (near_real, far): (Vec<_>, Vec<_>) =
+            spectrum.eigenvalues.iter().partition(|l| l.im.abs() <= LARGEST_SPREAD_OF_REAL * l.norm());
+        if near_real.len() == system.states() && all_near_decay(&near_real, system) {
+            let oscillatory = far.into_iter().filter(|l| l.im > 0.0).collect();
+            return Ok(Self { oscillatory, real: Vec::new(), internal: near_real });
+        }
+        let form = StandardForm::new(system)?;
+        let mut modes = Self { oscillatory: Vec::new(), real: Vec::new(), internal: Vec::new() };
+        for lambda in spectrum.eigenvalues.iter().copied().filter(|l| l.im >= 0.0) {
+            match (is_internal(system, &form, lambda, work)?, lambda.im > 0.0) {
+                (true, _) => modes.internal.push(lambda),
+                (false, true) => modes.oscillatory.push(lambda),
+                (false, false) => modes.real.push(lambda.re),
+            }
+        }
+        Ok(modes)
+    }
+
+    /// Number of modes: oscillating ones, and one for each two real eigenvalues.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.oscillatory.len() + self.overdamped()
+    }
+
+    /// Overdamped modes, each two real eigenvalues.
+    #[must_use]
+    pub fn overdamped(&self) -> usize {
+        self.real.len() / 2
+    }
+
+    /// Frequency rank of `oscillatory[index]`, from 1. An overdamped mode keeps its place, at zero frequency.
+    #[must_use]
+    pub fn rank(&self, index: usize) -> usize {
+        self.overdamped() + index + 1
+    }
+}
+
+/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
+/// its order. As [`Modes::rank`] of the one; equal eigenvalues rank in the order of their systems.
+#[must_use]
+pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
+    let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
+    let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
+    let places = |(system, modes): (usize, &&Modes)| (0..modes.oscillatory.len()).map(move |index| (system, index));
+    let mut order: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
+    let lambda = |(system, index): (usize, usize)| &systems[system].oscillatory[index];
+    order.sort_by(|&a, &b| by_frequency(lambda(a), lambda(b)));
+    for (place, (system, index)) in order.into_iter().enumerate() {
+        ranks[system][index] = overdamped + place + 1;
+    }
+    ranks
+}
+
+/// Numbers of a mode among all 2 n eigenvalues ordered by |Im lambda|: 2 r - 1 and 2 r for rank r.
+///
+/// A paper that speaks of "mode 29" of a system with 30 degrees of freedom may mean rank 29 or, so, rank 15.
+#[must_use]
+pub fn pair_numbers(rank: usize) -> (usize, usize) {
+    (2 * rank - 1, 2 * rank)
+}
+
+fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
+    let mut decay: Vec<f64> = system.internal.decay.iter().map(|a| -a).collect();
+    decay.sort_by(f64::total_cmp);
+    let mut real: Vec<f64> = near_real.iter().map(|l| l.re).collect();
+    real.sort_by(f64::total_cmp);
+    real.iter().zip(&decay).all(|(l, a)| (l - a).abs() <= LARGEST_SHIFT_OF_DECAY * a.abs())
+}
+
+/// More than half of the scaled state vector is internal.
+fn is_internal(
+    system: &SecondOrder,
+    form: &StandardForm,
+    lambda: Complex<f64>,
+    work: &mut Workspace,
+) -> Result<bool, CeaError> {
+    let decay = &system.internal.decay;
+    let phi = match right_vector(system, lambda, work) {
+        Ok(phi) => phi,
+        // A state that nothing couples to the structure has no structural vector: its eigenvalue is -a itself.
+        Err(CeaError::NoEigenvector { .. }) if decay.iter().any(|a| (lambda + a).norm() <= 1e-6 * a) => {
+            return Ok(true);
+        }
+        Err(error) => return Err(error),
+    };
+    let drive = real_times_complex(&system.internal.drive, &phi);
+    let internal: f64 = (0..system.states())
+        .map(|s| (lambda * drive[s] / (lambda + decay[s]) / form.state_weights[s]).norm_sqr())
+        .sum();
+    let kinetic = mass_norm_squared(system, &phi);
+    Ok(internal > kinetic * (1.0 + (lambda / form.gamma).norm_sqr()))
+}
+
+/// `phi^H M phi`, real for symmetric M.
+#[must_use]
+pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f64 {
+    phi.dotc(&real_times_complex(&system.m, phi)).re
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EigenSolver, QrSolver};
+    use linsys::Internal;
+    use nalgebra::{dmatrix, dvector};
+
+    fn classify(system: &SecondOrder) -> Modes {
+        let mut work = Workspace::default();
+        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
+        Modes::classify(system, &spectrum, &mut work).unwrap()
+    }
+
+    #[test]
+    fn an_overdamped_mode_keeps_its_place_in_the_count() {
+        let system =
+            SecondOrder::new(dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![9.0, 0.0; 0.0, 0.1], dmatrix![4.0, 0.0; 0.0, 1.0])
+                .unwrap();
+        let modes = classify(&system);
+        assert_eq!((modes.oscillatory.len(), modes.real.len(), modes.count()), (1, 2, 2));
+        assert_eq!(modes.rank(0), 2);
+        assert_eq!(pair_numbers(modes.rank(0)), (3, 4));
+    }
+
+    #[test]
+    fn uncoupled_systems_rank_as_the_one_that_they_are() {
+        let i = |im| Complex::new(-0.1, im);
+        let modes = |oscillatory: &[f64], real: &[f64]| Modes {
+            oscillatory: oscillatory.iter().map(|&im| i(im)).collect(),
+            real: real.to_vec(),
+            internal: Vec::new(),
+        };
+        // Of the three real eigenvalues two are an overdamped mode, whichever system they are of.
+        let systems = [modes(&[2.0, 5.0], &[-1.0]), modes(&[], &[-3.0]), modes(&[1.0, 2.0, 7.0], &[-4.0])];
+        assert_eq!(ranks_together(&systems.each_ref()), [vec![3, 5], vec![], vec![2, 4, 6]]);
+        let one = modes(&[1.0, 2.0, 2.0, 5.0, 7.0], &[-4.0, -3.0, -1.0]);
+        assert_eq!(ranks_together(&[&one])[0], [0, 1, 2, 3, 4].map(|index| one.rank(index)));
+    }
+
+    #[test]
+    fn a_bristle_is_told_from_an_overdamped_mode_though_both_are_real() {
+        // The overdamped mode has -0.47 and -8.53, the internal state about -6, right between them.
+        let internal = Internal { decay: dvector![6.0], drive: dmatrix![0.2, 0.1], force: dmatrix![-0.1; 0.05] };
+        let system = SecondOrder::with_internal(
+            dmatrix![1.0, 0.0; 0.0, 1.0],
+            dmatrix![9.0, 0.0; 0.0, 0.1],
+            dmatrix![4.0, 0.0; 0.0, 1.0],
+            internal,
+        )
+        .unwrap();
+        let modes = classify(&system);
+        assert_eq!((modes.oscillatory.len(), modes.real.len(), modes.internal.len()), (1, 2, 1));
+        assert!((modes.internal[0].re + 6.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_state_that_is_coupled_to_nothing_is_internal() {
+        let internal = Internal { decay: dvector![6.0], drive: dmatrix![0.2], force: dmatrix![0.0] };
+        let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![9.0], dmatrix![4.0], internal).unwrap();
+        let modes = classify(&system);
+        assert_eq!((modes.count(), modes.internal.len()), (1, 1));
+    }
+}

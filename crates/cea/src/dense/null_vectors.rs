@@ -1,0 +1,300 @@
+//! Null vectors of many complex matrices at once, one matrix per lane.
+//!
+//! Householder's `Q = U R` needs no pivoting, so all lanes do the same; then inverse iteration with `R^H R = Q^H Q` finds
+//! the right singular vector of the smallest singular value, which is the vector of smallest backward error. U is not
+//! needed for it. 8/3 n^3 fused multiply-adds, and twice those of one LU factorisation that would need its rows exchanged.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+
+use crate::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
+
+/// Inverse iterations with `Q^H Q`; the first does nearly all.
+const SINGULAR_VECTOR_ITERATIONS: usize = 3;
+
+/// A unit vector x and `|Q x|`, after the last but one and the last step of the iteration.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NullVector {
+    pub vector: DVector<Complex<f64>>,
+    pub residuals: [f64; 2],
+}
+
+/// The vector that each matrix, all of one size, makes shortest, starting from `start`; `None` where its entries are
+/// too large or too small to be squared.
+pub(crate) fn null_vectors(
+    matrices: &[DMatrix<Complex<f64>>],
+    start: &DVector<Complex<f64>>,
+    scratch: &mut Vec<f64>,
+) -> Vec<Option<NullVector>> {
+    let arch = Arch::new();
+    let (wide, few) = matrices.split_at(wide_part(matrices.len()));
+    let mut found = arch.dispatch(Kernel { matrices: wide, start, scratch });
+    found.extend(narrow(arch, Kernel { matrices: few, start, scratch }));
+    found
+}
+
+struct Kernel<'a> {
+    matrices: &'a [DMatrix<Complex<f64>>],
+    start: &'a DVector<Complex<f64>>,
+    scratch: &'a mut Vec<f64>,
+}
+
+impl WithSimd for Kernel<'_> {
+    type Output = Vec<Option<NullVector>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let (o, lanes, n) = (Ops(simd), S::F64_LANES, self.start.len());
+        let registers = registers::<S>(self.scratch, 2 * (n * n + 2 * n));
+        let (pairs, _) = registers.as_chunks_mut::<2>();
+        let (r, rest) = pairs.split_at_mut(n * n);
+        let (x, v) = rest.split_at_mut(n);
+        let mut found = Vec::with_capacity(self.matrices.len());
+        for matrices in self.matrices.chunks(lanes) {
+            fill::<S>(r, matrices);
+            factorise(o, r, v, n);
+            for (x, start) in x.iter_mut().zip(self.start) {
+                *x = [o.splat(start.re), o.splat(start.im)];
+            }
+            let floor = floor(o, r, n);
+            let mut residuals = [o.splat(f64::INFINITY); 2];
+            for _ in 0..SINGULAR_VECTOR_ITERATIONS {
+                iterate(o, r, x, floor);
+                residuals = [residuals[1], residual(o, r, x)];
+            }
+            let entries: &[f64] = bytemuck::cast_slice(x);
+            let residuals: &[f64] = bytemuck::cast_slice(&residuals);
+            for lane in 0..matrices.len() {
+                let entry = |i: usize| entries[i * lanes + lane];
+                let vector = DVector::from_fn(n, |i, _| Complex::new(entry(2 * i), entry(2 * i + 1)));
+                let residuals = [residuals[lane], residuals[lanes + lane]];
+                let is_one = (vector.norm_squared() - 1.0).abs() < 1e-6;
+                found.push((is_one && residuals[1].is_finite()).then_some(NullVector { vector, residuals }));
+            }
+        }
+        found
+    }
+}
+
+/// One matrix in each lane, column by column; the spare lanes hold the first.
+#[inline(always)]
+fn fill<S: Simd>(r: &mut [[S::f64s; 2]], matrices: &[DMatrix<Complex<f64>>]) {
+    let lanes = S::F64_LANES;
+    let numbers: &mut [f64] = bytemuck::cast_slice_mut(r);
+    for lane in 0..lanes {
+        let matrix = matrices.get(lane).unwrap_or(&matrices[0]);
+        for (entry, value) in numbers.chunks_exact_mut(2 * lanes).zip(matrix) {
+            (entry[lane], entry[lanes + lane]) = (value.re, value.im);
+        }
+    }
+}
+
+/// Overwrites the upper triangle with R: `H = I - g v v^H` in turn takes each column to a multiple of the unit vector.
+#[inline(always)]
+fn factorise<S: Simd>(o: Ops<S>, r: &mut [[S::f64s; 2]], v: &mut [[S::f64s; 2]], n: usize) {
+    let (zero, one) = (o.splat(0.0), o.splat(1.0));
+    for k in 0..n {
+        let (head, tail) = r.split_at_mut((k + 1) * n);
+        let column = &mut head[k * n + k..];
+        let v = &mut v[..n - k];
+        v.copy_from_slice(column);
+        let mut below = zero;
+        for &x in &v[1..] {
+            below = square(o, complex(x), below);
+        }
+        let alpha = complex(v[0]);
+        let size = o.sqrt(square(o, alpha, zero));
+        let norm = o.sqrt(square(o, alpha, below));
+        // beta = -norm times the phase of alpha, v_0 = alpha - beta, g = 2 / v^H v.
+        let has_phase = o.lt(zero, size);
+        let inverse = o.select(has_phase, o.div(one, size), zero);
+        let phase =
+            ComplexLanes { re: o.select(has_phase, o.mul(alpha.re, inverse), one), im: o.mul(alpha.im, inverse) };
+        let beta = scale(o, phase, o.neg(norm));
+        v[0] = [o.sub(alpha.re, beta.re), o.sub(alpha.im, beta.im)];
+        column[0] = beta.registers();
+        let g = o.mul(norm, o.add(norm, size));
+        let g = o.select(o.lt(zero, g), o.div(one, g), zero);
+        let mut columns = tail.chunks_exact_mut(n);
+        while let (Some(a), b) = (columns.next(), columns.next()) {
+            match b {
+                Some(b) => reflect(o, [&mut a[k..], &mut b[k..]], v, g),
+                None => reflect(o, [&mut a[k..]], v, g),
+            }
+        }
+    }
+}
+
+/// `a - g v (v^H a)` for W columns.
+#[inline(always)]
+fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W], v: &[[S::f64s; 2]], g: S::f64s) {
+    let rows = v.len();
+    let zero = o.splat(0.0);
+    let columns = columns.map(|column| &mut column[..rows]);
+    let mut sums = [complex([zero; 2]); W];
+    for i in 0..rows {
+        for c in 0..W {
+            sums[c] = conj_fma(o, complex(v[i]), complex(columns[c][i]), sums[c]);
+        }
+    }
+    for sum in &mut sums {
+        *sum = scale(o, *sum, o.neg(g));
+    }
+    for i in 0..rows {
+        for c in 0..W {
+            columns[c][i] = fma(o, complex(v[i]), sums[c], complex(columns[c][i])).registers();
+        }
+    }
+}
+
+/// What a diagonal entry of R counts at least: epsilon times the largest.
+#[inline(always)]
+fn floor<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], n: usize) -> S::f64s {
+    let mut largest = o.splat(0.0);
+    for k in 0..n {
+        largest = o.max(largest, square(o, complex(r[k * n + k]), o.splat(0.0)));
+    }
+    o.mul(o.sqrt(largest), o.splat(f64::EPSILON))
+}
+
+/// `d / |d|^2`, for the division by a diagonal entry or its conjugate; one that vanishes counts as `floor`.
+#[inline(always)]
+fn inverse<S: Simd>(o: Ops<S>, d: [S::f64s; 2], floor: S::f64s) -> ComplexLanes<S::f64s> {
+    let zero = o.splat(0.0);
+    let size = square(o, complex(d), zero);
+    let vanishes = o.lt(size, o.mul(floor, floor));
+    let d = ComplexLanes { re: o.select(vanishes, floor, d[0]), im: o.select(vanishes, zero, d[1]) };
+    scale(o, d, o.div(o.splat(1.0), square(o, d, zero)))
+}
+
+/// x becomes `(R^H R)^-1 x` at unit length.
+#[inline(always)]
+fn iterate<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
+    let n = x.len();
+    let zero = o.splat(0.0);
+    let nothing = complex([zero; 2]);
+    for k in 0..n {
+        let column = &r[k * n..][..=k];
+        let mut sum = nothing;
+        for (&a, &x) in column[..k].iter().zip(&*x) {
+            sum = conj_fma(o, complex(a), complex(x), sum);
+        }
+        let left = ComplexLanes { re: o.sub(x[k][0], sum.re), im: o.sub(x[k][1], sum.im) };
+        x[k] = fma(o, left, inverse(o, column[k], floor), nothing).registers();
+    }
+    for k in (0..n).rev() {
+        let column = &r[k * n..][..=k];
+        let found = conj_fma(o, inverse(o, column[k], floor), complex(x[k]), nothing);
+        x[k] = found.registers();
+        let minus = ComplexLanes { re: o.neg(found.re), im: o.neg(found.im) };
+        for (&a, x) in column[..k].iter().zip(&mut *x) {
+            *x = fma(o, complex(a), minus, complex(*x)).registers();
+        }
+    }
+    let mut norm = zero;
+    for &x in &*x {
+        norm = square(o, complex(x), norm);
+    }
+    let inverse = o.div(o.splat(1.0), o.sqrt(norm));
+    for x in x {
+        *x = scale(o, complex(*x), inverse).registers();
+    }
+}
+
+/// `|R x|`.
+#[inline(always)]
+fn residual<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &[[S::f64s; 2]]) -> S::f64s {
+    let n = x.len();
+    let zero = o.splat(0.0);
+    let mut norm = zero;
+    for i in 0..n {
+        let mut sum = complex([zero; 2]);
+        for j in i..n {
+            sum = fma(o, complex(r[j * n + i]), complex(x[j]), sum);
+        }
+        norm = square(o, sum, norm);
+    }
+    o.sqrt(norm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dvector;
+    use pulp::Scalar;
+
+    /// Entries in the unit square without a pattern.
+    fn noise(rows: usize, columns: usize, seed: u64) -> DMatrix<Complex<f64>> {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+        };
+        DMatrix::from_fn(rows, columns, |_, _| Complex::new(next(), next()))
+    }
+
+    fn start(n: usize) -> DVector<Complex<f64>> {
+        DVector::from_fn(n, |i, _| Complex::from_polar(1.0, (i * i) as f64))
+    }
+
+    fn found(matrices: &[DMatrix<Complex<f64>>]) -> Vec<Option<NullVector>> {
+        null_vectors(matrices, &start(matrices[0].nrows()), &mut Vec::new())
+    }
+
+    /// `A (I - x x^H)` annihilates x, and no other vector.
+    fn singular(n: usize, seed: u64) -> (DMatrix<Complex<f64>>, DVector<Complex<f64>>) {
+        let x = noise(n, 1, seed + 1000).column(0).normalize();
+        (noise(n, n, seed) * (DMatrix::identity(n, n) - &x * x.adjoint()), x)
+    }
+
+    #[test]
+    fn the_vector_that_a_singular_matrix_annihilates_is_found_in_every_lane() {
+        for n in [2, 3, 10, 31] {
+            let (matrices, vectors): (Vec<_>, Vec<_>) = (0..11).map(|seed| singular(n, seed)).unzip();
+            for ((matrix, x), found) in matrices.iter().zip(vectors).zip(found(&matrices)) {
+                let found = found.unwrap();
+                assert!((1.0 - found.vector.dotc(&x).norm()).abs() < 1e-12, "n = {n}");
+                assert!((matrix * &found.vector).norm() < 1e-13 * matrix.norm(), "n = {n}");
+                assert!(found.residuals[1] < 1e-13 * matrix.norm(), "n = {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_null_vector_it_is_the_one_of_the_smallest_singular_value() {
+        let matrix = DMatrix::from_diagonal(&dvector![3.0, 0.01, 2.0].map(Complex::from));
+        let NullVector { vector, residuals } = found(&[matrix]).remove(0).unwrap();
+        assert!((vector[1].norm() - 1.0).abs() < 1e-8 && (residuals[1] - 0.01).abs() < 1e-8);
+    }
+
+    #[test]
+    fn exact_zeros_on_the_diagonal_of_r_are_no_obstacle() {
+        let mut nothing = DMatrix::zeros(4, 4);
+        assert!(found(&[nothing.clone()])[0].is_none());
+        nothing[(0, 0)] = Complex::from(1.0);
+        nothing[(1, 2)] = Complex::from(5.0);
+        let found = found(&[nothing.clone()]).remove(0).unwrap();
+        assert!((nothing * found.vector).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_vector_depends_neither_on_its_lane_nor_on_its_neighbours() {
+        let mut matrices: Vec<_> = (0..9).map(|seed| singular(7, seed).0).collect();
+        let alone: Vec<_> = matrices.iter().map(|matrix| found(std::slice::from_ref(matrix)).remove(0)).collect();
+        assert_eq!(found(&matrices), alone);
+        matrices[3][(2, 2)] = Complex::from(f64::NAN);
+        for (k, (found, alone)) in found(&matrices).into_iter().zip(alone).enumerate() {
+            assert_eq!(found, if k == 3 { None } else { alone }, "matrix {k}");
+        }
+    }
+
+    #[test]
+    fn a_machine_without_vector_units_finds_the_same_up_to_rounding() {
+        let matrices: Vec<_> = (0..3).map(|seed| singular(12, seed).0).collect();
+        let kernel = Kernel { matrices: &matrices, start: &start(12), scratch: &mut Vec::new() };
+        for (portable, best) in Simd::vectorize(Scalar, kernel).into_iter().zip(found(&matrices)) {
+            assert!((portable.unwrap().vector.dotc(&best.unwrap().vector).norm() - 1.0).abs() < 1e-12);
+        }
+    }
+}

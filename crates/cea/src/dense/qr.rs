@@ -1,0 +1,124 @@
+//! The scalar route: QR iteration on the scaled standard form.
+
+use linsys::SecondOrder;
+
+use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, certified, francis, sort};
+
+/// QR steps allowed per eigenvalue: LAPACK's cap. A healthy matrix takes 2 to 4; clusters of equal bristles have been
+/// seen to take more than 60.
+pub(crate) const MOST_QR_STEPS: usize = 300;
+
+/// One system at a time by Francis' QR iteration on the [`StandardForm`], with a cap on its steps.
+///
+/// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster, the
+/// iteration has no digits left for slow eigenvalues: [`certified::solve`] and [`certified::certify`] take its place, up to a
+/// hundred times slower.
+///
+/// ```
+/// use cea::{EigenSolver, QrSolver, Workspace};
+/// use nalgebra::dmatrix;
+///
+/// // Two masses, friction couples their stiffness: K is not symmetric, and one pair of modes flutters.
+/// let system = linsys::SecondOrder::new(
+///     dmatrix![1.0, 0.0; 0.0, 1.0],
+///     dmatrix![0.0, 0.0; 0.0, 0.0],
+///     dmatrix![10.0, 3.0; -3.0, 12.0],
+/// )?;
+/// let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default())?;
+/// assert_eq!(spectrum.oscillatory().filter(|l| l.re > 0.0).count(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, Default)]
+pub struct QrSolver;
+
+impl EigenSolver for QrSolver {
+    fn eigenvalues(&self, system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError> {
+        let form = StandardForm::new(system)?;
+        let (gamma, dimension) = (form.gamma, form.state.nrows());
+        let scale = gamma * form.state.norm();
+        let Some(blocks) = form.into_blocks() else {
+            let spectrum = certified::solve(system, work)?;
+            let certified = certified::certify(system, &spectrum, work)?;
+            let mut eigenvalues: Vec<_> = certified.eigenvalues.iter().map(|c| c.lambda).collect();
+            sort(&mut eigenvalues);
+            return Ok(Spectrum { eigenvalues, scale });
+        };
+        work.counters.eigenvalue_solves += 1;
+        let mut eigenvalues = Vec::with_capacity(dimension);
+        for block in blocks {
+            let failed = CeaError::NoConvergence { iterations: MOST_QR_STEPS, dimension };
+            eigenvalues.extend(francis::eigenvalues(block, MOST_QR_STEPS).ok_or(failed)?);
+        }
+        eigenvalues.iter_mut().for_each(|sigma| *sigma *= gamma);
+        sort(&mut eigenvalues);
+        Ok(Spectrum { eigenvalues, scale })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linsys::Internal;
+    use nalgebra::{DMatrix, dmatrix, dvector};
+    use num_complex::Complex;
+
+    fn eigenvalues(system: &SecondOrder) -> Vec<Complex<f64>> {
+        QrSolver.eigenvalues(system, &mut Workspace::default()).unwrap().eigenvalues
+    }
+
+    #[test]
+    fn a_damped_oscillator_has_its_textbook_eigenvalues() {
+        let (m, c, k): (f64, f64, f64) = (0.39, 181.0, 2.45e7);
+        let system = SecondOrder::new(dmatrix![m], dmatrix![c], dmatrix![k]).unwrap();
+        let expected = Complex::new(-c / (2.0 * m), (k / m - (c / (2.0 * m)).powi(2)).sqrt());
+        let found = eigenvalues(&system);
+        assert_eq!(found.len(), 2);
+        assert!((found[1] - expected).norm() < 1e-14 * expected.norm());
+        assert_eq!(found[0], found[1].conj());
+    }
+
+    #[test]
+    fn a_maxwell_element_solves_its_cubic() {
+        // u'' + 4 u = -5 z, z' = -3 z + u': (l^2 + 4)(l + 3) + 5 l = 0.
+        let internal = Internal { decay: dvector![3.0], drive: dmatrix![1.0], force: dmatrix![-5.0] };
+        let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
+        for l in eigenvalues(&system) {
+            assert!(((l * l + 4.0) * (l + 3.0) + l * 5.0).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_dashpot_however_strong_keeps_the_digits_of_the_slow_eigenvalue() {
+        for c in [1e3, 1e6, 1e9, 1e12_f64] {
+            // Two oscillators, the second with lambda^2 + c lambda + 3 = 0.
+            let (damping, stiffness) = (dmatrix![0.0, 0.0; 0.0, c], dmatrix![2.0, 0.0; 0.0, 3.0]);
+            let found = eigenvalues(&SecondOrder::new(DMatrix::identity(2, 2), damping, stiffness).unwrap());
+            let slow = -6.0 / (c + (c * c - 12.0).sqrt());
+            let nearest = |l: f64| found.iter().map(|f| ((f - l) / l).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest(slow) < 1e-14 && nearest(3.0 / slow) < 1e-14, "{c:e}: {found:?}");
+            assert!(found.iter().any(|l| (l - Complex::new(0.0, 2f64.sqrt())).norm() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn a_fast_state_leaves_the_vibration_its_digits() {
+        // (lambda^2 + 4)(lambda + a) - a f lambda = 0 with f = 1e-3: as a grows, a dashpot of -f.
+        for a in [1e4, 1e7, 1e10, 1e13] {
+            let internal = Internal { decay: dvector![a], drive: dmatrix![a.sqrt()], force: dmatrix![1e-3 * a.sqrt()] };
+            let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
+            let found = eigenvalues(&system);
+            let gain = system.internal.drive[0] * system.internal.force[0];
+            let vibration = found.iter().find(|l| l.im > 0.0).unwrap();
+            // Newton's correction to the eliminated equation, which has no large numbers in it.
+            let q = vibration * vibration + 4.0 - vibration * gain / (vibration + a);
+            assert!((q / (2.0 * vibration)).norm() < 2e-15, "{a:e}: {q}");
+        }
+    }
+
+    #[test]
+    fn a_zero_system_has_zero_eigenvalues_and_does_not_hang() {
+        let zero = DMatrix::zeros(2, 2);
+        let system = SecondOrder::new(DMatrix::identity(2, 2), zero.clone(), zero).unwrap();
+        assert!(eigenvalues(&system).iter().all(|l| l.norm() == 0.0));
+    }
+}

@@ -1,0 +1,270 @@
+//! Chosen eigenvectors by inverse iteration on the n x n matrix `Q(lambda)`.
+//!
+//! A Schur form with vectors costs twice one without, and most scenes want none or a few. One factorisation of
+//! `Q(lambda)`, internal states eliminated, gives the right or the left vector of one eigenvalue (Ipsen, SIAM
+//! Review 39, 1997).
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::null_vectors::{NullVector, null_vectors};
+use crate::{CeaError, Workspace};
+
+/// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes,
+/// a number that is none does not.
+const LARGEST_BACKWARD_ERROR: f64 = 1e-9;
+/// Solves with one factorisation; one nearly always does.
+const MOST_INVERSE_ITERATIONS: usize = 4;
+
+/// phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
+///
+/// # Errors
+/// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
+pub fn right_vector(
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    let q = regular_dynamic_stiffness(system, lambda);
+    null_vector(&q, lambda, size(system, lambda), &[], work)
+}
+
+/// psi with `psi^H Q(lambda) = 0`, length n, normalised as [`right_vector`].
+///
+/// # Errors
+/// As [`right_vector`].
+pub fn left_vector(
+    system: &SecondOrder,
+    lambda: Complex<f64>,
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    let q = regular_dynamic_stiffness(system, lambda).adjoint();
+    null_vector(&q, lambda, size(system, lambda), &[], work)
+}
+
+/// The right vector of each eigenvalue, in order; those of a semisimple multiple eigenvalue are independent.
+///
+/// # Errors
+/// As [`right_vector`].
+pub fn right_vectors(
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    work: &mut Workspace,
+) -> Result<Vec<DVector<Complex<f64>>>, CeaError> {
+    right_vectors_of_all(&[(system, lambdas)], work).remove(0)
+}
+
+/// [`right_vectors`] of several systems, one result each; those of one size share the vector registers.
+///
+/// A vector does not depend on its neighbours, to the last bit, but on earlier, nearly equal eigenvalues of its own system.
+/// Inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector comes
+/// out parallel to that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to it; where
+/// this leaves no vector (a defective pair) the parallel one stands, as it should.
+pub fn right_vectors_of_all(
+    of: &[(&SecondOrder, &[Complex<f64>])],
+    work: &mut Workspace,
+) -> Vec<Result<Vec<DVector<Complex<f64>>>, CeaError>> {
+    let each: Vec<_> = of.iter().flat_map(|&(system, lambdas)| lambdas.iter().map(move |&l| (system, l))).collect();
+    let mut alone = Vec::with_capacity(each.len());
+    for group in each.chunk_by(|a, b| a.0.order() == b.0.order()) {
+        let Some(n) = group.first().map(|(system, _)| system.order()) else { continue };
+        let matrices: Vec<_> = group.iter().map(|&(system, l)| regular_dynamic_stiffness(system, l)).collect();
+        let found = null_vectors(&matrices, &start(n, 0), &mut work.scratch);
+        alone.extend(matrices.into_iter().zip(found).zip(group));
+    }
+    let mut alone = alone.into_iter().map(|((q, found), &(system, lambda))| {
+        let size = size(system, lambda);
+        match found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE)))) {
+            Some(NullVector { mut vector, .. }) => {
+                work.counters.factorisations += 1;
+                work.counters.eigenvectors += 1;
+                fix_phase(&mut vector);
+                Ok(vector)
+            }
+            None => null_vector(&q, lambda, size, &[], work),
+        }
+    });
+    let found: Vec<Vec<_>> = of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
+    let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<_>)| {
+        let mut vectors = found.into_iter().collect::<Result<Vec<DVector<Complex<f64>>>, _>>()?;
+        make_independent(system, lambdas, &mut vectors, work);
+        Ok(vectors)
+    };
+    of.iter().zip(found).map(independent).collect()
+}
+
+fn make_independent(
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    vectors: &mut [DVector<Complex<f64>>],
+    work: &mut Workspace,
+) {
+    for (i, &lambda) in lambdas.iter().enumerate() {
+        let near: Vec<_> = (0..i).filter(|&j| (lambdas[j] - lambda).norm() <= 1e-6 * lambda.norm()).collect();
+        if near.iter().any(|&j| vectors[j].dotc(&vectors[i]).norm() > 1.0 - 1e-6) {
+            let others: Vec<_> = near.iter().map(|&j| vectors[j].clone()).collect();
+            let q = regular_dynamic_stiffness(system, lambda);
+            if let Ok(independent) = null_vector(&q, lambda, size(system, lambda), &others, work) {
+                vectors[i] = independent;
+            }
+        }
+    }
+}
+
+/// The right singular vector of the smallest singular value of each of some n x n matrices, unit length: where `Q(lambda)` is
+/// nearly singular, the vector of smallest backward error. All in one batch; `None` where the entries of a matrix are too
+/// large or too small to be squared. Counts as one factorisation each.
+pub fn singular_vectors(
+    matrices: &[DMatrix<Complex<f64>>],
+    work: &mut Workspace,
+) -> Vec<Option<DVector<Complex<f64>>>> {
+    let Some(n) = matrices.first().map(DMatrix::nrows) else { return Vec::new() };
+    let vectors = null_vectors(matrices, &start(n, 0), &mut work.scratch);
+    work.counters.factorisations += matrices.len() as u64;
+    vectors.into_iter().map(|found| Some(found?.vector)).collect()
+}
+
+/// Normwise backward error of (lambda, phi): `|Q(lambda) phi| / ((sum |lambda|^j |A_j|) |phi|)`, Frobenius norms
+/// (Tisseur, Linear Algebra Appl. 309, 2000).
+#[must_use]
+pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<Complex<f64>>) -> f64 {
+    (system.dynamic_stiffness(lambda) * phi).norm() / (size(system, lambda) * phi.norm())
+}
+
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share, the size of a perturbation of order one.
+pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+    let l = lambda.norm();
+    let states = (0..system.states()).map(|s| {
+        let gain = (lambda / (lambda + system.internal.decay[s])).norm();
+        gain.min(1.0 / f64::EPSILON) * system.internal.drive.row(s).norm() * system.internal.force.column(s).norm()
+    });
+    l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states.sum::<f64>()
+}
+
+/// `Q(lambda)`, moved by a rounding error where lambda sits exactly on the pole of an internal state.
+fn regular_dynamic_stiffness(system: &SecondOrder, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+    let on_pole = system.internal.decay.iter().any(|&a| lambda == Complex::from(-a));
+    system.dynamic_stiffness(if on_pole { lambda * (1.0 + 4.0 * f64::EPSILON) } else { lambda })
+}
+
+fn null_vector(
+    q: &DMatrix<Complex<f64>>,
+    lambda: Complex<f64>,
+    size: f64,
+    orthogonal_to: &[DVector<Complex<f64>>],
+    work: &mut Workspace,
+) -> Result<DVector<Complex<f64>>, CeaError> {
+    work.counters.factorisations += 1;
+    work.counters.eigenvectors += 1;
+    let n = q.nrows();
+    let project = |x: &mut DVector<Complex<f64>>| {
+        for other in orthogonal_to {
+            let overlap = other.dotc(x);
+            x.axpy(-overlap, other, Complex::from(1.0));
+        }
+    };
+    let factor = q.clone().lu();
+    // An exactly singular Q has a zero pivot; a pivot of rounding size gives the same vector.
+    let factor = if factor.is_invertible() {
+        factor
+    } else {
+        (q + DMatrix::identity(n, n) * Complex::from(f64::EPSILON * size.max(f64::MIN_POSITIVE))).lu()
+    };
+    let mut x = start(n, orthogonal_to.len());
+    let mut residual = f64::INFINITY;
+    for _ in 0..MOST_INVERSE_ITERATIONS {
+        project(&mut x);
+        if !factor.solve_mut(&mut x) {
+            break;
+        }
+        project(&mut x);
+        let norm = x.norm();
+        if !(norm.is_finite() && norm > 0.0) {
+            break;
+        }
+        x.unscale_mut(norm);
+        let before = std::mem::replace(&mut residual, (q * &x).norm() / size.max(f64::MIN_POSITIVE));
+        if has_converged([before, residual]) {
+            break;
+        }
+    }
+    if residual.is_nan() || residual > LARGEST_BACKWARD_ERROR {
+        return Err(CeaError::NoEigenvector { lambda, residual });
+    }
+    fix_phase(&mut x);
+    Ok(x)
+}
+
+/// Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and differs
+/// from the start that found the vectors to avoid.
+pub(crate) fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
+    DVector::from_fn(n, |i, _| {
+        let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + to_avoid) as f64;
+        Complex::from_polar(1.0 + 0.1 * (i % 3) as f64, angle)
+    })
+}
+
+/// From the last two backward errors: at rounding, or small and no longer falling.
+fn has_converged([before, now]: [f64; 2]) -> bool {
+    now <= 1e-14 || (now <= LARGEST_BACKWARD_ERROR && now >= 0.5 * before)
+}
+
+/// Turns the largest component real and positive.
+pub(crate) fn fix_phase(x: &mut DVector<Complex<f64>>) {
+    let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
+    let largest = x.iter().fold(Complex::from(0.0), larger);
+    let turn = largest.conj() / largest.norm();
+    x.apply(|v| *v *= turn);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EigenSolver, QrSolver};
+    use nalgebra::dmatrix;
+
+    fn flutter() -> SecondOrder {
+        SecondOrder::new(dmatrix![2.0, 0.0; 0.0, 3.0], dmatrix![0.3, 0.1; 0.0, 0.2], dmatrix![40.0, -30.0; 30.0, 70.0])
+            .unwrap()
+    }
+
+    #[test]
+    fn right_and_left_vectors_annihilate_q() {
+        let (system, mut work) = (flutter(), Workspace::default());
+        for lambda in QrSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues {
+            let phi = right_vector(&system, lambda, &mut work).unwrap();
+            let psi = left_vector(&system, lambda, &mut work).unwrap();
+            let q = system.dynamic_stiffness(lambda);
+            assert!((&q * &phi).norm() < 1e-12);
+            assert!((psi.adjoint() * &q).norm() < 1e-12);
+            assert!(backward_error(&system, lambda, &phi) < 1e-14);
+        }
+        assert_eq!((work.counters.eigenvalue_solves, work.counters.eigenvectors), (1, 8));
+    }
+
+    #[test]
+    fn a_double_eigenvalue_gets_two_independent_vectors() {
+        let system =
+            SecondOrder::new(DMatrix::identity(3, 3), DMatrix::zeros(3, 3), DMatrix::identity(3, 3) * 4.0).unwrap();
+        let two_i = Complex::new(0.0, 2.0);
+        let vectors = right_vectors(&system, &[two_i; 3], &mut Workspace::default()).unwrap();
+        let gram = DMatrix::from_fn(3, 3, |i, j| vectors[i].dotc(&vectors[j]).norm());
+        assert!((gram - DMatrix::identity(3, 3)).norm() < 1e-10);
+    }
+
+    #[test]
+    fn a_defective_pair_keeps_its_one_vector() {
+        // K is a Jordan block: lambda = 2i twice, one eigenvector.
+        let system =
+            SecondOrder::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![4.0, 1.0; 0.0, 4.0]).unwrap();
+        let vectors = right_vectors(&system, &[Complex::new(0.0, 2.0); 2], &mut Workspace::default()).unwrap();
+        assert!(vectors.iter().all(|v| (v[0].re - 1.0).abs() < 1e-7));
+    }
+
+    #[test]
+    fn what_is_no_eigenvalue_has_no_eigenvector() {
+        let wrong = right_vector(&flutter(), Complex::new(0.0, 1.0), &mut Workspace::default());
+        assert!(matches!(wrong, Err(CeaError::NoEigenvector { .. })));
+    }
+}

@@ -1,0 +1,299 @@
+//! How much may be added to a stable system before any eigenvalue can cross the axis: a bound of the H-infinity norm,
+//! certified up to rounding (docs/error-bounds.md, section 12).
+
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use crate::dense::{MOST_QR_STEPS, MassRoot};
+use crate::{CeaError, StandardForm, Workspace, francis};
+
+/// How far above the largest gain that was seen the next bound is tried. Only a bound above the peak passes, so
+/// that this one per cent is given up for having few to try.
+const ABOVE_SEEN: f64 = 1.01;
+/// The factor from the bound that passed to the one that is given, for rounding in the gains and in the
+/// Hamiltonian's eigenvalues. Chosen: the rounding is bounded to first order, its constant is not.
+const ROUNDING_RESERVE: f64 = 1.01;
+/// An eigenvalue nearer to the axis than this part of the matrix's norm counts as on it: a pair that a rounding error
+/// splits moves by the square root of it, sqrt(2.2e-16) = 1.5e-8.
+const ON_AXIS: f64 = 1.5e-8;
+/// Bounds tried before the search is given up; it converges quadratically and takes two or three.
+const MOST_BOUNDS: usize = 12;
+
+/// Where a change of a system may enter: `Q(lambda) = Q_0(lambda) + force Delta (position + lambda velocity)`, with
+/// Delta any complex m x p matrix.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channels {
+    /// The forces through which a change acts, n x m.
+    pub force: DMatrix<f64>,
+    /// What it reads of the displacements, p x n.
+    pub position: DMatrix<f64>,
+    /// What it reads of the velocities, p x n.
+    pub velocity: DMatrix<f64>,
+}
+
+impl Channels {
+    fn fit(&self, order: usize) -> bool {
+        let readings = self.position.nrows();
+        self.force.nrows() == order
+            && self.position.shape() == (readings, order)
+            && self.velocity.shape() == (readings, order)
+    }
+}
+
+/// Why [`h_infinity_norm_bound`] has none to give.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoNormBound {
+    /// The system itself may be unstable: an eigenvalue is not left of the axis by more than a rounding error may move it.
+    #[error("the system itself is not surely stable: its rightmost eigenvalue has Re lambda = {rightmost:e} 1/s")]
+    NotSurelyStable {
+        /// The largest real part, rad/s.
+        rightmost: f64,
+    },
+    /// The channels have no gain at any frequency that was looked at: what they act on they do not read.
+    #[error("the channels have no gain at any eigenfrequency")]
+    NoGain,
+    /// The gain overflows, or Q is singular to rounding on the axis.
+    #[error("the gain is not finite next to an eigenfrequency")]
+    GainNotFinite,
+    /// The QR iteration on the state matrix or on the Hamiltonian did not settle.
+    #[error("the QR iteration did not settle")]
+    NoConvergence,
+    /// Every bound tried was crossed.
+    #[error("none of {tried} bounds was found to be above the gain")]
+    BoundsExhausted {
+        /// How many were tried.
+        tried: usize,
+    },
+}
+
+/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies: while `|Delta| < 1 / g` in the 2-norm, also with Delta a function of lambda, no
+/// eigenvalue has `Re lambda >= 0`. Certified up to rounding, with the reserves that this file's constants say; or the reason
+/// for which no g is given.
+///
+/// With `T(lambda) = (position + lambda velocity) Q_0(lambda)^-1 force`, `det Q = det Q_0 det(I + Delta T)`, which does
+/// not vanish where `|Delta| |T| < 1` (small gain: Zames, IEEE Trans. Autom. Control 11, 1966). T has no pole in
+/// `Re lambda >= 0` and vanishes at infinity, so |T| is largest on the axis. It stays below g there just if the
+/// Hamiltonian matrix of the standard form, `[A, B B^T / g; -C^T C / g, -A^T]`, has no eigenvalue on the axis (Boyd,
+/// Balakrishnan, Kabamba, Math. Control Signals Systems 2, 1989). Where it has some, |T| at the middle between them is the
+/// next bound to try (Bruinsma, Steinbuch, Systems & Control Letters 14, 1990). The g given is at most some 2 per cent
+/// above the largest |T|.
+///
+/// # Errors
+/// [`CeaError::MassNotPositiveDefinite`], and [`CeaError::Channels`] for internal states in the system or channels of another
+/// order.
+pub fn h_infinity_norm_bound(
+    system: &SecondOrder,
+    channels: &Channels,
+    work: &mut Workspace,
+) -> Result<Result<f64, NoNormBound>, CeaError> {
+    if system.states() > 0 || !channels.fit(system.order()) {
+        return Err(CeaError::Channels { order: system.order(), states: system.states() });
+    }
+    let StandardForm { state, gamma, .. } = StandardForm::new(system)?;
+    let near = ON_AXIS * state.norm();
+    work.counters.eigenvalue_solves += 1;
+    let Some(poles) = francis::eigenvalues(state.clone(), MOST_QR_STEPS) else {
+        return Ok(Err(NoNormBound::NoConvergence));
+    };
+    // Not `re >= -near`, which a NaN would pass.
+    if !poles.iter().all(|pole| pole.re < -near) {
+        let rightmost = poles.iter().map(|pole| pole.re * gamma).fold(f64::NEG_INFINITY, f64::max);
+        return Ok(Err(NoNormBound::NotSurelyStable { rightmost }));
+    }
+    let gain = |sigma: f64, work: &mut Workspace| gain_at(system, channels, sigma * gamma, work);
+
+    // A lightly damped system has its peaks next to its eigenfrequencies.
+    let mut seen = gain(0.0, work);
+    for pole in poles.iter().filter(|pole| pole.im > 0.0) {
+        seen = seen.max(gain(pole.im, work));
+    }
+    let hamiltonian = Hamiltonian::new(&state, gamma, &MassRoot::new(&system.m)?, channels)?;
+    for _ in 0..MOST_BOUNDS {
+        if !(seen > 0.0 && seen.is_finite()) {
+            return Ok(Err(if seen == 0.0 { NoNormBound::NoGain } else { NoNormBound::GainNotFinite }));
+        }
+        let bound = ABOVE_SEEN * seen;
+        let matrix = hamiltonian.at(bound);
+        let near = ON_AXIS * matrix.norm();
+        work.counters.eigenvalue_solves += 1;
+        let Some(found) = francis::eigenvalues(matrix, MOST_QR_STEPS) else {
+            return Ok(Err(NoNormBound::NoConvergence));
+        };
+        let mut crossings: Vec<f64> =
+            found.iter().filter(|l| l.re.abs() <= near && l.im >= 0.0).map(|l| l.im).collect();
+        if crossings.is_empty() {
+            return Ok(Ok(ROUNDING_RESERVE * bound));
+        }
+        crossings.sort_unstable_by(f64::total_cmp);
+        // Two that rounding has merged have nothing higher between them: the next bound is higher in any case.
+        seen = crossings.windows(2).map(|pair| gain(0.5 * (pair[0] + pair[1]), work)).fold(bound, f64::max);
+    }
+    Ok(Err(NoNormBound::BoundsExhausted { tried: MOST_BOUNDS }))
+}
+
+/// `|T(i omega)|` in the 2-norm; infinite where Q is singular.
+fn gain_at(system: &SecondOrder, channels: &Channels, omega: f64, work: &mut Workspace) -> f64 {
+    let lambda = Complex::new(0.0, omega);
+    work.counters.factorisations += 1;
+    let Some(response) = system.dynamic_stiffness(lambda).lu().solve(&channels.force.map(Complex::from)) else {
+        return f64::INFINITY;
+    };
+    let reading = channels.position.zip_map(&channels.velocity, |p, v| p + lambda * v);
+    let transfer = reading * response;
+    // The largest singular value from the smaller side, squared.
+    let square = transfer.adjoint() * &transfer;
+    square.symmetric_eigenvalues().max().max(0.0).sqrt()
+}
+
+/// What its parts are at g = 1.
+struct Hamiltonian<'a> {
+    state: &'a DMatrix<f64>,
+    into: DMatrix<f64>,
+    out_of: DMatrix<f64>,
+}
+
+impl<'a> Hamiltonian<'a> {
+    /// The channels in the standard form, whose states are y and `y' / gamma`, its time in units of 1 / gamma.
+    fn new(state: &'a DMatrix<f64>, gamma: f64, root: &MassRoot, channels: &Channels) -> Result<Self, CeaError> {
+        let n = state.nrows() / 2;
+        let force = root.force(&channels.force)? / (gamma * gamma);
+        let mut reading = root.reading(&channels.position)?.resize_horizontally(2 * n, 0.0);
+        reading.columns_mut(n, n).copy_from(&(root.reading(&channels.velocity)? * gamma));
+        let mut into = DMatrix::zeros(2 * n, 2 * n);
+        into.view_mut((n, n), (n, n)).copy_from(&(&force * force.transpose()));
+        Ok(Self { state, into, out_of: reading.transpose() * reading })
+    }
+
+    fn at(&self, bound: f64) -> DMatrix<f64> {
+        let order = self.state.nrows();
+        // The similarity diag(I, w I) gives the two off-diagonal blocks one norm.
+        let weight = (self.out_of.norm() / self.into.norm()).sqrt();
+        DMatrix::from_fn(2 * order, 2 * order, |i, j| match (i < order, j < order) {
+            (true, true) => self.state[(i, j)],
+            (true, false) => self.into[(i, j - order)] * (weight / bound),
+            (false, true) => -self.out_of[(i - order, j)] / (weight * bound),
+            (false, false) => -self.state[(j - order, i - order)],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EigenSolver, QrSolver};
+    use nalgebra::dmatrix;
+    use proptest::prelude::*;
+
+    fn bound(system: &SecondOrder, channels: &Channels) -> Result<f64, NoNormBound> {
+        h_infinity_norm_bound(system, channels, &mut Workspace::default()).unwrap()
+    }
+
+    #[test]
+    fn an_oscillator_has_its_textbook_resonance() {
+        // 1 / (k - m w^2 + i c w) peaks at 1 / (c sqrt(k / m - (c / 2 m)^2)); i w / (..) at 1 / c.
+        let (m, k): (f64, f64) = (0.39, 2.45e7);
+        for c in [0.02, 18.1, 181.0, 3000.0_f64] {
+            let system = SecondOrder::new(dmatrix![m], dmatrix![c], dmatrix![k]).unwrap();
+            let damped = (k / m - (c / (2.0 * m)).powi(2)).sqrt();
+            for (position, velocity, peak) in [(1.0, 0.0, 1.0 / (c * damped)), (0.0, 1.0, 1.0 / c)] {
+                let channels =
+                    Channels { force: dmatrix![1.0], position: dmatrix![position], velocity: dmatrix![velocity] };
+                let ratio = bound(&system, &channels).unwrap() / peak;
+                assert!((1.0..1.03).contains(&ratio), "c = {c}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_surely_stable_has_no_bound() {
+        let channels = Channels { force: dmatrix![1.0], position: dmatrix![1.0], velocity: dmatrix![0.0] };
+        for (c, k) in [(0.0, 1.0), (-0.1, 1.0), (1e-12, 1.0), (1.0, 0.0), (1.0, -1.0)] {
+            let system = SecondOrder::new(dmatrix![1.0], dmatrix![c], dmatrix![k]).unwrap();
+            let refused = bound(&system, &channels);
+            assert!(matches!(refused, Err(NoNormBound::NotSurelyStable { .. })), "c = {c}, k = {k}: {refused:?}");
+        }
+        let damped = SecondOrder::new(dmatrix![1.0], dmatrix![1.0], dmatrix![1.0]).unwrap();
+        let blind = Channels { position: dmatrix![0.0], ..channels };
+        assert_eq!(bound(&damped, &blind), Err(NoNormBound::NoGain));
+    }
+
+    #[test]
+    fn channels_must_fit() {
+        let system = SecondOrder::new(dmatrix![1.0], dmatrix![1.0], dmatrix![1.0]).unwrap();
+        let channels = Channels { force: dmatrix![1.0], position: dmatrix![1.0, 1.0], velocity: dmatrix![0.0] };
+        let refused = h_infinity_norm_bound(&system, &channels, &mut Workspace::default());
+        assert_eq!(refused, Err(CeaError::Channels { order: 1, states: 0 }));
+    }
+
+    /// A chain of four with different masses, springs and dashpots.
+    fn chain(masses: &[f64], springs: &[f64], damping: f64) -> SecondOrder {
+        let k = DMatrix::from_fn(4, 4, |i, j| match i.abs_diff(j) {
+            0 => springs[i] + springs[i + 1],
+            1 => -springs[i.max(j)],
+            _ => 0.0,
+        });
+        let m = DMatrix::from_diagonal(&nalgebra::DVector::from_column_slice(masses));
+        SecondOrder::new(m, damping * &k, k).unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn nothing_within_the_bound_is_unstable_and_something_beyond_it_is(
+            masses in prop::collection::vec(0.5..2.0, 4),
+            springs in prop::collection::vec(0.5..2.0, 5),
+            damping in 0.001..0.1,
+            force in prop::collection::vec(-1.0..1.0, 8),
+            readings in prop::collection::vec(-1.0..1.0, 16),
+            changes in prop::collection::vec(-1.0..1.0, 40),
+        ) {
+            let system = chain(&masses, &springs, damping);
+            let channels = Channels {
+                force: DMatrix::from_vec(4, 2, force),
+                position: DMatrix::from_column_slice(2, 4, &readings[..8]),
+                velocity: DMatrix::from_column_slice(2, 4, &readings[8..]),
+            };
+            let gain = bound(&system, &channels).unwrap();
+            let most = |c: DMatrix<f64>, k: DMatrix<f64>| {
+                let changed = SecondOrder::new(system.m.clone(), c, k).unwrap();
+                let spectrum = QrSolver.eigenvalues(&changed, &mut Workspace::default()).unwrap();
+                spectrum.eigenvalues.iter().map(|l| l.re).fold(f64::NEG_INFINITY, f64::max)
+            };
+            for change in changes.chunks(4) {
+                let delta = DMatrix::from_column_slice(2, 2, change);
+                let delta = &delta * (0.999 / (gain * delta.singular_values().max()));
+                let into = &channels.force * delta;
+                let re = most(&system.c + &into * &channels.velocity, &system.k + &into * &channels.position);
+                prop_assert!(re < 0.0, "{re:e}");
+            }
+            // The bound is tight for complex changes: within three per cent Q is singular at some point of the axis.
+            let mut work = Workspace::default();
+            let grid = (0..20_000).map(|i| 3.0 * f64::from(i) / 2e4);
+            // A resonance of little damping is narrower than the grid.
+            let poles = QrSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues;
+            let fine = poles.iter().flat_map(|pole| (-60..=60).map(|i| pole.im + 0.05 * f64::from(i) * pole.re));
+            let peak = grid.chain(fine).map(|omega| gain_at(&system, &channels, omega, &mut work)).fold(0.0, f64::max);
+            prop_assert!(peak < gain && gain < 1.03 * peak, "{gain} {peak}");
+        }
+    }
+
+    #[test]
+    fn a_full_mass_matrix_gives_the_bound_of_its_diagonal_twin() {
+        let (sin, cos) = 0.7_f64.sin_cos();
+        let turn = dmatrix![cos, -sin; sin, cos];
+        let (m, c, k) = (dmatrix![2.0, 0.0; 0.0, 5.0], dmatrix![0.3, 0.1; 0.0, 0.2], dmatrix![40.0, -9.0; 3.0, 70.0]);
+        let there = |a: &DMatrix<f64>| &turn * a * turn.transpose();
+        let plain = Channels { force: dmatrix![1.0; 0.4], position: dmatrix![0.2, 1.0], velocity: dmatrix![0.1, 0.3] };
+        let turned = Channels {
+            force: &turn * &plain.force,
+            position: &plain.position * turn.transpose(),
+            velocity: &plain.velocity * turn.transpose(),
+        };
+        let a = bound(&SecondOrder::new(m.clone(), c.clone(), k.clone()).unwrap(), &plain).unwrap();
+        let b = bound(&SecondOrder::new(there(&m), there(&c), there(&k)).unwrap(), &turned).unwrap();
+        assert!((a - b).abs() < 1e-9 * a, "{a} {b}");
+    }
+}

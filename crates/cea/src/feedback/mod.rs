@@ -1,0 +1,10 @@
+//! Structures with feedback, friction among others: a bound within which nothing becomes unstable, and the growing modes
+//! without a spectrum.
+
+mod h_infinity;
+mod secular;
+
+pub use h_infinity::{Channels, NoNormBound, h_infinity_norm_bound};
+pub use secular::{
+    Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoSecular, Secular,
+};

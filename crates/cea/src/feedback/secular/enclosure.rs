@@ -1,0 +1,182 @@
+//! Where all the zeros of a polynomial are, from its values at guesses of them.
+//!
+//! A monic polynomial of degree N with distinct guesses z_i of its zeros is
+//!
+//! ```text
+//! p(z) = prod_i (z - z_i) (1 + sum_i w_i / (z - z_i)),    w_i = p(z_i) / prod_{j != i} (z_i - z_j)
+//! ```
+//!
+//! (Lagrange; w_i is the correction of Weierstrass 1891). It vanishes nowhere where `sum |w_i| / |z - z_i| < 1`. With radii
+//! r_i such that `sum |w_i| / r_i < 1` all zeros are in the discs of radius r_i about the z_i, and a disc that meets no other
+//! holds one: the zeros move continuously from the guesses as all w_i grow from 0 (Smith, J. ACM 17, 1970, for equal
+//! `r_i / |w_i|`).
+
+use num_complex::Complex;
+
+use super::Gain;
+
+/// Largest sum of all `|w_i| / r_i`; below 1 it is a proof, the rest is kept for rounding errors of the sum.
+pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
+/// Bound of the rounding error of w, relative to z; next to another eigenvalue it is larger by `CLUSTER_DISTANCE` over the
+/// relative distance.
+const CORRECTION_ROUNDING: f64 = 1e-11;
+const CLUSTER_DISTANCE: f64 = 1e-3;
+/// Safety factor on |w|: next to a pole of the structure that is strongly
+/// coupled, the large parts of a determinant cancel, and values were seen to err by 0.004 of themselves.
+const CORRECTION_SAFETY: f64 = 1.25;
+
+/// Modes near the axis are found out to this multiple of the distance asked for: of those just beyond it nothing need be known.
+const NEAR_AXIS_MARGIN: f64 = 1.5;
+
+/// |z| of a number whose square is in range.
+fn size(z: Complex<f64>) -> f64 {
+    z.norm_sqr().sqrt()
+}
+
+/// Guesses of all eigenvalues: those of modes with Im > 0, their conjugates, and those of internal states.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Approximations {
+    pub sigmas: Vec<Complex<f64>>,
+    pub internal: Option<InternalCluster>,
+}
+
+/// Guesses of the eigenvalues of internal states, evenly on a circle about a real number.
+///
+/// These eigenvalues lie together, far to the left; only what they may do to others counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct InternalCluster {
+    pub middle: f64,
+    pub radius: f64,
+}
+
+impl InternalCluster {
+    /// Those with Im >= 0 of `count`, each with how many it stands for. They are the zeros of
+    /// `(z - middle)^count + radius^count`.
+    pub fn guesses(self, count: usize) -> impl Iterator<Item = (Complex<f64>, f64)> {
+        (0..count.div_ceil(2)).map(move |i| {
+            let is_real = 2 * i + 1 == count;
+            let angle = std::f64::consts::PI * (2 * i + 1) as f64 / count as f64;
+            let turn = if is_real { Complex::from(-1.0) } else { Complex::from_polar(1.0, angle) };
+            (self.middle + self.radius * turn, if is_real { 1.0 } else { 2.0 })
+        })
+    }
+}
+
+impl Approximations {
+    /// `prod (z - z_j)` over all modes and their conjugates but mode `k` itself.
+    pub fn others(&self, k: usize, z: Complex<f64>) -> Complex<f64> {
+        let mut product = Complex::from(1.0);
+        for (j, other) in self.sigmas.iter().enumerate() {
+            let conjugate = z - other.conj();
+            product *= if j == k { conjugate } else { (z - other) * conjugate };
+        }
+        product
+    }
+
+    /// `(z + decay)^m / prod (z - z_b)` over the m internal states.
+    pub fn internal_factor(&self, z: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
+        let Some(InternalCluster { middle, radius }) = self.internal.filter(|_| m > 0) else {
+            return Complex::from(1.0);
+        };
+        let power = m as i32;
+        let [pole, distance] = [(z + gain.decay) / radius, (z - middle) / radius];
+        pole.powi(power) / (distance.powi(power) + 1.0)
+    }
+
+    /// The correction of a guess for an internal state from the value there.
+    pub fn internal_correction(&self, z: Complex<f64>, value: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
+        let Some(InternalCluster { middle, radius }) = self.internal else { return Complex::default() };
+        // The derivative of (z - middle)^m + radius^m at its zeros.
+        let [pole, distance] = [(z + gain.decay) / radius, (z - middle) / radius];
+        let power = m as i32;
+        value / self.others(usize::MAX, z) * pole.powi(power) / (m as f64 * distance.powi(power - 1)) * radius
+    }
+}
+
+/// Which of some guesses hold what is asked, and which do not yet.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Enclosure {
+    /// Radii that hold all eigenvalues if `total < 1`.
+    pub radii: Vec<f64>,
+    /// At least `2 |w_i| / r_i` of each guess, its conjugate included.
+    pub shares: Vec<f64>,
+    /// The sum of all shares, and those of internal states.
+    pub total: f64,
+    /// The shares of internal states.
+    of_internal: f64,
+}
+
+impl Enclosure {
+    /// The radii, as small as the bound allows if all shrink alike.
+    pub fn smallest(&self) -> impl Iterator<Item = f64> + '_ {
+        let part = (self.total - self.of_internal) / (LARGEST_TOTAL_SHARE - self.of_internal);
+        self.radii.iter().map(move |radius| radius * part)
+    }
+}
+
+/// What a search is to find.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Wanted {
+    /// The modes that grow, and which others have lower frequencies.
+    Growing,
+    /// The modes that grow or decay more slowly than this part of |sigma|.
+    Near(f64),
+}
+
+impl Wanted {
+    pub fn is_found(self, sigma: Complex<f64>) -> bool {
+        match self {
+            Self::Growing => sigma.re > 0.0,
+            // Also some that decay a little faster: nothing need be known of those just beyond the line.
+            Self::Near(part) => sigma.re > -NEAR_AXIS_MARGIN * part * size(sigma),
+        }
+    }
+}
+
+/// The largest radii that keep the modes wanted apart from all others, and what they leave of 1. The others keep left of
+/// the axis and off the frequencies `apart_from`. `internal` are guesses of internal states with their corrections; they
+/// keep off all modes.
+pub(super) fn enclosure(
+    wanted: Wanted,
+    sigmas: &[Complex<f64>],
+    corrections: &[Complex<f64>],
+    internal: &[(Complex<f64>, f64)],
+    apart_from: &[f64],
+) -> Enclosure {
+    let found: Vec<usize> = (0..sigmas.len()).filter(|&i| wanted.is_found(sigmas[i])).collect();
+    let apart = |i: usize, j: usize| match wanted {
+        _ if i == j => f64::INFINITY,
+        Wanted::Growing => (sigmas[i].im - sigmas[j].im).abs(),
+        Wanted::Near(_) => size(sigmas[i] - sigmas[j]),
+    };
+    let radius = |i: usize| {
+        let z = sigmas[i];
+        let (side, apart) = if wanted.is_found(z) {
+            let side = if wanted == Wanted::Growing { z.re } else { f64::INFINITY };
+            (side, 0.5 * (0..sigmas.len()).map(|j| apart(i, j)).fold(f64::INFINITY, f64::min))
+        } else {
+            let here = 0.5 * found.iter().map(|&j| apart(i, j)).fold(f64::INFINITY, f64::min);
+            let side = match wanted {
+                Wanted::Growing => -z.re,
+                // Within a radius |z| grows by the radius at most.
+                Wanted::Near(part) => (-z.re - part * size(z)) / (1.0 + part),
+            };
+            (side, apart_from.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
+        };
+        side.min(z.im).min(apart).max(0.0)
+    };
+    let radii: Vec<f64> = (0..sigmas.len()).map(radius).collect();
+    let share = |((i, w), r): ((usize, &Complex<f64>), &f64)| {
+        let z = sigmas[i];
+        let others = sigmas.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (z - other).norm_sqr());
+        let nearest = (others.fold(f64::INFINITY, f64::min) / z.norm_sqr()).sqrt();
+        2.0 * (CORRECTION_SAFETY * size(*w) + CORRECTION_ROUNDING * size(z) * (1.0 + CLUSTER_DISTANCE / nearest)) / r
+    };
+    let shares: Vec<f64> = corrections.iter().enumerate().zip(&radii).map(share).collect();
+    let internal_share = |&(z, size): &(Complex<f64>, f64)| {
+        let free = sigmas.iter().zip(&radii).map(|(sigma, r)| self::size(sigma - z) - r).fold(-z.re, f64::min);
+        size / free.max(0.0)
+    };
+    let (of_modes, of_internal) = (shares.iter().sum::<f64>(), internal.iter().map(internal_share).sum::<f64>());
+    Enclosure { radii, shares, total: of_modes + of_internal, of_internal }
+}

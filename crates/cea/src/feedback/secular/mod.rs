@@ -1,0 +1,204 @@
+//! The growing modes of a structure with friction, without its spectrum.
+//!
+//! Friction that is alike in m ports changes a structure by a matrix of rank m: its eigenvalues are the zeros of the
+//! determinant of an m x m matrix, the secular equation
+//!
+//! ```text
+//! det(I + p G(lambda) + lambda v(lambda) H(lambda)) = 0,   G = R Q_0^-1 B,  H = B^T Q_0^-1 B
+//! ```
+//!
+//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). It takes a small part of a spectrum to
+//! evaluate. Eigenvalues are guessed from those of *anchors*, states solved beforehand, and corrected one by one. The
+//! corrections bound all of them at once ([`enclosure`]): modes that damp stay guesses whose bounds lie left of the axis
+//! and away from the frequencies of those that grow, and only the latter are found to the last digits.
+
+mod anchors;
+mod enclosure;
+mod gain_path;
+mod pair;
+mod reasons;
+mod resolvent;
+mod response;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use linsys::{Internal, SecondOrder};
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use crate::{CeaError, Spectrum, Workspace};
+pub use anchors::Anchors;
+use enclosure::Wanted;
+pub use gain_path::{GainPath, NewtonStep};
+pub use pair::EigenvaluePair;
+pub use reasons::{LeftOpen, NoSecular};
+pub use resolvent::Feedback;
+use resolvent::Resolvent;
+use response::Point;
+
+/// Largest square of the number of ports, per degree of freedom: with 30 a spectrum costs as much as some thirteen ports,
+/// extrapolated from nine.
+const MOST_SQUARED_PORTS: usize = 6;
+/// The middle of the frequencies, in units: where slopes are compared.
+const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
+
+/// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gain {
+    /// mu, the proportional gain; p in the equations.
+    pub mu: f64,
+    /// v, what is proportional to the velocity, Ns/m.
+    pub velocity: f64,
+    /// What an internal state adds, N/m; 0 for none.
+    pub lag: f64,
+    /// Its decay rate, 1/s.
+    pub decay: f64,
+}
+
+impl Gain {
+    /// `v + lag / (lambda + decay)`.
+    fn slope(&self, lambda: Complex<f64>) -> Complex<f64> {
+        if self.lag == 0.0 { Complex::from(self.velocity) } else { self.velocity + self.lag / (lambda + self.decay) }
+    }
+
+    /// The feedback at an eigenvalue.
+    fn at(&self, sigma: Complex<f64>) -> Point {
+        Point { sigma, mu: self.mu, slope: self.slope(sigma) }
+    }
+
+    fn in_units(&self, unit: f64) -> Self {
+        Self { lag: self.lag / unit, decay: self.decay / unit, ..*self }
+    }
+}
+
+/// A structure with feedback, ready for many gains.
+///
+/// ```
+/// use cea::{EigenSolver, Feedback, Gain, QrSolver, Secular, Workspace};
+/// use linsys::SecondOrder;
+/// use nalgebra::{DMatrix, dmatrix};
+///
+/// // Two masses on springs. The force on the first falls with the displacement of the second, as friction does.
+/// let (m, c) = (DMatrix::identity(2, 2), dmatrix![0.02, 0.0; 0.0, 0.03]);
+/// let structure = SecondOrder::new(m, c, dmatrix![10.0, 0.6; 0.6, 12.0])?;
+/// let feedback = Feedback { force: dmatrix![1.0; 0.0], reading: dmatrix![0.0, -1.0] };
+/// let gain = |mu| Gain { mu, ..Gain::default() };
+///
+/// let mut work = Workspace::default();
+/// let secular = Secular::new(&structure, &feedback, &mut work)??;
+/// let mut anchors = Vec::new();
+/// for p in [0.0, 1.0, 2.0, 3.0] {
+///     let mut system = structure.clone();
+///     system.k[(0, 1)] -= p;
+///     anchors.push((gain(p), QrSolver.eigenvalues(&system, &mut work)?));
+/// }
+/// let anchors = secular.anchors(&anchors, &mut work);
+/// let found = secular.growing(&anchors, &[(gain(1.5), &[]), (gain(3.5), &[])], &mut work);
+/// let growing = found.iter().flatten().map(|found| found.frequencies().count());
+/// assert_eq!(growing.collect::<Vec<_>>(), [0, 1]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Secular {
+    structure: SecondOrder,
+    feedback: Feedback,
+    resolvent: Resolvent,
+}
+
+/// The modes of one system, those that grow exactly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growing {
+    /// An eigenvalue with Im > 0 of each mode, ascending in frequency, rad/s: that of a mode that grows, and a guess for one
+    /// that damps. The rank of a mode that grows is right.
+    pub modes: Vec<Complex<f64>>,
+    /// A bound of the error of each that damps; 0 for those that grow, of which rounding errors are all.
+    pub radii: Vec<f64>,
+}
+
+impl Growing {
+    /// Those of the modes that grow, rad/s.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
+        self.modes.iter().filter(|mode| mode.re > 0.0).map(|mode| mode.im)
+    }
+
+    /// Whether the bounds leave open which modes are below one of these frequencies, rad/s.
+    #[must_use]
+    pub fn leaves_order_open(&self, frequencies: &[f64]) -> bool {
+        let mut bounds = self.modes.iter().zip(&self.radii);
+        bounds.any(|(mode, radius)| frequencies.iter().any(|im| (mode.im - im).abs() < *radius))
+    }
+}
+
+impl Secular {
+    /// The secular equation of a structure, or the reason for which spectra are the better way: many ports, or a response
+    /// that is not a sum over oscillating modes.
+    ///
+    /// # Errors
+    /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    pub fn new(
+        structure: &SecondOrder,
+        feedback: &Feedback,
+        work: &mut Workspace,
+    ) -> Result<Result<Self, NoSecular>, CeaError> {
+        let (ports, order) = (feedback.force.ncols(), structure.order());
+        if ports.pow(2) > MOST_SQUARED_PORTS * order {
+            return Ok(Err(NoSecular::ManyPorts { ports, order, most: (MOST_SQUARED_PORTS * order).isqrt() + 1 }));
+        }
+        let resolvent = Resolvent::new(structure, feedback, work)?;
+        Ok(resolvent.map(|resolvent| Self { structure: structure.clone(), feedback: feedback.clone(), resolvent }))
+    }
+
+    /// The structure without feedback.
+    #[must_use]
+    pub fn structure(&self) -> &SecondOrder {
+        &self.structure
+    }
+
+    /// The structure with a gain: what its secular equation stands for.
+    #[must_use]
+    pub fn system(&self, gain: &Gain) -> SecondOrder {
+        let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
+        system.k += gain.mu * force * reading;
+        system.c += gain.velocity * force * force.transpose();
+        if gain.lag != 0.0 {
+            let decay = DVector::from_element(force.ncols(), gain.decay);
+            system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
+        }
+        system
+    }
+
+    /// Takes states whose spectra are known as anchors. Those with overdamped modes are left out.
+    pub fn anchors(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Anchors {
+        Anchors::new(&self.resolvent, states, work)
+    }
+
+    /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
+    /// plain which are lower; or the reason for which a spectrum is the way to know.
+    ///
+    /// What is found for a gain does not depend on the others, to the last bit.
+    pub fn growing(
+        &self,
+        anchors: &Anchors,
+        gains: &[(Gain, &[f64])],
+        work: &mut Workspace,
+    ) -> Vec<Result<Growing, LeftOpen>> {
+        search::search(&self.resolvent, anchors, Wanted::Growing, gains, work)
+    }
+
+    /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
+    /// gains; or the reason for which a spectrum is the way to know.
+    pub fn near_axis(
+        &self,
+        anchors: &Anchors,
+        gains: &[Gain],
+        part: f64,
+        work: &mut Workspace,
+    ) -> Vec<Result<Vec<Complex<f64>>, LeftOpen>> {
+        let wanted = Wanted::Near(part);
+        let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
+        let found = search::search(&self.resolvent, anchors, wanted, &gains, work).into_iter();
+        let is_near = |lambda: &Complex<f64>| lambda.re > -part * lambda.norm();
+        found.map(|found| Ok(found?.modes.into_iter().filter(is_near).collect())).collect()
+    }
+}

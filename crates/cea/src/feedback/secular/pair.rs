@@ -1,0 +1,164 @@
+//! Two eigenvalues near each other on a path of gains, as one: their mean and the square of half their distance.
+//!
+//! Where two eigenvalues coalesce each of them has a branch point; the mean m and the square s of `lambda = m +- sqrt(s)`
+//! are analytic there, as the coefficients of the polynomial that has both as zeros (Kato, Perturbation Theory for Linear
+//! Operators, II.1.2). Both follow from the characteristic polynomial on a circle about them: eight values tell its Taylor
+//! polynomial, of which the quadratic factor is split off by Bairstow's method (1914).
+
+use std::f64::consts::TAU;
+use std::ptr;
+
+use num_complex::Complex;
+
+use super::gain_path::{DIFFERENCE_STEP, GainPath};
+use super::response::{Point, characteristic};
+use crate::Workspace;
+
+/// Values on the circle.
+const CIRCLE_VALUES: usize = 8;
+/// Radius of the circle in half distances of the pair, and its least, relative to the eigenvalue.
+const CIRCLE_RADIUS: f64 = 1.25;
+const LEAST_CIRCLE_RADIUS: f64 = 1e-3;
+/// Least distance of the next eigenvalue, in radii, by the ratio of two Taylor coefficients.
+const LEAST_ISOLATION: f64 = 1.2;
+/// Steps of Bairstow's method at most, and the change, in radii, below which it has converged.
+const MOST_BAIRSTOW_STEPS: usize = 12;
+const BAIRSTOW_CONVERGED: f64 = 1e-13;
+/// Largest distance of a pair from its guess, in radii.
+const LARGEST_OFFSET: f64 = 0.5;
+/// Circles that are tried about a pair that is elsewhere than guessed.
+const MOST_CIRCLES: usize = 4;
+
+/// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EigenvaluePair {
+    /// m, rad/s.
+    pub mean: Complex<f64>,
+    /// s, rad^2/s^2.
+    pub half_gap_squared: Complex<f64>,
+}
+
+impl EigenvaluePair {
+    fn radius(&self) -> f64 {
+        (CIRCLE_RADIUS * self.half_gap_squared.norm().sqrt()).max(LEAST_CIRCLE_RADIUS * self.mean.norm())
+    }
+
+    /// What it becomes by moving at some rates.
+    #[must_use]
+    pub fn moved(&self, rate: &Self, step: f64) -> Self {
+        Self {
+            mean: self.mean + rate.mean * step,
+            half_gap_squared: self.half_gap_squared + rate.half_gap_squared * step,
+        }
+    }
+}
+
+/// The pair next to each guess at a part of a path, and how it moves along the path; `None` where there is none, or no pair
+/// that is alone.
+pub(super) fn pairs(
+    at: &[(GainPath<'_>, f64, EigenvaluePair)],
+    work: &mut Workspace,
+) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
+    let mut found = vec![None; at.len()];
+    let mut open: Vec<usize> = (0..at.len()).collect();
+    for _ in 0..MOST_CIRCLES {
+        let circles = on_circles(&open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect::<Vec<_>>(), work);
+        let mut circles = circles.into_iter();
+        open.retain(|&i| {
+            let Some([here, ahead]) = circles.next().flatten() else { return false };
+            let before = std::mem::replace(&mut guesses[i], here);
+            let radius = before.radius();
+            if (here.mean - before.mean).norm() > LARGEST_OFFSET * radius
+                || here.half_gap_squared.norm() > radius * radius
+            {
+                return true;
+            }
+            let rate = EigenvaluePair {
+                mean: ahead.mean - here.mean,
+                half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
+            };
+            let rate = EigenvaluePair {
+                mean: rate.mean / DIFFERENCE_STEP,
+                half_gap_squared: rate.half_gap_squared / DIFFERENCE_STEP,
+            };
+            found[i] = Some([here, rate]);
+            false
+        });
+        if open.is_empty() {
+            break;
+        }
+    }
+    found
+}
+
+/// The pair by the circle about each guess, and that a little further on the path.
+fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
+    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+        let unit = group[0].0.secular.resolvent.unit;
+        let mut points: Vec<Point> = Vec::with_capacity(2 * CIRCLE_VALUES * group.len());
+        for (path, t, guess) in group {
+            for t in [*t, *t + DIFFERENCE_STEP] {
+                points.extend((0..CIRCLE_VALUES).map(|k| path.at(t, (guess.mean + turn(k) * guess.radius()) / unit)));
+            }
+        }
+        characteristic(&group[0].0.secular.resolvent, &points, &mut work.scratch, &mut values);
+        work.counters.secular_values += values.len() as u64;
+        for ((.., guess), values) in group.iter().zip(values.chunks_exact(2 * CIRCLE_VALUES)) {
+            let [here, ahead] = [&values[..CIRCLE_VALUES], &values[CIRCLE_VALUES..]].map(taylor);
+            let radius = guess.radius();
+            let pair = |a: &[Complex<f64>; CIRCLE_VALUES]| {
+                let (middle, square) = small_pair(a)?;
+                Some(EigenvaluePair {
+                    mean: guess.mean + middle * radius,
+                    half_gap_squared: square * (radius * radius),
+                })
+            };
+            found.push(pair(&here).zip(pair(&ahead)).map(|(here, ahead)| [here, ahead]));
+        }
+    }
+    found
+}
+
+/// An eighth of a turn, k times.
+fn turn(k: usize) -> Complex<f64> {
+    Complex::from_polar(1.0, TAU * k as f64 / CIRCLE_VALUES as f64)
+}
+
+/// The Taylor coefficients of a polynomial in radii of a circle from its values there.
+fn taylor(values: &[Complex<f64>]) -> [Complex<f64>; CIRCLE_VALUES] {
+    std::array::from_fn(|order| {
+        let sum: Complex<f64> =
+            values.iter().enumerate().map(|(k, value)| value * turn(k * order % CIRCLE_VALUES).conj()).sum();
+        sum / CIRCLE_VALUES as f64
+    })
+}
+
+/// Middle and square of the two zeros of a polynomial next to 0; `None` where others are near.
+fn small_pair(a: &[Complex<f64>; CIRCLE_VALUES]) -> Option<(Complex<f64>, Complex<f64>)> {
+    if a[2].norm() < LEAST_ISOLATION * a[3].norm() {
+        return None;
+    }
+    // The factor x^2 - u x - v.
+    let (mut u, mut v) = (-a[1] / a[2], -a[0] / a[2]);
+    for _ in 0..MOST_BAIRSTOW_STEPS {
+        // Divided once by it, and once more: b_0 and b_1 are what is left, c their derivatives.
+        let (mut b, mut c) = ([Complex::default(); CIRCLE_VALUES + 2], [Complex::default(); CIRCLE_VALUES + 2]);
+        for k in (0..CIRCLE_VALUES).rev() {
+            b[k] = a[k] + u * b[k + 1] + v * b[k + 2];
+            c[k] = b[k] + u * c[k + 1] + v * c[k + 2];
+        }
+        let determinant = c[2] * c[2] - c[1] * c[3];
+        let du = (b[0] * c[3] - b[1] * c[2]) / determinant;
+        let dv = (b[1] * c[1] - b[0] * c[2]) / determinant;
+        (u, v) = (u + du, v + dv);
+        if !(u.is_finite() && v.is_finite()) {
+            return None;
+        }
+        if du.norm() + dv.norm() <= BAIRSTOW_CONVERGED {
+            return Some((0.5 * u, 0.25 * u * u + v));
+        }
+    }
+    None
+}

@@ -1,0 +1,202 @@
+//! A structure seen through the ports where friction acts: its response there as a sum over its own modes.
+//!
+//! ```text
+//! R Q_0(lambda)^-1 B = sum_k (U_k lambda + V_k) / ((lambda - p_k)(lambda - conj p_k))
+//! ```
+//!
+//! with the eigenvalues p_k of the structure, which come in pairs, and real m x m matrices: what each mode moves in the
+//! ports read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
+//! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::NoSecular;
+use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
+
+/// Eigenvalues nearer to each other than this, relatively, count as one multiple eigenvalue, whose vectors span one space.
+const MULTIPLE_SEPARATION: f64 = 1e-7;
+/// A mode whose largest motion of the ports is less than this, relatively, is uncontrollable: feedback moves its eigenvalue by
+/// the square of it.
+const UNCONTROLLABLE_MOTION: f64 = 1e-8;
+/// Largest relative error of the sums, seen at some lambda against factorisations of Q.
+const LARGEST_ERROR: f64 = 1e-11;
+
+/// Forces that act on a structure and what the forces depend on: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with
+/// numbers p and v.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Feedback {
+    /// B, the directions of the forces and of the velocities that they depend on, n x m.
+    pub force: DMatrix<f64>,
+    /// R, what they read of the displacements, m x n.
+    pub reading: DMatrix<f64>,
+}
+
+/// The response of a structure at the ports of a [`Feedback`]. Eigenvalues and their unit: [`Resolvent::unit`] rad/s.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Resolvent {
+    /// The unit of eigenvalues, rad/s: the geometric mean of the structure's.
+    pub unit: f64,
+    /// The p_k with Im > 0 of modes that feedback moves, multiple ones repeated; in units.
+    pub poles: Vec<Complex<f64>>,
+    /// Eigenvalues with Im > 0 that no feedback moves, because their modes are uncontrollable: they do not move the ports; in units.
+    pub uncontrollable: Vec<Complex<f64>>,
+    /// m.
+    pub ports: usize,
+    /// U and V of `R Q_0^-1 B`: those of all poles for the first entry, then for the second, by rows.
+    pub reading: Vec<[f64; 2]>,
+    /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
+    pub mobility: Vec<[f64; 2]>,
+    /// `Q_0^-1 B` as the sum of these over `lambda - p_k`, and of the conjugates.
+    modes: Vec<Driven>,
+}
+
+/// A mode of the structure.
+#[derive(Debug, Clone, PartialEq)]
+struct Driven {
+    pole: Complex<f64>,
+    /// n.
+    shape: DVector<Complex<f64>>,
+    /// How strongly each force drives it, m.
+    drive: DVector<Complex<f64>>,
+}
+
+impl Resolvent {
+    /// The response as a sum; or the reason for which it is none: overdamped modes or internal states, a structure that is
+    /// not symmetric where friction acts, or modes that do not add up.
+    ///
+    /// # Errors
+    /// Those of the eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
+    pub fn new(
+        structure: &SecondOrder,
+        feedback: &Feedback,
+        work: &mut Workspace,
+    ) -> Result<Result<Self, NoSecular>, CeaError> {
+        let (n, m) = (structure.order(), feedback.force.ncols());
+        if feedback.force.nrows() != n || feedback.reading.shape() != (m, n) {
+            return Err(CeaError::Channels { order: n, states: structure.states() });
+        }
+        if structure.states() > 0 {
+            return Ok(Err(NoSecular::InternalStates { states: structure.states() }));
+        }
+        let lambdas: Vec<Complex<f64>> = QrSolver.eigenvalues(structure, work)?.oscillatory().collect();
+        if lambdas.len() != n {
+            return Ok(Err(NoSecular::Overdamped { oscillating: lambdas.len(), order: n }));
+        }
+        let unit = (lambdas.iter().map(|l| l.norm().ln()).sum::<f64>() / n as f64).exp();
+        let right = right_vectors(structure, &lambdas, work)?;
+        let left = right_vectors(&structure.transposed(), &lambdas, work)?;
+        let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
+        let (mut uncontrollable, mut modes, mut controllable) =
+            (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
+        let mut first = 0;
+        while first < n {
+            let is_one =
+                |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= MULTIPLE_SEPARATION * lambdas[first].norm();
+            let group = first..first + lambdas[first..].iter().take_while(is_one).count();
+            let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
+            let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
+            let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
+            let Some(acted) = slope.lu().solve(&(y.transpose() * &force)) else {
+                return Ok(Err(NoSecular::Defective { lambda: pole }));
+            };
+            for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
+                modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
+            }
+            // The SVD of a matrix without columns is undefined.
+            let seen = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &x).singular_values() };
+            let reached = seen.iter().filter(|&&seen| seen > UNCONTROLLABLE_MOTION * force.norm()).count();
+            uncontrollable.extend(std::iter::repeat_n(pole / unit, group.len() - reached));
+            let residue = &x * acted;
+            controllable.extend((0..reached).map(|copy| (pole / unit, (copy == 0).then(|| residue.clone()))));
+            first = group.end;
+        }
+        let mut resolvent = Self {
+            unit,
+            poles: controllable.iter().map(|(pole, _)| *pole).collect(),
+            uncontrollable,
+            ports: m,
+            reading: vec![[0.0; 2]; m * m * controllable.len()],
+            mobility: vec![[0.0; 2]; m * (m + 1) / 2 * controllable.len()],
+            modes,
+        };
+        for (at, (_, residue)) in controllable.iter().enumerate() {
+            if let Some(residue) = residue {
+                resolvent.enter(at, &(&reading * residue), &(force.transpose() * residue));
+            }
+        }
+        Ok(match resolvent.differs_at(structure, feedback) {
+            Some(sigma) => Err(NoSecular::ResponseDiffers { lambda: sigma * unit }),
+            None => Ok(resolvent),
+        })
+    }
+
+    /// Enters the residues of a pole.
+    fn enter(&mut self, at: usize, reading: &DMatrix<Complex<f64>>, mobility: &DMatrix<Complex<f64>>) {
+        let (n, m, unit, pole) = (self.poles.len(), self.ports, self.unit, self.poles[at]);
+        // r / (l - p) + conj = (2 Re r l - 2 Re(r conj p)) / ((l - p)(l - conj p)).
+        let real = |residue: Complex<f64>| [2.0 * residue.re, -2.0 * (residue * pole.conj()).re];
+        let mut upper = 0;
+        for i in 0..m {
+            for j in 0..m {
+                self.reading[(i * m + j) * n + at] = real(reading[(i, j)] / unit);
+                if j >= i {
+                    self.mobility[upper * n + at] = real(0.5 * (mobility[(i, j)] + mobility[(j, i)]));
+                    upper += 1;
+                }
+            }
+        }
+    }
+
+    /// Where the sums are not what a factorisation of Q says, of three places, in units.
+    fn differs_at(&self, structure: &SecondOrder, feedback: &Feedback) -> Option<Complex<f64>> {
+        let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
+        let is_right = |sigma: Complex<f64>| {
+            let Some(response) = structure.dynamic_stiffness(sigma * self.unit).lu().solve(&force) else {
+                return false;
+            };
+            let [by_modes, mobility] = self.at(sigma);
+            let is_near = |a: DMatrix<Complex<f64>>, b: DMatrix<Complex<f64>>| {
+                (&a - b).norm() <= LARGEST_ERROR * a.norm() || a.norm() < 1e-60
+            };
+            is_near(&reading * &response, by_modes)
+                && is_near(force.transpose() * response * Complex::from(self.unit), mobility)
+        };
+        let places = [Complex::new(0.3, 0.0), Complex::new(0.1, 0.7), Complex::new(0.05, 1.4)];
+        places.into_iter().find(|&sigma| !is_right(sigma))
+    }
+
+    /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
+    pub fn response(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        let mut response = DVector::zeros(self.modes.len());
+        for Driven { pole, shape, drive } in &self.modes {
+            let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
+            for (d, w) in drive.iter().zip(w) {
+                plain += d * w;
+                conjugate += d.conj() * w;
+            }
+            let [plain, conjugate] = [plain / (sigma - pole), conjugate / (sigma - pole.conj())];
+            // x a + conj(x) b = (a + b) re x + i (a - b) im x.
+            let (re, im) = (plain + conjugate, plain - conjugate);
+            for (entry, x) in response.iter_mut().zip(shape) {
+                *entry += Complex::new(re.re * x.re - im.im * x.im, re.im * x.re + im.re * x.im);
+            }
+        }
+        response
+    }
+
+    /// Both sums.
+    pub fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
+        let (n, m) = (self.poles.len(), self.ports);
+        let sum = |entry: &[[f64; 2]]| -> Complex<f64> {
+            let term = |(&[u, v], p): (&[f64; 2], &Complex<f64>)| (sigma * u + v) / ((sigma - p) * (sigma - p.conj()));
+            entry.iter().zip(&self.poles).map(term).sum()
+        };
+        let upper = |i: usize, j: usize| i * m - i * (i + 1) / 2 + j;
+        [
+            DMatrix::from_fn(m, m, |i, j| sum(&self.reading[(i * m + j) * n..][..n])),
+            DMatrix::from_fn(m, m, |i, j| sum(&self.mobility[upper(i.min(j), i.max(j)) * n..][..n])),
+        ]
+    }
+}

@@ -1,0 +1,247 @@
+//! The characteristic polynomial of a structure with feedback at many points, one point per lane.
+//!
+//! `det Q(sigma) = prod_k (sigma - p_k)(sigma - conj p_k) det(I + p G(sigma) + sigma v(sigma) H(sigma))` up to the mass:
+//! the sums G and H over the modes of the structure, m x m, then the determinant of so small a matrix. 3 m^2 n fused
+//! multiply-adds for each of the two parts of a complex number.
+
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd, bytemuck};
+
+use super::resolvent::Resolvent;
+use crate::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
+
+#[cfg(test)]
+mod tests;
+
+/// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
+const SIDE_BY_SIDE: usize = 4;
+/// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away. Nearer to one
+/// that feedback moves far, values are rounding errors; the eigenvalue itself moves by this much less than is accounted for.
+const AT_POLE: f64 = 2.5e-23;
+/// A place in the plane of eigenvalues and the feedback there, in the units of a resolvent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Point {
+    pub sigma: Complex<f64>,
+    /// p.
+    pub mu: f64,
+    /// v at sigma.
+    pub slope: Complex<f64>,
+}
+
+/// The characteristic polynomial at each point; divided by `(sigma + decay)^m` where the feedback has internal states.
+pub(crate) fn characteristic(
+    resolvent: &Resolvent,
+    points: &[Point],
+    scratch: &mut Vec<f64>,
+    out: &mut Vec<Complex<f64>>,
+) {
+    out.clear();
+    run(resolvent, points, scratch, &mut Results::Values(out));
+}
+
+/// `I + p G + sigma v H` at each point.
+pub(crate) fn secular_matrices(
+    resolvent: &Resolvent,
+    points: &[Point],
+    scratch: &mut Vec<f64>,
+) -> Vec<DMatrix<Complex<f64>>> {
+    let mut matrices = Vec::with_capacity(points.len());
+    run(resolvent, points, scratch, &mut Results::Matrices(&mut matrices));
+    matrices
+}
+
+fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut Results<'_>) {
+    let arch = Arch::new();
+    let (wide, few) = points.split_at(wide_part(points.len()));
+    if !wide.is_empty() {
+        arch.dispatch(Kernel { resolvent, points: wide, scratch, results });
+    }
+    if !few.is_empty() {
+        narrow(arch, Kernel { resolvent, points: few, scratch, results });
+    }
+}
+
+enum Results<'a> {
+    Values(&'a mut Vec<Complex<f64>>),
+    Matrices(&'a mut Vec<DMatrix<Complex<f64>>>),
+}
+
+struct Kernel<'a, 'b> {
+    resolvent: &'a Resolvent,
+    points: &'a [Point],
+    scratch: &'a mut Vec<f64>,
+    results: &'a mut Results<'b>,
+}
+
+impl WithSimd for Kernel<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (o, lanes) = (Ops(simd), S::F64_LANES);
+        let Resolvent { poles, ports, reading, mobility, .. } = self.resolvent;
+        let (n, m) = (poles.len(), *ports);
+        let registers = registers::<S>(self.scratch, 4 * n + 4 * m * m);
+        let (modes, rest) = registers.split_at_mut(4 * n);
+        let (modes, _) = modes.as_chunks_mut::<4>();
+        let (matrix, sums) = rest.as_chunks_mut::<2>().0.split_at_mut(m * m);
+        for points in self.points.chunks(lanes) {
+            let [re, im, mu, slope_re, slope_im] = gather::<S>(o, points);
+            let sigma = ComplexLanes { re, im };
+            let product = fill(o, sigma, poles, modes);
+            add_up(o, modes, reading, matrix);
+            for entry in &mut *matrix {
+                *entry = scale(o, complex(*entry), mu).registers();
+            }
+            if points.iter().any(|point| point.slope != Complex::default()) {
+                let half = &mut sums[..m * (m + 1) / 2];
+                add_up(o, modes, mobility, half);
+                let slope = times(o, ComplexLanes { re: slope_re, im: slope_im }, sigma);
+                let mut upper = half.iter();
+                for i in 0..m {
+                    for (j, &sum) in (i..m).zip(upper.by_ref()) {
+                        matrix[i * m + j] = fma(o, slope, complex(sum), complex(matrix[i * m + j])).registers();
+                        if i != j {
+                            matrix[j * m + i] = fma(o, slope, complex(sum), complex(matrix[j * m + i])).registers();
+                        }
+                    }
+                }
+            }
+            for diagonal in matrix.iter_mut().step_by(m + 1) {
+                diagonal[0] = o.add(diagonal[0], o.splat(1.0));
+            }
+            match &mut *self.results {
+                Results::Values(values) => {
+                    let value = times(o, determinant(o, matrix, m), product).registers();
+                    let numbers: &[f64] = bytemuck::cast_slice(&value);
+                    for lane in 0..points.len() {
+                        values.push(Complex::new(numbers[lane], numbers[lanes + lane]));
+                    }
+                }
+                Results::Matrices(matrices) => {
+                    let numbers: &[f64] = bytemuck::cast_slice(matrix);
+                    for lane in 0..points.len() {
+                        let at = |i: usize, j: usize| 2 * (i * m + j) * lanes + lane;
+                        matrices.push(DMatrix::from_fn(m, m, |i, j| {
+                            Complex::new(numbers[at(i, j)], numbers[at(i, j) + lanes])
+                        }));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The numbers of one point in each lane; the spare lanes hold the first.
+#[inline(always)]
+fn gather<S: Simd>(o: Ops<S>, points: &[Point]) -> [S::f64s; 5] {
+    let mut registers = [o.splat(0.0); 5];
+    let numbers: &mut [f64] = bytemuck::cast_slice_mut(&mut registers);
+    for lane in 0..S::F64_LANES {
+        let Point { sigma, mu, slope } = points.get(lane).unwrap_or(&points[0]);
+        let of_point = [sigma.re, sigma.im, *mu, slope.re, slope.im];
+        for (register, number) in of_point.into_iter().enumerate() {
+            numbers[register * S::F64_LANES + lane] = number;
+        }
+    }
+    registers
+}
+
+/// `a b`.
+#[inline(always)]
+fn times<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, b: ComplexLanes<S::f64s>) -> ComplexLanes<S::f64s> {
+    ComplexLanes { re: o.fnma(a.im, b.im, o.mul(a.re, b.re)), im: o.fma(a.im, b.re, o.mul(a.re, b.im)) }
+}
+
+/// For each mode `d = 1 / ((sigma - p)(sigma - conj p))` and `sigma d`; returns the product of all 1 / d.
+#[inline(always)]
+fn fill<S: Simd>(
+    o: Ops<S>,
+    sigma: ComplexLanes<S::f64s>,
+    poles: &[Complex<f64>],
+    modes: &mut [[S::f64s; 4]],
+) -> ComplexLanes<S::f64s> {
+    let (one, floor) = (o.splat(1.0), o.splat(AT_POLE));
+    let mut product = ComplexLanes { re: one, im: o.splat(0.0) };
+    for (pole, mode) in poles.iter().zip(modes) {
+        let re = o.sub(sigma.re, o.splat(pole.re));
+        let near = ComplexLanes { re, im: o.sub(sigma.im, o.splat(pole.im)) };
+        let is_there = o.lt(square(o, near, o.splat(0.0)), floor);
+        let near = ComplexLanes { re: o.select(is_there, o.splat(AT_POLE.sqrt()), near.re), im: near.im };
+        let both = times(o, near, ComplexLanes { re, im: o.add(sigma.im, o.splat(pole.im)) });
+        product = times(o, product, both);
+        let part = o.div(one, square(o, both, o.splat(0.0)));
+        let d = ComplexLanes { re: o.mul(both.re, part), im: o.neg(o.mul(both.im, part)) };
+        let e = times(o, sigma, d);
+        *mode = [d.re, d.im, e.re, e.im];
+    }
+    product
+}
+
+/// Each entry's sum of `U sigma d + V d` over the modes.
+#[inline(always)]
+fn add_up<S: Simd>(o: Ops<S>, modes: &[[S::f64s; 4]], parts: &[[f64; 2]], sums: &mut [[S::f64s; 2]]) {
+    let (n, side_by_side) = (modes.len(), sums.len() - sums.len() % SIDE_BY_SIDE);
+    let (sums, rest) = sums.split_at_mut(side_by_side);
+    for (sums, parts) in sums.chunks_exact_mut(SIDE_BY_SIDE).zip(parts.chunks_exact(SIDE_BY_SIDE * n.max(1))) {
+        add_up_some::<S, SIDE_BY_SIDE>(o, modes, parts, sums);
+    }
+    for (sums, parts) in rest.chunks_exact_mut(1).zip(parts[side_by_side * n..].chunks_exact(n.max(1))) {
+        add_up_some::<S, 1>(o, modes, parts, sums);
+    }
+}
+
+#[inline(always)]
+fn add_up_some<S: Simd, const N: usize>(
+    o: Ops<S>,
+    modes: &[[S::f64s; 4]],
+    parts: &[[f64; 2]],
+    sums: &mut [[S::f64s; 2]],
+) {
+    let mut of = [[o.splat(0.0); 2]; N];
+    let n = modes.len();
+    for (k, &[d_re, d_im, e_re, e_im]) in modes.iter().enumerate() {
+        for i in 0..N {
+            let [u, v] = parts[i * n + k];
+            let (u, v) = (o.splat(u), o.splat(v));
+            of[i][0] = o.fma(u, e_re, o.fma(v, d_re, of[i][0]));
+            of[i][1] = o.fma(u, e_im, o.fma(v, d_im, of[i][1]));
+        }
+    }
+    sums.copy_from_slice(&of);
+}
+
+/// By elimination with partial pivoting, each lane with its own; the matrix is overwritten.
+#[inline(always)]
+fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> ComplexLanes<S::f64s> {
+    let mut product = ComplexLanes { re: o.splat(1.0), im: o.splat(0.0) };
+    for c in 0..m {
+        for i in c + 1..m {
+            let (below, pivot) = (matrix[i * m + c], matrix[c * m + c]);
+            let is_larger = o.lt(o.add(o.abs(pivot[0]), o.abs(pivot[1])), o.add(o.abs(below[0]), o.abs(below[1])));
+            for j in c..m {
+                let (upper, lower) = (matrix[c * m + j], matrix[i * m + j]);
+                for part in 0..2 {
+                    matrix[c * m + j][part] = o.select(is_larger, lower[part], upper[part]);
+                    // The sign of a row that changes places keeps the determinant.
+                    matrix[i * m + j][part] = o.select(is_larger, o.neg(upper[part]), lower[part]);
+                }
+            }
+        }
+        let pivot = complex(matrix[c * m + c]);
+        product = times(o, product, pivot);
+        let part = o.div(o.splat(1.0), square(o, pivot, o.splat(0.0)));
+        let inverse = ComplexLanes { re: o.mul(pivot.re, part), im: o.neg(o.mul(pivot.im, part)) };
+        let (above, rest) = matrix.split_at_mut((c + 1) * m);
+        let row = &above[c * m..];
+        for other in rest.chunks_exact_mut(m) {
+            let factor = times(o, complex(other[c]), inverse);
+            let factor = ComplexLanes { re: o.neg(factor.re), im: o.neg(factor.im) };
+            for j in c + 1..m {
+                other[j] = fma(o, factor, complex(row[j]), complex(other[j])).registers();
+            }
+        }
+    }
+    product
+}

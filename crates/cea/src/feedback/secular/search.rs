@@ -1,0 +1,230 @@
+//! The search itself: from guesses of all modes to bounds that say which of them grow, certified up to rounding.
+
+use num_complex::Complex;
+
+use super::enclosure::{Approximations, Enclosure, LARGEST_TOTAL_SHARE, Wanted, enclosure};
+use super::response::{Point, characteristic};
+use super::{Anchors, Gain, Growing, LeftOpen, Resolvent};
+use crate::{Workspace, by_frequency};
+
+/// Rounds of corrections before a search is given up.
+const MOST_ROUNDS: usize = 24;
+/// A mode is corrected while its share of the bound is larger than this part of an even one.
+const CORRECTED_SHARE: f64 = 0.2;
+/// Relative correction of a mode that is looked for, below which it counts as converged: the next one of a secant method is
+/// rounding.
+const CONVERGED_CORRECTION: f64 = 1e-9;
+/// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
+const LEAST_AXIS_DISTANCE: f64 = 1e-6;
+
+/// One state on its way.
+struct Search {
+    wanted: Wanted,
+    gain: Gain,
+    apart_from: Vec<f64>,
+    approximations: Approximations,
+    /// The characteristic polynomial at each guess, and the product of its distances from the others.
+    values: Vec<Complex<f64>>,
+    others: Vec<Complex<f64>>,
+    corrections: Vec<Complex<f64>>,
+    /// The corrections of internal states: where, and how large with all they stand for.
+    internal: Vec<(Complex<f64>, f64)>,
+    stage: Stage,
+}
+
+enum Stage {
+    /// Guesses of these modes are to be corrected.
+    Enclose(Vec<usize>),
+    /// All eigenvalues are enclosed; those wanted are refined in their discs.
+    Refine(Enclosure, Vec<Secant>),
+    GivenUp,
+}
+
+/// The zero of a function next to two points.
+struct Secant {
+    mode: usize,
+    before: (Complex<f64>, Complex<f64>),
+    here: Complex<f64>,
+    is_converged: bool,
+}
+
+/// The modes with each of the gains, those wanted found and the others apart from some frequencies, rad/s.
+pub(super) fn search(
+    resolvent: &Resolvent,
+    anchors: &Anchors,
+    wanted: Wanted,
+    gains: &[(Gain, &[f64])],
+    work: &mut Workspace,
+) -> Vec<Result<Growing, LeftOpen>> {
+    let start = |(gain, apart_from): &(Gain, &[f64])| {
+        let gain = gain.in_units(resolvent.unit);
+        let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
+        let guess = anchors.guess(&gain).ok_or(LeftOpen::NoAnchor)?;
+        Ok(Search::new(wanted, gain, apart_from, guess))
+    };
+    let mut searches: Vec<Result<Search, LeftOpen>> = gains.iter().map(start).collect();
+    let (mut points, mut values) = (Vec::new(), Vec::new());
+    for round in 0..MOST_ROUNDS {
+        points.clear();
+        for search in searches.iter().flatten() {
+            search.ask(round == 0, resolvent.ports, &mut points);
+        }
+        // Without modes that feedback moves there is nothing to ask.
+        if points.is_empty() && round > 0 {
+            break;
+        }
+        characteristic(resolvent, &points, &mut work.scratch, &mut values);
+        work.counters.secular_values += values.len() as u64;
+        let mut values = values.iter().copied();
+        for search in searches.iter_mut().flatten() {
+            search.hear(round == 0, resolvent.ports, &mut values);
+        }
+    }
+    searches.into_iter().map(|search| search?.found(resolvent)).collect()
+}
+
+impl Search {
+    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, approximations: Approximations) -> Self {
+        let n = approximations.sigmas.len();
+        let zeros = || vec![Complex::default(); n];
+        let stage = Stage::Enclose((0..n).collect());
+        let internal = Vec::new();
+        Self {
+            wanted,
+            gain,
+            apart_from,
+            values: zeros(),
+            others: zeros(),
+            corrections: zeros(),
+            internal,
+            approximations,
+            stage,
+        }
+    }
+
+    /// Where the polynomial is to be evaluated.
+    fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
+        match &self.stage {
+            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i]))),
+            Stage::Refine(_, secants) => {
+                let open = secants.iter().filter(|secant| !secant.is_converged);
+                points.extend(open.map(|secant| self.gain.at(secant.here)));
+            }
+            Stage::GivenUp => {}
+        }
+        if let (true, Some(internal)) = (is_first, self.approximations.internal) {
+            points.extend(internal.guesses(ports).map(|(z, _)| self.gain.at(z)));
+        }
+    }
+
+    fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
+        match &mut self.stage {
+            Stage::Enclose(modes) => {
+                let modes = std::mem::take(modes);
+                for &i in &modes {
+                    self.values[i] = values.next().unwrap_or_default();
+                    self.others[i] = self.approximations.others(i, self.approximations.sigmas[i]);
+                }
+                if let (true, Some(internal)) = (is_first, self.approximations.internal) {
+                    for (z, stands_for) in internal.guesses(ports) {
+                        let value = values.next().unwrap_or_default();
+                        let correction = self.approximations.internal_correction(z, value, &self.gain, ports);
+                        self.internal.push((z, stands_for * correction.norm()));
+                    }
+                }
+                self.enclose(ports);
+            }
+            Stage::Refine(_, secants) => {
+                for secant in secants.iter_mut().filter(|secant| !secant.is_converged) {
+                    let z = secant.here;
+                    let factor = self.approximations.internal_factor(z, &self.gain, ports);
+                    let value = values.next().unwrap_or_default() * factor / self.approximations.others(secant.mode, z);
+                    secant.go(value);
+                }
+            }
+            Stage::GivenUp => {}
+        }
+    }
+
+    /// Encloses the eigenvalues, or corrects those guesses that stand in the way.
+    fn enclose(&mut self, ports: usize) {
+        let sigmas = &self.approximations.sigmas;
+        for (i, correction) in self.corrections.iter_mut().enumerate() {
+            let factor = self.approximations.internal_factor(sigmas[i], &self.gain, ports);
+            *correction = self.values[i] / self.others[i] * factor;
+        }
+        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.apart_from);
+        if found.total <= LARGEST_TOTAL_SHARE {
+            let first = |(i, sigma): (usize, &Complex<f64>)| {
+                self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
+            };
+            let secants = sigmas.iter().enumerate().filter_map(first).collect();
+            self.stage = Stage::Refine(found, secants);
+            return;
+        }
+        let small = CORRECTED_SHARE * LARGEST_TOTAL_SHARE / sigmas.len() as f64;
+        let modes: Vec<usize> = (0..sigmas.len()).filter(|&i| found.shares[i] > small).collect();
+        if modes.is_empty() || found.total.is_nan() {
+            self.stage = Stage::GivenUp;
+            return;
+        }
+        for &i in &modes {
+            self.correct(i);
+        }
+        self.stage = Stage::Enclose(modes);
+    }
+
+    fn correct(&mut self, i: usize) {
+        let before = self.approximations.sigmas[i];
+        let after = before - self.corrections[i];
+        self.approximations.sigmas[i] = after;
+        for (j, z) in self.approximations.sigmas.iter().enumerate() {
+            if j != i {
+                self.others[j] *= (z - after) * (z - after.conj()) / ((z - before) * (z - before.conj()));
+            }
+        }
+    }
+
+    fn found(mut self, resolvent: &Resolvent) -> Result<Growing, LeftOpen> {
+        let (enclosure, secants) = match self.stage {
+            Stage::Refine(enclosure, secants) => (enclosure, secants),
+            Stage::Enclose(_) => return Err(LeftOpen::RoundsExhausted { rounds: MOST_ROUNDS }),
+            Stage::GivenUp => return Err(LeftOpen::NotSeparated),
+        };
+        let (sigmas, mut radii) = (&mut self.approximations.sigmas, enclosure.smallest().collect::<Vec<f64>>());
+        for Secant { mode, here, is_converged, .. } in secants {
+            if !is_converged || (here - sigmas[mode]).norm() > enclosure.radii[mode] {
+                return Err(LeftOpen::NoConvergence);
+            }
+            sigmas[mode] = here;
+            radii[mode] = 0.0;
+        }
+        if sigmas.iter().chain(&resolvent.uncontrollable).any(|sigma| sigma.re.abs() <= LEAST_AXIS_DISTANCE) {
+            return Err(LeftOpen::NearAxis);
+        }
+        let uncontrollable = resolvent.uncontrollable.iter().map(|sigma| (sigma, 0.0));
+        let all = sigmas.iter().zip(radii).chain(uncontrollable);
+        let mut modes: Vec<(Complex<f64>, f64)> =
+            all.map(|(sigma, radius)| (sigma * resolvent.unit, radius * resolvent.unit)).collect();
+        modes.sort_by(|(a, _), (b, _)| by_frequency(a, b));
+        let (modes, radii) = modes.into_iter().unzip();
+        Ok(Growing { modes, radii })
+    }
+}
+
+impl Secant {
+    fn new(mode: usize, at: Complex<f64>, correction: Complex<f64>) -> Self {
+        Self { mode, before: (at, correction), here: at - correction, is_converged: false }
+    }
+
+    fn go(&mut self, value: Complex<f64>) {
+        let (at, before) = self.before;
+        let slope = (value - before) / (self.here - at);
+        let step = value / slope;
+        self.before = (self.here, value);
+        if step.is_finite() {
+            self.here -= step;
+            self.is_converged = step.norm() <= CONVERGED_CORRECTION * self.here.norm();
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What a stability analysis asks of a system, in one call.
+
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use super::first_order::{NEAR_AXIS, bounded};
+use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
+
+/// One eigenvalue, what its error is at most, and whether its motion grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedEigenvalue {
+    /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
+    pub lambda: Complex<f64>,
+    /// What |lambda - exact| is estimated not to exceed, rad/s.
+    pub bound: f64,
+    /// Whether its motion grows.
+    pub verdict: Verdict,
+}
+
+/// The eigenvalues of a system by what becomes of their motion. Conjugate pairs count once.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StabilityCensus {
+    /// Modes that oscillate and grow (flutter), ascending in frequency.
+    pub growing: Vec<JudgedEigenvalue>,
+    /// Real eigenvalues above zero (divergence), ascending.
+    pub divergent: Vec<JudgedEigenvalue>,
+    /// Eigenvalues on the axis to within what rounding the matrices to doubles may move them by: undamped modes, rigid
+    /// bodies, the onset itself.
+    pub marginal: Vec<JudgedEigenvalue>,
+    /// Eigenvalues of which the certified bounds cannot tell either.
+    pub undecided: Vec<JudgedEigenvalue>,
+    /// How many eigenvalues are left of the axis.
+    pub damped: usize,
+    /// Whether all eigenvalues were found and bounded by [`certified`](crate::certified), because the fast route could not decide on one.
+    pub is_certified: bool,
+}
+
+impl StabilityCensus {
+    /// Whether anything grows, with or without oscillation.
+    #[must_use]
+    pub fn is_unstable(&self) -> bool {
+        !(self.growing.is_empty() && self.divergent.is_empty())
+    }
+
+    /// Whether nothing is known to grow and something may.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        !self.is_unstable() && !self.undecided.is_empty()
+    }
+
+    fn enter(&mut self, judged: JudgedEigenvalue) {
+        match judged.verdict {
+            Verdict::Stable => self.damped += 1,
+            Verdict::Unstable if judged.lambda.im == 0.0 => self.divergent.push(judged),
+            Verdict::Unstable => self.growing.push(judged),
+            Verdict::Marginal { .. } => self.marginal.push(judged),
+            Verdict::Undecided { .. } => self.undecided.push(judged),
+        }
+    }
+}
+
+/// Which eigenvalues of a system grow, which are damped, and of which this cannot be said.
+///
+/// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the first-order
+/// bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue undecided (undamped systems have all theirs on
+/// the axis), or the route cannot solve the system at all (a singular M), [`certified::solve`] and [`certified::certify`]
+/// judge them all, some ten times slower.
+///
+/// ```
+/// use cea::{Workspace, stability_census};
+/// use linsys::SecondOrder;
+/// use nalgebra::{DMatrix, dmatrix};
+///
+/// // Two undamped modes that friction couples: K = [3, -1 + 4 mu; -1, 5] flutters above mu = 0.5.
+/// let with = |mu: f64| {
+///     SecondOrder::new(DMatrix::identity(2, 2), DMatrix::zeros(2, 2), dmatrix![3.0, -1.0 + 4.0 * mu; -1.0, 5.0])
+/// };
+/// let mut work = Workspace::default();
+/// let below = stability_census(&with(0.4)?, &mut work)?;
+/// assert!(!below.is_unstable() && !below.is_open());
+/// assert_eq!((below.marginal.len(), below.is_certified), (2, true)); // neutral, and shown to be
+///
+/// let above = stability_census(&with(0.6)?, &mut work)?;
+/// let growing = above.growing[0];
+/// assert!(growing.lambda.re > 0.1 && growing.bound < 1e-14);
+/// assert_eq!((above.damped, above.is_certified), (1, false)); // nothing was left open
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// A malformed system, and those of [`certified::solve`] and [`certified::certify`].
+pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
+    system.check()?;
+    match by_first_order_bounds(system, work) {
+        // What the fast route cannot do is no error: the general one may.
+        Ok(Some(census)) => Ok(census),
+        Ok(None) | Err(_) => by_certificates(system, work),
+    }
+}
+
+/// `None` as soon as one eigenvalue is left undecided.
+fn by_first_order_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
+    let spectrum = QrSolver.eigenvalues(system, work)?;
+    let near_axis = NEAR_AXIS * spectrum.scale;
+    let mut census = StabilityCensus::default();
+    for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
+        if lambda.re < -near_axis {
+            census.damped += 1;
+            continue;
+        }
+        let (lambda, bound) = bounded(system, lambda, work)?;
+        match Verdict::of(lambda, bound) {
+            verdict @ (Verdict::Stable | Verdict::Unstable) => {
+                census.enter(JudgedEigenvalue { lambda, bound, verdict })
+            }
+            _ => return Ok(None),
+        }
+    }
+    Ok(Some(census))
+}
+
+fn by_certificates(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
+    let spectrum = certified::solve(system, work)?;
+    let mut census = StabilityCensus { is_certified: true, ..StabilityCensus::default() };
+    for found in certified::certify(system, &spectrum, work)?.eigenvalues.iter().filter(|found| found.lambda.im >= 0.0)
+    {
+        census.enter(JudgedEigenvalue { lambda: found.lambda, bound: found.bound, verdict: found.verdict });
+    }
+    Ok(census)
+}

@@ -1,0 +1,62 @@
+//! What can be said of the motion of one eigenvalue.
+
+use std::fmt;
+
+use num_complex::Complex;
+
+/// Whether a motion grows, and never a bare yes or no.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use]
+pub enum Verdict {
+    /// Re lambda is below zero by more than its error bound.
+    Stable,
+    /// Re lambda is above zero by more than its error bound.
+    Unstable,
+    /// Neutral, up to rounding: |Re lambda| is at most what rounding the matrices to doubles may move it by.
+    Marginal {
+        /// That much, in rad/s.
+        tolerance: f64,
+    },
+    /// |Re lambda| is within the error bound, in rad/s.
+    Undecided {
+        /// The bound.
+        bound: f64,
+    },
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Marginal { .. } => "marginal",
+            Self::Undecided { .. } => "undecided",
+        })
+    }
+}
+
+impl Verdict {
+    /// The verdict on `lambda` known to within `bound`, rad/s.
+    pub fn of(lambda: Complex<f64>, bound: f64) -> Self {
+        if lambda.re > bound {
+            Self::Unstable
+        } else if lambda.re < -bound {
+            Self::Stable
+        } else {
+            Self::Undecided { bound }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_counts_where_it_is_beyond_the_bound() {
+        let lambda = Complex::new(-3.0, 4.0);
+        assert_eq!(Verdict::of(lambda, 1.0), Verdict::Stable);
+        assert_eq!(Verdict::of(-lambda, 1.0), Verdict::Unstable);
+        assert_eq!(Verdict::of(lambda, 4.0), Verdict::Undecided { bound: 4.0 });
+    }
+}

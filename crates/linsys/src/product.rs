@@ -1,0 +1,45 @@
+//! A real matrix times a complex vector, which nalgebra has only for matrices made complex first.
+
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+/// `A x` of a real n x m matrix and a complex vector of length m; length n. Entries beyond the shorter of m and the length of
+/// x are not read.
+///
+/// Columns that vanish but for their diagonal entry cost one product: a mass matrix is often diagonal.
+#[must_use]
+pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let rows = a.nrows();
+    let mut product = DVector::zeros(rows);
+    if rows == 0 {
+        return product;
+    }
+    for (j, (column, &value)) in a.as_slice().chunks_exact(rows).zip(x).enumerate() {
+        let (above, below) = column.split_at(j.min(rows));
+        match below.split_first() {
+            Some((&diagonal, below)) if is_zero(above) && is_zero(below) => product[j] += value * diagonal,
+            _ => product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += value * entry),
+        }
+    }
+    product
+}
+
+/// Without a branch for each number, so that many are looked at together; the shift takes the sign off.
+fn is_zero(numbers: &[f64]) -> bool {
+    numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diagonal_full_and_rectangular_matrices_give_the_complex_product() {
+        let x = DVector::from_fn(4, |i, _| Complex::new(0.3 * i as f64 - 0.4, 1.0 / (i + 1) as f64));
+        let full = |rows: usize| DMatrix::from_fn(rows, 4, |i, j| (1 + i * i + 3 * j) as f64 / 7.0 - 0.9);
+        let diagonal = DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 0.0, -0.5, 1e-9]));
+        for a in [full(4), full(2), full(6), diagonal, DMatrix::zeros(0, 4)] {
+            assert_eq!(real_times_complex(&a, &x), a.map(Complex::from) * &x);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Through the neighbourhood of a coalescence: a pair of modes is continued instead of one mode.
+//!
+//! The mean m and the square s of `lambda = m +- sqrt(s)` are smooth where the two modes are not. Which of the two square
+//! roots continues the mode follows from how s turns about 0 on the path.
+
+use cea::{EigenvaluePair, GainPath, Workspace};
+use num_complex::Complex;
+
+use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
+
+/// The first step, as a part of the path; chosen, as short as next to a coalescence.
+const FIRST_STEP: f64 = 0.01;
+/// Shortest step that is taken, as a part of the path; chosen.
+const SHORTEST_STEP: f64 = 1.0 / 4096.0;
+/// How often a step is halved at most in following the turns of s: 0 is then passed at rounding distance.
+const MOST_HALVINGS: u32 = 24;
+/// By how much the cubic polynomial of a step may miss s, as a part of the difference between the trapezoidal rule and s.
+const CUBIC_ERROR: f64 = 0.25;
+/// Acceptance radius: largest distance of a mode from where its pair has it, relative to the distance of the two.
+pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
+/// Distance past the coalescence, as a part of the path, at which single-mode continuation resumes: eight of its shortest steps.
+const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
+
+/// A pair under way.
+struct PairContinuation<'a> {
+    path: GainPath<'a>,
+    steps: StepControl,
+    here: EigenvaluePair,
+    rate: EigenvaluePair,
+    /// The square root of s that the mode is.
+    root: Complex<f64>,
+}
+
+/// Two modes past their coalescence.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PastCoalescence {
+    /// Part of the path that lies behind.
+    pub t: f64,
+    /// The eigenvalue that continues the one followed, and the other.
+    pub lambdas: [Complex<f64>; 2],
+}
+
+/// Continues each mode with the mode next to it past their coalescence, or as far as that goes; `None` where that is not at
+/// all.
+pub(crate) fn continue_pairs(
+    from: &[(GainPath<'_>, f64, Complex<f64>)],
+    work: &mut Workspace,
+) -> Vec<Option<PastCoalescence>> {
+    let alone = |mean: Complex<f64>| EigenvaluePair { mean, half_gap_squared: Complex::default() };
+    let guesses: Vec<_> = from.iter().map(|&(path, at, lambda)| (path, at, alone(lambda))).collect();
+    let begin = from.iter().zip(GainPath::pairs(&guesses, work));
+    let mut pairs: Vec<Option<PairContinuation<'_>>> =
+        begin.map(|(&(path, at, lambda), pair)| PairContinuation::new(path, at, lambda, pair?)).collect();
+    let mut open: Vec<usize> = (0..pairs.len()).filter(|&i| pairs[i].is_some()).collect();
+    while !open.is_empty() {
+        let ahead: Vec<_> = open.iter().filter_map(|&i| pairs[i].as_ref().map(PairContinuation::ahead)).collect();
+        let mut found = GainPath::pairs(&ahead, work).into_iter();
+        open.retain(|&i| pairs[i].as_mut().is_some_and(|pair| pair.advance(found.next().flatten())));
+    }
+    let past = |(pair, (_, begin, _)): (Option<PairContinuation<'_>>, &(GainPath<'_>, f64, Complex<f64>))| {
+        let PairContinuation { steps: StepControl { t, .. }, here: EigenvaluePair { mean, .. }, root, .. } = pair?;
+        (t > *begin).then_some(PastCoalescence { t, lambdas: [mean + root, mean - root] })
+    };
+    pairs.into_iter().zip(from).map(past).collect()
+}
+
+impl<'a> PairContinuation<'a> {
+    fn new(path: GainPath<'a>, at: f64, lambda: Complex<f64>, [here, rate]: [EigenvaluePair; 2]) -> Option<Self> {
+        let root = lambda - here.mean;
+        let is_member =
+            (root * root - here.half_gap_squared).norm() <= ACCEPTANCE_RADIUS * here.half_gap_squared.norm();
+        is_member.then_some(Self { path, steps: StepControl::new(at, FIRST_STEP), here, rate, root })
+    }
+
+    fn ahead(&self) -> (GainPath<'a>, f64, EigenvaluePair) {
+        let step = self.steps.step();
+        (self.path, self.steps.t + step, self.here.moved(&self.rate, step))
+    }
+
+    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not; `false` at the end.
+    fn advance(&mut self, there: Option<[EigenvaluePair; 2]>) -> bool {
+        let step = self.steps.step();
+        let tried = there.and_then(|[there, rate]| {
+            let ratio = self.ratio(&there, &rate, step);
+            let root = if StepControl::accepts(ratio) { self.turned(&there, &rate, step)? } else { self.root };
+            Some((ratio, there, rate, root))
+        });
+        self.steps.advance(tried.map(|(ratio, ..)| ratio));
+        if let Some((_, there, rate, root)) = tried.filter(|(ratio, ..)| StepControl::accepts(*ratio)) {
+            (self.here, self.rate, self.root) = (there, rate, root);
+        }
+        let is_past = self.here.half_gap_squared.norm() >= RESUMPTION_DISTANCE * self.rate.half_gap_squared.norm();
+        !is_past && !self.steps.is_over(SHORTEST_STEP)
+    }
+
+    /// How badly a step can be trusted, as that of a mode alone.
+    fn ratio(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> f64 {
+        let size = self.here.mean.norm();
+        let distance = self.here.half_gap_squared.norm().max(there.half_gap_squared.norm()).sqrt();
+        let mean = PredictorErrors::new([self.here.mean, there.mean], [self.rate.mean, rate.mean], step);
+        let squares = [self.here.half_gap_squared, there.half_gap_squared];
+        let square = PredictorErrors::new(squares, [self.rate.half_gap_squared, rate.half_gap_squared], step);
+        mean.ratio(NEGLIGIBLE_ERROR * size).max(square.ratio(NEGLIGIBLE_ERROR * (size * distance)))
+    }
+
+    /// The root at the end of a step on which s is a cubic polynomial; `None` where that is too near to 0 to tell.
+    fn turned(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> Option<Complex<f64>> {
+        let ends = [self.here.half_gap_squared, there.half_gap_squared];
+        let rates = [self.rate.half_gap_squared, rate.half_gap_squared].map(|rate| rate * step);
+        let trapezoid = PredictorErrors::new(ends, rates, 1.0).trapezoid;
+        let square = |u: f64| {
+            let v = 1.0 - u;
+            let from = ends[0] * (1.0 + 2.0 * u) + rates[0] * u;
+            let to = ends[1] * (1.0 + 2.0 * v) - rates[1] * v;
+            from * (v * v) + to * (u * u)
+        };
+        turn(&square, [0.0, 1.0], self.root, CUBIC_ERROR * trapezoid, MOST_HALVINGS)
+    }
+}
+
+/// The square root of a function at the end of an interval that goes on from `root` at its beginning; `None` where the
+/// function, known to `miss`, is too near to 0.
+fn turn(
+    square: &dyn Fn(f64) -> Complex<f64>,
+    [from, to]: [f64; 2],
+    root: Complex<f64>,
+    miss: f64,
+    halvings: u32,
+) -> Option<Complex<f64>> {
+    let middle = 0.5 * (from + to);
+    let [first, half, last] = [from, middle, to].map(square);
+    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * miss) {
+        return None;
+    }
+    let is_straight = |a: Complex<f64>, b: Complex<f64>| (b / a).re > 0.5 * (b / a).norm();
+    if is_straight(first, half) && is_straight(half, last) {
+        let end = last.sqrt();
+        return Some(if (end - root).norm_sqr() <= (end + root).norm_sqr() { end } else { -end });
+    }
+    let halvings = halvings.checked_sub(1)?;
+    let root = turn(square, [from, middle], root, miss, halvings)?;
+    turn(square, [middle, to], root, miss, halvings)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,127 @@
+//! Roots that turn about 0, and pairs past coalescences at small distances.
+
+use super::*;
+use crate::continuation::continue_modes;
+use crate::{Path, PathEnd, PathStart};
+use cea::{EigenSolver, Feedback, Gain, Mode, Modes, QrSolver, Secular};
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, dmatrix};
+use proptest::prelude::*;
+
+/// The end of the root of `(u - 1/2) + i aside`, from i on.
+fn turned(aside: f64, miss: f64) -> Option<Complex<f64>> {
+    turn(&|u| Complex::new(u - 0.5, aside), [0.0, 1.0], Complex::new(0.0, 0.5_f64.sqrt()), miss, MOST_HALVINGS)
+}
+
+#[test]
+fn the_side_on_which_0_is_passed_decides() {
+    for aside in [0.3, 1e-2, 1e-6] {
+        assert!(turned(aside, 0.0).unwrap().re > 0.7);
+        assert!(turned(-aside, 0.0).unwrap().re < -0.7);
+        assert_eq!(turned(aside, aside), None);
+    }
+    assert_eq!(turned(0.0, 0.0), None);
+    // Once about 0 is half a turn of the root.
+    let circle = |u: f64| Complex::from_polar(2.0, std::f64::consts::TAU * u);
+    let end = turn(&circle, [0.0, 1.0], Complex::from(2.0_f64.sqrt()), 0.0, MOST_HALVINGS).unwrap();
+    assert!((end + 2.0_f64.sqrt()).norm() < 1e-12);
+}
+
+/// Two masses that flutter from a friction of 2.27 on, a third aside; the second mass is damped by `more` than the first.
+fn brake(more: f64) -> Secular {
+    let c = DMatrix::from_diagonal(&nalgebra::dvector![0.02, 0.02 + more, 0.05]);
+    let k = dmatrix![10.0, 0.6, 0.1; 0.6, 12.0, 0.2; 0.1, 0.2, 40.0];
+    let structure = SecondOrder::new(DMatrix::identity(3, 3), c, k).unwrap();
+    let feedback = Feedback { force: dmatrix![1.0; 0.0; 0.0], reading: dmatrix![0.0, -1.0, 0.0] };
+    Secular::new(&structure, &feedback, &mut Workspace::default()).unwrap().unwrap()
+}
+
+fn modes(system: &SecondOrder) -> Vec<Mode> {
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
+    Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
+}
+
+/// The eigenvalues at the end of a path, each in the place of that at the beginning which small steps lead there.
+fn by_small_steps(path: Path<'_>) -> Vec<Complex<f64>> {
+    let mut at: Vec<Complex<f64>> = path.start_modes.iter().map(|mode| mode.lambda).collect();
+    let (mut before, mut t) = (at.clone(), 0.0);
+    while t < 1.0 {
+        // Small next to a coalescence: there the two nearest are no farther apart than they move in a step.
+        let nearest = (at[1] - at[0]).norm() / at[0].norm();
+        let step = (0.02 * nearest).clamp(1e-6, 2e-3).min(1.0 - t);
+        let next: Vec<_> = modes(&path.system_at(t + step)).into_iter().map(|mode| mode.lambda).collect();
+        let expected: Vec<_> = at.iter().zip(&before).map(|(at, before)| at + 0.5 * (at - before)).collect();
+        let distance = |l: &&Complex<f64>, to: &Complex<f64>| (*l - to).norm();
+        before = at;
+        at = expected
+            .iter()
+            .map(|to| *next.iter().min_by(|a, b| distance(a, to).total_cmp(&distance(b, to))).unwrap())
+            .collect();
+        t += step;
+    }
+    at
+}
+
+#[test]
+fn modes_are_continued_past_a_coalescence_on_either_side() {
+    let mut ends = Vec::new();
+    for more in [3e-3, -3e-3, 3e-4, -3e-4] {
+        let secular = brake(more);
+        let [from, to] = [1.5, 3.0].map(|mu| Gain { mu, ..Gain::default() });
+        let [start, end] = [from, to].map(|gain| modes(&secular.system(&gain)));
+        let system = secular.system(&to);
+        let path = Path {
+            start: PathStart::Gain(GainPath { secular: &secular, from, to }),
+            start_modes: &start,
+            end: PathEnd { system: &system, modes: &end },
+        };
+        let mut work = Workspace::default();
+        let found = continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut work);
+        let lambdas: Vec<Complex<f64>> = found.iter().map(|to| end[to.unwrap()].lambda).collect();
+        assert_eq!((work.counters.eigenvalue_solves, work.counters.factorisations), (0, 0));
+        for (lambda, expected) in lambdas.iter().zip(by_small_steps(path)) {
+            assert!((lambda - expected).norm() < 1e-9, "{more}: {lambda} {expected}");
+        }
+        ends.push(lambdas[0].re > 0.0);
+    }
+    // The lower mode becomes the one that grows, or not, as the damping has it.
+    assert_eq!(ends, [ends[0], !ends[0], ends[0], !ends[0]]);
+}
+
+proptest! {
+    #[test]
+    fn a_pair_is_what_its_eigenvalues_say(more in -0.05..0.05, mu in 1.0..3.5, aside in 0.0..0.4, angle in 0.0..6.3) {
+        let secular = brake(more);
+        let [from, to] = [0.0, 4.0].map(|mu| Gain { mu, ..Gain::default() });
+        let path = GainPath { secular: &secular, from, to };
+        let of = |mu: f64| {
+            let both = modes(&secular.system(&Gain { mu, ..Gain::default() }));
+            let [a, b] = [both[0].lambda, both[1].lambda];
+            EigenvaluePair { mean: 0.5 * (a + b), half_gap_squared: 0.25 * (a - b) * (a - b) }
+        };
+        let expected = of(mu);
+        let guess = EigenvaluePair {
+            mean: expected.mean + Complex::from_polar(aside * 1e-3, angle),
+            half_gap_squared: expected.half_gap_squared * Complex::from_polar(1.0 - 0.5 * aside, angle),
+        };
+        let [here, rate] = GainPath::pairs(&[(path, 0.25 * mu, guess)], &mut Workspace::default())[0].unwrap();
+        let size = expected.mean.norm();
+        prop_assert!((here.mean - expected.mean).norm() < 1e-9 * size, "{here:?} {expected:?}");
+        prop_assert!((here.half_gap_squared - expected.half_gap_squared).norm() < 1e-9 * size * size, "{here:?} {expected:?}");
+        let [behind, ahead] = [mu - 1e-4, mu + 1e-4].map(of);
+        let [mean, square] = [(ahead.mean - behind.mean) / 5e-5, (ahead.half_gap_squared - behind.half_gap_squared) / 5e-5];
+        prop_assert!((rate.mean - mean).norm() < 1e-4 && (rate.half_gap_squared - square).norm() < 1e-4, "{rate:?} {mean} {square}");
+    }
+}
+
+#[test]
+fn a_mode_without_a_neighbour_is_none_of_a_pair() {
+    let secular = brake(0.0);
+    let [from, to] = [0.0, 4.0].map(|mu| Gain { mu, ..Gain::default() });
+    let alone = modes(&secular.system(&from))[2].lambda;
+    assert!(
+        continue_pairs(&[(GainPath { secular: &secular, from, to }, 0.0, alone)], &mut Workspace::default())[0]
+            .is_none()
+    );
+}

@@ -1,0 +1,204 @@
+//! Single-mode continuation: one mode along a path by its own derivative, without the spectra on the path.
+//!
+//! Predictor: a parabola through the last two points and their derivatives. Corrector: Newton's method, by the secular
+//! equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the predictor errors can be
+//! trusted ([`step_control`](crate::step_control)) and the shape has hardly changed. What does not get on with steps of
+//! reasonable length is next to a coalescence: on a path of gains it is continued together with its neighbour
+//! ([`coalescence`](crate::coalescence)), and what is left then is left to adaptive subdivision
+//! ([`subdivision`](crate::subdivision)), which sees all modes on the path.
+
+use cea::{GainPath, Mode, Workspace};
+use num_complex::Complex;
+
+use crate::coalescence::{ACCEPTANCE_RADIUS, PastCoalescence, continue_pairs};
+use crate::corrector::{ModeOnPath, modes_on_paths};
+use crate::mac::{Match, mac, match_modes};
+use crate::path::{Path, PathPoint};
+use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
+
+/// The first step, as a part of the path; chosen: most modes that are followed go far.
+const FIRST_STEP: f64 = 0.2;
+/// Least MAC of the shapes before and after a step; chosen.
+const LEAST_MAC_OF_STEP: f64 = 0.8;
+/// Shortest step, as a part of the path: shorter ones are next to a coalescence; chosen.
+const SHORTEST_STEP: f64 = 1.0 / 512.0;
+/// How often a mode is continued at most as one of a pair; chosen.
+const MOST_COALESCENCES: usize = 6;
+/// Least distance of the second nearest known mode from the end of a continuation, in negligible errors.
+const LEAST_SEPARATION: f64 = 10.0;
+
+/// One mode under way.
+struct Continuation<'a> {
+    path: Path<'a>,
+    /// Whether MAC with the end may end it.
+    near: bool,
+    steps: StepControl,
+    here: ModeOnPath,
+    /// Second derivative of the eigenvalue over t, from the last step.
+    curvature: Complex<f64>,
+}
+
+enum Progress {
+    UnderWay,
+    Arrived(usize),
+    Lost,
+}
+
+/// The index of the mode at the end of each path that the mode at its beginning becomes; `None` where that is in doubt.
+///
+/// Where a path is `near`, continuation ends as soon as MAC with the end is beyond doubt, and goes all the way where not.
+pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
+    let mut ends = vec![None; of.len()];
+    let start = |(path, mode): &(Path<'a>, &Mode)| PathPoint { path: *path, t: 0.0, lambda: mode.lambda };
+    let mut open: Vec<(usize, PathPoint<'a>)> = of.iter().map(start).enumerate().collect();
+    for _ in 0..MOST_COALESCENCES {
+        let lost = continue_alone(&open, near, &mut ends, work).into_iter().filter(|(_, mode)| mode.steps.t < 1.0);
+        let lost: Vec<_> = lost.filter_map(|(i, mode)| Some((i, mode.path.as_gains()?, mode))).collect();
+        open.clear();
+        for ((i, ..), past) in lost.iter().zip(pass_coalescences(&lost, work)) {
+            match past {
+                Some(PathPoint { path, t: 1.0, lambda }) => ends[*i] = nearest(path.end.modes, lambda),
+                Some(point) => open.push((*i, point)),
+                None => {}
+            }
+        }
+        if open.is_empty() {
+            break;
+        }
+    }
+    ends
+}
+
+/// Continues each mode alone from a place on its path. Enters the `ends` that are reached, and returns the modes that are
+/// lost.
+fn continue_alone<'a>(
+    from: &[(usize, PathPoint<'a>)],
+    near: bool,
+    ends: &mut [Option<usize>],
+    work: &mut Workspace,
+) -> Vec<(usize, Continuation<'a>)> {
+    let starts: Vec<PathPoint<'a>> = from.iter().map(|(_, point)| *point).collect();
+    let begin = |(here, &(i, point)): (Option<ModeOnPath>, &(usize, PathPoint<'a>))| {
+        Some((i, Continuation::new(point, near, here?)?))
+    };
+    let found = modes_on_paths(&starts, work);
+    let mut modes: Vec<(usize, Continuation<'a>)> = found.into_iter().zip(from).filter_map(begin).collect();
+    let mut lost = Vec::new();
+    while !modes.is_empty() {
+        let predicted: Vec<_> = modes.iter().map(|(_, mode)| mode.predict()).collect();
+        let mut corrected = modes_on_paths(&predicted, work).into_iter();
+        let mut under_way = Vec::with_capacity(modes.len());
+        for (i, mut mode) in modes {
+            match mode.advance(corrected.next().flatten()) {
+                Progress::UnderWay => under_way.push((i, mode)),
+                Progress::Arrived(to) => ends[i] = Some(to),
+                Progress::Lost => lost.push((i, mode)),
+            }
+        }
+        modes = under_way;
+    }
+    lost
+}
+
+/// Where the modes that are lost next to a coalescence are past it. The two of a pair exchange their shapes there, or
+/// not: shapes that are alike before and after are one mode, as everywhere; where none are, eigenvalues are continued.
+fn pass_coalescences<'a>(
+    lost: &[(usize, GainPath<'a>, Continuation<'a>)],
+    work: &mut Workspace,
+) -> Vec<Option<PathPoint<'a>>> {
+    let from: Vec<_> = lost.iter().map(|(_, gains, mode)| (*gains, mode.steps.t, mode.here.mode.lambda)).collect();
+    let pairs = continue_pairs(&from, work);
+    let both = |(past, (.., mode)): (&Option<PastCoalescence>, &(usize, GainPath<'a>, Continuation<'a>))| {
+        past.map(|PastCoalescence { t, lambdas }| lambdas.map(|lambda| PathPoint { path: mode.path, t, lambda }))
+    };
+    let asked: Vec<PathPoint<'a>> = pairs.iter().zip(lost).filter_map(both).flatten().collect();
+    let mut corrected = modes_on_paths(&asked, work).into_iter();
+    let mut continued = |(past, (.., mode)): (Option<PastCoalescence>, &(usize, GainPath<'a>, Continuation<'a>))| {
+        mode.past(past?, [corrected.next().flatten(), corrected.next().flatten()])
+    };
+    pairs.into_iter().zip(lost).map(&mut continued).collect()
+}
+
+/// The known mode that a continuation has ended at.
+fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
+    let mut order: Vec<(f64, usize)> =
+        known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let &(best, j) = order.first()?;
+    let second = order.get(1).map_or(f64::INFINITY, |&(distance, _)| distance);
+    let negligible = NEGLIGIBLE_ERROR * lambda.norm();
+    (best <= negligible && second >= LEAST_SEPARATION * NEGLIGIBLE_ERROR * lambda.norm()).then_some(j)
+}
+
+impl<'a> Continuation<'a> {
+    /// From a point at which the corrector found `here`; `None` where that is another mode.
+    fn new(PathPoint { path, t, lambda }: PathPoint<'a>, near: bool, here: ModeOnPath) -> Option<Self> {
+        let is_it = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
+        is_it.then_some(Self {
+            path,
+            near,
+            steps: StepControl::new(t, FIRST_STEP),
+            here,
+            curvature: Complex::default(),
+        })
+    }
+
+    /// Where the next step leads, and the eigenvalue to be expected there.
+    fn predict(&self) -> PathPoint<'a> {
+        let step = self.steps.step();
+        let change = (self.here.rate + self.curvature * (0.5 * step)) * step;
+        PathPoint { path: self.path, t: self.steps.t + step, lambda: self.here.mode.lambda + change }
+    }
+
+    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not.
+    fn advance(&mut self, there: Option<ModeOnPath>) -> Progress {
+        let step = self.steps.step();
+        let ratio = there.as_ref().map(|there| self.error_ratio(there, step));
+        self.steps.advance(ratio);
+        if let Some(there) = there.filter(|_| ratio.is_some_and(StepControl::accepts)) {
+            self.curvature = (there.rate - self.here.rate) / step;
+            self.here = there;
+            if let Some(to) = self.end() {
+                return Progress::Arrived(to);
+            }
+        }
+        if self.steps.is_over(SHORTEST_STEP) { Progress::Lost } else { Progress::UnderWay }
+    }
+
+    /// The known mode at the end that this one is or, beyond doubt, becomes.
+    fn end(&self) -> Option<usize> {
+        let known = self.path.end.modes;
+        if self.steps.t == 1.0 {
+            return nearest(known, self.here.mode.lambda);
+        }
+        let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.path.inertia().m).remove(0);
+        if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
+    }
+
+    /// The ratio that decides on a step; infinite where the shape changes too much.
+    fn error_ratio(&self, there: &ModeOnPath, step: f64) -> f64 {
+        let ModeOnPath { mode: Mode { lambda, .. }, rate } = &self.here;
+        let errors = PredictorErrors::new([*lambda, there.mode.lambda], [*rate, there.rate], step);
+        let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
+        let is_alike = mac(before, after, &self.path.inertia().m)[(0, 0)] >= LEAST_MAC_OF_STEP;
+        if is_alike { errors.ratio(NEGLIGIBLE_ERROR * lambda.norm()) } else { f64::INFINITY }
+    }
+
+    /// Where this mode is past a coalescence, with what the corrector found of both modes there.
+    fn past(&self, past: PastCoalescence, found: [Option<ModeOnPath>; 2]) -> Option<PathPoint<'a>> {
+        let PastCoalescence { t, lambdas } = past;
+        let radius = ACCEPTANCE_RADIUS * (lambdas[1] - lambdas[0]).norm();
+        let is_it = |point: &ModeOnPath, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= radius;
+        let [Some(first), Some(second)] = found else { return None };
+        if !is_it(&first, lambdas[0]) || !is_it(&second, lambdas[1]) {
+            return None;
+        }
+        let both = [first.mode, second.mode];
+        let alike = match_modes(std::slice::from_ref(&self.here.mode), &both, &self.path.inertia().m).remove(0);
+        let to = alike.to.filter(|_| alike.is_clear()).unwrap_or(0);
+        Some(PathPoint { path: self.path, t, lambda: both[to].lambda })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,71 @@
+//! The corrector: the mode next to a guess of its eigenvalue at a place on its path.
+
+use cea::{Mode, NewtonStep, Workspace, mass_norm_squared};
+use num_complex::Complex;
+
+use crate::evaluator::{Guess, PathEvaluator, Shape};
+use crate::path::PathPoint;
+
+/// Relative correction of an eigenvalue below which it counts as converged: Newton's method leaves the square of it.
+const CONVERGED_CORRECTION: f64 = 5e-5;
+/// Corrections of a guess at most; chosen: a guess that needs more is of another mode.
+const MOST_CORRECTIONS: usize = 4;
+
+/// A mode at a place on its path.
+#[derive(Debug, Clone)]
+pub(crate) struct ModeOnPath {
+    pub mode: Mode,
+    /// d lambda / d t, rad/s.
+    pub rate: Complex<f64>,
+}
+
+/// The mode next to each guess; `None` where there is none.
+pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<Option<ModeOnPath>> {
+    let mut found = Vec::with_capacity(at.len());
+    for group in at.chunk_by(|a, b| a.path.as_gains().is_some() == b.path.as_gains().is_some()) {
+        let gains: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_gains()?, p.t, p.lambda))).collect();
+        if gains.is_empty() {
+            let systems = group.iter().filter_map(|p| Some((p.path.as_systems()?, p.t, p.lambda))).collect();
+            found.extend(converged(systems, work));
+        } else {
+            found.extend(converged(gains, work));
+        }
+    }
+    let mode = |(found, at): (Option<(NewtonStep, Shape)>, &PathPoint<'_>)| {
+        let (NewtonStep { lambda, rate }, mut shape) = found?;
+        shape.unscale_mut(mass_norm_squared(at.path.inertia(), &shape).abs().sqrt());
+        Some(ModeOnPath { mode: Mode { lambda, shape }, rate })
+    };
+    found.into_iter().zip(at).map(mode).collect()
+}
+
+/// Newton's method from each guess, all that are still to be corrected together.
+fn converged<P: PathEvaluator>(mut at: Vec<Guess<P>>, work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
+    let mut found: Vec<Option<(NewtonStep, P::Vector)>> = vec![None; at.len()];
+    let mut open: Vec<usize> = (0..at.len()).collect();
+    for _ in 0..MOST_CORRECTIONS {
+        let asked: Vec<Guess<P>> = open.iter().map(|&i| at[i]).collect();
+        let mut corrected = P::correct(&asked, work).into_iter();
+        open.retain(|&i| {
+            let Some((step, vector)) = corrected.next().flatten() else { return false };
+            let correction = (step.lambda - at[i].2).norm();
+            at[i].2 = step.lambda;
+            let has_converged = correction <= CONVERGED_CORRECTION * step.lambda.norm();
+            if has_converged {
+                found[i] = Some((step, vector));
+            }
+            !has_converged
+        });
+        if open.is_empty() {
+            break;
+        }
+    }
+    let (mut steps, mut asked) = (Vec::with_capacity(at.len()), Vec::with_capacity(at.len()));
+    for (found, at) in found.into_iter().zip(at) {
+        let (step, vector) = found.unzip();
+        steps.push(step);
+        asked.extend(vector.map(|vector| (at, vector)));
+    }
+    let mut shapes = P::shapes(asked, work).into_iter();
+    steps.into_iter().map(|step| step.and_then(|step| Some((step, shapes.next()??)))).collect()
+}

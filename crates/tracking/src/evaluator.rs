@@ -1,0 +1,150 @@
+//! The two ways to evaluate a path: by the secular equation, where it leads from one gain to another, and by the matrices
+//! of the systems at its ends.
+
+use cea::{GainPath, NewtonStep, Workspace, singular_vectors};
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::path::{Path, PathStart};
+
+/// How far aside of the predicted eigenvalue Q is factorised, relatively: on an eigenvalue there is no left vector but
+/// rounding. Its square, by which a Newton step errs, is rounding.
+const FACTORISATION_OFFSET: f64 = 1e-7;
+
+/// A shape over the degrees of freedom, up to a factor.
+pub(crate) type Shape = DVector<Complex<f64>>;
+
+/// A place t on a path and a guess of an eigenvalue there, rad/s.
+pub(crate) type Guess<P> = (P, f64, Complex<f64>);
+
+/// What continuation asks of a path, of many paths at a time.
+pub(crate) trait PathEvaluator: Copy {
+    /// What a Newton step finds of the shape.
+    type Vector: Clone;
+
+    /// One step of Newton's method at each guess; `None` where it leads nowhere.
+    fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Self::Vector)>>;
+
+    /// The shapes at converged eigenvalues, with what the last steps found of them.
+    fn shapes(at: Vec<(Guess<Self>, Self::Vector)>, work: &mut Workspace) -> Vec<Option<Shape>>;
+}
+
+impl PathEvaluator for GainPath<'_> {
+    /// The secular equation tells shapes apart from eigenvalues: only those of converged ones are asked for.
+    type Vector = ();
+
+    fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, ())>> {
+        let is_finite = |step: &NewtonStep| step.lambda.is_finite() && step.rate.is_finite();
+        GainPath::correct(at, work).into_iter().map(|step| is_finite(&step).then_some((step, ()))).collect()
+    }
+
+    fn shapes(at: Vec<(Guess<Self>, ())>, work: &mut Workspace) -> Vec<Option<Shape>> {
+        let at: Vec<Guess<Self>> = at.into_iter().map(|(guess, ())| guess).collect();
+        GainPath::shapes(&at, work)
+    }
+}
+
+/// The straight line between two systems.
+///
+/// The singular vectors x and y of the smallest singular value of `Q(lambda, t)` next to an eigenvalue give that eigenvalue
+/// to second order and how it moves along the path,
+///
+/// ```text
+/// lambda - y^H Q x / y^H Q' x,        d lambda / d t = -y^H (d Q / d t) x / y^H Q' x
+/// ```
+///
+/// (Lancaster, Numer. Math. 6, 1964). One factorisation of Q is a small part of the price of a spectrum.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SystemPath<'a> {
+    path: Path<'a>,
+    from: &'a SecondOrder,
+}
+
+impl PathEvaluator for SystemPath<'_> {
+    type Vector = Shape;
+
+    fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
+        let mut found = Vec::with_capacity(at.len());
+        for group in at.chunk_by(|a, b| a.0.from.order() == b.0.from.order()) {
+            let systems: Vec<SecondOrder> = group.iter().map(|(line, t, _)| line.path.system_at(*t)).collect();
+            let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + FACTORISATION_OFFSET)).collect();
+            let stiffness: Vec<_> =
+                systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();
+            let vectors = singular_vectors(&stiffness, work);
+            let step = |(i, vector): (usize, Option<Shape>)| {
+                let step = group[i].0.newton(&systems[i], guesses[i], &stiffness[i], vector.as_ref()?)?;
+                Some((step, vector?))
+            };
+            found.extend(vectors.into_iter().enumerate().map(step));
+        }
+        found
+    }
+
+    fn shapes(at: Vec<(Guess<Self>, Shape)>, _: &mut Workspace) -> Vec<Option<Shape>> {
+        at.into_iter().map(|(_, shape)| Some(shape)).collect()
+    }
+}
+
+impl SystemPath<'_> {
+    /// One step next to an eigenvalue whose right singular vector at `lambda` is x.
+    fn newton(
+        &self,
+        system: &SecondOrder,
+        lambda: Complex<f64>,
+        stiffness: &DMatrix<Complex<f64>>,
+        x: &Shape,
+    ) -> Option<NewtonStep> {
+        let mut y = stiffness * x;
+        let size = y.norm();
+        y.unscale_mut(size);
+        let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * x));
+        let rate = -y.dotc(&self.change(lambda, x)) / slope;
+        let lambda = lambda - size / slope;
+        (lambda.is_finite() && rate.is_finite()).then_some(NewtonStep { lambda, rate })
+    }
+
+    /// `d Q(lambda) / d t x = (Q_end(lambda) - Q_start(lambda)) x`.
+    fn change(&self, lambda: Complex<f64>, x: &Shape) -> Shape {
+        let (from, to) = (self.from, self.path.end.system);
+        let mut change = DVector::zeros(x.len());
+        let matrices =
+            [(&from.m, &to.m, lambda * lambda), (&from.c, &to.c, lambda), (&from.k, &to.k, Complex::new(1.0, 0.0))];
+        for (a, b, factor) in matrices {
+            let columns = a.as_slice().chunks_exact(x.len()).zip(b.as_slice().chunks_exact(x.len()));
+            for ((a, b), x) in columns.zip(x) {
+                // Few columns change.
+                if a != b {
+                    let factor = factor * x;
+                    change.iter_mut().zip(a.iter().zip(b)).for_each(|(change, (a, b))| *change += factor * (b - a));
+                }
+            }
+        }
+        for (end, sign) in [(&from.internal, 1.0), (&to.internal, -1.0)] {
+            for (s, &decay) in end.decay.iter().enumerate() {
+                let reading: Complex<f64> = end.drive.row(s).iter().zip(x).map(|(drive, x)| x * drive).sum();
+                let gain = sign * lambda / (lambda + decay) * reading;
+                change.iter_mut().zip(&end.force.column(s)).for_each(|(change, force)| *change += gain * force);
+            }
+        }
+        change
+    }
+}
+
+impl<'a> Path<'a> {
+    /// This path where the secular equation evaluates it.
+    pub(crate) fn as_gains(&self) -> Option<GainPath<'a>> {
+        match self.start {
+            PathStart::System(_) => None,
+            PathStart::Gain(gains) => Some(gains),
+        }
+    }
+
+    /// This path where matrices evaluate it.
+    pub(crate) fn as_systems(&self) -> Option<SystemPath<'a>> {
+        match self.start {
+            PathStart::System(from) => Some(SystemPath { path: *self, from }),
+            PathStart::Gain(_) => None,
+        }
+    }
+}

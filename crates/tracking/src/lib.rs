@@ -1,0 +1,68 @@
+//! Following modes from one system to another: which mode of the one becomes which of the other.
+//!
+//! Frequencies cross and shapes change, so neither a rank nor a shape names a mode. A mode is followed along a [`Path`]
+//! between two systems by one escalation, each step of which is tried only where the one before leaves a doubt:
+//!
+//! 1. **MAC** ([`mac`]): the assignment of shapes with the largest sum of the modal assurance criterion;
+//! 2. **single-mode continuation**: predictor and corrector by the derivative of the eigenvalue, with step-size control;
+//! 3. **a pair** next to a coalescence, where neither of two modes is smooth but their mean and squared distance are;
+//! 4. **adaptive subdivision**: spectra at sample points, in steps that are cut until every match is clear.
+//!
+//! What is still in doubt then passes a coalescence and is reported with all its candidates: no name is guessed.
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | `path` | [`Path`], from a system or a gain to a system |
+//! | `escalation` | [`identify`], [`identify_all`], [`follow`] |
+//! | `mac` | the criterion and the assignment |
+//! | `continuation` | the predictor, and when it is over |
+//! | `corrector` | Newton's method next to a prediction |
+//! | `evaluator` | the two ways to evaluate a path: matrices and the secular equation |
+//! | `step_control` | predictor errors, and the step that follows from them |
+//! | `coalescence` | continuation of a pair |
+//! | `subdivision` | the last resort |
+//!
+//! Two modes that friction couples; a stiffness grows until their frequencies have changed order:
+//!
+//! ```
+//! use cea::{EigenSolver, Mode, Modes, QrSolver, Workspace};
+//! use linsys::SecondOrder;
+//! use nalgebra::dmatrix;
+//! use tracking::{Path, PathEnd, PathStart, follow};
+//!
+//! let system = |k: f64| {
+//!     let (m, c) = (dmatrix![1.0, 0.0; 0.0, 1.0], dmatrix![0.02, 0.0; 0.0, 0.5]);
+//!     SecondOrder::new(m, c, dmatrix![k, 0.1; -0.1, 4.0])
+//! };
+//! let mut work = Workspace::default();
+//! let mut modes = |system: &SecondOrder| {
+//!     let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+//!     Mode::at(system, &Modes::classify(system, &spectrum, &mut work)?.oscillatory, &mut work)
+//! };
+//! let (soft, stiff) = (system(1.0)?, system(9.0)?);
+//! let (from, to) = (modes(&soft)?, modes(&stiff)?);
+//! let path = Path {
+//!     start: PathStart::System(&soft),
+//!     start_modes: &from,
+//!     end: PathEnd { system: &stiff, modes: &to },
+//! };
+//! // The lower mode has become the upper one: damping keeps the two apart where their frequencies cross.
+//! assert_eq!(follow(&QrSolver, path, &mut work)?, [vec![1], vec![0]]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! This crate never sees a lattice, a friction law or a random number.
+
+mod coalescence;
+mod continuation;
+mod corrector;
+mod escalation;
+mod evaluator;
+mod mac;
+mod path;
+mod step_control;
+mod subdivision;
+
+pub use escalation::{Links, follow, identify, identify_all};
+pub use mac::mac;
+pub use path::{Path, PathEnd, PathStart};

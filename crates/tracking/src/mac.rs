@@ -1,0 +1,123 @@
+//! Modal assurance criterion, and matching two sets of modes by it.
+
+use cea::Mode;
+use linsys::real_times_complex;
+use nalgebra::DMatrix;
+use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
+
+/// Least MAC of a match that is beyond doubt; chosen.
+const LEAST_CLEAR_MAC: f64 = 0.8;
+/// Largest difference of MAC between the match and a rival of it; chosen.
+const RIVAL_MAC_MARGIN: f64 = 0.4;
+/// Largest distance of the eigenvalue of a rival, in distances of that of the match; chosen.
+const RIVAL_DISTANCE_RATIO: f64 = 8.0;
+
+/// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
+/// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
+pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
+    let weighted: Vec<_> = old.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect();
+    DMatrix::from_fn(old.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
+}
+
+/// What one old mode became.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Match {
+    /// Index of the new mode by optimal assignment; `None` where there are fewer new modes.
+    pub to: Option<usize>,
+    /// New modes that it could as well be; empty for a match beyond doubt.
+    pub rivals: Vec<usize>,
+}
+
+impl Match {
+    pub fn is_clear(&self) -> bool {
+        self.to.is_some() && self.rivals.is_empty()
+    }
+}
+
+/// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
+///
+/// A match is beyond doubt where its MAC is large and no rival comes near, in MAC or, where MAC cannot tell two
+/// nearly parallel shapes apart, in eigenvalue.
+pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
+    if old.is_empty() || new.is_empty() {
+        return vec![Match { to: None, rivals: Vec::new() }; old.len()];
+    }
+    let mac = mac(old, new, mass);
+    let to = assign(&mac);
+    (0..old.len())
+        .map(|i| {
+            let Some(best) = to[i] else {
+                return Match { to: None, rivals: Vec::new() };
+            };
+            let distance = |j: usize| (new[j].lambda - old[i].lambda).norm();
+            let rivals = (0..new.len()).filter(|&j| {
+                let near = mac[(i, j)] > mac[(i, best)] - RIVAL_MAC_MARGIN || mac[(i, best)] < LEAST_CLEAR_MAC;
+                j != best
+                    && near
+                    && mac[(i, j)] > 1.0 - LEAST_CLEAR_MAC
+                    && distance(j) < RIVAL_DISTANCE_RATIO * distance(best)
+            });
+            let mut rivals: Vec<_> = rivals.collect();
+            if rivals.is_empty() && mac[(i, best)] < LEAST_CLEAR_MAC / 2.0 {
+                // Nothing looks like the old mode: no match at all, and every new mode is as good.
+                rivals = (0..new.len()).filter(|&j| j != best && distance(j) < 2.0 * distance(best)).collect();
+                if rivals.is_empty() {
+                    rivals.push(best);
+                }
+            }
+            Match { to: Some(best), rivals }
+        })
+        .collect()
+}
+
+fn assign(mac: &DMatrix<f64>) -> Vec<Option<usize>> {
+    let (rows, columns) = mac.shape();
+    let weight = |x: f64| (x * 1e12).round() as i64;
+    if rows <= columns {
+        let weights = Matrix::from_fn(rows, columns, |(i, j)| weight(mac[(i, j)]));
+        kuhn_munkres(&weights).1.into_iter().map(Some).collect()
+    } else {
+        let weights = Matrix::from_fn(columns, rows, |(j, i)| weight(mac[(i, j)]));
+        let mut to = vec![None; rows];
+        for (j, i) in kuhn_munkres(&weights).1.into_iter().enumerate() {
+            to[i] = Some(j);
+        }
+        to
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::dvector;
+    use num_complex::Complex;
+
+    fn mode(im: f64, shape: [f64; 2]) -> Mode {
+        let shape = dvector![shape[0], shape[1]].map(Complex::from);
+        Mode { lambda: Complex::new(0.0, im), shape: shape.normalize() }
+    }
+
+    #[test]
+    fn crossing_frequencies_do_not_swap_shapes() {
+        let old = [mode(1.0, [1.0, 0.1]), mode(2.0, [0.1, -1.0])];
+        let new = [mode(1.4, [0.0, 1.0]), mode(1.5, [1.0, 0.0])];
+        let matches = match_modes(&old, &new, &DMatrix::identity(2, 2));
+        assert_eq!(matches.iter().map(|m| m.to).collect::<Vec<_>>(), [Some(1), Some(0)]);
+        assert!(matches.iter().all(Match::is_clear));
+    }
+
+    #[test]
+    fn shapes_half_way_between_are_rivals() {
+        let old = [mode(1.0, [1.0, 0.0])];
+        let new = [mode(1.1, [1.0, 1.0]), mode(0.9, [1.0, -1.0])];
+        let matched = &match_modes(&old, &new, &DMatrix::identity(2, 2))[0];
+        assert!(!matched.is_clear());
+    }
+
+    #[test]
+    fn a_mode_too_many_is_left_over() {
+        let old = [mode(1.0, [1.0, 0.0]), mode(2.0, [0.0, 1.0])];
+        let matches = match_modes(&old, &[mode(2.0, [0.0, 1.0])], &DMatrix::identity(2, 2));
+        assert_eq!((matches[0].to, matches[1].to), (None, Some(0)));
+    }
+}

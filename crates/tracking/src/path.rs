@@ -1,0 +1,92 @@
+//! The path from one system to another, and where it is evaluated.
+
+use std::borrow::Cow;
+
+use cea::{GainPath, Mode};
+use linsys::{Internal, SecondOrder};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+/// From some modes of one system to another system whose modes are known.
+///
+/// The path is the straight line `Q(lambda, t) = (1 - t) Q_start(lambda) + t Q_end(lambda)`, 0 <= t <= 1 (a homotopy), between two
+/// systems with as many degrees of freedom; internal states may differ, in number too. Where the systems differ in the
+/// stiffness of a contact, this is the continuation in that stiffness.
+#[derive(Debug, Clone, Copy)]
+pub struct Path<'a> {
+    /// Where it begins.
+    pub start: PathStart<'a>,
+    /// Those modes at the beginning that are asked for.
+    pub start_modes: &'a [Mode],
+    /// Where it ends.
+    pub end: PathEnd<'a>,
+}
+
+/// The beginning of a path, which says how the path is evaluated.
+#[derive(Debug, Clone, Copy)]
+pub enum PathStart<'a> {
+    /// A system: the path is evaluated by its matrices.
+    System(&'a SecondOrder),
+    /// A structure with a gain, where the end of the path is that structure with another one: the path is evaluated by the
+    /// secular equation, which is cheaper.
+    Gain(GainPath<'a>),
+}
+
+/// The end of a path.
+#[derive(Debug, Clone, Copy)]
+pub struct PathEnd<'a> {
+    /// The system there.
+    pub system: &'a SecondOrder,
+    /// Its modes.
+    pub modes: &'a [Mode],
+}
+
+/// A place on a path, and an eigenvalue there or a guess of one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PathPoint<'a> {
+    pub path: Path<'a>,
+    /// Part of the path that lies behind.
+    pub t: f64,
+    /// rad/s.
+    pub lambda: Complex<f64>,
+}
+
+impl<'a> PathStart<'a> {
+    /// A system with the mass at the beginning.
+    fn inertia(&self) -> &'a SecondOrder {
+        match self {
+            Self::System(system) => system,
+            Self::Gain(gains) => gains.secular.structure(),
+        }
+    }
+
+    /// The system at the beginning.
+    fn system(&self) -> Cow<'a, SecondOrder> {
+        match self {
+            Self::System(system) => Cow::Borrowed(system),
+            Self::Gain(gains) => Cow::Owned(gains.secular.system(&gains.from)),
+        }
+    }
+}
+
+impl<'a> Path<'a> {
+    /// A system with the mass at the beginning.
+    pub(crate) fn inertia(&self) -> &'a SecondOrder {
+        self.start.inertia()
+    }
+
+    /// The system at t. It has the states of both ends, whose forces come and go.
+    pub(crate) fn system_at(&self, t: f64) -> SecondOrder {
+        let (start, end) = (self.start.system(), self.end.system);
+        let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);
+        let (n, first, all) = (start.order(), start.states(), start.states() + end.states());
+        let mut internal = Internal::zeros(n, all);
+        for (states_of, at, part) in [(&start.internal, 0, 1.0 - t), (&end.internal, first, t)] {
+            let states = states_of.decay.len();
+            internal.decay.rows_mut(at, states).copy_from(&states_of.decay);
+            internal.drive.rows_mut(at, states).copy_from(&states_of.drive);
+            internal.force.columns_mut(at, states).copy_from(&(&states_of.force * part));
+        }
+        SecondOrder { m: mix(&start.m, &end.m), c: mix(&start.c, &end.c), k: mix(&start.k, &end.k), internal }
+    }
+}

@@ -1,0 +1,243 @@
+//! Adaptive subdivision: spectra at sample points on the path, in steps that are cut until every match by MAC is clear; many
+//! paths at once, each in steps of its own length.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use crate::escalation::Links;
+use crate::mac::match_modes;
+use crate::path::Path;
+
+/// Where a step is cut, as a part of it: aside of round fractions, where symmetric paths have their crossings.
+const CUT_FRACTION: f64 = 0.382;
+/// How often a step is cut at once: sample points that fill the solver's lanes cost little more than one.
+const CUTS_AT_ONCE: usize = 3;
+/// Steps are not cut below this part of the path; chosen: shorter ones are as near to a coalescence as rounding.
+const SMALLEST_STEP: f64 = 1.0 / 4096.0;
+/// Largest relative distance of eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart; chosen.
+const MULTIPLE_SEPARATION: f64 = 1e-4;
+/// How many eigenvalues nearest to a followed one are its candidates in a step; chosen.
+const CANDIDATES_OF_STEP: usize = 3;
+
+/// The modes being followed on one path, and what each mode at its beginning may have become.
+pub(crate) struct Subdivision<'a> {
+    path: Path<'a>,
+    /// Part of the path that lies behind.
+    at: f64,
+    modes: Vec<Mode>,
+    /// Index of each followed mode in the set it was last matched to.
+    indices: Vec<usize>,
+    /// For each mode at the beginning, positions in `modes`.
+    candidates: Vec<BTreeSet<usize>>,
+    /// Where on the path systems are to be solved next.
+    asked: Vec<f64>,
+    /// Sample points ahead, the next one last. The end of the path is not among them.
+    sample_points: Vec<SamplePoint>,
+}
+
+/// A solved system on the path.
+struct SamplePoint {
+    at: f64,
+    system: SecondOrder,
+    lambdas: Vec<Complex<f64>>,
+    /// Those modes that were asked for, by index in `lambdas`.
+    modes: BTreeMap<usize, Mode>,
+}
+
+impl<'a> Subdivision<'a> {
+    /// With `start`, modes at the beginning of a path, to be followed over this many `sample_points` in any case and more where
+    /// there is a doubt.
+    pub(crate) fn new(path: Path<'a>, start: Vec<Mode>, sample_points: usize) -> Self {
+        let place = |i: usize| (i as f64 + 1.0 - CUT_FRACTION) / (sample_points as f64 + 1.0);
+        Self {
+            path,
+            at: 0.0,
+            indices: (0..start.len()).collect(),
+            candidates: (0..start.len()).map(|i| BTreeSet::from([i])).collect(),
+            modes: start,
+            asked: (0..sample_points).rev().map(place).collect(),
+            sample_points: Vec::new(),
+        }
+    }
+
+    /// Follows all modes to the ends of their paths.
+    pub(crate) fn all(
+        solver: &dyn EigenSolver,
+        paths: Vec<Self>,
+        work: &mut Workspace,
+    ) -> Vec<Result<Links, CeaError>> {
+        let mut paths: Vec<Result<Self, CeaError>> = paths.into_iter().map(Ok).collect();
+        let mut is_under_way = !paths.is_empty();
+        while is_under_way {
+            solve_sample_points(solver, &mut paths, work);
+            find_shapes(&mut paths, work);
+            is_under_way = false;
+            for of_path in paths.iter_mut().flatten() {
+                is_under_way |= of_path.advance();
+            }
+        }
+        paths.into_iter().map(|of_path| of_path.map(Self::links)).collect()
+    }
+
+    fn links(self) -> Links {
+        self.candidates.iter().map(|set| set.iter().map(|&f| self.indices[f]).collect()).collect()
+    }
+
+    /// Goes to the next sample point if every match is clear, otherwise asks for one before it; `false` at the end.
+    fn advance(&mut self) -> bool {
+        if self.at == 1.0 {
+            return false;
+        }
+        let next = self.sample_points.pop();
+        let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
+        let last_try = place - self.at <= SMALLEST_STEP;
+        let is_there = match &next {
+            Some(sample_point) => self.go_over(&sample_point.modes_near(&self.modes), last_try),
+            None => self.go_over(self.path.end.modes, last_try),
+        };
+        if is_there {
+            self.at = place;
+        } else {
+            let mut part = place - self.at;
+            for _ in 0..CUTS_AT_ONCE {
+                part *= CUT_FRACTION;
+                self.asked.push(self.at + part);
+            }
+            self.sample_points.extend(next);
+        }
+        true
+    }
+
+    /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
+    fn go_over(&mut self, new: &[Mode], last_try: bool) -> bool {
+        let matches = match_modes(&self.modes, new, &self.path.inertia().m);
+        // A pair that is multiple before and after the step; one that only crosses is told apart by a longer step.
+        let is_inseparable = |f: usize, r: usize| {
+            let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));
+            let before = other.is_some_and(|g| is_multiple(&self.modes[f], &self.modes[g]));
+            before && matches[f].to.is_some_and(|to| is_multiple(&new[to], &new[r]))
+        };
+        let is_decided = |f: usize| {
+            matches[f].is_clear() || matches[f].to.is_some() && matches[f].rivals.iter().all(|&r| is_inseparable(f, r))
+        };
+        if !last_try && !(0..matches.len()).all(is_decided) {
+            return false;
+        }
+        // Who ends where: first the assigned ones, then rivals that nobody else became.
+        let mut indices: Vec<usize> = Vec::new();
+        let mut position = |j: usize| {
+            indices.iter().position(|&x| x == j).unwrap_or_else(|| {
+                indices.push(j);
+                indices.len() - 1
+            })
+        };
+        let reach: Vec<BTreeSet<usize>> =
+            matches.iter().map(|m| m.to.iter().chain(&m.rivals).map(|&j| position(j)).collect()).collect();
+        // A doubt binds both: what may be confused with a rival may be where the rival is.
+        for set in &mut self.candidates {
+            let mut grown: BTreeSet<usize> = set.iter().flat_map(|&f| reach[f].iter().copied()).collect();
+            loop {
+                let touching = reach.iter().filter(|r| r.len() > 1 && !r.is_disjoint(&grown));
+                let more: BTreeSet<usize> = touching.flatten().copied().collect();
+                if more.is_subset(&grown) {
+                    break;
+                }
+                grown.extend(more);
+            }
+            *set = grown;
+        }
+        self.modes = indices.iter().map(|&j| new[j].clone()).collect();
+        self.indices = indices;
+        true
+    }
+}
+
+impl SamplePoint {
+    /// The modes that a followed one may have become, ascending in frequency.
+    fn wanted(&self, followed: &[Mode]) -> BTreeSet<usize> {
+        let mut wanted = BTreeSet::new();
+        for mode in followed {
+            let distance = |&i: &usize| (self.lambdas[i] - mode.lambda).norm_sqr();
+            let mut order: Vec<usize> = (0..self.lambdas.len()).collect();
+            order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+            // Where most are followed each is somebody's successor.
+            let few = if 2 * followed.len() < order.len() { CANDIDATES_OF_STEP } else { order.len() };
+            wanted.extend(order.into_iter().take(few));
+        }
+        wanted
+    }
+
+    fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
+        self.wanted(followed).iter().filter_map(|i| self.modes.get(i).cloned()).collect()
+    }
+}
+
+/// Solves the systems that the paths asked for, all together.
+fn solve_sample_points(
+    solver: &dyn EigenSolver,
+    paths: &mut [Result<Subdivision<'_>, CeaError>],
+    work: &mut Workspace,
+) {
+    let (mut places, mut systems) = (Vec::new(), Vec::new());
+    for (i, of_path) in paths.iter_mut().enumerate() {
+        let Ok(of_path) = of_path else { continue };
+        for at in of_path.asked.drain(..) {
+            places.push((i, at));
+            systems.push(of_path.path.system_at(at));
+        }
+    }
+    let mut spectra = Vec::with_capacity(systems.len());
+    solver.eigenvalues_of_all(&systems, work, &mut spectra);
+    for (((i, at), system), spectrum) in places.into_iter().zip(systems).zip(spectra) {
+        let modes = spectrum.and_then(|spectrum| Modes::classify(&system, &spectrum, work));
+        match (&mut paths[i], modes) {
+            (Ok(of_path), Ok(modes)) => of_path.sample_points.push(SamplePoint {
+                at,
+                system,
+                lambdas: modes.oscillatory,
+                modes: BTreeMap::new(),
+            }),
+            (of_path, Err(error)) => *of_path = Err(error),
+            (Err(_), Ok(_)) => {}
+        }
+    }
+}
+
+/// Finds the shapes that the next steps need, all together.
+fn find_shapes(paths: &mut [Result<Subdivision<'_>, CeaError>], work: &mut Workspace) {
+    let missing = |of_path: &Subdivision<'_>| -> Vec<usize> {
+        let of = |sample_point: &SamplePoint| {
+            let wanted = sample_point.wanted(&of_path.modes).into_iter();
+            wanted.filter(|i| !sample_point.modes.contains_key(i)).collect()
+        };
+        of_path.sample_points.last().map(of).unwrap_or_default()
+    };
+    let missing: Vec<Vec<usize>> =
+        paths.iter().map(|of_path| of_path.as_ref().map(missing).unwrap_or_default()).collect();
+    let mut sample_points = Vec::new();
+    for (of_path, missing) in paths.iter().zip(&missing) {
+        if let Some(sample_point) = of_path.as_ref().ok().and_then(|of_path| of_path.sample_points.last()) {
+            let lambdas: Vec<Complex<f64>> = missing.iter().map(|&i| sample_point.lambdas[i]).collect();
+            sample_points.push((&sample_point.system, lambdas));
+        }
+    }
+    let of: Vec<_> = sample_points.iter().map(|(system, lambdas)| (*system, lambdas.as_slice())).collect();
+    let mut shaped = Mode::of_all(&of, work).into_iter();
+    for (slot, missing) in paths.iter_mut().zip(missing) {
+        let Some(sample_point) = slot.as_mut().ok().and_then(|of_path| of_path.sample_points.last_mut()) else {
+            continue;
+        };
+        match shaped.next() {
+            Some(Ok(modes)) => sample_point.modes.extend(missing.into_iter().zip(modes)),
+            Some(Err(error)) => *slot = Err(error),
+            None => {}
+        }
+    }
+}
+
+fn is_multiple(a: &Mode, b: &Mode) -> bool {
+    (a.lambda - b.lambda).norm() <= MULTIPLE_SEPARATION * a.lambda.norm()
+}
