@@ -17,6 +17,7 @@ use squeal::estimators::OneParameterFamily;
 use squeal::estimators::support;
 use squeal::estimators::{Integral, integrate};
 use squeal::study::{Plan, Reference, Sample};
+use squeal::tracking::Branches;
 
 use crate::ValidationError;
 use crate::refine::transposed;

@@ -8,8 +8,8 @@ use num_complex::Complex;
 use osc_model::{Lateral, Linearise};
 use serde::Serialize;
 use squeal::case::Law;
-use squeal::estimators::Onset;
 use squeal::study::{FrictionDraw, Plan, Sample, Scene};
+use squeal::tracking::Onset;
 
 use crate::ValidationError;
 use crate::coalescence::ExceptionalPoint;
@@ -217,7 +217,7 @@ pub fn onset(plan: &Plan, scene: &Scene, crossing: &Onset) -> Result<Vec<HardCas
     let median = *Sample::median(&plan.case).contact(0);
     let hertz = crossing.omega / std::f64::consts::TAU;
     let at = |offset: f64| {
-        let mu = crossing.mu + offset;
+        let mu = crossing.at + offset;
         let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
         HardCase::new(format!("onset at {hertz:.0} Hz, mu_c {offset:+.0e}"), system)
     };

@@ -5,10 +5,12 @@
 //! and of the tails that were cut off.
 
 use cea::Counters;
+use tracking::{Branches, Onsets, follow_branch};
 
 use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
-use super::{EstimatorError, OneParameterFamily, Onsets};
+use super::one_parameter_family::SMALLEST_STEP;
+use super::{EstimatorError, OneParameterFamily};
 use crate::study::{Plan, Reference, Sample};
 
 /// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
@@ -35,14 +37,14 @@ pub fn exact(plan: &Plan, reference: &Reference, family: &mut OneParameterFamily
     let distribution = plan.case.friction.mu;
     let (from, to) = support(distribution);
     let median = Sample::median(&plan.case).contact(0).mu;
-    family.spectrum(median)?;
+    family.lambdas(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
-    ends.extend(onsets.onsets.iter().map(|c| c.mu));
+    ends.extend(onsets.onsets.iter().map(|onset| onset.at));
     ends.push(to);
     let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
     let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
-    let roots = onsets.onsets.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
+    let roots = onsets.onsets.iter().map(|onset| probability(onset.at - onset.error, onset.at + onset.error));
     let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();
     Ok(Exact { integral, error, onsets, counters: family.counters() })
@@ -58,7 +60,7 @@ fn named(
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
     let name = |index: usize| {
-        let ends = family.follow(mu, index, median)?;
+        let ends = follow_branch(family, mu, index, median, SMALLEST_STEP)?;
         Ok(reference.names_of(ends))
     };
     unstable.into_iter().map(name).collect()
