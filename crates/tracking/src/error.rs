@@ -1,6 +1,7 @@
 //! What can go wrong in following branches over a parameter.
 
 use cea::CeaError;
+use linsys::LinsysError;
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -56,4 +57,10 @@ pub enum TrackingError {
         /// At the beginning of the interval.
         expected: usize,
     },
+}
+
+impl From<LinsysError> for TrackingError {
+    fn from(error: LinsysError) -> Self {
+        Self::Cea(error.into())
+    }
 }
