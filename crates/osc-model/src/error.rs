@@ -1,4 +1,4 @@
-//! What can be wrong with a lattice, an arrangement, a constraint or a sliding state.
+//! What can be wrong with a brake, an arrangement, a constraint or a sliding state.
 
 use std::fmt;
 
@@ -127,9 +127,9 @@ pub enum OscModelError {
         /// Which one.
         dof: Dof,
     },
-    /// Nothing is left to move.
+    /// A system, its operating point or its constraints.
     #[error(transparent)]
-    Constraints(#[from] LinsysError),
+    System(#[from] LinsysError),
     /// A sliding state does not have one entry per oscillator in contact.
     #[error("the sliding state has {found} contacts; the arrangement has {expected}")]
     ContactCount {
@@ -150,29 +150,27 @@ pub enum OscModelError {
         /// What is allowed.
         allowed: Allowed,
     },
-    /// A sliding state breaks the symmetry by which its lattice is split.
-    #[error(
-        "the contacts of oscillators {first} and {second} differ; allowed: alike, where the lattice is split into sectors"
-    )]
+    /// An operating point breaks the symmetry by which its brake is split.
+    #[error("the contacts {first} and {second} differ; allowed: alike, where the brake is split into sectors")]
     UnequalContacts {
-        /// An oscillator, from 1.
-        first: usize,
+        /// The name of a contact.
+        first: String,
         /// One that the symmetry carries it into.
-        second: usize,
+        second: String,
     },
-    /// A system that is not of the lattice that was split.
+    /// A system that is not of the brake that was split.
     #[error(
-        "a system of {order} degrees of freedom and {states} states; allowed: {expected}, and 0 or {contacts} states"
+        "a system of {order} degrees of freedom and {states} states; allowed: {expected}, and 0 or {channels} states"
     )]
     OtherSystem {
         /// Its degrees of freedom.
         order: usize,
         /// Its internal states.
         states: usize,
-        /// Free degrees of freedom of the lattice.
+        /// Free degrees of freedom of the brake.
         expected: usize,
-        /// Contacts of the lattice.
-        contacts: usize,
+        /// Channels of the brake.
+        channels: usize,
     },
     /// In static equilibrium with friction drag an oscillator in contact is not pressed on the plate.
     #[error("oscillator {oscillator} lifts off in static equilibrium: normal load {load} N; allowed: > 0")]

@@ -1,5 +1,9 @@
-//! A lattice of friction oscillators on a sliding plate, linearised about steady sliding.
+//! Brakes as affine systems with friction channels, and a lattice of friction oscillators that makes one.
 //!
+//! [`Brake`] is what studies, certificates and figures work on, whoever made it: terms, channels, bodies and symmetry.
+//! [`LatticeModel`] is one maker of it.
+//!
+//! **The lattice.**
 //! Rows x columns of masses stand for the pad. Chains of springs and dashpots join them in x along the rows and in y
 //! along the columns, inclined springs hold them to a foundation, and contact springs press them on a plate that slides
 //! in +x: the brake disc. The degrees of freedom are `u = [x1 y1 z1 x2 ... xp yp zp]`, metres; oscillators are numbered
@@ -9,14 +13,14 @@
 //! M u'' + C u' + K u = F z,   z' = -a z + E u'      (z: bristles of LuGre contacts)
 //! ```
 //!
-//! One way through: [`LatticeParameters`] -> [`LatticeModel`] -> [`BrakeModel::prepare`] once per
-//! [`ContactArrangement`] -> [`Linearise::linearise`] once per sample, which refills a [`linsys::SecondOrder`] in place.
+//! One way through: [`LatticeParameters`] -> [`LatticeModel`] -> [`LatticeModel::prepare`] once per
+//! [`ContactArrangement`] -> [`PreparedLattice::operating_point`] once per sample.
 //!
 //! ```
 //! use friction::{AmontonsCoulomb, FrictionLaw};
 //! use osc_model::{
-//!     BrakeModel, ContactArrangement, ContactPoint, Grid, LatticeModel, LatticeParameters, Lateral, Lean, Linearise,
-//!     PlateParameters, Sliding,
+//!     ContactArrangement, ContactPoint, Grid, LatticeModel, LatticeParameters, Lateral, Lean, PlateParameters,
+//!     Sliding,
 //! };
 //!
 //! let grid = Grid::new(1, 1)?;
@@ -39,36 +43,23 @@
 //! let lattice = model.prepare(&ContactArrangement::full(1))?;
 //!
 //! let tangent = AmontonsCoulomb::new(0.5)?.tangent_at(1.0)?;
-//! let contact = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 600.0, stiffness_factor: 1.0 };
+//! let contact = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 600.0 };
 //! let system = lattice.linearised(&Sliding { speed: 1.0, contacts: vec![contact] })?;
 //! assert_eq!(system.order(), 5); // six degrees of freedom, yp constrained
 //! assert_eq!(system.k[(0, 2)] - system.k[(2, 0)], 0.5 * 3.5e7); // friction makes K unsymmetric
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod arrangement;
-mod assembly;
-mod channels;
+mod brake;
 mod coupling;
-mod dof;
 mod error;
 mod lattice;
-mod model;
-mod parameters;
-mod preload;
-mod prepared;
-mod readings;
 mod sectors;
-mod symmetry;
 
-pub use arrangement::ContactArrangement;
-pub use channels::FrictionChannels;
-pub use dof::{Axis, Body, Dof};
+pub use brake::{Body, Brake};
 pub use error::{Allowed, OscModelError};
-pub use lattice::LatticeModel;
-pub use model::{BrakeModel, Linearise};
-pub use parameters::{Grid, LatticeParameters, PlateParameters};
-pub use prepared::{ContactPoint, PreparedLattice, Sliding};
-pub use readings::{Lateral, Lean, Preload, Sign};
+pub use lattice::{
+    Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, LatticeParameters, Lean,
+    Member, PlateParameters, Preload, PreparedLattice, Reversal, Sign, Sliding, SymmetryClass,
+};
 pub use sectors::{Sector, Sectors};
-pub use symmetry::{Member, Reversal, SymmetryClass};

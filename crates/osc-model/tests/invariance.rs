@@ -7,8 +7,8 @@ mod common;
 use common::{set_distance, spectrum, uniform};
 use friction::{BristleDamping, FrictionLaw, LuGre, LuGreParameters, Tangent};
 use osc_model::{
-    Axis, Body, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Reversal, Sign,
-    Sliding,
+    Axis, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeBody, LatticeModel, LatticeParameters, Reversal,
+    Sign, Sliding,
 };
 use proptest::prelude::*;
 
@@ -30,7 +30,6 @@ impl Case {
             tangent: LuGre::new(law).unwrap().tangent_at(self.speed).unwrap(),
             lateral_mu: 0.8 * law.mu_k,
             normal_load,
-            stiffness_factor: 1.0,
         });
         let sliding = Sliding { speed: self.speed, contacts: contacts.collect() };
         let model = LatticeModel::new(self.parameters.clone(), self.lateral, &self.constraints).unwrap();
@@ -106,7 +105,7 @@ fn case() -> impl Strategy<Value = Case> {
             Case {
                 parameters: parameters.clone(),
                 lateral,
-                constraints: vec![Dof { axis: Axis::X, body: Body::Oscillator(held) }],
+                constraints: vec![Dof { axis: Axis::X, body: LatticeBody::Oscillator(held) }],
                 laws: laws[..in_contact.len()].to_vec(),
                 loads: loads[..in_contact.len()].to_vec(),
                 in_contact,
@@ -151,7 +150,11 @@ fn relabelled(case: &Case, reversal: Reversal) -> Case {
             .constraints
             .iter()
             .map(|dof| Dof {
-                body: if let Body::Oscillator(i) = dof.body { Body::Oscillator(label(i)) } else { dof.body },
+                body: if let LatticeBody::Oscillator(i) = dof.body {
+                    LatticeBody::Oscillator(label(i))
+                } else {
+                    dof.body
+                },
                 ..*dof
             })
             .collect(),
@@ -222,7 +225,7 @@ proptest! {
     fn symmetric_lattice_does_not_flutter(case in case(), slope in 0.0..0.02) {
         let n = case.in_contact.len();
         let tangent = Tangent { mu: 0.0, slope, internal: None };
-        let contact = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 600.0, stiffness_factor: 1.0 };
+        let contact = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 600.0 };
         let model = LatticeModel::new(case.parameters.clone(), case.lateral, &case.constraints).unwrap();
         let arrangement = ContactArrangement::new(model.parameters().grid.oscillators(), &case.in_contact).unwrap();
         let sliding = Sliding { speed: case.speed, contacts: vec![contact; n] };

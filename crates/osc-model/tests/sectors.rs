@@ -11,8 +11,8 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use osc_model::{
-    BrakeModel, ContactArrangement, Grid, Lateral, LatticeModel, Linearise, OscModelError, Preload, PreparedLattice,
-    Reversal, Sector, Sectors, Sign, Sliding,
+    ContactArrangement, Grid, Lateral, LatticeModel, OscModelError, Preload, PreparedLattice, Reversal, Sector,
+    Sectors, Sign, Sliding,
 };
 use proptest::prelude::*;
 
@@ -34,7 +34,8 @@ fn arrangements(model: &LatticeModel) -> Vec<ContactArrangement> {
 
 fn parts(sectors: &Sectors, lattice: &PreparedLattice, sliding: &Sliding) -> Vec<SecondOrder> {
     let mut parts = vec![SecondOrder::zeros(1, 0); sectors.iter().len()];
-    sectors.linearise(lattice, sliding, &mut SecondOrder::zeros(1, 0), &mut parts).unwrap();
+    let at = lattice.operating_point(sliding).unwrap();
+    sectors.assemble_into(&lattice.brake().system, &at, &mut SecondOrder::zeros(1, 0), &mut parts).unwrap();
     parts
 }
 
@@ -189,7 +190,7 @@ fn without_symmetry_the_whole_is_the_only_sector() {
     let one = [
         (&model, &lonely, model.sectors(&lonely).unwrap()),
         (&uneven, &full, uneven.sectors(&full).unwrap()),
-        (&model, &full, model.one_sector(&full).unwrap()),
+        (&model, &full, model.prepare(&full).unwrap().brake().sectors.clone()),
     ];
     for (model, arrangement, sectors) in one {
         let lattice = model.prepare(arrangement).unwrap();
@@ -209,17 +210,18 @@ fn what_breaks_the_symmetry_is_refused() {
         let mut sliding = shared(lugre(0.4), 9);
         change(&mut sliding);
         let mut parts = vec![SecondOrder::zeros(1, 0); 4];
-        sectors.linearise(&lattice, &sliding, &mut SecondOrder::zeros(1, 0), &mut parts)
+        let at = lattice.operating_point(&sliding).unwrap();
+        sectors.assemble_into(&lattice.brake().system, &at, &mut SecondOrder::zeros(1, 0), &mut parts)
     };
     assert_eq!(refused(&|_| ()), Ok(()));
-    let corner = OscModelError::UnequalContacts { first: 1, second: 9 };
+    let corner = OscModelError::UnequalContacts { first: "1".into(), second: "9".into() };
     assert_eq!(refused(&|sliding| sliding.contacts[8].normal_load *= 1.001), Err(corner.clone()));
     assert_eq!(refused(&|sliding| sliding.contacts[8].tangent.mu += 0.001), Err(corner.clone()));
     assert_eq!(refused(&|sliding| sliding.contacts[8] = contact(coulomb(0.4))), Err(corner));
     // The one in the middle is like none.
     assert_eq!(refused(&|sliding| sliding.contacts[4].tangent.mu += 0.001), Ok(()));
     let bristles = refused(&|sliding| sliding.contacts[4] = contact(coulomb(0.4)));
-    assert_eq!(bristles, Err(OscModelError::OtherSystem { order: 30, states: 8, expected: 30, contacts: 9 }));
+    assert_eq!(bristles, Err(OscModelError::OtherSystem { order: 30, states: 8, expected: 30, channels: 9 }));
     let other = ContactArrangement::full(4);
     assert_eq!(model.sectors(&other), Err(OscModelError::OtherLattice { arrangement: 4, oscillators: 9 }));
 }

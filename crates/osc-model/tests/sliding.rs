@@ -8,8 +8,7 @@ use common::{contact, coulomb, eigenvalues, held, lugre, model, set_distance, sh
 use friction::{BristleDamping, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters, Tangent};
 use linsys::SecondOrder;
 use osc_model::{
-    BrakeModel, ContactArrangement, ContactPoint, Lateral, LatticeModel, LatticeParameters, Linearise, Preload, Sign,
-    Sliding,
+    ContactArrangement, ContactPoint, Lateral, LatticeModel, LatticeParameters, Preload, PreparedLattice, Sign, Sliding,
 };
 
 #[test]
@@ -20,7 +19,7 @@ fn a_used_buffer_gives_what_a_fresh_one_gives() {
     let states = [shared(lugre(0.7), 9), shared(coulomb(0.6), 9), mixed, shared(lugre(0.2), 9)];
     let mut buffer = SecondOrder::zeros(1, 3);
     for (state, bristles) in states.iter().zip([9, 0, 8, 9]) {
-        lattice.linearise(state, &mut buffer).unwrap();
+        lattice.brake().system.assemble_into(&lattice.operating_point(state).unwrap(), &mut buffer).unwrap();
         assert_eq!(buffer, lattice.linearised(state).unwrap());
         assert_eq!(buffer.states(), bristles);
         buffer.check().unwrap();
@@ -32,8 +31,7 @@ fn structure_and_friction_make_the_whole() {
     let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 4, 5, 8]).unwrap();
     let lattice = model(Lateral::Coupled { sign: Sign::Minus }, "x1 z4").prepare(&arrangement).unwrap();
     let sliding = shared(lugre(0.3), 5);
-    let mut friction = SecondOrder::zeros(28, 5);
-    lattice.linearise_friction(&sliding, &mut friction).unwrap();
+    let friction = friction(&lattice, &sliding);
     let (whole, structure) = (lattice.linearised(&sliding).unwrap(), lattice.structural());
     assert_eq!(structure.k, structure.k.transpose());
     assert_eq!(whole.m, structure.m);
@@ -43,67 +41,58 @@ fn structure_and_friction_make_the_whole() {
     assert_eq!(friction.m.amax(), 0.0);
 }
 
-#[test]
-fn channels_are_where_friction_enters() {
-    let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 4, 5, 8]).unwrap();
-    let lattice = model(Lateral::None, "x1 z4 yp").prepare(&arrangement).unwrap();
-    let mut sliding = shared(coulomb(0.0), 5);
-    for (i, point) in sliding.contacts.iter_mut().enumerate() {
-        let i = i as f64;
-        (point.tangent.mu, point.tangent.slope, point.normal_load) = (0.1 + 0.2 * i, 0.3 - 0.1 * i, 400.0 + 50.0 * i);
-    }
-    let mut friction = SecondOrder::zeros(lattice.structural().order(), 0);
-    lattice.linearise_friction(&sliding, &mut friction).unwrap();
-    let channels = lattice.friction_channels().unwrap();
-    let diagonal = |of: fn(&ContactPoint) -> f64| {
-        nalgebra::DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(5, sliding.contacts.iter().map(of)))
-    };
-    let k = &channels.force * diagonal(|point| point.tangent.mu) * &channels.coupling;
-    let c = &channels.force * diagonal(|p| p.normal_load * p.tangent.slope) * channels.force.transpose();
-    assert!((k - &friction.k).amax() < 1e-14 * friction.k.amax());
-    assert!((c - &friction.c).amax() < 1e-14 * friction.c.amax());
-
-    for lateral in [Lateral::Vector, Lateral::Coupled { sign: Sign::Plus }] {
-        assert_eq!(model(lateral, "").prepare(&arrangement).unwrap().friction_channels(), None);
-    }
+fn friction(lattice: &PreparedLattice, sliding: &Sliding) -> SecondOrder {
+    let mut friction = SecondOrder::zeros(1, 0);
+    lattice.brake().system.friction_into(&lattice.operating_point(sliding).unwrap(), &mut friction).unwrap();
+    friction
 }
 
+/// From the equations of one contact, written out by hand: friction drags oscillator 5 and the plate in x and y.
 #[test]
-fn a_contact_fades_into_an_open_one() {
-    let faded = |factor: f64| {
-        let mut sliding = shared(coulomb(0.5), 9);
-        sliding.contacts[3].stiffness_factor = factor;
-        let lattice = model(Lateral::Vector, "").prepare(&ContactArrangement::full(9)).unwrap();
-        let loads = lattice.normal_loads(Preload::Equilibrium(600.0), &sliding.contacts).unwrap();
-        for (point, load) in sliding.contacts.iter_mut().zip(loads) {
-            point.normal_load = load;
+fn a_contact_enters_the_matrices_as_its_equations_say() {
+    let arrangement = ContactArrangement::from_numbers(9, &[5]).unwrap();
+    let (x, y, z, xp, yp, zp, k_z) = (12, 13, 14, 27, 28, 29, 3.47e7);
+    let sliding = shared(lugre(0.3), 1);
+    let point = sliding.contacts[0];
+    let (n, v, bristle) = (point.normal_load, sliding.speed, point.tangent.internal.unwrap());
+    let of = |lateral| friction(&model(lateral, "").prepare(&arrangement).unwrap(), &sliding);
+    for (lateral, sign) in
+        [(Lateral::None, 0.0), (Lateral::Coupled { sign: Sign::Minus }, -1.0), (Lateral::Vector, 0.0)]
+    {
+        let friction = of(lateral);
+        let mut k = nalgebra::DMatrix::zeros(30, 30);
+        let mut c = nalgebra::DMatrix::zeros(30, 30);
+        for (row, force) in [(x, 1.0), (xp, -1.0)] {
+            for (column, reading) in [(z, 1.0), (zp, -1.0)] {
+                k[(row, column)] = force * reading * point.tangent.mu * k_z;
+            }
+            for (column, reading) in [(x, 1.0), (xp, -1.0)] {
+                c[(row, column)] = force * reading * n * point.tangent.slope;
+            }
         }
-        eigenvalues(&lattice.linearised(&sliding).unwrap())
-    };
-    let open = {
-        let arrangement = ContactArrangement::from_numbers(9, &[1, 2, 3, 5, 6, 7, 8, 9]).unwrap();
-        let lattice = model(Lateral::Vector, "").prepare(&arrangement).unwrap();
-        let mut sliding = shared(coulomb(0.5), 8);
-        let loads = lattice.normal_loads(Preload::Equilibrium(600.0), &sliding.contacts).unwrap();
-        for (point, load) in sliding.contacts.iter_mut().zip(loads) {
-            point.normal_load = load;
+        for (row, force) in [(y, 1.0), (yp, -1.0)] {
+            for (column, reading) in [(z, 1.0), (zp, -1.0)] {
+                k[(row, column)] = force * reading * sign * point.lateral_mu * k_z;
+            }
+            for (column, reading) in [(y, 1.0), (yp, -1.0)].into_iter().filter(|_| lateral == Lateral::Vector) {
+                c[(row, column)] = force * reading * point.lateral_mu * n / v;
+            }
         }
-        eigenvalues(&lattice.linearised(&sliding).unwrap())
-    };
-    assert!(set_distance(&open, &faded(0.0)) < 1e-10);
-    let near = set_distance(&open, &faded(1e-6));
-    assert!(near > 1e-12 && near < 1e-5, "{near:e}");
+        assert!((k - &friction.k).amax() < 1e-14 * friction.k.amax());
+        assert!((c - &friction.c).amax() < 1e-14 * friction.c.amax());
+        // The relative velocity is v + x_p' - x_i'; its friction drags the oscillator along.
+        let internal = &friction.internal;
+        assert_eq!((internal.drive[(0, x)], internal.drive[(0, xp)]), (-bristle.drive, bristle.drive));
+        assert_eq!((internal.force[(x, 0)], internal.force[(xp, 0)]), (n * bristle.force, -n * bristle.force));
+    }
 }
 
 #[test]
 fn preloads_add_up() {
     let lattice = model(Lateral::None, "").prepare(&ContactArrangement::full(9)).unwrap();
-    let mut contacts = vec![contact(coulomb(0.5)); 9];
+    let contacts = vec![contact(coulomb(0.5)); 9];
     assert_eq!(lattice.normal_loads(Preload::PerContact(600.0), &contacts).unwrap(), [600.0; 9]);
     assert_eq!(lattice.normal_loads(Preload::Clamp(5400.0), &contacts).unwrap(), [600.0; 9]);
-    contacts[0].stiffness_factor = 0.0;
-    let loads = lattice.normal_loads(Preload::Clamp(5400.0), &contacts).unwrap();
-    assert_eq!((loads[0], loads[1]), (0.0, 675.0));
 
     let six = lattice_of(&[1, 2, 3, 4, 5, 6]);
     assert_eq!(six.normal_loads(Preload::Clamp(5400.0), &contacts[3..]).unwrap(), [900.0; 6]);
@@ -113,7 +102,7 @@ fn preloads_add_up() {
     }
 }
 
-fn lattice_of(numbers: &[usize]) -> osc_model::PreparedLattice {
+fn lattice_of(numbers: &[usize]) -> PreparedLattice {
     model(Lateral::None, "").prepare(&ContactArrangement::from_numbers(9, numbers).unwrap()).unwrap()
 }
 

@@ -6,7 +6,7 @@ mod common;
 
 use common::{coulomb, lugre, model, set_distance, shared, spectrum, table_1};
 use nalgebra::DMatrix;
-use osc_model::{BrakeModel, ContactArrangement, Lateral, LatticeModel, Linearise, Reversal, Sign};
+use osc_model::{ContactArrangement, Lateral, LatticeModel, Reversal, Sign};
 
 fn nine_to_six() -> Vec<ContactArrangement> {
     [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect()

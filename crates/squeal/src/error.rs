@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-/// What can go wrong between a case file and its results.
+/// What can go wrong between a brake and its results.
+#[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The case file.
     #[error(transparent)]
     Case(#[from] crate::case::CaseError),
-    /// The lattice.
+    /// The model of a brake.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),
     /// A friction law.
@@ -26,14 +27,20 @@ pub enum Error {
     /// A figure.
     #[error(transparent)]
     Figure(#[from] crate::figures::FigureError),
-    /// A case whose own median parameters have no modes to name the others after.
-    #[error("{}: friction at median parameters: {source}", path.display())]
+    /// A brake whose own median parameters have no modes to name the others after.
+    #[error("{study}: friction at median parameters: {source}")]
     Median {
-        /// The case file.
-        path: PathBuf,
+        /// The case file, or the name of the study.
+        study: String,
         /// Why.
         source: Box<Error>,
     },
+    /// What a brake of a user's own type refuses.
+    #[error("{0}")]
+    Brake(Box<dyn std::error::Error + Send + Sync>),
+    /// A system or an operating point.
+    #[error(transparent)]
+    System(#[from] linsys::LinsysError),
     /// An option of the command line that does not fit the case.
     #[error("{option} = {value}; allowed: {allowed}")]
     Option {

@@ -25,16 +25,16 @@
 //! A study, as `squeal run` runs it:
 //!
 //! ```
-//! use squeal::case::Case;
-//! use squeal::study::Plan;
+//! use squeal::brakes::LatticeBrake;
+//! use squeal::case::LatticeCase;
 //!
 //! # std::env::set_current_dir("../..")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let dir = folder.path();
-//! let mut case = Case::read("cases/two-by-two.toml".as_ref())?;
+//! let mut case = LatticeCase::read("cases/two-by-two.toml".as_ref())?;
 //! case.samples = 8;
-//! let plan = Plan::new(case)?;
-//! let manifest = squeal::run_study(&plan, dir, None, &mut |results, _| {
+//! let brake = LatticeBrake::new(case)?;
+//! let manifest = squeal::run_study(&brake, dir, None, &mut |results, _| {
 //!     for panel in results.panels() {
 //!         println!("{}: {:?} unstable modes per CEA", results.describe(panel), results.mean_unstable(panel));
 //!     }
@@ -44,6 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod brakes;
 pub mod case;
 pub mod commands;
 mod error;

@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use montecarlo::{Bar, Checkpoint, run_with};
 use sha2::{Digest, Sha256};
 
+use crate::Error;
 use crate::output::{make_folder, write};
 use crate::report::{Manifest, Results, Times, write_tables};
-use crate::study::{Plan, Study, Tally};
-use crate::{Error, study};
+use crate::study::{Study, Tally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 3;
+const TALLY_VERSION: u32 = 4;
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
 /// Time between two checkpoints.
@@ -24,28 +24,28 @@ pub fn fingerprint(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Runs the study of `plan` in `dir` and writes its tables and manifest there; `draw` adds figures.
+/// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures.
 ///
 /// `dir` may hold the same study, stopped or finished: it is continued. The state is kept in `checkpoint.json` until
 /// the results are written.
 ///
 /// # Errors
 /// A folder that cannot be written or belongs to another study, a damaged checkpoint, those of the study.
-pub fn run_study(
-    plan: &Plan,
+pub fn run_study<B: UncertainBrake>(
+    brake: &B,
     dir: &Path,
     threads: Option<usize>,
     draw: &mut (dyn FnMut(&Results<'_>, &Path) -> Result<(), Error> + Send),
 ) -> Result<Manifest, Error> {
-    let case = &plan.case;
-    let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", case.identity(), case.seed, case.samples);
+    let plan = brake.plan();
+    let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", plan.identity, plan.seed, plan.samples);
     let is_ours = holds_study(dir, &identity)?;
     let mut seconds = Times::default();
 
     let start = Instant::now();
     let solver = cea::BatchSolver;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let study = install(pool.as_ref().ok(), || Study::new(plan, &solver))?;
+    let study = install(pool.as_ref().ok(), || Study::new(brake, &solver))?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
@@ -54,9 +54,9 @@ pub fn run_study(
         write(&dir.join(MARKER), format!("{identity}\n").as_bytes())?;
     }
     let start = Instant::now();
-    let mut sampling = montecarlo::Sampling::new(case.seed, case.samples);
+    let mut sampling = montecarlo::Sampling::new(plan.seed, plan.samples);
     sampling.threads = threads;
-    sampling.block = block(case.samples);
+    sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
     let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &Bar::default())?;
     seconds.samples = start.elapsed().as_secs_f64();
@@ -115,13 +115,13 @@ fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
 ///
 /// # Errors
 /// Those of the study.
-pub fn estimate(plan: &Plan) -> Result<Duration, Error> {
-    let start = Instant::now();
-    let study = study::Study::new(plan, &cea::BatchSolver)?;
+pub fn estimate<B: UncertainBrake>(brake: &B) -> Result<Duration, Error> {
+    let (plan, start) = (brake.plan(), Instant::now());
+    let study = Study::new(brake, &cea::BatchSolver)?;
     let references = start.elapsed();
     let few = 2 * 8;
-    let samples = few.min(plan.case.samples);
+    let samples = few.min(plan.samples);
     let start = Instant::now();
-    run_with(&study, &montecarlo::Sampling::new(plan.case.seed, samples), || Tally::empty(plan), None, &())?;
-    Ok(references + start.elapsed().mul_f64(plan.case.samples as f64 / samples as f64))
+    run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || Tally::empty(plan), None, &())?;
+    Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
 }

@@ -20,10 +20,9 @@ use squeal::study::{Plan, Reference, Sample};
 use squeal::tracking::Branches;
 
 use crate::ValidationError;
-use crate::refine::transposed;
 
-/// Two eigenvalues closer than this, relatively, are expanded as one that is double.
-const DOUBLE: f64 = 1e-9;
+/// Relative distance of two eigenvalues up to which they are expanded as one that is double; chosen.
+const DOUBLE_DISTANCE: f64 = 1e-9;
 
 /// Where a Taylor series stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +93,7 @@ fn expand_double(
     let system = family.system(mu);
     let mut work = Workspace::default();
     let right = cea::right_vectors(system, &pair, &mut work)?;
-    let left = cea::right_vectors(&transposed(system), &pair, &mut work)?;
+    let left = cea::right_vectors(&system.transposed(), &pair, &mut work)?;
     let between = |matrix: &DMatrix<Complex<f64>>| DMatrix::from_fn(2, 2, |i, j| left[i].dot(&(matrix * &right[j])));
     let slopes = between(&system.dynamic_stiffness_derivative(lambda))
         .lu()
@@ -122,7 +121,7 @@ pub fn perturbation(
     let lambdas = family.lambdas(median)?.to_vec();
     let curvature = if order == TaylorOrder::First { 0.0 } else { 0.5 };
     let expand = |i: usize| {
-        let near = |&j: &usize| j != i && (lambdas[j] - lambdas[i]).norm() <= DOUBLE * lambdas[i].norm();
+        let near = |&j: &usize| j != i && (lambdas[j] - lambdas[i]).norm() <= DOUBLE_DISTANCE * lambdas[i].norm();
         let e = match (0..lambdas.len()).find(near) {
             Some(j) => {
                 let (low, high) = (i.min(j), i.max(j));

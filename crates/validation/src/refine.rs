@@ -13,27 +13,28 @@
 //! the last bit or the one before it.
 
 use cea::Workspace;
-use linsys::{Internal, SecondOrder};
+use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 use twofloat::TwoFloat;
 
 use crate::ValidationError;
+use crate::conditioning::condition;
+use crate::refine_equations::{Long, bordered, long, product, residuals, short};
 
-type Long = Complex<TwoFloat>;
-
-/// Newton steps; each gains the digits that the factorisation is good for.
+/// Most Newton steps; each gains the digits that the factorisation is good for. Chosen.
 const MOST_STEPS: usize = 30;
-/// Relative size of a step that needs no other.
-const SETTLED: f64 = 1e-22;
-/// Largest relative size of the last step: where the condition number is above 1e8, double-double settles no further.
-const ACCEPTED: f64 = 1e-18;
-/// Eigenvalues closer than this, relatively, may be one that is multiple.
-const MULTIPLE: f64 = 1e-7;
+/// Relative size of a step after which there is no other: ten times below the accuracy of double-double; chosen.
+const LAST_STEP: f64 = 1e-22;
+/// Largest relative size of a last step that is accepted: where the condition number is above 1e8, double-double goes no
+/// further.
+const LARGEST_LAST_STEP: f64 = 1e-18;
+/// Largest relative distance of eigenvalues that may be one multiple eigenvalue: rounding parts a double one by 1e-8.
+const MULTIPLE_DISTANCE: f64 = 1e-7;
 
 /// An eigenvalue known better than any double-precision solver can know it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Refined {
+pub struct RefinedEigenvalue {
     /// lambda, rad/s, each part rounded to a double.
     pub lambda: Complex<f64>,
     /// Normwise relative condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q' phi|)`
@@ -46,7 +47,7 @@ pub struct Refined {
 ///
 /// # Errors
 /// [`ValidationError::NoConvergence`] for a multiple eigenvalue or a start that is none.
-pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<Refined, ValidationError> {
+pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<RefinedEigenvalue, ValidationError> {
     Ok(refine_block(system, &[start])?.swap_remove(0))
 }
 
@@ -54,13 +55,13 @@ pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<Refined, Vali
 ///
 /// # Errors
 /// [`ValidationError::NoConvergence`] for most defective eigenvalues, and for a start that is none.
-pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Refined>, ValidationError> {
-    let mut refined: Vec<Option<Refined>> = vec![None; starts.len()];
+pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<RefinedEigenvalue>, ValidationError> {
+    let mut refined: Vec<Option<RefinedEigenvalue>> = vec![None; starts.len()];
     for (i, &start) in starts.iter().enumerate() {
         if refined[i].is_some() {
             continue;
         }
-        let near = |j: &usize| (starts[*j] - start).norm() <= MULTIPLE * start.norm();
+        let near = |j: &usize| (starts[*j] - start).norm() <= MULTIPLE_DISTANCE * start.norm();
         let together: Vec<usize> = (0..starts.len()).filter(near).collect();
         match refine(system, start) {
             Err(ValidationError::NoConvergence { .. }) if together.len() > 1 => {
@@ -73,7 +74,7 @@ pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<R
     Ok(refined.into_iter().flatten().collect())
 }
 
-fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Refined>, ValidationError> {
+fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<RefinedEigenvalue>, ValidationError> {
     let (n, s, k) = (system.order(), system.states(), starts.len());
     let vectors = cea::right_vectors(system, starts, &mut Workspace::default())?;
     let mut w: Vec<Vec<Long>> = Vec::with_capacity(k);
@@ -108,180 +109,41 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
             square += right.rows(n + s, k).norm_squared();
         }
         left = square.sqrt() / centre.norm().max(f64::MIN_POSITIVE);
-        if left <= SETTLED || !left.is_finite() {
+        if left <= LAST_STEP || !left.is_finite() {
             break;
         }
     }
-    if left.is_nan() || left > ACCEPTED {
+    if left.is_nan() || left > LARGEST_LAST_STEP {
         return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
     }
-    let lambdas = match small.as_slice() {
+    let failed = || ValidationError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_STEPS };
+    let lambdas = small_eigenvalues(&small).ok_or_else(failed)?;
+    lambdas
+        .iter()
+        .map(|&lambda| Ok(RefinedEigenvalue { lambda, condition: condition(system, lambda, &lambdas)? }))
+        .collect()
+}
+
+/// The eigenvalues of S, given by columns; `None` where its Schur form does not converge.
+fn small_eigenvalues(small: &[Vec<Long>]) -> Option<Vec<Complex<f64>>> {
+    let k = small.len();
+    match small {
         [a, b] => {
             let half = long(Complex::from(0.5));
             let (mean, difference) = ((a[0] + b[1]) * half, (a[0] - b[1]) * half);
             let root = short(difference * difference + a[1] * b[0]).sqrt();
-            vec![short(mean + long(root)), short(mean - long(root))]
+            Some(vec![short(mean + long(root)), short(mean - long(root))])
         }
-        [a] => vec![short(a[0])],
+        [a] => Some(vec![short(a[0])]),
         // The offsets from the mean are small, and so are the errors of their eigenvalues.
         _ => {
             let of_mean = Long::new(TwoFloat::from(1.0 / k as f64), TwoFloat::from(0.0));
             let mean = (0..k).fold(long(Complex::default()), |sum, j| sum + small[j][j]) * of_mean;
             let offset = |i: usize, j: usize| short(if i == j { small[j][j] - mean } else { small[j][i] });
-            let failed = || ValidationError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_STEPS };
-            let schur = Schur::try_new(DMatrix::from_fn(k, k, offset), f64::EPSILON, 100 * k).ok_or_else(failed)?;
-            let offsets = schur.eigenvalues().ok_or_else(failed)?;
-            offsets.iter().map(|&d| short(mean + long(d))).collect()
-        }
-    };
-    lambdas.iter().map(|&lambda| Ok(Refined { lambda, condition: condition(system, lambda, &lambdas)? })).collect()
-}
-
-/// The condition number of [`Refined::condition`]; `together` are the eigenvalues of the pair, or the one.
-fn condition(system: &SecondOrder, lambda: Complex<f64>, together: &[Complex<f64>]) -> Result<f64, ValidationError> {
-    let mut work = Workspace::default();
-    let right = cea::right_vectors(system, together, &mut work)?;
-    let left = cea::right_vectors(&transposed(system), together, &mut work)?;
-    let derivative = system.dynamic_stiffness_derivative(lambda);
-    let k = together.len();
-    let slope = DMatrix::from_fn(k, k, |i, j| left[i].dot(&(&derivative * &right[j])));
-    Ok(size(system, lambda) / (lambda.norm() * slope.singular_values().min()))
-}
-
-/// The system whose right vectors are the conjugates of the left vectors of this one.
-pub(crate) fn transposed(system: &SecondOrder) -> SecondOrder {
-    SecondOrder {
-        m: system.m.transpose(),
-        c: system.c.transpose(),
-        k: system.k.transpose(),
-        internal: Internal {
-            decay: system.internal.decay.clone(),
-            drive: system.internal.force.transpose(),
-            force: system.internal.drive.transpose(),
-        },
-    }
-}
-
-/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share: what relative changes of M, C, K, E, F and a amount to in
-/// Q(lambda). A state's gain g = lambda / (lambda + a) changes by `|a / (lambda + a)|` of itself.
-pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
-    let l = lambda.norm();
-    let states = (0..system.states()).map(|s| {
-        let (decay, sum) = (system.internal.decay[s], (lambda + system.internal.decay[s]).norm());
-        l / sum
-            * (1.0 + decay.abs() / sum)
-            * system.internal.drive.row(s).norm()
-            * system.internal.force.column(s).norm()
-    });
-    l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states.sum::<f64>()
-}
-
-/// The smallest normwise backward error with which `lambda` is an eigenvalue: the least singular value of Q(lambda) over
-/// the size of its terms.
-pub(crate) fn least_backward_error(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
-    least_singular_value(system.dynamic_stiffness(lambda)) / size(system, lambda).max(f64::MIN_POSITIVE)
-}
-
-/// By inverse iteration from both sides in turn; 0 where the factorisation finds an exact zero.
-fn least_singular_value(q: DMatrix<Complex<f64>>) -> f64 {
-    let mut x = DVector::from_fn(q.nrows(), |i, _| Complex::from_polar(1.0, ((i + 1) * (i + 2)) as f64)).normalize();
-    let (adjoint, factor) = (q.adjoint().lu(), q.lu());
-    let mut least = f64::INFINITY;
-    for _ in 0..3 {
-        for side in [&adjoint, &factor] {
-            if !side.solve_mut(&mut x) {
-                return 0.0;
-            }
-            least = least.min(1.0 / x.norm());
-            x.normalize_mut();
+            let schur = Schur::try_new(DMatrix::from_fn(k, k, offset), f64::EPSILON, 100 * k)?;
+            Some(schur.eigenvalues()?.iter().map(|&d| short(mean + long(d))).collect())
         }
     }
-    least
-}
-
-/// The Jacobian of the equations with S = lambda I, (n + s + k) x (n + s + k).
-fn bordered(system: &SecondOrder, lambda: Complex<f64>, w: &[DVector<Complex<f64>>]) -> DMatrix<Complex<f64>> {
-    let (n, s, k) = (system.order(), system.states(), w.len());
-    let mut matrix = DMatrix::zeros(n + s + k, n + s + k);
-    let square = lambda * lambda;
-    for j in 0..n {
-        for i in 0..n {
-            matrix[(i, j)] = square * system.m[(i, j)] + lambda * system.c[(i, j)] + system.k[(i, j)];
-            for (column, w) in w.iter().enumerate() {
-                matrix[(i, n + s + column)] += (2.0 * lambda * system.m[(i, j)] + system.c[(i, j)]) * w[j];
-            }
-        }
-        for i in 0..s {
-            matrix[(n + i, j)] = -lambda * system.internal.drive[(i, j)];
-            matrix[(j, n + i)] = Complex::from(-system.internal.force[(j, i)]);
-            for (column, w) in w.iter().enumerate() {
-                matrix[(n + i, n + s + column)] -= system.internal.drive[(i, j)] * w[j];
-            }
-        }
-    }
-    for (column, w) in w.iter().enumerate() {
-        for i in 0..s {
-            matrix[(n + i, n + i)] = lambda + system.internal.decay[i];
-            matrix[(n + i, n + s + column)] += w[n + i];
-        }
-        for j in 0..n + s {
-            matrix[(n + s + column, j)] = w[j].conj();
-        }
-    }
-    matrix
-}
-
-/// The left-hand sides of the equations but the last in double-double, rounded at the end; W, W S and W S^2 given.
-fn residuals(
-    system: &SecondOrder,
-    w: &[Vec<Long>],
-    first: &[Vec<Long>],
-    second: &[Vec<Long>],
-) -> Vec<DVector<Complex<f64>>> {
-    let (n, s) = (system.order(), system.states());
-    let of_column = |((w, first), second): ((&Vec<Long>, &Vec<Long>), &Vec<Long>)| {
-        let mut sums = vec![long(Complex::default()); n + s];
-        for j in 0..n {
-            for (i, sum) in sums[..n].iter_mut().enumerate() {
-                add(sum, second[j], system.m[(i, j)]);
-                add(sum, first[j], system.c[(i, j)]);
-                add(sum, w[j], system.k[(i, j)]);
-            }
-            for i in 0..s {
-                add(&mut sums[n + i], first[j], -system.internal.drive[(i, j)]);
-                add(&mut sums[j], w[n + i], -system.internal.force[(j, i)]);
-            }
-        }
-        for i in 0..s {
-            add(&mut sums[n + i], w[n + i], system.internal.decay[i]);
-            sums[n + i] += first[n + i];
-        }
-        DVector::from_iterator(n + s, sums.into_iter().map(short))
-    };
-    w.iter().zip(first).zip(second).map(of_column).collect()
-}
-
-/// `W S`, both by columns.
-fn product(w: &[Vec<Long>], small: &[Vec<Long>]) -> Vec<Vec<Long>> {
-    let entry = |row: usize, column: &Vec<Long>| {
-        w.iter().zip(column).fold(long(Complex::default()), |sum, (w, &s)| sum + w[row] * s)
-    };
-    small.iter().map(|column| (0..w[0].len()).map(|row| entry(row, column)).collect()).collect()
-}
-
-fn add(sum: &mut Long, factor: Long, entry: f64) {
-    if entry != 0.0 {
-        sum.re += factor.re * entry;
-        sum.im += factor.im * entry;
-    }
-}
-
-fn long(z: Complex<f64>) -> Long {
-    Complex::new(TwoFloat::from(z.re), TwoFloat::from(z.im))
-}
-
-fn short(z: Long) -> Complex<f64> {
-    Complex::new(f64::from(z.re), f64::from(z.im))
 }
 
 #[cfg(test)]

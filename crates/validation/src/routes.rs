@@ -5,7 +5,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
-/// Steps of nalgebra's QR iteration in all, for it has no cap of its own.
+/// Most steps of nalgebra's QR iteration in all, which has no cap of its own; chosen.
 const MOST_STEPS: usize = 100_000;
 
 /// All eigenvalues of each system, `None` where the route fails.
@@ -13,7 +13,7 @@ pub type Spectra = Vec<Option<Vec<Complex<f64>>>>;
 
 /// A way to all eigenvalues.
 #[derive(Clone, Copy)]
-pub struct Route {
+pub struct SolverRoute {
     /// What it is called in a report.
     pub name: &'static str,
     /// The eigenvalues of systems of one shape.
@@ -21,13 +21,13 @@ pub struct Route {
 }
 
 /// The routes of this project and what they are compared with.
-pub fn routes() -> Vec<Route> {
+pub fn routes() -> Vec<SolverRoute> {
     vec![
-        Route { name: "QrSolver", solve: |systems| by(&QrSolver, systems) },
-        Route { name: "BatchSolver, SIMD", solve: |systems| by(&BatchSolver, systems) },
-        Route { name: "general: QR or QZ", solve: |systems| systems.iter().map(by_general).collect() },
-        Route { name: "nalgebra Schur, scaled", solve: |systems| systems.iter().map(by_schur_scaled).collect() },
-        Route { name: "nalgebra Schur, raw", solve: |systems| systems.iter().map(by_schur_raw).collect() },
+        SolverRoute { name: "QrSolver", solve: |systems| by(&QrSolver, systems) },
+        SolverRoute { name: "BatchSolver, SIMD", solve: |systems| by(&BatchSolver, systems) },
+        SolverRoute { name: "general: QR or QZ", solve: |systems| systems.iter().map(by_general).collect() },
+        SolverRoute { name: "nalgebra Schur, scaled", solve: |systems| systems.iter().map(by_schur_scaled).collect() },
+        SolverRoute { name: "nalgebra Schur, raw", solve: |systems| systems.iter().map(by_schur_raw).collect() },
     ]
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
 }
 
 /// For each of `wanted` the place of the eigenvalue that a route has for it: nearest first, none twice.
-pub(crate) fn matches(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Option<usize>> {
+pub(crate) fn nearest_pairs(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, w) in wanted.iter().enumerate() {
         pairs.extend(found.iter().enumerate().map(|(j, f)| ((f - w).norm(), i, j)));
@@ -97,7 +97,7 @@ pub(crate) fn matches(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Op
 
 /// The relative error of each of `wanted` in what a route found; infinite where nothing is left to be compared with.
 pub fn relative_errors(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<f64> {
-    let places = matches(wanted, found).into_iter().zip(wanted);
+    let places = nearest_pairs(wanted, found).into_iter().zip(wanted);
     places.map(|(at, w)| at.map_or(f64::INFINITY, |at| (found[at] - w).norm() / w.norm())).collect()
 }
 

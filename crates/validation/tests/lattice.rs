@@ -11,7 +11,7 @@ use squeal::case::{Case, Law};
 use squeal::estimators::{Exact, OneParameterFamily, exact};
 use squeal::study::{Plan, Study};
 use squeal::tracking::Branches;
-use validation::{HardResult, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
+use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
 /// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
 fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
@@ -126,7 +126,7 @@ fn the_lattice_at_its_extremes_is_solved_to_its_targets() {
         let modes = case.system.order() + if case.name.starts_with("lateral") { 9 } else { 0 };
         assert_eq!(case.reference.len(), modes, "{}", case.name);
         for result in case.judge().iter().filter(|r| ["QrSolver + verdict", "general + certify"].contains(&r.route())) {
-            let HardResult::Judged(judged) = result else { panic!("{result:?}") };
+            let RouteOutcome::Judged(judged) = result else { panic!("{result:?}") };
             assert!(judged.max_error_in_condition_epsilon <= 100.0, "{judged:?}");
             assert!(judged.max_backward_error <= 1e-14, "{judged:?}");
             assert_eq!((judged.wrong_signs, judged.false_instabilities), (0, 0), "{judged:?}");

@@ -1,11 +1,11 @@
 //! What it costs: every route to the eigenvalues against its peers, then the study by its stages and as a whole.
 
-mod growing;
 mod machine;
 mod problems;
 mod python;
 mod rounds;
 mod routes;
+mod secular;
 mod stages;
 mod study;
 mod table;
@@ -23,7 +23,7 @@ use crate::error::TaskError;
 use machine::Machine;
 use problems::{Problem, SIZES};
 use python::Python;
-use rounds::{RouteRow, measure};
+use rounds::{RouteTime, measure};
 use study::StudyTimes;
 
 /// Time: eigenvalue routes against their peers, the stages of the study, the whole of it
@@ -61,7 +61,7 @@ impl BenchArgs {
 #[derive(Debug, Serialize)]
 struct BenchReport {
     machine: Machine,
-    routes: Vec<RouteRow>,
+    routes: Vec<RouteTime>,
     study: StudyTimes,
 }
 
@@ -153,7 +153,7 @@ mod tests {
             assert!(row["n"] == 10 && row["states"] == 0 && row["us"].as_f64().unwrap() > 0.0, "{row}");
             let limit = if row["route"].as_str().unwrap().contains("raw") { 1e-6 } else { 1e-12 };
             // Where no mode of the draws with known eigenvalues grows, there is none to be compared.
-            let is_growing = row["route"] == growing::GROWING;
+            let is_growing = row["route"] == secular::GROWING;
             assert!(row["max_error"].as_f64().map_or(is_growing, |error| error < limit), "{row}");
             assert_eq!(row["ratio_to_dgeev"].is_null(), !cfg!(feature = "lapack"), "{row}");
         }

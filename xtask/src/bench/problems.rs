@@ -11,7 +11,7 @@ use squeal::montecarlo::stream;
 use squeal::osc_model::{BrakeModel, ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters, Linearise};
 use squeal::study::{ANCHORS, Sample, sliding};
 
-use super::growing::Growing;
+use super::secular::SecularRoute;
 
 /// One size of problem: a lattice with every oscillator in contact. It has 3 (rows x columns) + 3 degrees of freedom.
 pub struct Size {
@@ -52,7 +52,7 @@ pub struct Problem {
     /// All eigenvalues of the first systems, refined in double-double, rad/s.
     pub references: Vec<Vec<Complex<f64>>>,
     /// The same draws for the secular equation.
-    pub growing: Option<Growing>,
+    pub growing: Option<SecularRoute>,
 }
 
 impl Problem {
@@ -85,7 +85,7 @@ impl Problem {
             states: systems[0].states(),
             systems,
             references,
-            growing: Growing::new(&lattice, &anchors, &states)?,
+            growing: SecularRoute::new(&lattice, &anchors, &states)?,
         })
     }
 }

@@ -7,15 +7,15 @@ use serde::Serialize;
 use squeal::montecarlo::quantile;
 use validation::{Spectra, relative_errors};
 
-use super::growing::GROWING;
 use super::problems::Problem;
 use super::python::Python;
 use super::routes::{DGEEV, routes};
+use super::secular::GROWING;
 use crate::error::TaskError;
 
 /// A route on one size of problem.
 #[derive(Debug, Clone, Serialize)]
-pub struct RouteRow {
+pub struct RouteTime {
     /// The route.
     pub route: String,
     /// Degrees of freedom.
@@ -48,7 +48,7 @@ struct Timed {
 ///
 /// # Errors
 /// A Python process that ended.
-pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteRow>, TaskError> {
+pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteTime>, TaskError> {
     let routes = routes();
     // The eigenvalues come from a first call each, which also warms up memory and caches.
     let mut timed: Vec<Timed> = routes
@@ -87,11 +87,11 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
     timed.iter().map(|timed| row(problem, timed, dgeev.as_deref())).collect()
 }
 
-fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteRow, TaskError> {
+fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteTime, TaskError> {
     let per_problem = 1e6 / problem.systems.len() as f64;
     let us = sorted(timed.seconds.iter().map(|s| s * per_problem));
     let ratios = dgeev.map(|dgeev| sorted(timed.seconds.iter().zip(dgeev).map(|(own, dgeev)| own / dgeev)));
-    Ok(RouteRow {
+    Ok(RouteTime {
         route: timed.name.clone(),
         n: problem.n,
         states: problem.states,

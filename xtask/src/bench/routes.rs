@@ -1,14 +1,14 @@
 //! The routes written in Rust: this project's, and its peers behind features.
 
-use validation::Route;
+use validation::SolverRoute;
 
 /// The routes of this project, nalgebra, and LAPACK and faer where they are built in.
-pub fn routes() -> Vec<Route> {
-    let peers: &[Route] = &[
+pub fn routes() -> Vec<SolverRoute> {
+    let peers: &[SolverRoute] = &[
         #[cfg(feature = "lapack")]
-        Route { name: DGEEV, solve: peers::dgeev },
+        SolverRoute { name: DGEEV, solve: peers::dgeev },
         #[cfg(feature = "faer")]
-        Route { name: "faer, scaled", solve: peers::faer },
+        SolverRoute { name: "faer, scaled", solve: peers::faer },
     ];
     validation::routes().into_iter().chain(peers.iter().copied()).collect()
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::machine::Machine;
 use super::problems::Problem;
-use super::rounds::RouteRow;
+use super::rounds::RouteTime;
 use super::study::StudyTimes;
 
 /// Where it ran and what was solved.
@@ -34,7 +34,7 @@ fn size(n: usize, states: usize) -> String {
 }
 
 /// Every route on every size.
-pub fn routes(rows: &[RouteRow]) -> String {
+pub fn routes(rows: &[RouteTime]) -> String {
     let mut lines = vec![["n", "route", "us", "quartiles", "ratio", "dgeev / route", "error"].map(String::from)];
     for (at, row) in rows.iter().enumerate() {
         let own = size(row.n, row.states);

@@ -6,8 +6,8 @@ use friction::{AmontonsCoulomb, BristleDamping, FrictionLaw, LuGre, LuGreParamet
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{
-    BrakeModel, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, Linearise,
-    PlateParameters, Sliding,
+    ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters,
+    Sliding,
 };
 
 /// The 3 x 3 lattice of the published table, with oscillators of 0.39 kg.
@@ -61,7 +61,7 @@ pub fn lugre(speed: f64) -> Tangent {
 }
 
 pub fn contact(tangent: Tangent) -> ContactPoint {
-    ContactPoint { tangent, lateral_mu: 0.4, normal_load: 600.0, stiffness_factor: 1.0 }
+    ContactPoint { tangent, lateral_mu: 0.4, normal_load: 600.0 }
 }
 
 /// The same contact at each of `count` oscillators.

@@ -3,7 +3,7 @@
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
-use super::{Case, Draws, Labels, Law};
+use super::{Draws, Labels, LatticeCase, Law};
 
 /// One reading other than the case's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +57,7 @@ impl Alternative {
     }
 }
 
-impl Case {
+impl LatticeCase {
     /// The case under another reading.
     pub fn with(&self, alternative: &Alternative) -> Self {
         let mut case = self.clone();

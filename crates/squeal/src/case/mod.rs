@@ -1,4 +1,4 @@
-//! Case files: a study as data.
+//! LatticeCase files: a study as data.
 
 mod alternative;
 mod distribution;
@@ -11,4 +11,4 @@ pub use alternative::Alternative;
 pub use distribution::Distribution;
 pub use error::CaseError;
 pub use schema::{Draws, Labels, Law};
-pub use types::{Case, ConstraintSet, FrictionDistributions, LatticeReadings, Paper, SpeedRange};
+pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

@@ -11,7 +11,7 @@ use super::{Alternative, Distribution};
 
 /// A study, checked.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct LatticeCase {
     /// Where it was read from.
     pub path: PathBuf,
     /// The text that it was read from.
@@ -136,7 +136,7 @@ pub struct Paper {
     pub analyses_per_arrangement: u64,
 }
 
-impl Case {
+impl LatticeCase {
     /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
     /// computed from.
     pub fn identity(&self) -> String {

@@ -9,12 +9,14 @@ use osc_model::{
 };
 
 use super::schema::{self, Chain, File, Values};
-use super::{Alternative, Case, CaseError, ConstraintSet, FrictionDistributions, LatticeReadings, Paper, SpeedRange};
+use super::{
+    Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
+};
 
 /// The most arrangements that a case may have: each has a scene of its own in memory.
 const MOST_ARRANGEMENTS: usize = 100_000;
 
-impl Case {
+impl LatticeCase {
     /// The most samples of a study; with them every count of it fits in 64 bits.
     pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
 
@@ -30,7 +32,7 @@ impl Case {
     /// Checks the text of a case file; `path` is for messages.
     ///
     /// # Errors
-    /// As [`Case::read`].
+    /// As [`LatticeCase::read`].
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };

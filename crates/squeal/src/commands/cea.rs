@@ -4,14 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers, verdict};
-use linsys::SecondOrder;
-use osc_model::{BrakeModel, ContactArrangement, Linearise, PreparedLattice};
+use linsys::OperatingPoint;
+use num_complex::Complex;
+use osc_model::{Brake, ContactArrangement, PreparedLattice};
 use serde_json::{Value, json};
-use work::{Family, ModeWork, family_work};
+use work::ModeWork;
 
 use crate::Error;
-use crate::case::{Case, Law};
-use crate::study::{Plan, Sample, sliding};
+use crate::brakes::{LatticeSample, lattice, sliding};
+use crate::case::{LatticeCase, Law};
+use crate::study::mode_work;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -40,10 +42,11 @@ pub struct CeaArgs {
 
 /// One mode of the table.
 struct Row {
-    lambda: num_complex::Complex<f64>,
+    lambda: Complex<f64>,
     rank: usize,
     verdict: Verdict,
-    shape: Option<(Vec<num_complex::Complex<f64>>, ModeWork)>,
+    /// Over all degrees of freedom, with the work on each body.
+    shape: Option<(Vec<Complex<f64>>, ModeWork)>,
 }
 
 impl CeaArgs {
@@ -52,30 +55,11 @@ impl CeaArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let plan = Plan::new(Case::read(&self.case)?)?;
-        let (law, lattice, speed) = self.scene(&plan)?;
-        let at = sliding(&plan.case, &lattice, law, speed, &Sample::median(&plan.case), |_| 1.0)?;
-        let system = lattice.linearised(&at)?;
-        let mut work = Workspace::default();
-        let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
-        let modes = Modes::classify(&system, &spectrum, &mut work)?;
-
-        let mut friction = SecondOrder::zeros(system.order(), 0);
-        lattice.linearise_friction(&at, &mut friction)?;
-        let damping = lattice.structural().damping_alone();
-        let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
-        let mut rows = Vec::new();
-        for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-            let shape = if self.modes {
-                let mode = Mode::at(&system, &[lambda], &mut work)?.swap_remove(0);
-                let energy = family_work(&lattice.structural().m, &families, lambda, &mode.shape, lattice.bodies())?;
-                Some((lattice.dof_map().expand(&mode.shape).iter().copied().collect(), energy))
-            } else {
-                None
-            };
-            let verdict = verdict(&system, lambda, spectrum.scale, &mut work)?;
-            rows.push(Row { lambda, rank: modes.rank(index), verdict, shape });
-        }
+        let case = LatticeCase::read(&self.case)?;
+        let (law, lattice, speed) = self.scene(&case)?;
+        let state = sliding(&case, &lattice, law, speed, &LatticeSample::median(&case))?;
+        let at = lattice.operating_point(&state)?;
+        let (rows, modes) = analyse(lattice.brake(), &at, self.modes)?;
         let text = if self.json {
             let scene = json!({
                 "law": law.name(),
@@ -87,14 +71,13 @@ impl CeaArgs {
             let contacts = lattice.arrangement();
             format!(
                 "{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters\n\n{}",
-                table(&rows, &modes)
+                table(&rows, &modes, lattice.brake())
             )
         };
         out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
     }
 
-    fn scene(&self, plan: &Plan) -> Result<(Law, PreparedLattice, f64), Error> {
-        let case = &plan.case;
+    fn scene(&self, case: &LatticeCase) -> Result<(Law, PreparedLattice, f64), Error> {
         let refused = |option, value: &str, allowed: String| Error::Option { option, value: value.into(), allowed };
         let law = match &self.law {
             None => case.laws[0],
@@ -124,11 +107,32 @@ impl CeaArgs {
         if !(speed.is_finite() && speed > 0.0) {
             return Err(refused("--speed", &speed.to_string(), "a speed in m/s, > 0".into()));
         }
-        Ok((law, plan.models[constraints].prepare(&arrangement)?, speed))
+        Ok((law, lattice(case, constraints, &arrangement)?, speed))
     }
 }
 
-fn table(rows: &[Row], modes: &Modes) -> String {
+/// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.
+fn analyse(brake: &Brake, at: &OperatingPoint, wants_shapes: bool) -> Result<(Vec<Row>, Modes), Error> {
+    let system = brake.system.assemble(at)?;
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
+    let modes = Modes::classify(&system, &spectrum, &mut work)?;
+    let mut rows = Vec::with_capacity(modes.oscillatory.len());
+    for (index, &lambda) in modes.oscillatory.iter().enumerate() {
+        let shape = if wants_shapes {
+            let mode = Mode::at(&system, &[lambda], &mut work)?.swap_remove(0);
+            let energy = mode_work(brake, at, &mode)?;
+            Some((brake.dofs.expand(&mode.shape).iter().copied().collect(), energy))
+        } else {
+            None
+        };
+        let verdict = verdict(&system, lambda, spectrum.scale, &mut work)?;
+        rows.push(Row { lambda, rank: modes.rank(index), verdict, shape });
+    }
+    Ok((rows, modes))
+}
+
+fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
     let mut text = format!(
         "{:>4}  {:>7}  {:>12}  {:>14}  {:>14}  {:>10}\n",
         "rank", "of 2n", "Hz", "growth 1/s", "damping ratio", "verdict"
@@ -145,7 +149,7 @@ fn table(rows: &[Row], modes: &Modes) -> String {
             row.verdict.to_string()
         );
         if let Some((shape, energy)) = &row.shape {
-            text += &bodies(shape, energy);
+            text += &bodies(shape, energy, brake);
         }
     }
     if !modes.real.is_empty() {
@@ -158,17 +162,25 @@ fn table(rows: &[Row], modes: &Modes) -> String {
     text + "\ndamping ratio: -Re / |lambda|, negative is unstable; rank counts overdamped modes first\n"
 }
 
-fn bodies(shape: &[num_complex::Complex<f64>], energy: &ModeWork) -> String {
+/// Shape and work of a mode, a line for each body. A shape with three components for each body is shown in full, others
+/// by the largest amplitude in the body.
+fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
+    let is_spatial = shape.len() == 3 * brake.bodies.len();
+    let heading = if is_spatial { "shape x, y, z" } else { "largest amplitude" };
     let heads: String = energy.families.iter().map(|family| format!("  {:>12}", family.name)).collect();
-    let mut text = format!("{:>10}  {:>33}{heads}\n", "", "shape x, y, z");
+    let mut text = format!("{:>10}  {heading:>33}{heads}\n", "");
     let largest = shape.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    let net = energy.net();
-    let scale = net.iter().map(|w| w.abs()).fold(f64::MIN_POSITIVE, f64::max);
-    for (body, u) in shape.chunks(3).enumerate() {
-        let name = if body + 1 == net.len() { "plate".into() } else { (body + 1).to_string() };
-        let parts: Vec<String> = u.iter().map(|u| format!("{:+.2}{:+.2}i", u.re / largest, u.im / largest)).collect();
-        let works = energy.families.iter().map(|family| format!("  {:>+12.4}", family.bodies[body] / scale));
-        text += &format!("{name:>10}  {:>33}{}\n", parts.join(" "), works.collect::<String>());
+    let scale = energy.net().iter().map(|w| w.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    for (at, body) in brake.bodies.iter().enumerate() {
+        let amplitudes = if is_spatial {
+            let parts = shape[3 * at..3 * at + 3].iter();
+            parts.map(|u| format!("{:+.2}{:+.2}i", u.re / largest, u.im / largest)).collect::<Vec<_>>().join(" ")
+        } else {
+            let own = body.dofs.iter().map(|&dof| shape[brake.dofs.free()[dof]].norm());
+            format!("{:.4}", own.fold(0.0, f64::max) / largest)
+        };
+        let works = energy.families.iter().map(|family| format!("  {:>+12.4}", family.bodies[at] / scale));
+        text += &format!("{:>10}  {amplitudes:>33}{}\n", body.name, works.collect::<String>());
     }
     text
 }

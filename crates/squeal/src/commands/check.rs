@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::run::overridden;
-use crate::case::{Case, Draws};
-use crate::study::Plan;
+use crate::brakes::LatticeBrake;
+use crate::case::{Draws, LatticeCase};
 use crate::{Error, estimate};
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
@@ -24,8 +24,8 @@ impl CheckArgs {
     /// # Errors
     /// What is wrong with the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let plan = Plan::new(overridden(Case::read(&self.case)?, self.samples, None, None)?)?;
-        let case = &plan.case;
+        let brake = LatticeBrake::new(overridden(LatticeCase::read(&self.case)?, self.samples, None, None)?)?;
+        let (case, plan) = (&brake.case, &brake.plan);
         let mut text = format!("{}: valid\n\n  study         {}\n", self.case.display(), case.name);
         let mut line = |name: &str, value: String| text += &format!("  {name:<13} {value}\n");
         let grid = case.lattice.grid;
@@ -43,7 +43,7 @@ impl CheckArgs {
             Draws::Each => "every arrangement; laws without speed in them once for all speeds",
         };
         line("to be solved", format!("{} ({classes})", plan.scenes.len() as u64 * case.samples));
-        let seconds = estimate(&plan)?.as_secs_f64();
+        let seconds = estimate(&brake)?.as_secs_f64();
         line("time", format!("roughly {} on this machine", in_words(seconds)));
         out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
     }

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::case::Case;
+use crate::brakes::LatticeBrake;
+use crate::case::LatticeCase;
 use crate::report::{claims, claims_markdown, draw_occurrence};
-use crate::study::Plan;
 use crate::{Error, run_study};
 
 /// More worker threads than any machine has cores for.
@@ -37,14 +37,14 @@ pub struct RunArgs {
 /// # Errors
 /// Samples or threads out of range.
 pub fn overridden(
-    mut case: Case,
+    mut case: LatticeCase,
     samples: Option<u64>,
     seed: Option<u64>,
     threads: Option<usize>,
-) -> Result<Case, Error> {
+) -> Result<LatticeCase, Error> {
     let refused = |option, value: String, most: u64| Error::Option { option, value, allowed: format!("1 to {most}") };
-    if let Some(samples) = samples.filter(|samples| !(1..=Case::MOST_SAMPLES).contains(samples)) {
-        return Err(refused("--samples", samples.to_string(), Case::MOST_SAMPLES));
+    if let Some(samples) = samples.filter(|samples| !(1..=LatticeCase::MOST_SAMPLES).contains(samples)) {
+        return Err(refused("--samples", samples.to_string(), LatticeCase::MOST_SAMPLES));
     }
     if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
         return Err(refused("--threads", threads.to_string(), MOST_THREADS as u64));
@@ -60,12 +60,12 @@ impl RunArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let case = overridden(Case::read(&self.case)?, self.samples, self.seed, self.threads)?;
-        let plan = Plan::new(case)?;
+        let case = overridden(LatticeCase::read(&self.case)?, self.samples, self.seed, self.threads)?;
+        let brake = LatticeBrake::new(case)?;
         let mut scorecard = None;
-        let manifest = run_study(&plan, &self.out, self.threads, &mut |results, dir| {
+        let manifest = run_study(&brake, &self.out, self.threads, &mut |results, dir| {
             draw_occurrence(results, dir)?;
-            scorecard = Some(claims(results)?);
+            scorecard = Some(claims(results, &brake)?);
             Ok(())
         })?;
         let print = |out: &mut dyn Write| -> std::io::Result<()> {

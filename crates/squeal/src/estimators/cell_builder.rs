@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use friction::{InternalTangent, Tangent};
+use linsys::{ChannelGain, Lag};
 use num_complex::Complex;
 
 use super::EstimatorError;
@@ -10,7 +10,7 @@ use super::friction_points::FrictionPoints;
 use super::kd_tree::{CORNERS, Cell, CornerNames, CrossingMode, Leaf, ModeSet};
 use super::response_surface::{ResponseSurface, link};
 use super::sample_points::{SamplePoints, SampledMode};
-use crate::study::Study;
+use crate::study::{Study, UncertainBrake};
 
 /// Halvings of each direction in any case; chosen.
 const FIRST_HALVINGS: u32 = 2;
@@ -18,7 +18,7 @@ const FIRST_HALVINGS: u32 = 2;
 const GRID_STEPS: u32 = 1 << 16;
 /// One point in so many is left outside at either end of each direction; chosen.
 const POINTS_PER_OUTLIER: usize = 4096;
-/// Points that the tangent of a sample point is taken from; chosen.
+/// Points that the gain of a sample point is taken from; chosen.
 const TANGENT_CANDIDATES: usize = 2048;
 /// A mode is clear of the axis in a whole cell from this many times the residual of its polynomial on; chosen.
 const CLEAR_RESIDUALS: f64 = 10.0;
@@ -56,12 +56,12 @@ struct CellView<'a> {
     /// Extent in H, at the frequency of the coordinates.
     extent: f64,
     /// All its points.
-    tangents: Vec<&'a Tangent>,
+    gains: Vec<&'a ChannelGain>,
 }
 
 /// The k-d tree of a scene being made.
-pub(super) struct CellBuilder<'a> {
-    solver: SamplePoints<'a>,
+pub(super) struct CellBuilder<'a, B: UncertainBrake> {
+    solver: SamplePoints<'a, B>,
     points: &'a FrictionPoints,
     coordinates: Vec<[f64; 3]>,
     from: [f64; 3],
@@ -71,9 +71,9 @@ pub(super) struct CellBuilder<'a> {
     pub names: Vec<u16>,
 }
 
-impl<'a> CellBuilder<'a> {
-    pub fn new(study: &'a Study<'a>, scene: usize, points: &'a FrictionPoints) -> Result<Self, EstimatorError> {
-        let coordinates: Vec<[f64; 3]> = points.training.iter().map(|tangent| points.coordinates(tangent)).collect();
+impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
+    pub fn new(study: &'a Study<'a, B>, scene: usize, points: &'a FrictionPoints) -> Result<Self, EstimatorError> {
+        let coordinates: Vec<[f64; 3]> = points.training.iter().map(|gain| points.coordinates(gain)).collect();
         let (mut from, mut step) = ([0.0; 3], [0.0; 3]);
         for d in 0..3 {
             let mut all: Vec<f64> = coordinates.iter().map(|point| point[d]).collect();
@@ -137,8 +137,8 @@ impl<'a> CellBuilder<'a> {
         ]
     }
 
-    /// A tangent with given coordinates: that of a point near by, its slope and the drive of its internal state moved.
-    fn tangent(&self, at: [f64; 3]) -> Tangent {
+    /// A gain with given coordinates: that of a point near by, its slope and the drive of its lag moved.
+    fn gain(&self, at: [f64; 3]) -> ChannelGain {
         let distance = |i: &usize| {
             let other = self.coordinates[*i];
             (other[1] - at[1]).powi(2) + (other[1] * other[2] - at[1] * at[2]).powi(2)
@@ -146,22 +146,22 @@ impl<'a> CellBuilder<'a> {
         let count = self.coordinates.len();
         let candidates = (0..count).step_by(count.div_ceil(TANGENT_CANDIDATES).max(1));
         let nearest = candidates.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let internal = nearest.and_then(|i| self.points.training[i].internal).filter(|state| state.force != 0.0);
-        let Some(state) = internal else {
-            return Tangent { mu: at[0], slope: at[1], internal: None };
+        let lag = nearest.and_then(|i| self.points.training[i].lag).filter(|lag| lag.force != 0.0);
+        let Some(lag) = lag else {
+            return ChannelGain { mu: at[0], slope: at[1], lag: None };
         };
-        let lag = 1.0 / Complex::new(state.decay, self.points.omega);
-        let product = at[1] * at[2] / lag.im;
-        let internal = Some(InternalTangent { drive: product / state.force, ..state });
-        Tangent { mu: at[0], slope: at[1] - product * lag.re, internal }
+        let response = 1.0 / Complex::new(lag.decay, self.points.omega);
+        let product = at[1] * at[2] / response.im;
+        let moved = Lag { drive: product / lag.force, ..lag };
+        ChannelGain { mu: at[0], slope: at[1] - product * response.re, lag: Some(moved) }
     }
 
     /// Finds the modes at those corners of some cells that are no sample points yet.
     pub fn solve(&mut self, cells: &[PendingCell]) -> Result<(), EstimatorError> {
         let wanted = cells.iter().flat_map(|cell| (0..CORNERS).map(|k| cell.corner(k)));
         let wanted: BTreeSet<[u32; 3]> = wanted.filter(|grid| !self.sample_points.contains_key(grid)).collect();
-        let tangents: Vec<Tangent> = wanted.iter().map(|&grid| self.tangent(self.at(grid))).collect();
-        let solved = self.solver.solve(&tangents)?;
+        let gains: Vec<ChannelGain> = wanted.iter().map(|&grid| self.gain(self.at(grid))).collect();
+        let solved = self.solver.solve(&gains)?;
         for &name in solved.iter().flatten().flat_map(|mode| &mode.names) {
             if !self.names.contains(&name) && self.names.len() < u64::BITS as usize {
                 self.names.push(name);
@@ -232,7 +232,7 @@ impl<'a> CellBuilder<'a> {
             modes: corners.iter().zip(&coordinates).map(|(&k, at)| (at[0], modes_at(k))).collect(),
             width: self.step[0] * f64::from(cell.size[0]),
             extent: coordinates.iter().map(|at| (slope(at) - slope(&coordinates[0])).norm()).fold(0.0, f64::max),
-            tangents: cell.points.iter().map(|&i| &self.points.training[i as usize]).collect(),
+            gains: cell.points.iter().map(|&i| &self.points.training[i as usize]).collect(),
             corners,
         }
     }
@@ -260,8 +260,8 @@ impl<'a> CellView<'a> {
     /// Whether a mode at a corner could reach the axis somewhere in the cell.
     fn reaches_axis(&self, mode: &SampledMode) -> bool {
         // At other frequencies than that of the coordinates slopes differ by more.
-        let some = self.tangents.iter().step_by(self.tangents.len().div_ceil(SLOPES_PER_CELL));
-        let away = some.map(|tangent| (tangent.complex_slope(mode.lambda) - mode.slope).norm_sqr());
+        let some = self.gains.iter().step_by(self.gains.len().div_ceil(SLOPES_PER_CELL));
+        let away = some.map(|gain| (gain.complex_slope(mode.lambda) - mode.slope).norm_sqr());
         let extent = away.fold(self.extent * self.extent, f64::max).sqrt();
         mode.lambda.re + RATE_MARGIN * (mode.by_mu.re.abs() * self.width + mode.by_slope.norm() * extent) > 0.0
     }
@@ -273,7 +273,7 @@ impl<'a> CellView<'a> {
 
     /// Re lambda at each point of the cell, and whether its slope is outside the surface's range.
     fn growths(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
-        let at = self.tangents.iter().map(|tangent| surface.eigenvalue(tangent));
+        let at = self.gains.iter().map(|gain| surface.eigenvalue(gain));
         at.map(|(lambda, is_outside)| (lambda.re, is_outside)).collect()
     }
 }

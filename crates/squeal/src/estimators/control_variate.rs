@@ -16,25 +16,16 @@
 //! interval by Student's t. Some thousand solutions do what takes plain Monte Carlo a million. A bad prediction makes the
 //! interval wide, never wrong.
 
-use std::collections::BTreeMap;
-
 use montecarlo::Experiment as _;
 
-use super::friction_points::{FrictionPoints, tangent};
-use super::interval::{PredictionMeans, intervals};
+use super::evaluations::Evaluations;
+use super::friction_points::{FrictionPoints, LeadingFriction};
+use super::interval::{INTERIM_LOOKS, PredictionMeans, intervals, tails};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
-use super::{Estimated, EstimatorError, Surrogate};
-use crate::study::{Sample, Scratch, Study, unstable_names};
+use super::{ControlVariateEstimate, EstimatorError, Surrogate};
+use crate::study::{Scratch, Study, UncertainBrake, unstable_names};
 
-/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
-/// the 0.001 of [`super::interval::UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
-const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
-/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
-const CLEAR_TAIL_PART: f64 = 0.7;
-/// Error probabilities of the first look, for tests of the intervals.
-#[cfg(test)]
-pub(super) const FIRST_TAILS: [f64; 2] = tails(INTERIM_LOOKS[0].0);
 /// Half width that the first look is sized for, as a part of the one asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
 /// Parts of that which Student's t may have, of which the cheapest is taken; chosen.
@@ -56,35 +47,12 @@ const SAMPLES_PER_BLOCK: usize = 2048;
 /// Draws for a block after which it stays as small as it is: some surrogates leave hardly any doubt. Chosen.
 const MOST_DRAWS: usize = 4_000_000;
 
-/// Occurrences of one scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ControlVariateEstimate {
-    /// By name, with the half width of the 95 % interval.
-    pub modes: BTreeMap<u16, Estimated>,
-    /// Upper limit of the occurrence of any mode that is not listed.
-    pub unseen: f64,
-    /// Samples solved in full.
-    pub solved: u64,
-    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
-    pub wrong: [u64; 2],
-    /// Probability that the prediction is uncertain.
-    pub uncertain: f64,
-}
-
-impl ControlVariateEstimate {
-    /// The largest half width, without what open names leave open: more samples do not close that.
-    pub fn half_width(&self) -> f64 {
-        let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
-        self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
-    }
-}
-
 /// The occurrences of a scene to `half_width` at 95 %, or as near as the last look gets.
 ///
 /// # Errors
 /// A sample that cannot be solved.
-pub fn control_variate(
-    study: &Study<'_>,
+pub fn control_variate<B: UncertainBrake>(
+    study: &Study<'_, B>,
     scene: usize,
     points: &FrictionPoints,
     seed: u64,
@@ -94,10 +62,10 @@ pub fn control_variate(
     let samples_needed = |share: f64| variance(share, prior_wrong(share)) / variance_allowed;
     let surrogate = Surrogate::new(study, scene, points, samples_needed)?;
     let means = PredictionMeans::new(&surrogate, points);
-    let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed);
+    let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed)?;
     let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
+    let mut pilots = Stratum::default();
     if first[1] > 2 * PILOTS {
-        let mut pilots = Stratum::default();
         samples.solve(1, PILOTS, &mut pilots)?;
         first = first_sizes(&means, pilots.most_wrong(), half_width);
     }
@@ -107,7 +75,13 @@ pub fn control_variate(
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
             samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
         }
-        let found = intervals(&means, &strata, tails(tail), look == 0);
+        let evaluations = Evaluations {
+            sample_points: surrogate.sample_points(),
+            pilots: pilots.samples,
+            clear: strata[0].samples,
+            uncertain: strata[1].samples,
+        };
+        let found = intervals(&means, &strata, tails(tail), look == 0, evaluations);
         let is_narrow = found.half_width() <= half_width;
         result = Some(found);
         if is_narrow {
@@ -115,11 +89,6 @@ pub fn control_variate(
         }
     }
     result.ok_or(EstimatorError::NoConvergence { what: "an occurrence", left: 1.0, steps: 0 })
-}
-
-/// A look's error probabilities of the clear samples and of Student's t.
-const fn tails(tail: f64) -> [f64; 2] {
-    [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
 }
 
 /// In which part of the uncertain samples, `share` of all, the prediction is taken to be wrong beforehand.
@@ -156,20 +125,23 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
 }
 
 /// The samples of a scene, drawn in the study's order and solved as many of each kind as are asked for.
-struct StratifiedSamples<'a> {
-    study: &'a Study<'a>,
+struct StratifiedSamples<'a, B: UncertainBrake> {
+    study: &'a Study<'a, B>,
+    friction: LeadingFriction<'a, B>,
     scene: usize,
     surrogate: &'a Surrogate,
     seed: u64,
     next: u64,
     /// Drawn and not solved, with the prediction.
-    waiting: [Vec<(Sample, ModeSet)>; 2],
+    waiting: [Vec<(B::Sample, ModeSet)>; 2],
     scratch: Scratch,
 }
 
-impl<'a> StratifiedSamples<'a> {
-    fn new(study: &'a Study<'a>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Self {
-        Self { study, scene, surrogate, seed, next: 0, waiting: Default::default(), scratch: Scratch::default() }
+impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
+    fn new(study: &'a Study<'a, B>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Result<Self, EstimatorError> {
+        let friction = LeadingFriction::new(study.brake(), &study.plan().scenes[scene])?;
+        let waiting = [Vec::new(), Vec::new()];
+        Ok(Self { study, friction, scene, surrogate, seed, next: 0, waiting, scratch: Scratch::default() })
     }
 
     /// Solves clear (0) or uncertain (1) samples until a stratum has so many, or as many as are found.
@@ -181,7 +153,7 @@ impl<'a> StratifiedSamples<'a> {
                 break;
             }
             let block: Vec<_> = self.waiting[kind].drain(..wanted).collect();
-            let samples: Vec<&Sample> = block.iter().map(|(sample, _)| sample).collect();
+            let samples: Vec<&B::Sample> = block.iter().map(|(sample, _)| sample).collect();
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
@@ -193,15 +165,13 @@ impl<'a> StratifiedSamples<'a> {
 
     /// Draws samples until so many of a kind wait.
     fn draw(&mut self, kind: usize, wanted: usize) -> Result<(), EstimatorError> {
-        let (plan, key) = (self.study.plan(), self.study.plan().scenes[self.scene].key);
         for _ in 0..MOST_DRAWS {
             if self.waiting[kind].len() >= wanted {
                 break;
             }
-            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(self.seed, self.next));
-            let sample = sample.map_err(crate::Error::from)?;
+            let sample = self.study.brake().draw(&mut montecarlo::stream(self.seed, self.next))?;
             self.next += 1;
-            let prediction = self.surrogate.predict(&tangent(plan, key, &sample)?);
+            let prediction = self.surrogate.predict(&self.friction.of(&sample)?);
             let waiting = &mut self.waiting[usize::from(prediction.is_uncertain)];
             // One kind is rare: not all of the other are needed.
             if waiting.len() < SAMPLES_PER_BLOCK {

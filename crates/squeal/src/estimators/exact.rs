@@ -11,7 +11,7 @@ use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
 use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
-use crate::study::{Plan, Reference, Sample};
+use crate::study::Reference;
 
 /// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
@@ -33,10 +33,10 @@ pub struct Exact {
 ///
 /// # Errors
 /// Those of [`OneParameterFamily::onsets`].
-pub fn exact(plan: &Plan, reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
-    let distribution = plan.case.friction.mu;
+pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
+    let distribution = family.distribution();
     let (from, to) = support(distribution);
-    let median = Sample::median(&plan.case).contact(0).mu;
+    let median = distribution.median();
     family.lambdas(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];

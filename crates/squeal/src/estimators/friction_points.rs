@@ -1,65 +1,142 @@
-//! The friction of a law in a speed range as sampling sees it, for all its scenes at once.
+//! The friction of a scene as sampling sees it: points that cost no eigenproblem.
 //!
-//! With one draw for all contacts, friction acts on a mode through two numbers: mu and the complex slope
-//! `H(i omega) = h + b_F b / (i omega + a)` of [`Tangent::complex_slope`]. Points of that plane cost no eigenproblem and
-//! are the same for every arrangement of contacts.
+//! With friction alike in all contacts it acts on a mode through two numbers: mu and the complex slope
+//! `s(i omega)` of [`ChannelGain::complex_slope`].
 
-use friction::Tangent;
+use linsys::{ChannelGain, OperatingPoint};
 use num_complex::Complex;
 
 use super::EstimatorError;
-use super::sampling::sobol_sample;
-use crate::case::Draws;
-use crate::study::{Plan, Sample, SceneKey};
+use crate::study::{Scene, UncertainBrake};
 
-/// Scrambled Sobol points of a law's tangents.
+/// Largest number of points of the Sobol sequence; the tables of the generator end there.
+const MOST_POINTS: u32 = 1 << 16;
+/// Points at which the friction of two scenes is compared before one takes the points of the other; chosen.
+const COMPARED_POINTS: usize = 64;
+
+/// Scrambled Sobol points of the friction of a scene.
 #[derive(Debug, Clone)]
 pub struct FrictionPoints {
     /// Points by scrambling.
-    pub(super) scramblings: Vec<Vec<Tangent>>,
+    pub(super) scramblings: Vec<Vec<ChannelGain>>,
     /// Points of one more scrambling, for making a surrogate: it must not depend on the points that its mean is taken over.
-    pub(super) training: Vec<Tangent>,
+    pub(super) training: Vec<ChannelGain>,
     /// A frequency near the axis, rad/s.
     pub(super) omega: f64,
 }
 
 impl FrictionPoints {
-    /// `points` of the Sobol sequence in each of `scramblings`, for the scenes of `plan` with the law and speed range of
-    /// `key`; modes near the axis have frequencies about `omega`, rad/s.
+    /// `points` of the Sobol sequence in each of `scramblings`, for a scene of a brake; modes near the axis have frequencies
+    /// about `omega`, rad/s.
     ///
     /// # Errors
-    /// [`EstimatorError::NotShared`]; a draw that the law refuses.
-    pub fn new(plan: &Plan, key: SceneKey, omega: f64, points: u32, scramblings: u32) -> Result<Self, EstimatorError> {
-        let case = &plan.case;
-        if case.readings.draws != Draws::Shared {
-            return Err(EstimatorError::NotShared);
-        }
-        if points == 0 || points > 1 << 16 || scramblings < 2 {
+    /// [`EstimatorError::NotShared`]; a sample that has no operating point.
+    pub fn new<B: UncertainBrake>(
+        brake: &B,
+        scene: &Scene,
+        omega: f64,
+        points: u32,
+        scramblings: u32,
+    ) -> Result<Self, EstimatorError> {
+        if points == 0 || points > MOST_POINTS || scramblings < 2 {
             return Err(EstimatorError::Points { points, scramblings });
         }
+        let friction = LeadingFriction::new(brake, scene)?;
         let of_scrambling = |seed: u32| {
-            let of_index = |i: u32| tangent(plan, key, &sobol_sample(case, key.law, i, seed));
-            (0..points).map(of_index).collect::<Result<Vec<Tangent>, EstimatorError>>()
+            let of_index = |i: u32| friction.at_sobol_point(i, seed);
+            (0..points).map(of_index).collect::<Result<Vec<ChannelGain>, EstimatorError>>()
         };
-        let scrambled = (1..=scramblings).map(of_scrambling).collect::<Result<_, EstimatorError>>()?;
-        Ok(Self { scramblings: scrambled, training: of_scrambling(0)?, omega })
+        let scramblings = (1..=scramblings).map(of_scrambling).collect::<Result<_, EstimatorError>>()?;
+        Ok(Self { scramblings, training: of_scrambling(0)?, omega })
     }
 
-    /// The coordinates of a tangent: mu, Re H and Im H / Re H at [`FrictionPoints::omega`].
-    pub(super) fn coordinates(&self, tangent: &Tangent) -> [f64; 3] {
-        coordinates(tangent, self.omega)
+    /// Whether the friction of another scene is the same function of the sample, judged at some points: these points then
+    /// serve it too.
+    ///
+    /// # Errors
+    /// As [`FrictionPoints::new`].
+    pub fn serves<B: UncertainBrake>(&self, brake: &B, scene: &Scene) -> Result<bool, EstimatorError> {
+        let friction = LeadingFriction::new(brake, scene)?;
+        for (index, gain) in self.training.iter().take(COMPARED_POINTS).enumerate() {
+            if friction.at_sobol_point(index as u32, 0)? != *gain {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The coordinates of a gain: mu, Re s and Im s / Re s at [`FrictionPoints::omega`].
+    pub(super) fn coordinates(&self, gain: &ChannelGain) -> [f64; 3] {
+        coordinates(gain, self.omega)
     }
 }
 
-/// mu, Re H and Im H / Re H of a tangent at a frequency, rad/s.
-pub(super) fn coordinates(tangent: &Tangent, omega: f64) -> [f64; 3] {
-    let slope = tangent.complex_slope(Complex::new(0.0, omega));
-    [tangent.mu, slope.re, if slope.re == 0.0 { 0.0 } else { slope.im / slope.re }]
+/// mu, Re s and Im s / Re s of a gain at a frequency, rad/s.
+pub(super) fn coordinates(gain: &ChannelGain, omega: f64) -> [f64; 3] {
+    let slope = gain.complex_slope(Complex::new(0.0, omega));
+    [gain.mu, slope.re, if slope.re == 0.0 { 0.0 } else { slope.im / slope.re }]
 }
 
-/// The tangent of a sample in the scenes of `key`.
-pub(super) fn tangent(plan: &Plan, key: SceneKey, sample: &Sample) -> Result<Tangent, EstimatorError> {
-    let bristle_damping = plan.case.readings.bristle_damping;
-    let tangent = sample.contact(0).tangent(key.law, plan.speed(key, sample), bristle_damping);
-    Ok(tangent.map_err(crate::Error::from)?)
+/// The friction of a scene in those of its channels that are like the first one at median parameters: all channels, or
+/// those along the sliding where friction across it has channels of its own.
+pub(super) struct LeadingFriction<'a, B: UncertainBrake> {
+    brake: &'a B,
+    scene: &'a Scene,
+    /// The operating point at median parameters.
+    median: OperatingPoint,
+    /// How many channels are like the first one there.
+    alike: usize,
+}
+
+impl<'a, B: UncertainBrake> LeadingFriction<'a, B> {
+    /// # Errors
+    /// [`EstimatorError::NotShared`] for a brake without friction channels.
+    pub fn new(brake: &'a B, scene: &'a Scene) -> Result<Self, EstimatorError> {
+        let median = brake.operating_point(scene, &brake.median())?;
+        let first = median.channels.first().ok_or(EstimatorError::NotShared)?;
+        let alike = median.channels.iter().take_while(|gain| *gain == first).count();
+        Ok(Self { brake, scene, alike, median })
+    }
+
+    /// The gain of a sample.
+    ///
+    /// # Errors
+    /// [`EstimatorError::NotShared`] where channels differ that are alike at median parameters, or the structure does.
+    pub fn of(&self, sample: &B::Sample) -> Result<ChannelGain, EstimatorError> {
+        let at = self.brake.operating_point(self.scene, sample)?;
+        let first = at.channels.first().ok_or(EstimatorError::NotShared)?;
+        let is_shared = at.channels[..self.alike].iter().all(|gain| gain == first);
+        if is_shared && at.coefficients == self.median.coefficients {
+            Ok(*first)
+        } else {
+            Err(EstimatorError::NotShared)
+        }
+    }
+
+    /// The operating point at median parameters, with a gain in the leading channels.
+    pub fn point(&self, gain: &ChannelGain) -> OperatingPoint {
+        let mut point = self.median.clone();
+        point.channels[..self.alike].fill(*gain);
+        point
+    }
+
+    fn at_sobol_point(&self, index: u32, seed: u32) -> Result<ChannelGain, EstimatorError> {
+        let sample = sobol_sample(self.brake, self.scene, index, seed)?;
+        self.of(&sample)
+    }
+}
+
+/// The sample at a point of a scrambled Sobol sequence.
+///
+/// # Errors
+/// [`EstimatorError::NotShared`] where samples are no function of a point of the unit cube.
+pub(super) fn sobol_sample<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+    index: u32,
+    seed: u32,
+) -> Result<B::Sample, EstimatorError> {
+    // 24 bits in [0, 1); the middle of each step, for the quantiles at 0 and 1 are infinite.
+    let uniform = |dimension: u32| f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25);
+    brake.quantile_sample(scene, &uniform).ok_or(EstimatorError::NotShared)
 }

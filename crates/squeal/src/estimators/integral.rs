@@ -53,7 +53,7 @@ pub fn integrate(
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = cumulative(distribution, step[1]) - cumulative(distribution, step[0]);
-        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), net_work: None };
+        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
         for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;

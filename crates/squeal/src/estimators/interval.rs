@@ -2,15 +2,45 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use friction::Tangent;
+use linsys::ChannelGain;
 use montecarlo::Confidence;
 
+use super::evaluations::Evaluations;
 use super::friction_points::FrictionPoints;
 use super::stratum::Stratum;
-use super::{ControlVariateEstimate, Estimated, OccurrenceBounds, Surrogate};
+use super::{Estimated, OccurrenceBounds, Surrogate};
 
 /// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
+
+/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
+/// [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
+pub(super) const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
+/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
+const CLEAR_TAIL_PART: f64 = 0.7;
+
+/// Occurrences of one scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlVariateEstimate {
+    /// By name, with the half width of the 95 % interval.
+    pub modes: BTreeMap<u16, Estimated>,
+    /// Upper limit of the occurrence of any mode that is not listed.
+    pub unseen: f64,
+    /// Systems solved.
+    pub evaluations: Evaluations,
+    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
+    pub wrong: [u64; 2],
+    /// Probability that the prediction is uncertain.
+    pub uncertain: f64,
+}
+
+impl ControlVariateEstimate {
+    /// The largest half width, without what open names leave open: more samples do not close that.
+    pub fn half_width(&self) -> f64 {
+        let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
+        self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
+    }
+}
 
 /// Means over Sobol points, each with its standard error.
 pub(super) struct PredictionMeans {
@@ -54,11 +84,11 @@ impl PredictionMeans {
 
 /// The parts of some points in which each mode is predicted to be surely, and perhaps, unstable; last, in which the
 /// prediction is uncertain.
-fn shares(surrogate: &Surrogate, points: &[Tangent]) -> Vec<f64> {
+fn shares(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<f64> {
     let count = surrogate.names().len();
     let mut hits = vec![0_u32; 2 * count + 1];
-    for tangent in points {
-        let prediction = surrogate.predict(tangent);
+    for gain in points {
+        let prediction = surrogate.predict(gain);
         for bit in 0..count {
             hits[2 * bit] += (prediction.unstable.sure >> bit & 1) as u32;
             hits[2 * bit + 1] += (prediction.unstable.perhaps >> bit & 1) as u32;
@@ -77,12 +107,13 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
 }
 
 /// The occurrences, with the error probabilities of the clear samples and of Student's t. In the first look one limit of
-/// how often prediction and reference differ in clear samples will do.
+/// how often prediction and reference differ in clear samples will do. `evaluations` were needed for it.
 pub(super) fn intervals(
     means: &PredictionMeans,
     strata: &[Stratum; 2],
     tails: [f64; 2],
     is_first: bool,
+    evaluations: Evaluations,
 ) -> ControlVariateEstimate {
     let [clear, uncertain] = strata;
     let names: BTreeSet<u16> =
@@ -91,7 +122,7 @@ pub(super) fn intervals(
     ControlVariateEstimate {
         modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
         unseen: look.limits(0)[1] + look.by_student(0, 0.0, 0.0),
-        solved: clear.samples + uncertain.samples,
+        evaluations,
         wrong: [clear.wrong, uncertain.wrong],
         uncertain: means.uncertain.0,
     }
@@ -140,10 +171,14 @@ impl Look<'_> {
     }
 }
 
+/// A look's error probabilities of the clear samples and of Student's t.
+pub(super) const fn tails(tail: f64) -> [f64; 2] {
+    [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimators::control_variate::FIRST_TAILS;
     use approx::assert_abs_diff_eq;
 
     /// The intervals of a prediction that is always `predicted`, in one stratum.
@@ -155,7 +190,13 @@ mod tests {
         });
         let mean = (predicted.len() as f64, 0.0);
         let means = PredictionMeans { modes: BTreeMap::from([(7, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
-        intervals(&means, &[clear, Stratum { samples: 1, ..Stratum::default() }], [0.032, 0.013], false)
+        intervals(
+            &means,
+            &[clear, Stratum { samples: 1, ..Stratum::default() }],
+            [0.032, 0.013],
+            false,
+            Evaluations::default(),
+        )
     }
 
     #[test]
@@ -191,7 +232,7 @@ mod tests {
         (0..5_000).for_each(|_| clear.enter(&predicted, &reference(false)));
         (0..300).for_each(|i| uncertain.enter(&predicted, &reference(i % 3 == 0)));
         let means = PredictionMeans { modes: BTreeMap::new(), uncertain: (0.01, 0.0), scramblings: 32 };
-        let found = intervals(&means, &[clear, uncertain], FIRST_TAILS, true);
+        let found = intervals(&means, &[clear, uncertain], tails(INTERIM_LOOKS[0].0), true, Evaluations::default());
         let mode = found.modes[&7];
         assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
         assert!(mode.half_width < 0.0018 && found.wrong == [0, 100], "{found:?}");
@@ -224,7 +265,7 @@ mod tests {
             };
             let known = Stratum { samples: 1_000_000, ..Stratum::default() };
             let strata = [if slip > 0.0 { stratum(2_000, slip) } else { known }, stratum(200, wrong)];
-            let found = intervals(&means, &strata, FIRST_TAILS, true).modes[&7];
+            let found = intervals(&means, &strata, tails(INTERIM_LOOKS[0].0), true, Evaluations::default()).modes[&7];
             let centre = 0.5 * (found.occurrence.lower + found.occurrence.upper);
             missed += u32::from((centre - reference).abs() > found.half_width);
             width += found.half_width / f64::from(runs);

@@ -1,6 +1,6 @@
-//! The cells in which a surrogate looks a tangent up: a k-d tree over mu, Re H and Im H / Re H.
+//! The cells in which a surrogate looks a gain up: a k-d tree over mu, Re H and Im H / Re H.
 
-use friction::Tangent;
+use linsys::ChannelGain;
 
 use super::response_surface::ResponseSurface;
 
@@ -22,7 +22,7 @@ impl ModeSet {
     }
 }
 
-/// What a surrogate says of a tangent.
+/// What a surrogate says of a gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Prediction {
     /// Names of the unstable modes.
@@ -65,9 +65,9 @@ pub(super) struct CrossingMode {
 }
 
 impl CrossingMode {
-    /// Whether the mode grows under a tangent, and whether that or its name is uncertain.
-    pub fn predict(&self, tangent: &Tangent) -> [bool; 2] {
-        let (lambda, is_outside) = self.surface.eigenvalue(tangent);
+    /// Whether the mode grows under a gain, and whether that or its name is uncertain.
+    pub fn predict(&self, gain: &ChannelGain) -> [bool; 2] {
+        let (lambda, is_outside) = self.surface.eigenvalue(gain);
         self.judge(lambda.re, is_outside)
     }
 
@@ -92,27 +92,27 @@ impl CornerNames {
     }
 }
 
-/// What the tree `cells`, whose root is the first of them, says of a tangent at its coordinates.
-pub(super) fn predict(cells: &[Cell], tangent: &Tangent, coordinates: [f64; 3]) -> Prediction {
+/// What the tree `cells`, whose root is the first of them, says of a gain at its coordinates.
+pub(super) fn predict(cells: &[Cell], gain: &ChannelGain, coordinates: [f64; 3]) -> Prediction {
     let mut at = 0;
     loop {
         match &cells[at] {
             Cell::Halved { direction, middle, halves } => at = halves[usize::from(coordinates[*direction] >= *middle)],
-            Cell::Leaf(leaf) => return leaf.predict(tangent, &coordinates),
+            Cell::Leaf(leaf) => return leaf.predict(gain, &coordinates),
             Cell::Empty => return Prediction { unstable: ModeSet::default(), is_uncertain: true },
         }
     }
 }
 
 impl Leaf {
-    fn predict(&self, tangent: &Tangent, coordinates: &[f64; 3]) -> Prediction {
+    fn predict(&self, gain: &ChannelGain, coordinates: &[f64; 3]) -> Prediction {
         let nearest_corner = (0..3).map(|d| usize::from(coordinates[d] >= self.middle[d]) << d).sum::<usize>();
         let mut prediction = Prediction {
             unstable: self.unstable.at[nearest_corner],
             is_uncertain: self.is_uncertain || self.unstable.is_uncertain,
         };
         for mode in &self.crossing {
-            let [grows, is_uncertain] = mode.predict(tangent);
+            let [grows, is_uncertain] = mode.predict(gain);
             prediction.is_uncertain |= is_uncertain;
             if grows {
                 prediction.unstable = prediction.unstable.or(mode.names.at[nearest_corner]);

@@ -1,9 +1,8 @@
 //! Estimators of the occurrences of a scene: the exact integral, a control variate, plain and quasi-Monte Carlo.
 //!
-//! **Which laws have an exact integral.** With one draw shared by all contacts the friction parameters act through few
-//! coefficients, because all contacts have the same tangent:
+//! **Which scenes have an exact integral.** Where friction is alike in all contacts its parameters act through few numbers:
 //!
-//! | law | acts through | occurrence |
+//! | law, one draw for all contacts | acts through | occurrence |
 //! | --- | --- | --- |
 //! | Amontons-Coulomb | mu | one-dimensional integral: [`exact`] |
 //! | velocity-dependent, Stribeck | mu, slope h | [`control_variate`] |
@@ -18,6 +17,7 @@ mod cell_builder;
 mod control_variate;
 mod distribution;
 mod error;
+mod evaluations;
 mod exact;
 mod friction_points;
 mod integral;
@@ -30,12 +30,14 @@ mod sampling;
 mod stratum;
 mod surrogate;
 
-pub use control_variate::{ControlVariateEstimate, control_variate};
+pub use control_variate::control_variate;
 pub use distribution::{cumulative, quantile, support};
 pub use error::EstimatorError;
+pub use evaluations::Evaluations;
 pub use exact::{Exact, exact};
 pub use friction_points::FrictionPoints;
 pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
+pub use interval::ControlVariateEstimate;
 pub use one_parameter_family::OneParameterFamily;
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
 pub use surrogate::Surrogate;

@@ -1,22 +1,20 @@
-//! Shared Coulomb friction as what it is, a family of systems with one parameter.
+//! A family of systems with one parameter, such as shared Coulomb friction with its coefficient mu.
 //!
-//! With one draw for all contacts and Amontons-Coulomb friction, `K(mu) = K_0 + mu K_1` and M and C do not change: the
-//! eigenvalues are analytic functions of mu but where two of them coalesce. The
-//! derivative of an eigenvalue, `lambda' = -(psi^H K_1 phi) / (psi^H Q'(lambda) phi)` (Lancaster, Numer. Math. 6, 1964),
-//! is computed where it is asked for.
+//! Where all matrices are affine in the parameter, `Q(lambda) = Q_0(lambda) + mu Q_1(lambda)`, the eigenvalues are analytic
+//! functions of mu but where two of them coalesce. The derivative of an eigenvalue,
+//! `lambda' = -(psi^H Q_1 phi) / (psi^H Q'(lambda) phi)` (Lancaster, Numer. Math. 6, 1964), is computed where it is asked
+//! for.
 
 use std::collections::BTreeMap;
 
 use cea::{Counters, EigenSolver, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
-use nalgebra::DMatrix;
 use num_complex::Complex;
-use osc_model::{Lateral, Preload};
 use tracking::{BranchPoint, Branches, Onsets, RefinedPoint, find_onsets};
 
 use super::EstimatorError;
-use crate::case::{Draws, Law};
-use crate::study::{FrictionDraw, Plan, Sample, Scene};
+use crate::case::Distribution;
+use crate::study::{Scene, UncertainBrake};
 
 /// Spectra after which branches count as unresolvable; chosen.
 const MOST_SPECTRA: usize = 20_000;
@@ -25,12 +23,16 @@ pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
-/// `lambda^2 M + lambda C + K_0 + mu K_1`.
+/// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
+const AFFINE_ROUNDING: f64 = 1e-13;
+
+/// `Q_0(lambda) + mu Q_1(lambda)`.
 pub struct OneParameterFamily<'a> {
     solver: &'a dyn EigenSolver,
     system: SecondOrder,
-    constant: DMatrix<f64>,
-    linear: DMatrix<f64>,
+    distribution: Distribution,
+    constant: SecondOrder,
+    linear: SecondOrder,
     spectra: BTreeMap<Coefficient, BranchSpectrum>,
     work: Workspace,
 }
@@ -64,40 +66,61 @@ impl<'a> OneParameterFamily<'a> {
     /// The family of a scene.
     ///
     /// # Errors
-    /// [`EstimatorError::NotOneParameter`] for a law with a speed in it, separate draws, lateral friction that depends on
-    /// speed, or a preload that follows friction.
-    pub fn new(plan: &Plan, scene: &Scene, solver: &'a dyn EigenSolver) -> Result<Self, EstimatorError> {
-        let refuse = |needed, found: String| Err(EstimatorError::NotOneParameter { needed, found });
-        if scene.key.law != Law::AmontonsCoulomb {
-            return refuse("Amontons-Coulomb friction", format!("{:?}", scene.key.law));
-        }
-        if plan.case.readings.draws != Draws::Shared {
-            return refuse("one draw shared by all contacts", "a draw for each".into());
-        }
-        if plan.case.readings.lateral == Lateral::Vector {
-            return refuse("lateral friction without a speed in it", "the dashpot mu N0 / v".into());
-        }
-        if matches!(plan.case.readings.preload, Preload::Equilibrium(_)) {
-            return refuse("a preload that no sample can lose", "the static equilibrium".into());
-        }
-        let at = |mu: f64| {
-            let mut system = SecondOrder::zeros(1, 0);
-            plan.linearise(scene, &with_mu(plan, mu), &mut system).map(|()| system)
+    /// [`EstimatorError::NotOneParameter`] for a scene whose operating points are no affine function of one parameter, or
+    /// have internal states.
+    pub fn new<B: UncertainBrake>(
+        brake: &B,
+        scene: &Scene,
+        solver: &'a dyn EigenSolver,
+    ) -> Result<Self, EstimatorError> {
+        let Some(distribution) = brake.single_parameter(scene) else {
+            let found = format!("another dependence in {}", brake.plan().source());
+            return Err(EstimatorError::NotOneParameter { needed: "one uncertain parameter", found });
         };
-        let (system, one) = (at(0.0)?, at(1.0)?);
-        let constant = system.k.clone();
-        let linear = one.k - &constant;
-        Ok(Self { solver, system, constant, linear, spectra: BTreeMap::new(), work: Workspace::default() })
+        let of_scene = &brake.plan().brake(scene).system;
+        let at = |value: f64| -> Result<SecondOrder, EstimatorError> {
+            let point = brake.operating_point(scene, &brake.with_parameter(scene, value))?;
+            Ok(of_scene.assemble(&point).map_err(crate::Error::from)?)
+        };
+        let (constant, mut linear) = (at(0.0)?, at(1.0)?);
+        let bent = at(2.0)?;
+        if constant.states() + linear.states() + bent.states() > 0 {
+            let found = "internal states".into();
+            return Err(EstimatorError::NotOneParameter { needed: "friction without internal states", found });
+        }
+        linear.m -= &constant.m;
+        linear.c -= &constant.c;
+        linear.k -= &constant.k;
+        let pairs =
+            [(&bent.m, &constant.m, &linear.m), (&bent.c, &constant.c, &linear.c), (&bent.k, &constant.k, &linear.k)];
+        let is_affine = pairs.into_iter().all(|(bent, constant, linear)| {
+            (bent - constant - linear * 2.0).amax() <= AFFINE_ROUNDING * bent.amax().max(constant.amax())
+        });
+        if !is_affine {
+            let found = "a nonlinear dependence".into();
+            return Err(EstimatorError::NotOneParameter { needed: "matrices affine in the parameter", found });
+        }
+        let (system, distribution) = (constant.clone(), distribution.clone());
+        let spectra = BTreeMap::new();
+        Ok(Self { solver, distribution, system, constant, linear, spectra, work: Workspace::default() })
     }
 
-    /// The system at `mu`.
+    /// The distribution of the parameter.
+    pub fn distribution(&self) -> Distribution {
+        self.distribution.clone()
+    }
+
+    /// The system at a value of the parameter.
     pub fn system(&mut self, mu: f64) -> &SecondOrder {
-        self.system.k.zip_zip_apply(&self.constant, &self.linear, |k, constant, linear| *k = constant + mu * linear);
-        &self.system
+        let Self { system, constant, linear, .. } = self;
+        system.m.zip_zip_apply(&constant.m, &linear.m, |m, constant, linear| *m = constant + mu * linear);
+        system.c.zip_zip_apply(&constant.c, &linear.c, |c, constant, linear| *c = constant + mu * linear);
+        system.k.zip_zip_apply(&constant.k, &linear.k, |k, constant, linear| *k = constant + mu * linear);
+        system
     }
 
-    /// K_1.
-    pub fn linear(&self) -> &DMatrix<f64> {
+    /// `d Q / d mu`, as a system.
+    pub fn linear(&self) -> &SecondOrder {
         &self.linear
     }
 
@@ -161,7 +184,7 @@ impl Branches for OneParameterFamily<'_> {
         let right = right_vector(&self.system, lambda, &mut self.work)?;
         let left = left_vector(&self.system, lambda, &mut self.work)?;
         let slope = left.dotc(&(self.system.dynamic_stiffness_derivative(lambda) * &right));
-        let by_mu = left.dotc(&(self.linear.map(Complex::from) * &right));
+        let by_mu = left.dotc(&(self.linear.dynamic_stiffness(lambda) * &right));
         let residual = left.dotc(&(self.system.dynamic_stiffness(lambda) * &right));
         let l = lambda.norm();
         let size = l * l * self.system.m.norm() + l * self.system.c.norm() + self.system.k.norm();
@@ -175,10 +198,4 @@ impl Branches for OneParameterFamily<'_> {
     fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
         self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
     }
-}
-
-/// The median draw but for its coefficient.
-fn with_mu(plan: &Plan, mu: f64) -> Sample {
-    let median = Sample::median(&plan.case);
-    Sample::shared(FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) }, median.speed_quantile)
 }

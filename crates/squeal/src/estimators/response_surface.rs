@@ -1,10 +1,10 @@
 //! The response surface of an eigenvalue over a cell of friction states, a polynomial.
 //!
-//! With one tangent in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, H the complex slope at lambda: a
+//! With one gain in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, H the complex slope at lambda: a
 //! simple eigenvalue is an analytic function of mu and of the one complex number H, whatever the law. Values and
 //! derivatives at the corners determine a polynomial with complex coefficients, and say by how much it misses them.
 
-use friction::Tangent;
+use linsys::ChannelGain;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use tracking::link_error;
@@ -106,16 +106,16 @@ impl ResponseSurface {
         })
     }
 
-    /// lambda under a tangent, and whether its slope there is farther out than those at the corners: it depends on more
-    /// than the coordinates of the tangent.
-    pub fn eigenvalue(&self, tangent: &Tangent) -> (Complex<f64>, bool) {
-        let mut slope = tangent.complex_slope(self.coefficients[0]);
-        let mut lambda = self.at(tangent.mu, slope);
-        if tangent.internal.is_some() {
+    /// lambda under a gain, and whether its slope there is farther out than those at the corners: it depends on more
+    /// than the coordinates of the gain.
+    pub fn eigenvalue(&self, gain: &ChannelGain) -> (Complex<f64>, bool) {
+        let mut slope = gain.complex_slope(self.coefficients[0]);
+        let mut lambda = self.at(gain.mu, slope);
+        if gain.lag.is_some() {
             // The slope depends on the eigenvalue. Far from the axis the first one will do.
-            let other = tangent.complex_slope(lambda);
+            let other = gain.complex_slope(lambda);
             if lambda.re.abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
-                (slope, lambda) = (other, self.at(tangent.mu, other));
+                (slope, lambda) = (other, self.at(gain.mu, other));
             }
         }
         (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
@@ -175,7 +175,7 @@ pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use friction::InternalTangent;
+    use linsys::Lag;
 
     /// A mode whose eigenvalue is `100 i + 3 + offset + 2 m - m H + H^2 + i m^2 H`.
     fn mode(mu: f64, slope: Complex<f64>, offset: f64) -> SampledMode {
@@ -199,16 +199,16 @@ mod tests {
 
     #[test]
     fn a_polynomial_is_found_again() {
-        let internal = InternalTangent { decay: 150.0, drive: -0.5, force: 60.0 };
-        for (slopes, internal) in [(&SLOPES[..2], None), (&SLOPES[..], Some(internal))] {
+        let lag = Lag { decay: 150.0, drive: -0.5, force: 60.0 };
+        for (slopes, lag) in [(&SLOPES[..2], None), (&SLOPES[..], Some(lag))] {
             // Far from the axis, and on it, where it has to be right.
             for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
                 let corners = corners(slopes, offset);
                 let corners: Vec<(f64, &SampledMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
                 let surface = ResponseSurface::new(&corners).unwrap();
-                let tangent = Tangent { mu: 0.45, slope: -0.2, internal };
-                let lambda = surface.eigenvalue(&tangent).0;
-                let expected = mode(0.45, tangent.complex_slope(lambda), offset).lambda;
+                let gain = ChannelGain { mu: 0.45, slope: -0.2, lag };
+                let lambda = surface.eigenvalue(&gain).0;
+                let expected = mode(0.45, gain.complex_slope(lambda), offset).lambda;
                 assert!((lambda - expected).norm() < error, "{lambda} {expected} {}", surface.residual);
             }
         }

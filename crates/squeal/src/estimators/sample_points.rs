@@ -1,46 +1,45 @@
 //! What is known at a sample point, one state of friction: eigenvalues near the axis with their derivatives, and names.
 
 use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all};
-use friction::Tangent;
-use linsys::SecondOrder;
+use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use osc_model::{Linearise, Sliding};
 use tracking::{Path, PathEnd, PathStart, identify_all};
 
 use super::EstimatorError;
-use crate::study::{NearAxis, Sample, Scratch, Study};
+use super::friction_points::LeadingFriction;
+use crate::study::{NearAxis, Scratch, Study, UncertainBrake};
 
 /// Decay rate, as a part of |lambda|, beyond which an eigenvalue is not looked at; chosen.
 const LARGEST_DECAY: f64 = 0.025;
 
-/// An eigenvalue near the axis, as a function of mu and of the complex slope H.
+/// An eigenvalue near the axis, as a function of mu and of the complex slope s.
 #[derive(Debug, Clone)]
 pub(super) struct SampledMode {
     /// rad/s.
     pub lambda: Complex<f64>,
-    /// H(lambda) there, s/m.
+    /// s(lambda) there, Ns/m.
     pub slope: Complex<f64>,
-    /// d lambda / d mu at constant H.
+    /// d lambda / d mu at constant s.
     pub by_mu: Complex<f64>,
-    /// d lambda / d H at constant mu.
+    /// d lambda / d s at constant mu.
     pub by_slope: Complex<f64>,
     /// What an unstable mode may be called.
     pub names: Vec<u16>,
 }
 
 impl SampledMode {
-    fn new(mode: NearAxis, tangent: &Tangent, load: f64) -> Self {
+    fn new(mode: NearAxis, gain: &ChannelGain) -> Self {
         let NearAxis { lambda, by_mu, by_slope, names } = mode;
-        Self { lambda, slope: tangent.complex_slope(lambda), by_mu, by_slope: by_slope * load, names }
+        Self { lambda, slope: gain.complex_slope(lambda), by_mu, by_slope, names }
     }
 }
 
 /// Systems of a scene with the same friction in every contact.
-pub(super) struct SamplePoints<'a> {
-    study: &'a Study<'a>,
+pub(super) struct SamplePoints<'a, B: UncertainBrake> {
+    study: &'a Study<'a, B>,
     scene: usize,
-    sliding: Sliding,
+    friction: LeadingFriction<'a, B>,
     /// dK / d mu and dC / d slope.
     by_mu: Sparse,
     by_slope: Sparse,
@@ -48,60 +47,52 @@ pub(super) struct SamplePoints<'a> {
     scratch: Scratch,
 }
 
-impl<'a> SamplePoints<'a> {
+impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
     /// # Errors
     /// What the model refuses.
-    pub fn new(study: &'a Study<'a>, scene: usize) -> Result<Self, EstimatorError> {
-        let plan = study.plan();
-        let sliding = plan.sliding(&plan.scenes[scene], &Sample::median(&plan.case))?;
+    pub fn new(study: &'a Study<'a, B>, scene: usize) -> Result<Self, EstimatorError> {
         let mut points = Self {
             study,
             scene,
-            sliding,
+            friction: LeadingFriction::new(study.brake(), &study.plan().scenes[scene])?,
             by_mu: Sparse::default(),
             by_slope: Sparse::default(),
             work: Workspace::default(),
             scratch: Scratch::default(),
         };
-        let at = |mu: f64, slope: f64| points.system(&Tangent { mu, slope, internal: None });
+        let at = |mu: f64, slope: f64| points.system(&ChannelGain { mu, slope, lag: None });
         let (system, one, steeper) = (at(0.0, 0.0)?, at(1.0, 0.0)?, at(0.0, 1.0)?);
         points.by_mu = Sparse::new(&(one.k - &system.k));
         points.by_slope = Sparse::new(&(steeper.c - &system.c));
         Ok(points)
     }
 
-    fn state(&self, tangent: &Tangent) -> Sliding {
-        let mut state = self.sliding.clone();
-        state.contacts.iter_mut().for_each(|contact| contact.tangent = *tangent);
-        state
-    }
-
-    fn system(&self, tangent: &Tangent) -> Result<SecondOrder, EstimatorError> {
+    fn system(&self, gain: &ChannelGain) -> Result<SecondOrder, EstimatorError> {
         let plan = self.study.plan();
-        Ok(plan.lattice(&plan.scenes[self.scene]).linearised(&self.state(tangent)).map_err(crate::Error::from)?)
+        let brake = plan.brake(&plan.scenes[self.scene]);
+        Ok(brake.system.assemble(&self.friction.point(gain)).map_err(crate::Error::from)?)
     }
 
-    /// The modes near the axis under each of `tangents`.
+    /// The modes near the axis under each of `gains`.
     ///
     /// # Errors
     /// Those of the solver.
-    pub fn solve(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
-        let states: Vec<Sliding> = tangents.iter().map(|tangent| self.state(tangent)).collect();
-        let found = self.study.near_axis(self.scene, &states, LARGEST_DECAY, &mut self.scratch)?;
-        let left: Vec<Tangent> =
-            tangents.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(tangent, _)| *tangent).collect();
+    pub fn solve(&mut self, gains: &[ChannelGain]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
+        let points: Vec<OperatingPoint> = gains.iter().map(|gain| self.friction.point(gain)).collect();
+        let found = self.study.near_axis(self.scene, &points, LARGEST_DECAY, &mut self.scratch)?;
+        let left: Vec<ChannelGain> =
+            gains.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(gain, _)| *gain).collect();
         let mut by_spectra = self.by_spectra(&left)?.into_iter();
-        let load = self.sliding.contacts.first().map_or(0.0, |contact| contact.normal_load);
-        let near = |(found, tangent): (Option<Vec<NearAxis>>, &Tangent)| match found {
+        let near = |(found, gain): (Option<Vec<NearAxis>>, &ChannelGain)| match found {
             None => by_spectra.next().unwrap_or_default(),
-            Some(found) => found.into_iter().map(|mode| SampledMode::new(mode, tangent, load)).collect(),
+            Some(found) => found.into_iter().map(|mode| SampledMode::new(mode, gain)).collect(),
         };
-        Ok(found.into_iter().zip(tangents).map(near).collect())
+        Ok(found.into_iter().zip(gains).map(near).collect())
     }
 
     /// [`SamplePoints::solve`] without secular equations.
-    fn by_spectra(&mut self, tangents: &[Tangent]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
-        let systems = tangents.iter().map(|tangent| self.system(tangent)).collect::<Result<Vec<_>, _>>()?;
+    fn by_spectra(&mut self, gains: &[ChannelGain]) -> Result<Vec<Vec<SampledMode>>, EstimatorError> {
+        let systems = gains.iter().map(|gain| self.system(gain)).collect::<Result<Vec<_>, _>>()?;
         let mut spectra = Vec::with_capacity(systems.len());
         BatchSolver.eigenvalues_of_all(&systems, &mut self.work, &mut spectra);
         let mut lambdas = Vec::with_capacity(systems.len());
@@ -121,8 +112,8 @@ impl<'a> SamplePoints<'a> {
         let left = left.into_iter().collect::<Result<Vec<_>, _>>()?;
 
         let mut found: Vec<Vec<SampledMode>> = Vec::with_capacity(systems.len());
-        for (((system, tangent), modes), left) in systems.iter().zip(tangents).zip(&right).zip(&left) {
-            found.push(modes.iter().zip(left).map(|(mode, left)| self.mode(system, tangent, mode, left)).collect());
+        for (((system, gain), modes), left) in systems.iter().zip(gains).zip(&right).zip(&left) {
+            found.push(modes.iter().zip(left).map(|(mode, left)| self.mode(system, gain, mode, left)).collect());
         }
         right.iter_mut().for_each(|modes| modes.retain(|mode| mode.lambda.re > 0.0));
         let reference = &self.study.references()[self.scene];
@@ -141,18 +132,16 @@ impl<'a> SamplePoints<'a> {
         Ok(found)
     }
 
-    fn mode(&self, system: &SecondOrder, tangent: &Tangent, mode: &Mode, left: &DVector<Complex<f64>>) -> SampledMode {
+    fn mode(&self, system: &SecondOrder, gain: &ChannelGain, mode: &Mode, left: &DVector<Complex<f64>>) -> SampledMode {
         let (lambda, right) = (mode.lambda, &mode.shape);
         let unit_slope = self.by_slope.between(left, right);
-        // Q' at constant H: without what H itself changes with lambda.
+        // Q' at constant s: without what H itself changes with lambda.
         let by_lambda = left.dot(&(system.dynamic_stiffness_derivative(lambda) * right));
-        let change = tangent
-            .internal
-            .map_or(Complex::default(), |state| -state.force * state.drive / (lambda + state.decay).powi(2));
+        let change = gain.lag.map_or(Complex::default(), |lag| -lag.force * lag.drive / (lambda + lag.decay).powi(2));
         let by_lambda = by_lambda - lambda * change * unit_slope;
         SampledMode {
             lambda,
-            slope: tangent.complex_slope(lambda),
+            slope: gain.complex_slope(lambda),
             by_mu: -self.by_mu.between(left, right) / by_lambda,
             by_slope: -lambda * unit_slope / by_lambda,
             names: Vec::new(),

@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use cea::Counters;
 use montecarlo::{Confidence, Experiment as _, wilson};
 
-use super::distribution::quantile;
+use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
-use crate::case::{Case, Law};
-use crate::study::{FrictionDraw, Outcome, Sample, Study, unstable_names};
+use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
 
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
@@ -35,9 +34,13 @@ pub struct Estimates {
 ///
 /// # Errors
 /// A sample that cannot be solved.
-pub fn monte_carlo(study: &Study<'_>, scene: usize, seed: u64, samples: u64) -> Result<Estimates, EstimatorError> {
-    let draws = (0..samples)
-        .map(|i| Sample::draw(&study.plan().case, &mut montecarlo::stream(seed, i)).map_err(crate::Error::from));
+pub fn monte_carlo<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    seed: u64,
+    samples: u64,
+) -> Result<Estimates, EstimatorError> {
+    let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let (hits, counters) = count(study, scene, draws)?;
     let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
@@ -58,25 +61,21 @@ pub fn monte_carlo(study: &Study<'_>, scene: usize, seed: u64, samples: u64) -> 
 ///
 /// # Errors
 /// Separate draws, no points or too many of them, fewer than two scramblings; a sample that cannot be solved.
-pub fn quasi_monte_carlo(
-    study: &Study<'_>,
+pub fn quasi_monte_carlo<B: UncertainBrake>(
+    study: &Study<'_, B>,
     scene: usize,
     seed: u32,
     points: u32,
     scramblings: u32,
 ) -> Result<Estimates, EstimatorError> {
-    let case = &study.plan().case;
-    if case.readings.draws != crate::case::Draws::Shared {
-        return Err(EstimatorError::NotShared);
-    }
     if points == 0 || points > 1 << 16 || scramblings < 2 {
         return Err(EstimatorError::Points { points, scramblings });
     }
-    let law = study.plan().scenes[scene].key.law;
+    let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
     let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
     let mut counters = Counters::default();
     for scrambling in 0..scramblings {
-        let samples = (0..points).map(|i| Ok(sobol_sample(case, law, i, seed.wrapping_add(scrambling))));
+        let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
         let (hits, computed) = count(study, scene, samples)?;
         counters = sum(counters, computed);
         runs.push(hits);
@@ -102,17 +101,17 @@ pub fn quasi_monte_carlo(
 /// Sure and open hits by name.
 type HitCounts = BTreeMap<u16, [u64; 2]>;
 
-fn count(
-    study: &Study<'_>,
+fn count<B: UncertainBrake>(
+    study: &Study<'_, B>,
     scene: usize,
-    samples: impl Iterator<Item = Result<Sample, crate::Error>>,
+    samples: impl Iterator<Item = Result<B::Sample, EstimatorError>>,
 ) -> Result<(HitCounts, Counters), EstimatorError> {
     let mut hits = HitCounts::new();
     let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
     while samples.peek().is_some() {
-        let block: Vec<Sample> = samples.by_ref().take(SAMPLES_PER_BLOCK).collect::<Result<_, crate::Error>>()?;
+        let block: Vec<B::Sample> = samples.by_ref().take(SAMPLES_PER_BLOCK).collect::<Result<_, _>>()?;
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
@@ -122,30 +121,6 @@ fn count(
         }
     }
     Ok((hits, scratch.counters()))
-}
-
-/// The sample at a Sobol point; the parameters that matter most take the first, best distributed dimensions.
-pub(super) fn sobol_sample(case: &Case, law: Law, index: u32, seed: u32) -> Sample {
-    let from = &case.friction;
-    let mut draw: FrictionDraw = *Sample::median(case).contact(0);
-    // 24 bits in [0, 1); the middle of each step, for the quantiles at 0 and 1 are infinite.
-    let u = |dimension: u32| f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25);
-    if law == Law::AmontonsCoulomb {
-        draw.mu = quantile(from.mu, u(0));
-        return Sample::shared(draw, u(1));
-    }
-    draw.mu_k = quantile(from.mu_k, u(0));
-    draw.mu_s = quantile(from.mu_s, u(2)).max(draw.mu_k);
-    draw.lateral_mu = quantile(from.mu, u(3));
-    if law == Law::VelocityDependent {
-        draw.alpha = quantile(from.alpha, u(4));
-    } else {
-        draw.v_s = quantile(from.v_s, u(5));
-        draw.sigma0 = quantile(from.sigma0, u(6));
-        draw.sigma1 = quantile(from.sigma1, u(7));
-        draw.sigma2 = quantile(from.sigma2, u(8));
-    }
-    Sample::shared(draw, u(1))
 }
 
 fn sum(a: Counters, b: Counters) -> Counters {

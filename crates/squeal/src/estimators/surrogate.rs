@@ -1,6 +1,6 @@
 //! Which modes are unstable, from response surfaces instead of a spectrum: a prediction in nanoseconds.
 //!
-//! A tangent has coordinates in the space of mu, Re H and Im H / Re H (see [`FrictionPoints`]). The part of it where samples
+//! A gain has coordinates in the space of mu, Re H and Im H / Re H (see [`FrictionPoints`]). The part of it where samples
 //! fall is halved into cells, the leaves of a k-d tree. The corners of a cell are sample points: there the eigenvalues near
 //! the axis are known, with derivatives and names. Within the cell each is a polynomial in mu and H, of which it is an
 //! analytic function but at coalescences. A prediction is *uncertain* where an eigenvalue is nearer to the axis than its
@@ -9,13 +9,13 @@
 
 use std::collections::BTreeMap;
 
-use friction::Tangent;
+use linsys::ChannelGain;
 
 use super::EstimatorError;
 use super::cell_builder::{CellBuilder, PendingCell};
 use super::friction_points::{FrictionPoints, coordinates};
 use super::kd_tree::{Cell, ModeSet, Prediction, predict};
-use crate::study::Study;
+use crate::study::{Study, UncertainBrake};
 
 /// Cells halved in one go, so that spectra fill the solver's lanes; chosen.
 const CELLS_PER_ROUND: usize = 32;
@@ -44,8 +44,8 @@ impl Surrogate {
     ///
     /// # Errors
     /// What the model and the solver refuse.
-    pub fn new(
-        study: &Study<'_>,
+    pub fn new<B: UncertainBrake>(
+        study: &Study<'_, B>,
         scene: usize,
         points: &FrictionPoints,
         samples: impl Fn(f64) -> f64,
@@ -95,8 +95,8 @@ impl Surrogate {
         perhaps.map(|(bit, &name)| (name, unstable.sure >> bit & 1 == 1)).collect()
     }
 
-    /// What is unstable under a tangent, as far as the response surfaces tell.
-    pub(super) fn predict(&self, tangent: &Tangent) -> Prediction {
-        predict(&self.cells, tangent, coordinates(tangent, self.omega))
+    /// What is unstable under a gain, as far as the response surfaces tell.
+    pub(super) fn predict(&self, gain: &ChannelGain) -> Prediction {
+        predict(&self.cells, gain, coordinates(gain, self.omega))
     }
 }

@@ -23,10 +23,10 @@ pub struct Manifest {
     pub version: &'static str,
     /// Commit that it was built from, where git was there to tell.
     pub commit: Option<&'static str>,
-    /// The case file as it was given.
-    pub case: String,
+    /// The case file as it was given; `null` for a brake that was not read from one.
+    pub case: Option<String>,
     /// SHA-256 of its text.
-    pub case_sha256: String,
+    pub case_sha256: Option<String>,
     /// The study's name.
     pub study: String,
     /// Seed of the random streams.
@@ -59,21 +59,22 @@ pub struct Manifest {
 impl Manifest {
     /// The manifest of finished results.
     pub fn new(results: &Results<'_>, threads: Option<usize>, seconds: Times) -> Self {
-        let (case, summary) = (&results.plan().case, &results.summary);
+        let (plan, summary) = (results.plan(), &results.summary);
+        let panels = plan.labels.panels.iter().map(|panel| (panel.in_contact, panel.arrangements.len()));
         let sum = |of: fn(&crate::study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();
         Self {
             version: env!("CARGO_PKG_VERSION"),
             commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-            case: case.path.display().to_string(),
-            case_sha256: fingerprint(&case.text),
-            study: case.name.clone(),
+            case: plan.case_file.as_ref().map(|file| file.path.display().to_string()),
+            case_sha256: plan.case_file.as_ref().map(|file| fingerprint(&file.text)),
+            study: plan.name.clone(),
             seed: summary.seed,
             samples: summary.samples,
             threads,
-            analyses: results.plan().analyses_per_sample() * summary.samples,
+            analyses: plan.analyses_per_sample() * summary.samples,
             solved: sum(|tally| tally.solved),
             certified: sum(|tally| tally.certified),
-            arrangements: case.panels.iter().map(|(number, list)| (*number, list.len())).collect(),
+            arrangements: panels.collect(),
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),
             unstable_modes: sum(|tally| tally.unstable_modes),

@@ -2,12 +2,12 @@
 
 use linsys::SecondOrder;
 use num_complex::Complex;
-use osc_model::Linearise;
 
 use super::claims::{Claim, Holds};
 use super::results::{Estimate, Results};
 use crate::Error;
-use crate::case::{Labels, Law, Paper};
+use crate::brakes::LatticeBrake;
+use crate::case::{Labels, Paper};
 use crate::study::{Kind, Panel, Reference, Scene};
 
 /// Places of the paper's constraint sets in its case: none, the corners, the corners and two more.
@@ -19,8 +19,8 @@ pub(super) const SIX: usize = 2;
 ///
 /// # Errors
 /// Those of statistics without data.
-pub fn claims(results: &Results<'_>) -> Result<Vec<Claim>, Error> {
-    let Some(paper) = &results.plan().case.paper else { return Ok(Vec::new()) };
+pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>, Error> {
+    let Some(paper) = &brake.case.paper else { return Ok(Vec::new()) };
     let robust = most_robust(results, FREE)?;
     let mode = robust.first().map(|(name, _)| *name);
     Ok(vec![
@@ -80,7 +80,7 @@ pub(super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> u16 {
 }
 
 fn number_in_contact(results: &Results<'_>, panel: &Panel) -> usize {
-    results.plan().case.panels[panel.key.panel].0
+    results.plan().labels.panels[panel.key.panel].in_contact
 }
 
 fn contact_number(results: &Results<'_>) -> Claim {
@@ -88,31 +88,35 @@ fn contact_number(results: &Results<'_>) -> Claim {
     Claim::new("C1", "instabilities grow with the number of oscillators in contact", "9 > 8 > 7 > 6").all_positive(
         steps.map(|(more, fewer, d)| {
             let (n, m) = (number_in_contact(results, more), number_in_contact(results, fewer));
-            (format!("{} {n}-{m} {}", more.key.law, speed_name(results, more)), d)
+            (format!("{} {n}-{m} {}", law_name(results, more), speed_name(results, more)), d)
         }),
     )
 }
 
+fn law_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
+    &results.plan().labels.laws[panel.key.law].name
+}
+
 fn speed_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
-    panel.key.speed.map_or("all speeds", |range| &results.plan().case.speeds[range].name)
+    panel.key.speed.map_or("all speeds", |range| &results.plan().labels.speeds[range].name)
 }
 
 fn laws(results: &Results<'_>) -> Claim {
     let pairs =
         results.differences(Kind::Law).filter(|(more, _, _)| more.key.constraints == FREE && more.key.speed == Some(0));
     let statement = "velocity-dependent and LuGre friction have more unstable modes than Amontons-Coulomb";
-    Claim::new("C2", statement, "more, low speed").all_positive(
-        pairs.map(|(more, _, d)| (format!("{} {} in contact", more.key.law, number_in_contact(results, more)), d)),
-    )
+    Claim::new("C2", statement, "more, low speed").all_positive(pairs.map(|(more, _, d)| {
+        (format!("{} {} in contact", law_name(results, more), number_in_contact(results, more)), d)
+    }))
 }
 
 fn speeds(results: &Results<'_>) -> Claim {
-    let pairs = results
-        .differences(Kind::Speed)
-        .filter(|(slow, _, _)| slow.key.constraints == FREE && slow.key.law != Law::AmontonsCoulomb);
-    Claim::new("C3", "higher sliding speed, fewer instabilities", "fewer").all_positive(
-        pairs.map(|(slow, _, d)| (format!("{} {} in contact", slow.key.law, number_in_contact(results, slow)), d)),
-    )
+    let pairs = results.differences(Kind::Speed).filter(|(slow, _, _)| {
+        slow.key.constraints == FREE && Some(slow.key.law) != results.plan().labels.baseline_law
+    });
+    Claim::new("C3", "higher sliding speed, fewer instabilities", "fewer").all_positive(pairs.map(|(slow, _, d)| {
+        (format!("{} {} in contact", law_name(results, slow), number_in_contact(results, slow)), d)
+    }))
 }
 
 fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(u16, Estimate)]) -> Claim {
@@ -146,7 +150,7 @@ fn full_contact<'a>(
     results: &'a Results<'_>,
     constraints: usize,
 ) -> impl Iterator<Item = (usize, &'a Scene, &'a Reference)> {
-    let scenes = results.plan().scenes.iter().zip(results.study.references()).enumerate();
+    let scenes = results.plan().scenes.iter().zip(results.references()).enumerate();
     scenes
         .filter(move |(_, (scene, _))| scene.wants_work && scene.key.constraints == constraints)
         .map(|(at, (scene, reference))| (at, scene, reference))
@@ -164,7 +168,12 @@ pub(super) fn shape(
         Labels::Rank | Labels::Pair => usize::from(results.rank_of(name)).checked_sub(1)?,
     };
     let mode = reference.modes.get(at)?;
-    Some(results.plan().lattice(scene).dof_map().expand(&mode.shape).iter().copied().collect())
+    Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())
+}
+
+/// The name of the law of a scene.
+fn law_of(results: &Results<'_>, scene: &Scene) -> String {
+    results.plan().labels.laws[scene.key.law].name.clone()
 }
 
 /// Smallest of some amplitudes over the largest of the others.
@@ -179,15 +188,15 @@ fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Clai
     let Some(name) = mode else { return claim.undetermined("no mode is ever unstable") };
     let theirs = paper_mode(results, paper);
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
-    let ratios = |name: u16| -> Option<Vec<(Law, f64)>> {
+    let ratios = |name: u16| -> Option<Vec<(String, f64)>> {
         let ratio = |(_, scene, reference): (usize, &Scene, &Reference)| {
             let shape = shape(results, scene, reference, name)?;
             let amplitudes: Vec<f64> = shape.iter().map(|u| u.norm()).collect();
-            Some((scene.key.law, dominance(&amplitudes, is_corner_x)))
+            Some((law_of(results, scene), dominance(&amplitudes, is_corner_x)))
         };
         full_contact(results, FREE).map(ratio).collect()
     };
-    let least = |ratios: &[(Law, f64)]| ratios.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
+    let least = |ratios: &[(String, f64)]| ratios.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
     let Some(ours) = ratios(name) else {
         return claim.undetermined("the mode has no sure name at median parameters");
     };
@@ -218,18 +227,19 @@ fn work_dominance(
     constraints: usize,
     name: u16,
     dominant: &[usize],
-) -> Result<Vec<(Law, f64)>, Error> {
-    let oscillators = results.plan().case.lattice.grid.oscillators();
+) -> Result<Vec<(String, f64)>, Error> {
     let mut margins = Vec::new();
     for (at, scene, _) in full_contact(results, constraints) {
         if let Some(work) = median_work(results, at, name)? {
+            // The plate comes last.
+            let oscillators = work.len() - 1;
             let work = &work[..oscillators];
             let largest = work.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
             let is_dominant = |i: &usize| dominant.contains(&(i + 1));
             let least = (0..oscillators).filter(is_dominant).map(|i| work[i]).fold(f64::INFINITY, f64::min);
             let others = (0..oscillators).filter(|i| !is_dominant(i));
             let rest = others.map(|i| work[i]).fold(f64::NEG_INFINITY, f64::max);
-            margins.push((scene.key.law, (least - rest) / largest));
+            margins.push((law_of(results, scene), (least - rest) / largest));
         }
     }
     Ok(margins)
@@ -242,7 +252,7 @@ fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Resul
     if margins.is_empty() {
         return Ok(claim.undetermined("the mode is never unstable with every oscillator in contact"));
     }
-    let least = |margins: &[(Law, f64)]| margins.iter().map(|(_, margin)| *margin).fold(f64::INFINITY, f64::min);
+    let least = |margins: &[(String, f64)]| margins.iter().map(|(_, margin)| *margin).fold(f64::INFINITY, f64::min);
     let theirs = paper_mode(results, paper);
     let of_theirs = work_dominance(results, FREE, theirs, &paper.corners)?;
     let of_theirs = if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", least(&of_theirs)) };
@@ -289,13 +299,14 @@ fn corners_reduce(results: &Results<'_>) -> Result<Claim, Error> {
 fn after_corners(results: &Results<'_>, paper: &Paper) -> Result<Claim, Error> {
     let statement = "after it one mode has a high probability, and oscillators 4 and 6 dominate its net work";
     let claim = Claim::new("C8", statement, format!("median {} with nine in contact", paper.after_corners_occurrence));
-    let all = results.plan().case.lattice.grid.oscillators();
+    let all = results.plan().labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
     let panels = results.panels().iter().filter(|p| p.key.constraints == CORNERS);
     let panels: Vec<_> = panels.filter(|p| number_in_contact(results, p) == all).collect();
     let mut modes: std::collections::BTreeMap<u16, Vec<(String, Estimate)>> = Default::default();
     for panel in &panels {
         for (name, occurrences) in results.occurrences(panel) {
-            let entry = (format!("{} {}", panel.key.law, speed_name(results, panel)), results.median(&occurrences)?);
+            let entry =
+                (format!("{} {}", law_name(results, panel), speed_name(results, panel)), results.median(&occurrences)?);
             modes.entry(name).or_default().push(entry);
         }
     }
@@ -381,12 +392,12 @@ fn after_six(results: &Results<'_>, paper: &Paper) -> Result<Claim, Error> {
 /// by where most of the kinetic energy is.
 fn undamped(results: &Results<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
     let (_, scene, _) = full_contact(results, FREE).next()?;
-    let lattice = results.plan().lattice(scene);
-    let SecondOrder { m, k, .. } = lattice.structural();
+    let brake = results.plan().brake(scene);
+    let SecondOrder { m, k, .. } = brake.system.terms()[0].matrices();
     let root = m.map_diagonal(|mass| 1.0 / mass.sqrt());
     let symmetric = nalgebra::DMatrix::from_fn(k.nrows(), k.ncols(), |i, j| k[(i, j)] * root[i] * root[j]);
     let modes = symmetric.symmetric_eigen();
-    let plate = lattice.bodies().last()?;
+    let plate = &brake.bodies.last()?.dofs;
     let (mut of_oscillators, mut of_plate) = (Vec::new(), Vec::new());
     for (value, shape) in modes.eigenvalues.iter().zip(modes.eigenvectors.column_iter()) {
         let share: f64 = plate.iter().map(|&dof| shape[dof] * shape[dof]).sum();
@@ -419,8 +430,8 @@ fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim {
 fn counted(results: &Results<'_>, paper: &Paper) -> Claim {
     let said =
         format!("{} arrangements of six, {} CEAs each", paper.arrangements_of_six, paper.analyses_per_arrangement);
-    let case = &results.plan().case;
-    let six = case.panels.iter().find(|(number, _)| *number == 6).map_or(0, |(_, list)| list.len());
+    let panels = &results.plan().labels.panels;
+    let six = panels.iter().find(|panel| panel.in_contact == 6).map_or(0, |panel| panel.arrangements.len());
     let samples = results.summary.samples;
     let holds = six == paper.arrangements_of_six && samples == paper.analyses_per_arrangement;
     let detail = format!("arrangements with six in contact; {samples} samples of each in every law and speed range");

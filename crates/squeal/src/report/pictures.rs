@@ -10,23 +10,24 @@ use rayon::prelude::*;
 use super::Results;
 use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
 use crate::Error;
-use crate::case::{Labels, Law};
+use crate::brakes::LatticeBrake;
+use crate::case::Labels;
 use crate::figures::{
     Body, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
     OccurrenceRow, mode_and_work, model_diagram, occurrence_boxes,
 };
-use crate::study::Scene;
+use crate::study::{PanelLabel, Plan, Scene};
 
 /// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
 ///
 /// # Errors
 /// Those of the figures.
 pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let case = &results.plan().case;
-    for (constraints, set) in case.constraints.iter().enumerate() {
-        let heading = format!("{}: constraints \"{}\"", case.name, set.name);
-        let data = occurrence(results, constraints, &case.laws, heading)?;
-        occurrence_boxes(&data)?.save(dir, &format!("occurrence-{}", set.name))?;
+    let Plan { name, labels, .. } = results.plan();
+    let laws: Vec<usize> = (0..labels.laws.len()).collect();
+    for (constraints, set) in labels.constraints.iter().enumerate() {
+        let data = occurrence(results, constraints, &laws, format!("{name}: constraints \"{set}\""))?;
+        occurrence_boxes(&data)?.save(dir, &format!("occurrence-{set}"))?;
     }
     Ok(())
 }
@@ -36,8 +37,8 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 ///
 /// # Errors
 /// Those of the figures.
-pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let case = &results.plan().case;
+pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Result<(), Error> {
+    let case = &brake.case;
     let grid = case.lattice.grid;
     let diagram = ModelDiagram {
         title: case.name.clone(),
@@ -49,21 +50,22 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         leans_with_sliding: case.lattice.lean == Lean::Along,
     };
     let mut figures = vec![(model_diagram(&diagram)?, "fig02")];
-    for (&law, stem) in case.laws.iter().zip(["fig04", "fig05", "fig06"]) {
-        let heading = format!("{} friction", law.title());
+    let laws: Vec<usize> = (0..case.laws.len()).collect();
+    for (&law, stem) in laws.iter().zip(["fig04", "fig05", "fig06"]) {
+        let heading = format!("{} friction", case.laws[law].title());
         figures.push((occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?, stem));
     }
     for (constraints, stem) in [(CORNERS, "fig08"), (SIX, "fig09")] {
         if let Some(set) = case.constraints.get(constraints) {
             let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
             let heading = format!("Held: {}", held.join(", "));
-            figures.push((occurrence_boxes(&occurrence(results, constraints, &case.laws, heading)?)?, stem));
+            figures.push((occurrence_boxes(&occurrence(results, constraints, &laws, heading)?)?, stem));
         }
     }
     let robust = most_robust(results, FREE)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
     for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
-        if let Some(figure) = name.and_then(|name| mode_work(results, FREE, name).transpose()) {
+        if let Some(figure) = name.and_then(|name| mode_work(results, brake, FREE, name).transpose()) {
             figures.push((mode_and_work(&figure?)?, stem));
         }
     }
@@ -73,12 +75,11 @@ pub fn draw_paper(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 fn occurrence(
     results: &Results<'_>,
     constraints: usize,
-    laws: &[Law],
+    laws: &[usize],
     title: String,
 ) -> Result<OccurrenceFigure, Error> {
-    let case = &results.plan().case;
-    let mut series: Vec<String> =
-        case.speeds.iter().map(|s| format!("{} speed, {} to {} m/s", s.name, s.from, s.to)).collect();
+    let labels = &results.plan().labels;
+    let mut series: Vec<String> = labels.speeds.iter().map(|speed| speed.description.clone()).collect();
     series.push("all speeds".into());
     let panels: Vec<_> = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).collect();
     let names: BTreeSet<u16> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
@@ -86,11 +87,11 @@ fn occurrence(
 
     let mut rows = Vec::new();
     for &law in laws {
-        let mut row = OccurrenceRow { law: law.title().into(), panels: Vec::new() };
+        let mut row = OccurrenceRow { law: labels.laws[law].title.clone(), panels: Vec::new() };
         if laws.len() == 1 {
             row.law.clear();
         }
-        for (place, (number, arrangements)) in case.panels.iter().enumerate() {
+        for (place, PanelLabel { in_contact, arrangements }) in labels.panels.iter().enumerate() {
             let mut boxes = Vec::new();
             for panel in results.panels_of(constraints, law).filter(|panel| panel.key.panel == place) {
                 for (name, occurrences) in results.occurrences(panel) {
@@ -100,14 +101,14 @@ fn occurrence(
                         .collect::<Result<Vec<f64>, Error>>()?;
                     boxes.push(OccurrenceBox {
                         mode: names.iter().position(|&n| n == name).unwrap_or_default(),
-                        series: panel.key.speed.unwrap_or(case.speeds.len()),
+                        series: panel.key.speed.unwrap_or(labels.speeds.len()),
                         percent,
                     });
                 }
             }
             row.panels.push(OccurrencePanel {
-                title: format!("({}) {} in contact", letter(place), in_words(*number)),
-                arrangements: arrangements.iter().map(ToString::to_string).collect(),
+                title: format!("({}) {} in contact", letter(place), in_words(*in_contact)),
+                arrangements: arrangements.clone(),
                 boxes,
             });
         }
@@ -132,23 +133,28 @@ fn in_words(number: usize) -> String {
 }
 
 /// A mode with every oscillator in contact, under each law at its first speed range.
-fn mode_work(results: &Results<'_>, constraints: usize, name: u16) -> Result<Option<ModeWorkFigure>, Error> {
-    let grid = results.plan().case.lattice.grid;
+fn mode_work(
+    results: &Results<'_>,
+    brake: &LatticeBrake,
+    constraints: usize,
+    name: u16,
+) -> Result<Option<ModeWorkFigure>, Error> {
+    let grid = brake.case.lattice.grid;
     let mut columns = Vec::new();
-    for &law in &results.plan().case.laws {
+    for (law, of_law) in brake.case.laws.iter().enumerate() {
         let is_it = |scene: &Scene| {
             let key = scene.key;
             key.constraints == constraints && key.law == law && key.speed.unwrap_or(0) == 0 && scene.wants_work
         };
         let Some(at) = results.plan().scenes.iter().position(is_it) else { continue };
-        let (scene, reference) = (&results.plan().scenes[at], &results.study.references()[at]);
+        let (scene, reference) = (&results.plan().scenes[at], &results.references()[at]);
         let Some(shape) = shape(results, scene, reference, name) else { continue };
         let lambda = reference.modes.iter().zip(&reference.names).find(|(_, names)| **names == [name]);
         let caption = lambda.map_or(String::new(), |(mode, _)| {
             format!("{:.1} Hz, growth {:+.0} 1/s", cea::frequency_hz(mode.lambda), mode.lambda.re)
         });
         let bodies = bodies(results, at, name, &shape)?;
-        columns.push(LawMode { law: law.title().into(), caption, bodies });
+        columns.push(LawMode { law: of_law.title().into(), caption, bodies });
     }
     // A mode that is never unstable has no work to show.
     let has_work = |column: &LawMode| column.bodies.iter().any(|body| body.work.quartiles.is_some());
@@ -160,7 +166,7 @@ fn mode_work(results: &Results<'_>, constraints: usize, name: u16) -> Result<Opt
 }
 
 fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -> Result<Vec<Body>, Error> {
-    let map = results.plan().lattice(&results.plan().scenes[at]).dof_map();
+    let map = &results.plan().brake(&results.plan().scenes[at]).dofs;
     let tracked = results.tracked_name(at, name);
     let sketches = tracked.and_then(|name| results.summary.tally.scenes[at].net_work.get(&name));
     let mut work = vec![NetWork::default(); shape.len() / 3];

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, Summary, quantile, wilson};
 
 use crate::Error;
-use crate::case::{Labels, Law};
-use crate::study::{Comparison, Hits, Panel, Plan, Study, Tally};
+use crate::case::Labels;
+use crate::study::{Comparison, Hits, Panel, Plan, Reference, Study, Tally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,8 +46,8 @@ impl Occurrence {
 
 /// The results of a study.
 pub struct Results<'a> {
-    /// The study.
-    pub study: &'a Study<'a>,
+    plan: &'a Plan,
+    references: &'a [Reference],
     /// Its counts.
     pub summary: Summary<Tally>,
     /// How modes are named in the report.
@@ -58,22 +58,32 @@ pub struct Results<'a> {
 
 impl<'a> Results<'a> {
     /// The results of a finished run.
-    pub fn new(study: &'a Study<'a>, summary: Summary<Tally>) -> Self {
-        let panels = crate::study::panels(study.plan());
-        let comparisons = crate::study::comparisons(study.plan(), &panels);
-        Self { labels: study.plan().case.readings.labels, study, summary, panels, comparisons }
+    pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<Tally>) -> Self {
+        let (plan, references) = (study.plan(), study.references());
+        let panels = crate::study::panels(plan);
+        let comparisons = crate::study::comparisons(plan, &panels);
+        Self { labels: plan.mode_labels, plan, references, summary, panels, comparisons }
     }
 
     /// The same counts with modes named in another way.
     pub fn labelled(&self, labels: Labels) -> Self {
-        let mut results = Self::new(self.study, self.summary.clone());
-        results.labels = labels;
-        results
+        Self {
+            labels,
+            summary: self.summary.clone(),
+            panels: self.panels.clone(),
+            comparisons: self.comparisons.clone(),
+            ..*self
+        }
     }
 
     /// The plan.
-    pub fn plan(&self) -> &Plan {
-        self.study.plan()
+    pub fn plan(&self) -> &'a Plan {
+        self.plan
+    }
+
+    /// The reference modes of each scene.
+    pub fn references(&self) -> &'a [Reference] {
+        self.references
     }
 
     /// All panels, in the order of their keys.
@@ -81,18 +91,8 @@ impl<'a> Results<'a> {
         &self.panels
     }
 
-    /// The panel of a scene key; that for all speeds where the law has no speed in it.
-    pub fn panel(&self, constraints: usize, law: Law, panel: usize, speed: Option<usize>) -> Option<&Panel> {
-        let is_it = |p: &&Panel| {
-            let key = p.key;
-            let same_speed = key.speed == speed || key.speed.is_none();
-            key.constraints == constraints && key.law == law && key.panel == panel && same_speed
-        };
-        self.panels.iter().find(is_it)
-    }
-
     /// Panels of a law under a constraint set, by speed range and number in contact.
-    pub fn panels_of(&self, constraints: usize, law: Law) -> impl Iterator<Item = &Panel> {
+    pub fn panels_of(&self, constraints: usize, law: usize) -> impl Iterator<Item = &Panel> {
         self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
     }
 
@@ -141,7 +141,7 @@ impl<'a> Results<'a> {
             return Some(name);
         }
         let place = usize::from(self.key(name)).checked_sub(1)?;
-        match self.study.references()[scene].names.get(place)?.as_slice() {
+        match self.references[scene].names.get(place)?.as_slice() {
             &[only] => Some(only),
             _ => None,
         }
@@ -181,10 +181,11 @@ impl<'a> Results<'a> {
 
     /// What a panel is called in tables and claims.
     pub fn describe(&self, panel: &Panel) -> String {
-        let case = &self.plan().case;
-        let speed = panel.key.speed.map_or("all speeds", |range| &case.speeds[range].name);
-        let (number, _) = case.panels[panel.key.panel];
-        format!("{}, {}, {number} in contact, {speed}", case.constraints[panel.key.constraints].name, panel.key.law)
+        let labels = &self.plan.labels;
+        let speed = panel.key.speed.map_or("all speeds", |range| &labels.speeds[range].name);
+        let number = labels.panels[panel.key.panel].in_contact;
+        let (constraints, law) = (&labels.constraints[panel.key.constraints], &labels.laws[panel.key.law].name);
+        format!("{constraints}, {law}, {number} in contact, {speed}")
     }
 }
 

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
+use montecarlo::QuantileSketch;
+
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
+use crate::study::{PanelLabel, Scene};
 
-/// Writes `occurrence.csv`, `panels.csv`, `net_work.csv` and `failures.csv` into `dir`.
+/// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -14,11 +17,12 @@ pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     write_occurrence(results, dir)?;
     write_panels(results, dir)?;
     write_net_work(results, dir)?;
+    write_family_work(results, dir)?;
     write_failures(results, dir)
 }
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let case = &results.plan().case;
+    let labels = &results.plan().labels;
     let header = [
         "constraints",
         "law",
@@ -36,15 +40,15 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let mut rows = Vec::new();
     for panel in results.panels() {
         let key = panel.key;
-        let (number, arrangements) = &case.panels[key.panel];
+        let PanelLabel { in_contact, arrangements } = &labels.panels[key.panel];
         for (name, occurrences) in results.occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate()?;
                 rows.push(vec![
-                    case.constraints[key.constraints].name.clone(),
-                    key.law.to_string(),
-                    key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
-                    number.to_string(),
+                    labels.constraints[key.constraints].clone(),
+                    labels.laws[key.law].name.clone(),
+                    labels.speed(key.speed).to_owned(),
+                    in_contact.to_string(),
                     arrangements[occurrence.arrangement].to_string(),
                     name.to_string(),
                     occurrence.solved.to_string(),
@@ -61,7 +65,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let case = &results.plan().case;
+    let labels = &results.plan().labels;
     let header = [
         "constraints",
         "law",
@@ -90,10 +94,10 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             mean.as_ref().map(of).filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string())
         };
         vec![
-            case.constraints[key.constraints].name.clone(),
-            key.law.to_string(),
-            key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
-            case.panels[key.panel].0.to_string(),
+            labels.constraints[key.constraints].clone(),
+            labels.laws[key.law].name.clone(),
+            labels.speed(key.speed).to_owned(),
+            labels.panels[key.panel].in_contact.to_string(),
             panel.arrangements.to_string(),
             sum(|t| t.solved).to_string(),
             number(|e| e.value),
@@ -109,30 +113,70 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let case = &results.plan().case;
     let header =
         ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
     let mut rows = Vec::new();
     for (scene, tally) in results.plan().scenes.iter().zip(&results.summary.tally.scenes) {
-        let bodies = case.lattice.grid.oscillators();
         for (name, sketches) in &tally.net_work {
-            for (body, sketch) in sketches.iter().enumerate() {
-                let body = if body == bodies { "plate".to_owned() } else { (body + 1).to_string() };
-                rows.push(vec![
-                    case.constraints[scene.key.constraints].name.clone(),
-                    scene.key.law.to_string(),
-                    scene.key.speed.map_or("all", |range| &case.speeds[range].name).to_owned(),
-                    name.to_string(),
-                    body,
-                    sketch.count().to_string(),
-                    sketch.quantile(0.25)?.to_string(),
-                    sketch.median()?.to_string(),
-                    sketch.quantile(0.75)?.to_string(),
-                ]);
+            for (body, sketch) in results.plan().brake(scene).bodies.iter().zip(sketches) {
+                let mut row = scene_columns(results, scene);
+                row.extend([name.to_string(), body.name.clone()]);
+                row.extend(quartile_columns(sketch)?);
+                rows.push(row);
             }
         }
     }
     write_csv(&dir.join("net_work.csv"), &header, rows)
+}
+
+fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let header = [
+        "constraints",
+        "law",
+        "speed",
+        "mode",
+        "family",
+        "body",
+        "samples",
+        "lower_quartile",
+        "median",
+        "upper_quartile",
+    ];
+    let mut rows = Vec::new();
+    for (scene, tally) in results.plan().scenes.iter().zip(&results.summary.tally.scenes) {
+        let brake = results.plan().brake(scene);
+        for (name, families) in &tally.family_work {
+            for (family, sketches) in brake.system.families().iter().zip(families) {
+                for (body, sketch) in brake.bodies.iter().zip(sketches) {
+                    let mut row = scene_columns(results, scene);
+                    row.extend([name.to_string(), family.clone(), body.name.clone()]);
+                    row.extend(quartile_columns(sketch)?);
+                    rows.push(row);
+                }
+            }
+        }
+    }
+    write_csv(&dir.join("family_work.csv"), &header, rows)
+}
+
+/// Constraints, law and speed of a scene.
+fn scene_columns(results: &Results<'_>, scene: &Scene) -> Vec<String> {
+    let (labels, key) = (&results.plan().labels, scene.key);
+    vec![
+        labels.constraints[key.constraints].clone(),
+        labels.laws[key.law].name.clone(),
+        labels.speed(key.speed).to_owned(),
+    ]
+}
+
+/// Count, lower quartile, median and upper quartile.
+fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
+    Ok([
+        sketch.count().to_string(),
+        sketch.quantile(0.25)?.to_string(),
+        sketch.median()?.to_string(),
+        sketch.quantile(0.75)?.to_string(),
+    ])
 }
 
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -140,13 +184,13 @@ fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         None => "every scene: the draw failed".to_owned(),
         Some(at) => {
             let scene = &results.plan().scenes[at];
-            let case = &results.plan().case;
+            let labels = &results.plan().labels;
             format!(
                 "{}, {}, contact {}, {}",
-                case.constraints[scene.key.constraints].name,
-                scene.key.law,
-                results.plan().lattice(scene).arrangement(),
-                scene.key.speed.map_or("all speeds", |range| &case.speeds[range].name),
+                labels.constraints[scene.key.constraints],
+                labels.laws[scene.key.law].name,
+                results.plan().configuration(scene).contacts,
+                scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
             )
         }
     };

@@ -1,43 +1,43 @@
-//! Sliding states whose systems are all stable, by proof: their samples need no spectrum.
+//! Operating points whose systems are all stable, by a small-gain certificate: their samples need no spectrum.
 
 use cea::{Channels, Workspace, peak_gain};
-use friction::Tangent;
-use linsys::SecondOrder;
+use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use montecarlo::stream;
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use osc_model::{ContactPoint, FrictionChannels, Linearise, PreparedLattice, Sliding};
 use rayon::prelude::*;
 
-use super::{Plan, Sample, Scene};
+use super::{Configuration, Scene, UncertainBrake};
 use crate::Error;
 
-/// Draws that show where the states of a lattice lie.
-const PILOTS: u64 = 32;
+/// Draws that show where the operating points of a configuration lie.
+const PILOT_DRAWS: u64 = 32;
 /// How far below the median coefficient of friction an ellipse is tried, in spreads of the coefficient. Lower ones are
 /// certified where the median is unstable.
-const BELOW: [f64; 3] = [0.0, 0.75, 1.5];
+const SPREADS_BELOW_MEDIAN: [f64; 3] = [0.0, 0.75, 1.5];
 
-/// What is certified of one lattice: ellipses in the plane of coefficient mu and slope `N0 h` of friction.
+/// What is certified of one configuration: ellipses in the plane of coefficient mu and slope `N0 h` of friction.
 ///
-/// No state all of whose contacts lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law, and whether
-/// the contacts are alike or not. See [`peak_gain`] for the proof; docs/error-bounds.md puts it together.
+/// No operating point all of whose channels lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law,
+/// and whether the channels are alike or not. See [`peak_gain`] for the proof; docs/error-bounds.md puts it together.
 #[derive(Debug, Clone, Default)]
 pub struct Certificate {
+    /// Of the terms: another structure is not certified.
+    coefficients: Vec<f64>,
     ellipses: Vec<Ellipse>,
     sizes: Sizes,
 }
 
-/// What bounds the eigenvalues of a lattice: 2-norms with the mass taken out symmetrically.
+/// What bounds the eigenvalues of a configuration: 2-norms with the mass taken out symmetrically.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sizes {
     /// Of C without friction, 1/s.
     damping: f64,
     /// Of K without friction, 1/s^2.
     stiffness: f64,
-    /// Of what a slope of 1 Ns/m in every contact adds to C.
+    /// Of what a slope of 1 Ns/m in every channel adds to C.
     slope: f64,
-    /// Of what a coefficient of 1 in every contact adds to K, at most.
+    /// Of what a coefficient of 1 in every channel adds to K, at most.
     coupling: f64,
 }
 
@@ -47,7 +47,7 @@ struct Ellipse {
     half_axes: Friction,
 }
 
-/// Friction in one contact, as the equations see it, or a difference of two.
+/// Friction in one channel, as the equations see it, or a difference of two.
 #[derive(Debug, Clone, Copy)]
 struct Friction {
     /// Coefficient.
@@ -56,102 +56,116 @@ struct Friction {
     slope: f64,
 }
 
-/// The certificate of each lattice of a plan.
+/// The certificate of each configuration of a brake.
 ///
 /// # Errors
 /// Those of the model and of the scaling.
-pub(super) fn certificates(plan: &Plan) -> Result<Vec<Certificate>, Error> {
-    let pilots: Vec<Sample> =
-        (0..PILOTS).filter_map(|index| Sample::draw(&plan.case, &mut stream(plan.case.seed, index)).ok()).collect();
-    let of_lattice = |(at, (_, lattice)): (usize, &(usize, PreparedLattice))| {
-        let scenes = plan.scenes.iter().filter(|scene| scene.lattice == at);
-        let states = scenes.flat_map(|scene: &Scene| pilots.iter().filter_map(|pilot| plan.sliding(scene, pilot).ok()));
-        Certificate::new(lattice, &states.collect::<Vec<_>>())
+pub(super) fn certificates<B: UncertainBrake>(brake: &B) -> Result<Vec<Certificate>, Error> {
+    let plan = brake.plan();
+    let pilots: Vec<B::Sample> =
+        (0..PILOT_DRAWS).filter_map(|index| brake.draw(&mut stream(plan.seed, index)).ok()).collect();
+    let of_configuration = |(at, configuration): (usize, &Configuration)| {
+        let scenes = plan.scenes.iter().filter(|scene| scene.configuration == at);
+        let points =
+            scenes.flat_map(|scene: &Scene| pilots.iter().filter_map(|pilot| brake.operating_point(scene, pilot).ok()));
+        Certificate::new(&configuration.brake.system, &points.collect::<Vec<_>>())
     };
-    plan.lattices.par_iter().enumerate().map(of_lattice).collect()
+    plan.configurations.par_iter().enumerate().map(of_configuration).collect()
 }
 
 impl Certificate {
-    /// Certifies what it can of a lattice around the median of `states`.
+    /// Certifies what it can of a system around the median of `points`; nothing where these differ in their structure.
     ///
     /// # Errors
     /// Those of the model and of the scaling.
-    pub fn new(lattice: &PreparedLattice, states: &[Sliding]) -> Result<Self, Error> {
-        let contacts = || states.iter().flat_map(|state| &state.contacts);
-        let mus = quartiles(contacts().map(|point| point.tangent.mu).collect());
-        let slopes = quartiles(contacts().map(middle_slope).collect());
-        let (Some(channels), Some(mus), Some(slopes)) = (lattice.friction_channels(), mus, slopes) else {
-            return Ok(Self::default());
-        };
+    pub fn new(system: &AffineSystem, points: &[OperatingPoint]) -> Result<Self, Error> {
+        let Some(coefficients) = common_coefficients(points) else { return Ok(Self::default()) };
+        let gains = || points.iter().flat_map(|at| &at.channels);
+        let mus = quartiles(gains().map(|gain| gain.mu).collect());
+        let slopes = quartiles(gains().map(middle_slope).collect());
+        let (Some(mus), Some(slopes)) = (mus, slopes) else { return Ok(Self::default()) };
         let spread = Friction { mu: mus[2] - mus[0], slope: slopes[2] - slopes[0] };
-        let sizes = Sizes::new(lattice.structural(), &channels);
+        let (force, reading) = (system.force_matrix(), system.reading_matrix());
+        let structure = system.structure(&coefficients)?;
+        let Some(sizes) = Sizes::new(&structure, &force, &reading) else { return Ok(Self::default()) };
         let weighted = Channels {
-            position: stacked(spread.mu * &channels.coupling, 0.0 * &channels.coupling),
-            velocity: stacked(0.0 * &channels.coupling, spread.slope * channels.force.transpose()),
-            force: channels.force,
+            position: stacked(spread.mu * &reading, 0.0 * &reading),
+            velocity: stacked(0.0 * &reading, spread.slope * force.transpose()),
+            force,
         };
         let mut ellipses = Vec::new();
-        for below in BELOW {
+        for below in SPREADS_BELOW_MEDIAN {
             let centre = Friction { mu: (mus[1] - below * spread.mu).max(0.0), slope: slopes[1] };
-            // Of the centre only the product of load and slope counts.
-            let tangent = Tangent { mu: centre.mu, slope: centre.slope, internal: None };
-            let point = ContactPoint { tangent, lateral_mu: 0.0, normal_load: 1.0, stiffness_factor: 1.0 };
-            let contacts = vec![point; lattice.arrangement().in_contact().len()];
-            let system = lattice.linearised(&Sliding { speed: 1.0, contacts })?;
-            if let Some(gain) = peak_gain(&system, &weighted, &mut Workspace::default())? {
+            let gain = ChannelGain { mu: centre.mu, slope: centre.slope, lag: None };
+            let channels = vec![gain; system.channels().len()];
+            let centred = system.assemble(&OperatingPoint { coefficients: coefficients.clone(), channels })?;
+            if let Some(gain) = peak_gain(&centred, &weighted, &mut Workspace::default())? {
                 let half_axes = Friction { mu: spread.mu / gain, slope: spread.slope / gain };
                 ellipses.push(Ellipse { centre, half_axes });
             }
         }
-        Ok(Self { ellipses, sizes })
+        Ok(Self { coefficients, ellipses, sizes })
     }
 
-    /// Whether the system in this state is proven to be stable.
-    pub fn covers(&self, state: &Sliding) -> bool {
-        let radius = self.sizes.radius(&state.contacts);
-        self.ellipses.iter().any(|ellipse| state.contacts.iter().all(|point| ellipse.contains(point, radius)))
+    /// Whether the system at this operating point is certified to be stable.
+    pub fn covers(&self, at: &OperatingPoint) -> bool {
+        if self.ellipses.is_empty() || at.coefficients != self.coefficients {
+            return false;
+        }
+        let radius = self.sizes.radius(&at.channels);
+        self.ellipses.iter().any(|ellipse| at.channels.iter().all(|gain| ellipse.contains(gain, radius)))
     }
 }
 
+/// The coefficients of some operating points, if they are the same.
+fn common_coefficients(points: &[OperatingPoint]) -> Option<Vec<f64>> {
+    let (first, others) = points.split_first()?;
+    others.iter().all(|other| other.coefficients == first.coefficients).then(|| first.coefficients.clone())
+}
+
 impl Sizes {
-    fn new(structure: &SecondOrder, channels: &FrictionChannels) -> Self {
+    /// `None` for a mass matrix that is not positive definite.
+    fn new(structure: &SecondOrder, force: &DMatrix<f64>, reading: &DMatrix<f64>) -> Option<Self> {
         let mass = structure.m.clone().symmetric_eigen();
+        if mass.eigenvalues.min() <= 0.0 {
+            return None;
+        }
         let scale = DMatrix::from_diagonal(&mass.eigenvalues.map(|m| 1.0 / m.sqrt()));
         let root = &mass.eigenvectors * scale * mass.eigenvectors.transpose();
         let norm = |matrix: DMatrix<f64>| matrix.singular_values().max();
-        let (force, coupling) = (norm(&root * &channels.force), norm(&channels.coupling * &root));
-        Self {
+        let (force, coupling) = (norm(&root * force), norm(reading * &root));
+        Some(Self {
             damping: norm(&root * &structure.c * &root),
             stiffness: norm(&root * &structure.k * &root),
             slope: force * force,
             coupling: force * coupling,
-        }
+        })
     }
 
     /// No eigenvalue with `Re lambda >= 0` is farther from 0: `|lambda|^2 <= c |lambda| + k` with bounds c and k of damping
     /// and stiffness. Rad/s.
-    fn radius(&self, contacts: &[ContactPoint]) -> f64 {
-        let slopes = contacts.iter().flat_map(|p| p.tangent.slope_extremes().map(|slope| p.normal_load * slope.abs()));
+    fn radius(&self, gains: &[ChannelGain]) -> f64 {
+        let slopes = gains.iter().flat_map(|gain| gain.slope_extremes().map(f64::abs));
         let c = self.damping + self.slope * slopes.fold(0.0, f64::max);
-        let k = self.stiffness + self.coupling * contacts.iter().map(|p| p.tangent.mu).fold(0.0, f64::max);
+        let k = self.stiffness + self.coupling * gains.iter().map(|gain| gain.mu.abs()).fold(0.0, f64::max);
         // The last factor is for rounding.
         (0.5 * c + (0.25 * c * c + k).sqrt()) * (1.0 + 1e-9)
     }
 }
 
 impl Ellipse {
-    /// Whether friction in a contact stays in the ellipse for every lambda with `Re lambda >= 0`, `|lambda| <= radius`.
-    fn contains(&self, point: &ContactPoint, radius: f64) -> bool {
+    /// Whether friction in a channel stays in the ellipse for every lambda with `Re lambda >= 0`, `|lambda| <= radius`.
+    fn contains(&self, gain: &ChannelGain, radius: f64) -> bool {
         let Self { centre, half_axes } = self;
-        let mu = part(point.tangent.mu - centre.mu, half_axes.mu);
+        let mu = part(gain.mu - centre.mu, half_axes.mu);
         // The slope is farthest from one on the real axis at a corner of the half disc, or at its farthest point.
         let corners = [Complex::default(), Complex::new(radius, 0.0), Complex::new(0.0, radius)];
         let is_inside = |lambda| {
-            let slope = point.normal_load * point.tangent.complex_slope(lambda) - centre.slope;
+            let slope = gain.complex_slope(lambda) - centre.slope;
             let slope = part(slope.norm(), half_axes.slope);
             mu * mu + slope * slope < 1.0
         };
-        point.stiffness_factor == 1.0 && corners.into_iter().all(is_inside)
+        corners.into_iter().all(is_inside)
     }
 }
 
@@ -161,8 +175,8 @@ fn part(difference: f64, half_axis: f64) -> f64 {
 }
 
 /// The middle of the slopes `N0 h` at 0 and at infinity, Ns/m.
-fn middle_slope(point: &ContactPoint) -> f64 {
-    0.5 * point.normal_load * point.tangent.slope_extremes().iter().sum::<f64>()
+fn middle_slope(gain: &ChannelGain) -> f64 {
+    0.5 * gain.slope_extremes().iter().sum::<f64>()
 }
 
 fn stacked(above: DMatrix<f64>, below: DMatrix<f64>) -> DMatrix<f64> {
@@ -187,21 +201,23 @@ mod tests {
     use cea::{EigenSolver, QrSolver};
 
     use super::*;
-    use crate::case::Case;
+    use crate::brakes::LatticeBrake;
+    use crate::case::LatticeCase;
 
     #[test]
     fn no_growing_eigenvalue_lies_beyond_the_radius() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
-        let plan = Plan::new(Case::read(&path).unwrap()).unwrap();
+        let brake = LatticeBrake::new(LatticeCase::read(&path).unwrap()).unwrap();
         let (mut growing, mut nearest) = (0, f64::INFINITY);
         for index in 0..20 {
-            let sample = Sample::draw(&plan.case, &mut stream(3, index)).unwrap();
-            for scene in &plan.scenes {
-                let lattice = plan.lattice(scene);
-                let sizes = Sizes::new(lattice.structural(), &lattice.friction_channels().unwrap());
-                let state = plan.sliding(scene, &sample).unwrap();
-                let radius = sizes.radius(&state.contacts);
-                let system = lattice.linearised(&state).unwrap();
+            let sample = brake.draw(&mut stream(3, index)).unwrap();
+            for scene in &brake.plan.scenes {
+                let system = &brake.plan.brake(scene).system;
+                let (force, reading) = (system.force_matrix(), system.reading_matrix());
+                let at = brake.operating_point(scene, &sample).unwrap();
+                let sizes = Sizes::new(&system.structure(&at.coefficients).unwrap(), &force, &reading).unwrap();
+                let radius = sizes.radius(&at.channels);
+                let system = system.assemble(&at).unwrap();
                 for lambda in QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap().eigenvalues {
                     if lambda.re >= 0.0 {
                         assert!(lambda.norm() < radius, "{lambda} {radius}");
@@ -216,23 +232,18 @@ mod tests {
 
     #[test]
     fn a_slope_is_farthest_from_a_real_one_at_a_corner_of_the_half_disc() {
-        let tangent = Tangent {
-            mu: 0.5,
-            slope: -3.0,
-            internal: Some(friction::InternalTangent { decay: 2e4, drive: -0.2, force: -1e5 }),
-        };
-        let (radius, stiff) =
-            (1.5e4, ContactPoint { tangent, lateral_mu: 0.0, normal_load: 2.0, stiffness_factor: 1.0 });
+        let lag = Some(linsys::Lag { decay: 2e4, drive: -0.2, force: -2e5 });
+        let (radius, gain) = (1.5e4, ChannelGain { mu: 0.5, slope: -6.0, lag });
         for centre in [-10.0, -5.0, -4.0, -1.0, 3.0] {
             let most = |half_axis: f64| {
                 let half_axes = Friction { mu: 1.0, slope: half_axis };
-                Ellipse { centre: Friction { mu: 0.5, slope: centre }, half_axes }.contains(&stiff, radius)
+                Ellipse { centre: Friction { mu: 0.5, slope: centre }, half_axes }.contains(&gain, radius)
             };
             let inside = (0..=60).flat_map(|i| (0..=60).map(move |j| (i, j))).map(|(i, j)| {
                 let angle = std::f64::consts::PI * (f64::from(j) / 60.0 - 0.5);
                 Complex::from_polar(radius * f64::from(i) / 60.0, angle)
             });
-            let farthest = inside.map(|l| (2.0 * tangent.complex_slope(l) - centre).norm()).fold(0.0, f64::max);
+            let farthest = inside.map(|l| (gain.complex_slope(l) - centre).norm()).fold(0.0, f64::max);
             assert!(most(farthest * (1.0 + 1e-9)) && !most(farthest * (1.0 - 1e-9)), "{centre}");
         }
     }

@@ -1,7 +1,6 @@
 //! Panels, and the pairs of panels that a study compares.
 
 use super::{Plan, SceneKey};
-use crate::case::Law;
 
 /// All arrangements with one number in contact, under one constraint set, law and speed range.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,9 +27,9 @@ pub struct Comparison {
 /// What differs between two compared panels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// More oscillators in contact against fewer.
+    /// More contacts closed against fewer.
     Contact,
-    /// A law against Amontons-Coulomb.
+    /// A law against the baseline law.
     Law,
     /// A lower speed range against a higher.
     Speed,
@@ -52,7 +51,7 @@ pub fn panels(plan: &Plan) -> Vec<Panel> {
 
 /// The comparisons that a study makes, each between panels that differ in one thing.
 pub fn comparisons(plan: &Plan, panels: &[Panel]) -> Vec<Comparison> {
-    let number = |panel: &Panel| plan.case.panels[panel.key.panel].0;
+    let number = |panel: &Panel| plan.labels.panels[panel.key.panel].in_contact;
     let kind = |a: &Panel, b: &Panel| {
         let (p, q) = (a.key, b.key);
         let same_scene = p.law == q.law && p.speed == q.speed;
@@ -60,12 +59,12 @@ pub fn comparisons(plan: &Plan, panels: &[Panel]) -> Vec<Comparison> {
             return (p.constraints == 0 && same_scene && p.panel == q.panel).then_some(Kind::Constraints);
         }
         if p.panel != q.panel {
-            let next = plan.case.panels.iter().map(|(n, _)| *n).filter(|&n| n < number(a)).max();
+            let next = plan.labels.panels.iter().map(|panel| panel.in_contact).filter(|&n| n < number(a)).max();
             return (same_scene && next == Some(number(b))).then_some(Kind::Contact);
         }
         if p.law != q.law {
             let speeds_agree = q.speed.is_none() || p.speed == q.speed;
-            return (q.law == Law::AmontonsCoulomb && speeds_agree).then_some(Kind::Law);
+            return (plan.labels.baseline_law == Some(q.law) && speeds_agree).then_some(Kind::Law);
         }
         (p.speed < q.speed).then_some(Kind::Speed)
     };

@@ -1,17 +1,17 @@
 //! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
 
-use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, Mode, ranks_together};
-use linsys::SecondOrder;
+use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
-use osc_model::{Linearise, PreparedLattice, Sector, Sliding};
-use work::{Family, family_work};
+use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, anchors, equations, gain, growing};
+use super::growing::{Equations, anchors, equations, growing};
 use super::memory::{Scratch, timed};
+use super::net_work::WorkSystems;
 use super::part::{Equation, Known, Part, Solver, Unstable};
 use super::reference::{Reference, References, references};
-use super::{Plan, Sample, Scene};
+use super::{Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// What one CEA of a study says.
@@ -34,18 +34,18 @@ pub struct UnstableMode {
     pub rank: u16,
     /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<u16>,
-    /// Net work in one period of each body, 1/s^2 times `phi^H M phi`; in scenes that want it.
-    pub net_work: Option<Vec<f64>>,
+    /// Work in one period on each body; in scenes that want it.
+    pub work: Option<ModeWork>,
 }
 
-/// A case, ready to be sampled.
-pub struct Study<'a> {
-    plan: &'a Plan,
+/// A brake, ready to be sampled.
+pub struct Study<'a, B: UncertainBrake> {
+    brake: &'a B,
     solver: &'a dyn EigenSolver,
     references: Vec<Reference>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
-    /// Of each lattice.
+    /// Of each configuration.
     equations: Vec<Equations>,
     /// Of each sector of each scene.
     anchors: Vec<Vec<Option<Anchors>>>,
@@ -53,26 +53,34 @@ pub struct Study<'a> {
     reference_gains: Vec<Option<Gain>>,
 }
 
-impl<'a> Study<'a> {
-    /// Finds the reference modes of every scene and certifies what it can of every lattice.
+impl<'a, B: UncertainBrake> Study<'a, B> {
+    /// Finds the reference modes of every scene and certifies what it can of every configuration.
     ///
     /// # Errors
-    /// Those of the model and of the solver.
-    pub fn new(plan: &'a Plan, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
-        let failed = |source| Error::Median { path: plan.case.path.clone(), source: Box::new(source) };
-        let references = references(plan, solver).map_err(failed)?.into_iter();
+    /// Those of the brake and of the solver.
+    pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
+        let plan = brake.plan();
+        let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
+        let median = brake.median();
+        let at_median = |scene: &Scene| brake.operating_point(scene, &median);
+        let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
+        let references = references(plan, &points, solver).map_err(failed)?.into_iter();
         let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
-        let (certificates, equations) = (certificates(plan)?, equations(plan)?);
-        let anchors = anchors(plan, &equations, &certificates, solver)?;
-        let median = Sample::median(&plan.case);
-        let reference_gain = |scene| plan.sliding(scene, &median).map(|state| gain(&state));
-        let reference_gains = plan.scenes.iter().map(reference_gain).collect::<Result<_, _>>()?;
-        Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, plan, solver })
+        let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
+        let anchors = anchors(brake, &equations, &certificates, solver)?;
+        let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
+        let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
+        Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, brake, solver })
+    }
+
+    /// The brake.
+    pub fn brake(&self) -> &'a B {
+        self.brake
     }
 
     /// The plan.
-    pub fn plan(&self) -> &Plan {
-        self.plan
+    pub fn plan(&self) -> &'a Plan {
+        self.brake.plan()
     }
 
     /// The reference of each scene.
@@ -80,19 +88,24 @@ impl<'a> Study<'a> {
         &self.references
     }
 
-    /// The reference of each sector of each scene, in the order of its lattice's sectors.
+    /// The reference of each sector of each scene, in the order of its configuration's sectors.
     pub fn sector_references(&self) -> &[Vec<Reference>] {
         &self.sector_references
     }
 
-    /// The certificate of each lattice.
+    /// The certificate of each configuration.
     pub fn certificates(&self) -> &[Certificate] {
         &self.certificates
     }
 
+    /// The secular equations of the configuration of a scene.
+    pub(super) fn equations(&self, scene: usize) -> &Equations {
+        &self.equations[self.plan().scenes[scene].configuration]
+    }
+
     /// How each sector of a scene is solved.
     pub(super) fn solvers(&self, scene: usize) -> Vec<Solver<'_>> {
-        let equations = &self.equations[self.plan.scenes[scene].lattice];
+        let equations = &self.equations(scene).sectors;
         let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
         let solvers = each.map(|((reference, secular), anchors)| Solver {
@@ -107,17 +120,23 @@ impl<'a> Study<'a> {
         solvers.collect()
     }
 
-    /// What is to be said of each of these states, which no certificate covers.
-    fn open_samples(&self, scene: usize, states: &[Sliding], scratch: &mut Scratch) -> Vec<Result<Outcome, Error>> {
+    /// What is to be said at each of these operating points, which no certificate covers.
+    fn open_samples(
+        &self,
+        scene: usize,
+        points: &[OperatingPoint],
+        scratch: &mut Scratch,
+    ) -> Vec<Result<Outcome, Error>> {
         let Scratch { systems, memory } = scratch;
-        let (solvers, scene) = (self.solvers(scene), &self.plan.scenes[scene]);
-        let mut known = timed(&mut memory.spent.search, || growing(&solvers, states, &mut memory.work));
+        let (equations, solvers) = (self.equations(scene), self.solvers(scene));
+        let scene = &self.plan().scenes[scene];
+        let mut known = timed(&mut memory.spent.search, || growing(equations, &solvers, points, &mut memory.work));
         let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
-        let mut outcomes: Vec<Result<Outcome, Error>> = states.iter().map(|_| Ok(Outcome::default())).collect();
+        let mut outcomes: Vec<Result<Outcome, Error>> = points.iter().map(|_| Ok(Outcome::default())).collect();
 
         // What the secular equations leave to spectra they leave in all sectors.
         let (told, open): (Vec<usize>, Vec<usize>) =
-            (0..states.len()).partition(|&at| known.iter().all(|of_sector| of_sector[at].is_some()));
+            (0..points.len()).partition(|&at| known.iter().all(|of_sector| of_sector[at].is_some()));
         let growing: Vec<usize> =
             told.into_iter().filter(|&at| !known.iter().all(|of_sector| damps(&of_sector[at]))).collect();
         let mut parts = Vec::with_capacity(solvers.len());
@@ -125,10 +144,10 @@ impl<'a> Study<'a> {
             let known: Vec<(Gain, Growing)> = growing.iter().filter_map(|&at| known[at].take()).collect();
             parts.push(solver.known(&known, memory));
         }
-        timed(&mut memory.spent.outcomes, || self.enter(scene, states, &growing, parts, &mut outcomes));
+        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &growing, parts, &mut outcomes));
 
-        let assembled = timed(&mut memory.spent.assembly, || self.linearise(scene, states, &open, systems));
-        // What cannot be linearised has no lane.
+        let assembled = timed(&mut memory.spent.assembly, || self.assemble(scene, points, &open, systems));
+        // What cannot be assembled has no lane.
         let (mut lanes, mut parts) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
         for (at, made) in open.into_iter().zip(assembled) {
             match made {
@@ -139,7 +158,7 @@ impl<'a> Study<'a> {
         for (systems, solver) in systems.iter().zip(&solvers) {
             parts.push(solver.solve(&systems[..lanes.len()], memory));
         }
-        timed(&mut memory.spent.outcomes, || self.enter(scene, states, &lanes, parts, &mut outcomes));
+        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &lanes, parts, &mut outcomes));
         outcomes
     }
 
@@ -147,7 +166,7 @@ impl<'a> Study<'a> {
     fn enter(
         &self,
         scene: &Scene,
-        states: &[Sliding],
+        points: &[OperatingPoint],
         samples: &[usize],
         parts: Vec<Vec<Result<Part, CeaError>>>,
         outcomes: &mut [Result<Outcome, Error>],
@@ -155,19 +174,19 @@ impl<'a> Study<'a> {
         let mut parts: Vec<_> = parts.into_iter().map(Vec::into_iter).collect();
         for &at in samples {
             let of_sample = parts.iter_mut().filter_map(Iterator::next).collect::<Result<Vec<Part>, CeaError>>();
-            outcomes[at] = of_sample.map_err(Error::from).and_then(|parts| self.outcome(scene, &states[at], &parts));
+            outcomes[at] = of_sample.map_err(Error::from).and_then(|parts| self.outcome(scene, &points[at], &parts));
         }
     }
 
-    /// Writes the systems of each sector in those of `states` that are `open`, without gaps where one cannot be linearised.
-    fn linearise(
+    /// Writes the systems of each sector at those of `points` that are `open`, without gaps where one cannot be assembled.
+    fn assemble(
         &self,
         scene: &Scene,
-        states: &[Sliding],
+        points: &[OperatingPoint],
         open: &[usize],
         systems: &mut Vec<Vec<SecondOrder>>,
     ) -> Vec<Result<(), Error>> {
-        let (lattice, sectors) = (self.plan.lattice(scene), &self.plan.sectors[scene.lattice]);
+        let osc_model::Brake { system, sectors, .. } = self.plan().brake(scene);
         systems.resize_with(systems.len().max(sectors.iter().len()), Vec::new);
         for of_sector in &mut *systems {
             of_sector.resize_with(of_sector.len().max(open.len()), || SecondOrder::zeros(1, 0));
@@ -175,7 +194,7 @@ impl<'a> Study<'a> {
         let (mut lane, mut whole) = (0, SecondOrder::zeros(1, 0));
         let mut one = |&at: &usize| {
             let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
-            sectors.linearise(lattice, &states[at], &mut whole, of_lane)?;
+            sectors.assemble_into(system, &points[at], &mut whole, of_lane)?;
             lane += 1;
             Ok(())
         };
@@ -183,16 +202,16 @@ impl<'a> Study<'a> {
     }
 
     /// What the sectors of one sample say together.
-    fn outcome(&self, scene: &Scene, sliding: &Sliding, parts: &[Part]) -> Result<Outcome, Error> {
-        let mut outcome = Outcome::default();
+    fn outcome(&self, scene: &Scene, at: &OperatingPoint, parts: &[Part]) -> Result<Outcome, Error> {
+        let (mut outcome, brake) = (Outcome::default(), self.plan().brake(scene));
+        let wants_work = scene.wants_work && parts.iter().any(|part| !part.unstable.is_empty());
+        let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
         let ranks = ranks_together(&parts.iter().map(|part| &part.modes).collect::<Vec<_>>());
-        for ((part, ranks), sector) in parts.iter().zip(ranks).zip(self.plan.sectors[scene.lattice].iter()) {
+        for ((part, ranks), sector) in parts.iter().zip(ranks).zip(brake.sectors.iter()) {
             for Unstable { index, mode, names } in &part.unstable {
-                let net_work = match scene.wants_work {
-                    true => Some(net_work(self.plan.lattice(scene), sector, sliding, mode)?),
-                    false => None,
-                };
-                outcome.unstable.push(UnstableMode { rank: ranks[*index] as u16, names: names.clone(), net_work });
+                let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
+                let work = systems.as_ref().map(of_mode).transpose()?;
+                outcome.unstable.push(UnstableMode { rank: ranks[*index] as u16, names: names.clone(), work });
             }
             outcome.divergent += part.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
             outcome.undecided += part.undecided;
@@ -202,31 +221,21 @@ impl<'a> Study<'a> {
     }
 }
 
-/// Net work per body of a mode of a sector, with `phi^H M phi = 1`.
-fn net_work(lattice: &PreparedLattice, sector: &Sector, sliding: &Sliding, mode: &Mode) -> Result<Vec<f64>, Error> {
-    let shape = sector.expand(&mode.shape);
-    let mut friction = SecondOrder::zeros(shape.len(), 0);
-    lattice.linearise_friction(sliding, &mut friction)?;
-    let damping = lattice.structural().damping_alone();
-    let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
-    Ok(family_work(&lattice.structural().m, &families, mode.lambda, &shape, lattice.bodies())?.net())
-}
-
-impl montecarlo::Experiment for Study<'_> {
-    type Sample = Sample;
+impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
+    type Sample = B::Sample;
     type Outcome = Outcome;
     type Error = Error;
     type Scratch = Scratch;
 
     fn scenes(&self) -> usize {
-        self.plan.scenes.len()
+        self.plan().scenes.len()
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, Error> {
-        Ok(Sample::draw(&self.plan.case, rng)?)
+    fn draw(&self, rng: &mut StreamRng) -> Result<B::Sample, Error> {
+        self.brake.draw(rng)
     }
 
-    fn evaluate(&self, scene: usize, sample: &Sample, scratch: &mut Scratch) -> Result<Outcome, Error> {
+    fn evaluate(&self, scene: usize, sample: &B::Sample, scratch: &mut Scratch) -> Result<Outcome, Error> {
         let mut outcomes = Vec::with_capacity(1);
         self.evaluate_block(scene, &[sample], scratch, &mut outcomes);
         outcomes.remove(0)
@@ -235,26 +244,27 @@ impl montecarlo::Experiment for Study<'_> {
     fn evaluate_block(
         &self,
         scene: usize,
-        samples: &[&Sample],
+        samples: &[&B::Sample],
         scratch: &mut Scratch,
         out: &mut Vec<Result<Outcome, Error>>,
     ) {
-        let certificate = &self.certificates[self.plan.scenes[scene].lattice];
-        let (mut open, mut states) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
+        let of_scene = &self.plan().scenes[scene];
+        let certificate = &self.certificates[of_scene.configuration];
+        let (mut open, mut points) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
         let mut outcomes = Vec::with_capacity(samples.len());
         timed(&mut scratch.memory.spent.states, || {
             for (at, sample) in samples.iter().enumerate() {
-                outcomes.push(self.plan.sliding(&self.plan.scenes[scene], sample).map(|state| {
-                    let is_certified = certificate.covers(&state);
+                outcomes.push(self.brake.operating_point(of_scene, sample).map(|point| {
+                    let is_certified = certificate.covers(&point);
                     if !is_certified {
                         open.push(at);
-                        states.push(state);
+                        points.push(point);
                     }
                     Outcome { is_certified, ..Outcome::default() }
                 }));
             }
         });
-        for (at, outcome) in open.into_iter().zip(self.open_samples(scene, &states, scratch)) {
+        for (at, outcome) in open.into_iter().zip(self.open_samples(scene, &points, scratch)) {
             outcomes[at] = outcome;
         }
         out.append(&mut outcomes);

@@ -1,12 +1,13 @@
-//! What finds the growing modes of a scene without spectra: the secular equations of its lattice, and anchors.
+//! What finds the growing modes of a scene without spectra: the secular equations of its configuration, and anchors.
 
 use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Secular, Spectrum, Workspace};
+use linsys::{ChannelGain, OperatingPoint};
 use montecarlo::stream;
-use osc_model::{ContactPoint, Linearise, PreparedLattice, Sectors, Sliding};
+use osc_model::Sector;
 use rayon::prelude::*;
 
 use super::part::{Equation, Known, Solver};
-use super::{Certificate, Plan, Sample, Scene};
+use super::{Certificate, Configuration, Scene, UncertainBrake};
 use crate::Error;
 
 /// Anchors of a scene.
@@ -14,97 +15,118 @@ pub const ANCHORS: usize = 16;
 /// Draws in which so many are looked for that no certificate covers.
 const DRAWS: u64 = 64;
 
-/// The secular equation of each sector of a lattice; `None` where spectra are the better way.
-pub(super) type Equations = Vec<Option<Secular>>;
-
-/// The equations of each lattice of a plan.
-///
-/// # Errors
-/// Those of the model and of the solver.
-pub(super) fn equations(plan: &Plan) -> Result<Vec<Equations>, Error> {
-    let of_lattice = |((_, lattice), sectors): (&(usize, PreparedLattice), &Sectors)| -> Result<Equations, Error> {
-        let Some(channels) = lattice.friction_channels() else { return Ok(vec![None; sectors.iter().len()]) };
-        let mut work = Workspace::default();
-        let mut of_sector = |sector: &osc_model::Sector| {
-            let structure = sector.reduced(lattice.structural())?;
-            let channels = sector.channels(&channels);
-            let feedback = Feedback { force: channels.force, reading: channels.coupling };
-            Ok(Secular::new(&structure, &feedback, &mut work)?)
-        };
-        sectors.iter().map(&mut of_sector).collect()
-    };
-    plan.lattices.par_iter().zip(&plan.sectors).map(of_lattice).collect()
+/// The secular equation of each sector of a configuration; `None` where spectra are the better way.
+#[derive(Debug)]
+pub(super) struct Equations {
+    /// The coefficients of the terms, of the structure that the equations are of.
+    coefficients: Vec<f64>,
+    /// One for each sector.
+    pub sectors: Vec<Option<Secular>>,
 }
 
-/// The anchors of each sector of each scene of a plan.
+impl Equations {
+    /// The equations of a configuration, for operating points with the coefficients of its naming point.
+    ///
+    /// # Errors
+    /// Those of the model and of the solver.
+    fn new(configuration: &Configuration) -> Result<Self, Error> {
+        let Configuration { brake, naming_point, .. } = configuration;
+        let coefficients = naming_point.coefficients.clone();
+        let structure = brake.system.structure(&coefficients)?;
+        let mut work = Workspace::default();
+        let mut of_sector = |sector: &Sector| {
+            let [force, reading] = sector.channels(&brake.system);
+            Ok(Secular::new(&sector.reduced(&structure)?, &Feedback { force, reading }, &mut work)?)
+        };
+        let sectors = brake.sectors.iter().map(&mut of_sector).collect::<Result<_, Error>>()?;
+        Ok(Self { coefficients, sectors })
+    }
+
+    /// An operating point as these equations see it; `None` where channels are not alike or the structure is another one.
+    pub fn gain(&self, at: &OperatingPoint) -> Option<Gain> {
+        if at.coefficients == self.coefficients { common_gain(&at.channels) } else { None }
+    }
+}
+
+/// The equations of each configuration of a plan.
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn anchors(
-    plan: &Plan,
+pub(super) fn equations(configurations: &[Configuration]) -> Result<Vec<Equations>, Error> {
+    configurations.par_iter().map(Equations::new).collect()
+}
+
+/// The anchors of each sector of each scene.
+///
+/// # Errors
+/// Those of the model and of the solver.
+pub(super) fn anchors<B: UncertainBrake>(
+    brake: &B,
     equations: &[Equations],
     certificates: &[Certificate],
     solver: &dyn EigenSolver,
 ) -> Result<Vec<Vec<Option<Anchors>>>, Error> {
+    let plan = brake.plan();
     let of_scene = |scene: &Scene| {
-        let (lattice, sectors) = (plan.lattice(scene), &plan.sectors[scene.lattice]);
-        let certificate = &certificates[scene.lattice];
-        let state =
-            |index| plan.sliding(scene, &Sample::draw(&plan.case, &mut stream(plan.case.seed, index)).ok()?).ok();
-        let states = (0..DRAWS).filter_map(state).filter(|state| !certificate.covers(state));
-        let states: Vec<(Sliding, Gain)> =
-            states.filter_map(|state| gain(&state).map(|gain| (state, gain))).take(ANCHORS).collect();
-        let wholes = states.iter().map(|(state, _)| lattice.linearised(state)).collect::<Result<Vec<_>, _>>()?;
+        let (of_scene, equations) = (plan.brake(scene), &equations[scene.configuration]);
+        let certificate = &certificates[scene.configuration];
+        let point = |index| brake.operating_point(scene, &brake.draw(&mut stream(plan.seed, index)).ok()?).ok();
+        let points = (0..DRAWS).filter_map(point).filter(|at| !certificate.covers(at));
+        let points: Vec<(OperatingPoint, Gain)> =
+            points.filter_map(|at| equations.gain(&at).map(|gain| (at, gain))).take(ANCHORS).collect();
+        let wholes = points.iter().map(|(at, _)| of_scene.system.assemble(at)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Workspace::default();
-        let of_sector = |(sector, equation): (&osc_model::Sector, &Option<Secular>)| {
+        let of_sector = |(sector, equation): (&Sector, &Option<Secular>)| {
             let Some(equation) = equation else { return Ok(None) };
             let systems = wholes.iter().map(|whole| sector.reduced(whole)).collect::<Result<Vec<_>, _>>()?;
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             solver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
-            let known = states.iter().zip(spectra).filter_map(|((_, gain), spectrum)| Some((*gain, spectrum.ok()?)));
+            let known = points.iter().zip(spectra).filter_map(|((_, gain), spectrum)| Some((*gain, spectrum.ok()?)));
             Ok(Some(equation.anchors(&known.collect::<Vec<_>>(), &mut work)))
         };
-        sectors.iter().zip(&equations[scene.lattice]).map(of_sector).collect()
+        of_scene.sectors.iter().zip(&equations.sectors).map(of_sector).collect()
     };
     plan.scenes.par_iter().map(of_scene).collect()
 }
 
-/// Friction as the secular equation sees it; `None` where the contacts are not alike.
-pub fn gain(state: &Sliding) -> Option<Gain> {
-    let (first, others) = state.contacts.split_first()?;
-    let is_like = |other: &ContactPoint| other == first;
-    if first.stiffness_factor != 1.0 || !others.iter().all(is_like) {
+/// Friction that is alike in all channels as one gain; `None` where it is not, and where there is no channel.
+pub fn common_gain(channels: &[ChannelGain]) -> Option<Gain> {
+    let (first, others) = channels.split_first()?;
+    if others.iter().any(|other| other != first) {
         return None;
     }
-    let (load, tangent) = (first.normal_load, first.tangent);
-    let lag = tangent.internal.map_or(0.0, |state| load * state.force * state.drive);
-    let decay = tangent.internal.map_or(0.0, |state| state.decay);
-    Some(Gain { mu: tangent.mu, velocity: load * tangent.slope, lag, decay })
+    let (lag, decay) = first.lag.map_or((0.0, 0.0), |lag| (lag.force * lag.drive, lag.decay));
+    Some(Gain { mu: first.mu, velocity: first.slope, lag, decay })
 }
 
-/// The modes of each state that grow, sector by sector; `None` in all sectors of a state that is left to spectra.
+/// The modes that grow at each operating point, sector by sector; `None` in all sectors of a point that is left to spectra.
 ///
 /// The bounds of other modes leave their order open only among themselves.
-pub(super) fn growing(sectors: &[Solver<'_>], states: &[Sliding], work: &mut Workspace) -> Vec<Vec<Known>> {
-    let Some(gains) = states.iter().map(gain).collect::<Option<Vec<Gain>>>() else {
-        return vec![vec![None; states.len()]; sectors.len()];
+pub(super) fn growing(
+    equations: &Equations,
+    sectors: &[Solver<'_>],
+    points: &[OperatingPoint],
+    work: &mut Workspace,
+) -> Vec<Vec<Known>> {
+    let Some(gains) = points.iter().map(|at| equations.gain(at)).collect::<Option<Vec<Gain>>>() else {
+        return vec![vec![None; points.len()]; sectors.len()];
     };
     let all: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
     let mut found: Vec<Vec<Known>> = sectors.iter().map(|sector| search(sector, &all, work)).collect();
     let growing = |at: usize| -> Vec<f64> {
         found.iter().filter_map(|of_sector| of_sector[at].as_ref()).flat_map(|(_, found)| found.frequencies()).collect()
     };
-    let frequencies: Vec<Vec<f64>> = (0..states.len()).map(growing).collect();
+    let frequencies: Vec<Vec<f64>> = (0..points.len()).map(growing).collect();
     for (sector, found) in sectors.iter().zip(&mut found) {
         let is_open =
             |&at: &usize| found[at].as_ref().is_some_and(|(_, found)| found.leaves_order_open(&frequencies[at]));
-        let open: Vec<usize> = (0..states.len()).filter(is_open).collect();
+        let open: Vec<usize> = (0..points.len()).filter(is_open).collect();
         let again: Vec<(Gain, &[f64])> = open.iter().map(|&at| (gains[at], &frequencies[at][..])).collect();
         for (at, again) in open.into_iter().zip(search(sector, &again, work)) {
             found[at] = again;
         }
     }
-    for at in 0..states.len() {
+    for at in 0..points.len() {
         if found.iter().any(|of_sector| of_sector[at].is_none()) {
             found.iter_mut().for_each(|of_sector| of_sector[at] = None);
         }

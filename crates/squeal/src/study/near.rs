@@ -1,12 +1,11 @@
-//! Modes near the axis at some states of a scene, with their derivatives and names: what a table of them is made from.
+//! Modes near the axis at some operating points of a scene, with their derivatives and names: what a table of them is made from.
 
 use cea::Gain;
+use linsys::OperatingPoint;
 use num_complex::Complex;
-use osc_model::Sliding;
 
-use super::growing::gain;
 use super::part::Equation;
-use super::{Scratch, Study};
+use super::{Scratch, Study, UncertainBrake};
 use crate::Error;
 
 /// A mode near the axis under friction that is alike in all contacts.
@@ -22,8 +21,8 @@ pub(crate) struct NearAxis {
     pub names: Vec<u16>,
 }
 
-impl Study<'_> {
-    /// The modes that grow, or decay more slowly than `part` of |lambda|, in each state of a scene; `None` where the
+impl<B: UncertainBrake> Study<'_, B> {
+    /// The modes that grow, or decay more slowly than `part` of |lambda|, at each operating point of a scene; `None` where the
     /// secular equations leave a doubt or there are none.
     ///
     /// # Errors
@@ -31,15 +30,15 @@ impl Study<'_> {
     pub(crate) fn near_axis(
         &self,
         scene: usize,
-        states: &[Sliding],
+        points: &[OperatingPoint],
         part: f64,
         scratch: &mut Scratch,
     ) -> Result<Vec<Option<Vec<NearAxis>>>, Error> {
         let (solvers, memory) = (self.solvers(scene), &mut scratch.memory);
-        let gains = states.iter().map(gain).collect::<Option<Vec<Gain>>>();
+        let gains = points.iter().map(|at| self.equations(scene).gain(at)).collect::<Option<Vec<Gain>>>();
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
-        let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; states.len()]) };
-        let mut found = vec![Some(Vec::new()); states.len()];
+        let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; points.len()]) };
+        let mut found = vec![Some(Vec::new()); points.len()];
         for (solver, Equation { secular, anchors, .. }) in solvers.iter().zip(equations) {
             let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
             let growing = |near: &Option<Vec<Complex<f64>>>| -> Vec<Complex<f64>> {
@@ -49,7 +48,7 @@ impl Study<'_> {
                 gains.iter().zip(&near).map(|(gain, near)| (*gain, growing(near))).collect();
             let named = solver.named_at(&growing, memory);
             for (((near, named), gain), found) in near.into_iter().zip(named).zip(&gains).zip(&mut found) {
-                let (Some(near), Some(of_state)) = (near, found.as_mut()) else {
+                let (Some(near), Some(of_point)) = (near, found.as_mut()) else {
                     *found = None;
                     continue;
                 };
@@ -57,7 +56,7 @@ impl Study<'_> {
                 let mut names = named?.into_iter().map(|(_, names)| names);
                 for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, &mut memory.work)) {
                     let names = if lambda.re > 0.0 { names.next().unwrap_or_default() } else { Vec::new() };
-                    of_state.push(NearAxis { lambda, by_mu, by_slope, names });
+                    of_point.push(NearAxis { lambda, by_mu, by_slope, names });
                 }
             }
         }

@@ -1,23 +1,21 @@
 //! Reference modes: what a mode is called in each scene.
 //!
-//! A tracked mode is named by its frequency rank with every oscillator in contact, Amontons-Coulomb friction and median
-//! parameters. Each lattice (constraint set and arrangement) has its own Amontons-Coulomb modes, linked to those by
-//! continuation in the contact stiffness of the oscillators that leave contact; each scene has its own modes at median
-//! parameters of its law and speed, linked to those of its lattice by continuation in the law. Samples are then
-//! matched to the modes of their scene.
+//! A tracked mode is named by its frequency rank at the [`Origin`] of its configuration: for a lattice every oscillator in
+//! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
+//! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
+//! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
+//! then matched to the modes of their scene.
 //!
 //! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
 
 use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
-use linsys::SecondOrder;
-use osc_model::{BrakeModel, ContactArrangement, Linearise, OscModelError, PreparedLattice, Sector, Sectors};
+use linsys::{OperatingPoint, SecondOrder};
+use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, identify};
 
-use super::scene::{sectors, sliding};
-use super::{Plan, Sample, Scene};
+use super::{Configuration, Origin, Plan, Scene};
 use crate::Error;
-use crate::case::Law;
 
 /// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
@@ -34,7 +32,7 @@ pub struct Reference {
 /// The modes of one scene at median parameters, as a whole and by sectors.
 #[derive(Debug, Clone)]
 pub struct References {
-    /// The whole lattice.
+    /// The whole brake.
     pub whole: Reference,
     /// Each of its sectors.
     pub sectors: Vec<Reference>,
@@ -69,7 +67,7 @@ impl Reference {
         Self { system, modes, names }
     }
 
-    /// Those modes of a whole lattice that are of one sector.
+    /// Those modes of a whole brake that are of one sector.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
         let mut part = Self { system: sector.reduced(&self.system)?, modes: Vec::new(), names: Vec::new() };
         for (mode, names) in self.modes.iter().zip(&self.names) {
@@ -109,75 +107,66 @@ impl Reference {
     }
 }
 
-/// The references of each scene of `plan`, in their order.
+/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters.
 ///
 /// # Errors
 /// Those of the model and of the solver.
-pub(super) fn references(plan: &Plan, solver: &dyn EigenSolver) -> Result<Vec<References>, Error> {
-    let median = Sample::median(&plan.case);
-    let of_set = |constraints: usize| full_contact(plan, constraints, &median, solver);
-    let bases = (0..plan.models.len()).map(of_set).collect::<Result<Vec<_>, Error>>()?;
-    let of_lattice = |at: usize| of_lattice(plan, at, &bases[plan.lattices[at].0], &median, solver);
-    let lattices = (0..plan.lattices.len()).into_par_iter().map(of_lattice).collect::<Result<Vec<_>, Error>>()?;
-    let of_scene = |scene: &Scene| of_scene(plan, scene, &lattices[scene.lattice], &median, solver);
-    plan.scenes.par_iter().map(of_scene).collect()
-}
-
-/// A lattice with median Amontons-Coulomb friction.
-fn amontons_coulomb(plan: &Plan, lattice: &PreparedLattice, median: &Sample) -> Result<SecondOrder, Error> {
-    let speed = plan.case.speeds[0].quantile(0.5);
-    let state = sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, median, |_| 1.0)?;
-    Ok(lattice.linearised(&state)?)
-}
-
-/// Every oscillator in contact, Amontons-Coulomb: where the names come from.
-fn full_contact(
+pub(super) fn references(
     plan: &Plan,
-    constraints: usize,
-    median: &Sample,
+    points: &[OperatingPoint],
     solver: &dyn EigenSolver,
-) -> Result<Reference, Error> {
-    let (model, mut work) = (&plan.models[constraints], Workspace::default());
-    let all = ContactArrangement::full(plan.case.lattice.grid.oscillators());
-    let (lattice, sectors) = (model.prepare(&all)?, sectors(&plan.case, model, &all)?);
-    let system = amontons_coulomb(plan, &lattice, median)?;
+) -> Result<Vec<References>, Error> {
+    let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
+    let of_configuration =
+        |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
+    let configurations =
+        plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<References>, Error>>()?;
+    let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
+        of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver)
+    };
+    plan.scenes.par_iter().zip(points).map(of_scene).collect()
+}
+
+/// Where the names come from: frequency ranks.
+fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
+    let (brake, mut work) = (&origin.brake, Workspace::default());
+    let system = brake.system.assemble(&origin.naming_point)?;
     let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
-        sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+        brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
         part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
     }
-    Ok(Reference::joined(system, &sectors, &parts))
+    Ok(Reference::joined(system, &brake.sectors, &parts))
 }
 
-fn of_lattice(
-    plan: &Plan,
-    at: usize,
-    base: &Reference,
-    median: &Sample,
+fn of_configuration(
+    configuration: &Configuration,
+    origin: &Reference,
     solver: &dyn EigenSolver,
 ) -> Result<References, Error> {
-    let ((_, lattice), sectors) = (&plan.lattices[at], &plan.sectors[at]);
-    let system = amontons_coulomb(plan, lattice, median)?;
-    let from = sectors.iter().map(|sector| base.within(sector)).collect::<Result<Vec<_>, _>>()?;
+    let Configuration { brake, naming_point, .. } = configuration;
+    let system = brake.system.assemble(naming_point)?;
+    let from = brake.sectors.iter().map(|sector| origin.within(sector)).collect::<Result<Vec<_>, _>>()?;
+    if system == origin.system {
+        return Ok(References { whole: origin.clone(), sectors: from });
+    }
     // The straight line from one system to the other takes the stiffness and the load of the contacts that differ
     // from 1 to 0 together.
-    References::linked(&from, solver, sectors, system, false)
+    References::linked(&from, solver, &brake.sectors, system, false)
 }
 
 fn of_scene(
-    plan: &Plan,
-    scene: &Scene,
-    lattice: &References,
-    median: &Sample,
+    brake: &Brake,
+    at: &OperatingPoint,
+    configuration: &References,
     solver: &dyn EigenSolver,
 ) -> Result<References, Error> {
-    let mut system = SecondOrder::zeros(1, 0);
-    plan.linearise(scene, median, &mut system)?;
-    if system == lattice.whole.system {
-        return Ok(lattice.clone());
+    let system = brake.system.assemble(at)?;
+    if system == configuration.whole.system {
+        return Ok(configuration.clone());
     }
-    References::linked(&lattice.sectors, solver, &plan.sectors[scene.lattice], system, true)
+    References::linked(&configuration.sectors, solver, &brake.sectors, system, true)
 }
 
 impl References {

@@ -6,7 +6,7 @@ use montecarlo::{IntegerMean, Merge, QuantileSketch, Runs};
 use serde::{Deserialize, Serialize};
 
 use super::compare::{Comparison, Panel, comparisons, panels};
-use super::{Outcome, Plan, Study, UnstableMode};
+use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,6 +52,8 @@ pub struct SceneTally {
     pub ranked: BTreeMap<u16, Hits>,
     /// Net work of each body, by name of the mode, over the samples in which it is unstable and known by name.
     pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
+    /// The same of each family of forces.
+    pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
 }
 
 /// In how many samples something is so, and in how many more it may be so.
@@ -91,11 +93,11 @@ impl SceneTally {
             if mode.names.len() != 1 {
                 self.ambiguous_modes += 1;
             }
-            if let (&[name], Some(work)) = (mode.names.as_slice(), &mode.net_work) {
-                let bodies = self.net_work.entry(name).or_insert_with(|| vec![QuantileSketch::default(); work.len()]);
-                for (sketch, &value) in bodies.iter_mut().zip(work) {
-                    sketch.record(value);
-                }
+            if let (&[name], Some(work)) = (mode.names.as_slice(), &mode.work) {
+                record_work(self.net_work.entry(name).or_default(), &work.net());
+                let families = self.family_work.entry(name).or_default();
+                families.resize_with(families.len().max(work.families.len()), Vec::new);
+                families.iter_mut().zip(&work.families).for_each(|(bodies, work)| record_work(bodies, &work.bodies));
             }
         }
         for (name, is_sure) in unstable_names(&outcome.unstable) {
@@ -124,12 +126,18 @@ impl SceneTally {
             }
         }
         for (name, bodies) in later.net_work {
-            let entry = self.net_work.entry(name).or_insert_with(|| vec![QuantileSketch::default(); bodies.len()]);
-            for (sketch, more) in entry.iter_mut().zip(bodies) {
-                sketch.merge(more);
-            }
+            self.net_work.entry(name).or_default().merge(bodies);
+        }
+        for (name, families) in later.family_work {
+            self.family_work.entry(name).or_default().merge(families);
         }
     }
+}
+
+/// Enters the work on each body.
+fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
+    bodies.resize_with(bodies.len().max(work.len()), QuantileSketch::default);
+    bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
 /// Names of the unstable modes of one sample, and whether each is sure.
@@ -161,8 +169,8 @@ impl Merge for Tally {
     }
 }
 
-impl montecarlo::Tally<Study<'_>> for Tally {
-    fn record(&mut self, runs: &Runs<'_, Study<'_>>) {
+impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for Tally {
+    fn record(&mut self, runs: &Runs<'_, Study<'_, B>>) {
         for (tally, result) in self.scenes.iter_mut().zip(runs.results) {
             if let Ok(outcome) = result {
                 tally.record(outcome);
@@ -195,7 +203,7 @@ mod tests {
     use super::*;
 
     fn mode(names: &[u16]) -> UnstableMode {
-        UnstableMode { rank: 1, names: names.to_vec(), net_work: None }
+        UnstableMode { rank: 1, names: names.to_vec(), work: None }
     }
 
     #[test]

@@ -11,16 +11,19 @@ use num_complex::Complex;
 
 use crate::ValidationError;
 
-/// Steps of the search for a growing mode.
-const GRID: usize = 64;
-/// Growth rate, as a part of |lambda|, that no rounding makes, not even at an exceptional point.
-const GROWING: f64 = 1e-5;
-/// Bisections that bring the growing mode close to where it began to grow.
+/// Steps of the search for a growing mode; chosen.
+const SEARCH_STEPS: usize = 64;
+/// Growth rate, as a part of |lambda|, that no rounding makes: at an exceptional point it makes about 1e-8. Chosen.
+const SURE_GROWTH: f64 = 1e-5;
+/// Bisections that bring the growing mode close to where it began to grow; chosen.
 const BISECTIONS: usize = 40;
-/// Steps of the secant method.
+/// Most steps of the secant method; chosen.
 const MOST_STEPS: usize = 40;
-/// Squared relative distance of the eigenvalues at which rounding takes over.
-const SETTLED: f64 = 1e-14;
+/// Squared relative distance of the eigenvalues below which rounding takes over: some tens of epsilon; chosen.
+const ROUNDED_SQUARE: f64 = 1e-14;
+
+/// Relative distance of the two eigenvalues beyond which the search has failed; chosen.
+const LARGEST_DISTANCE: f64 = 1e-5;
 
 /// Where two eigenvalues coalesce.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,9 +45,9 @@ pub fn exceptional_point(
     from: f64,
     to: f64,
 ) -> Result<ExceptionalPoint, ValidationError> {
-    let place = |i: usize| from + (to - from) * i as f64 / GRID as f64;
+    let place = |i: usize| from + (to - from) * i as f64 / SEARCH_STEPS as f64;
     let mut bracket = None;
-    for i in 1..=GRID {
+    for i in 1..=SEARCH_STEPS {
         if growing(&system(place(i))?)?.is_some() {
             bracket = Some((place(i - 1), place(i)));
             break;
@@ -74,20 +77,20 @@ pub fn exceptional_point(
             best = ExceptionalPoint { mu, lambda, distance };
         }
         let step = -square.re * (mu - before) / (square.re - square_before.re);
-        if !step.is_finite() || square.norm() <= SETTLED * lambda.norm_sqr() {
+        if !step.is_finite() || square.norm() <= ROUNDED_SQUARE * lambda.norm_sqr() {
             break;
         }
         (before, square_before) = (mu, square);
         mu += step;
     }
-    if best.distance > 1e-5 { Err(none(best.distance)) } else { Ok(best) }
+    if best.distance > LARGEST_DISTANCE { Err(none(best.distance)) } else { Ok(best) }
 }
 
 /// The fastest growing eigenvalue, if one grows for certain.
 fn growing(system: &SecondOrder) -> Result<Option<Complex<f64>>, ValidationError> {
     let spectrum = QrSolver.eigenvalues(system, &mut Workspace::default())?;
     let fastest = spectrum.oscillatory().max_by(|a, b| a.re.total_cmp(&b.re));
-    Ok(fastest.filter(|l| l.re > GROWING * l.norm()))
+    Ok(fastest.filter(|l| l.re > SURE_GROWTH * l.norm()))
 }
 
 /// `(lambda_1 - lambda_2)^2` and the mean of the two eigenvalues nearest to `near`.

@@ -1,7 +1,8 @@
 //! What a lattice is made of, and what it may not be made of.
 
+use super::Lean;
+use crate::OscModelError;
 use crate::error::Allowed;
-use crate::{Lean, OscModelError};
 
 /// Rows x columns of oscillators, numbered by rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,8 +2,9 @@
 
 use linsys::{DofMap, SecondOrder};
 
-use crate::assembly::assemble;
-use crate::{BrakeModel, ContactArrangement, Dof, Lateral, LatticeParameters, OscModelError, PreparedLattice, Sliding};
+use super::assembly::assemble;
+use super::{ContactArrangement, Dof, Lateral, LatticeParameters, PreparedLattice};
+use crate::OscModelError;
 
 /// A lattice of friction oscillators on a sliding plate.
 ///
@@ -53,24 +54,17 @@ impl LatticeModel {
         let (arrangement, oscillators) = (arrangement.oscillators(), self.parameters.grid.oscillators());
         if arrangement == oscillators { Ok(()) } else { Err(OscModelError::OtherLattice { arrangement, oscillators }) }
     }
-}
 
-impl BrakeModel for LatticeModel {
-    type Sliding = Sliding;
-    type Error = OscModelError;
-    type Prepared = PreparedLattice;
-
-    fn prepare(&self, arrangement: &ContactArrangement) -> Result<PreparedLattice, OscModelError> {
+    /// Assembles all that does not change from sample to sample.
+    ///
+    /// # Errors
+    /// An arrangement of a lattice of another size.
+    pub fn prepare(&self, arrangement: &ContactArrangement) -> Result<PreparedLattice, OscModelError> {
         self.check_size(arrangement)?;
         let SecondOrder { m, c, k, .. } = assemble(&self.parameters, arrangement);
         let [m, c, k] = [m, c, k].map(|full| self.dofs.reduce(&full));
         let structure = SecondOrder::new(m, c, k)?;
-        Ok(PreparedLattice::new(
-            structure,
-            self.dofs.clone(),
-            self.lateral,
-            arrangement.clone(),
-            &self.parameters.contact_stiffness,
-        ))
+        let stiffness = &self.parameters.contact_stiffness;
+        PreparedLattice::new(structure, self.dofs.clone(), self.lateral, arrangement.clone(), stiffness)
     }
 }

@@ -1,4 +1,5 @@
-//! Hard quadratic eigenproblems from files: M.mtx, C.mtx, K.mtx and eigs.csv with the eigenvalues to 25 digits.
+//! Problems of NLEVP and others, from files: M.mtx, C.mtx, K.mtx and eigs.csv with the eigenvalues to 25 digits (Betcke,
+//! Higham, Mehrmann, Schröder and Tisseur, ACM Trans. Math. Softw. 39, 2013).
 
 use std::path::{Path, PathBuf};
 
@@ -7,16 +8,17 @@ use linsys::{SecondOrder, read_market};
 use num_complex::Complex;
 use squeal::Error;
 
-use crate::peers::judge_peers;
-use crate::refine::Refined;
-use crate::routes::matches;
-use crate::worst::{GENERAL, HardCase, HardResult};
+use crate::judge::GENERAL;
+use crate::library_baselines::judge_libraries;
+use crate::problem::{ReferenceProblem, RouteOutcome};
+use crate::refine::RefinedEigenvalue;
+use crate::routes::nearest_pairs;
 
 /// Solves and judges every problem in the folders of `folder`, by name.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn judge_folder(folder: &Path) -> Result<Vec<HardResult>, Error> {
+pub fn judge_folder(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     let entries = std::fs::read_dir(folder).map_err(|source| Error::Read { path: folder.to_owned(), source })?;
     let mut cases: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| p.is_dir()).collect();
     cases.sort();
@@ -27,7 +29,7 @@ pub fn judge_folder(folder: &Path) -> Result<Vec<HardResult>, Error> {
     Ok(results)
 }
 
-fn judge(folder: &Path) -> Result<Vec<HardResult>, Error> {
+fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     let case = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let matrix = |name: &str| {
         let path = folder.join(name);
@@ -40,23 +42,24 @@ fn judge(folder: &Path) -> Result<Vec<HardResult>, Error> {
         .and_then(|spectrum| general::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
     let (spectrum, certified) = match solved {
         Ok(solved) => solved,
-        Err(error) => return Ok(vec![HardResult::Refused { case, route: GENERAL, reason: error.to_string() }]),
+        Err(error) => return Ok(vec![RouteOutcome::Refused { case, route: GENERAL, reason: error.to_string() }]),
     };
     let (wanted, infinite) = reference(&folder.join("eigs.csv"))?;
     let found: Vec<_> = certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect();
     let lambdas: Vec<_> = found.iter().map(|f| f.0).collect();
     let condition = |at: Option<usize>| at.map_or(f64::NAN, |at| certified.eigenvalues[at].condition);
-    let refined = |(&lambda, at): (&Complex<f64>, Option<usize>)| Refined { lambda, condition: condition(at) };
-    let reference = wanted.iter().zip(matches(&wanted, &lambdas)).map(refined).collect();
-    let case = HardCase { name: case, system, reference };
+    let refined =
+        |(&lambda, at): (&Complex<f64>, Option<usize>)| RefinedEigenvalue { lambda, condition: condition(at) };
+    let reference = wanted.iter().zip(nearest_pairs(&wanted, &lambdas)).map(refined).collect();
+    let case = ReferenceProblem { name: case, system, reference };
     let mut judged = case.compare(GENERAL, &found);
     // The certificate's own: with the vector that it has, and not the best one.
     judged.max_backward_error = certified.eigenvalues.iter().map(|c| c.backward_error).fold(0.0, f64::max);
     if infinite != spectrum.infinite || wanted.len() != found.len() {
         judged.max_error = f64::INFINITY;
     }
-    let mut results = vec![HardResult::Judged(judged)];
-    results.extend(judge_peers(&case));
+    let mut results = vec![RouteOutcome::Judged(judged)];
+    results.extend(judge_libraries(&case));
     Ok(results)
 }
 

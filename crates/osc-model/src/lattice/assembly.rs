@@ -3,7 +3,7 @@
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Vector3};
 
-use crate::{Axis, ContactArrangement, LatticeParameters};
+use super::{Axis, ContactArrangement, LatticeParameters};
 
 /// Index of a degree of freedom; the plate's body comes after the last oscillator.
 pub(crate) fn dof(body: usize, axis: Axis) -> usize {

@@ -23,7 +23,7 @@ impl Axis {
 
 /// What moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Body {
+pub enum LatticeBody {
     /// An oscillator by its index, from 0.
     Oscillator(usize),
     /// The plate.
@@ -33,10 +33,10 @@ pub enum Body {
 /// A degree of freedom of the lattice.
 ///
 /// ```
-/// use osc_model::{Axis, Body, Dof};
+/// use osc_model::{Axis, LatticeBody, Dof};
 ///
 /// let dof: Dof = "x7".parse()?;
-/// assert_eq!(dof, Dof { axis: Axis::X, body: Body::Oscillator(6) });
+/// assert_eq!(dof, Dof { axis: Axis::X, body: LatticeBody::Oscillator(6) });
 /// assert_eq!(dof.index(9)?, 18);
 /// assert_eq!("zp".parse::<Dof>()?.to_string(), "zp");
 /// assert!("w1".parse::<Dof>().is_err());
@@ -47,7 +47,7 @@ pub struct Dof {
     /// Its direction.
     pub axis: Axis,
     /// Whose it is.
-    pub body: Body,
+    pub body: LatticeBody,
 }
 
 impl Dof {
@@ -57,9 +57,9 @@ impl Dof {
     /// An oscillator that is not there.
     pub fn index(self, oscillators: usize) -> Result<usize, OscModelError> {
         let body = match self.body {
-            Body::Oscillator(i) if i < oscillators => i,
-            Body::Oscillator(_) => return Err(OscModelError::UnknownDof { dof: self, oscillators }),
-            Body::Plate => oscillators,
+            LatticeBody::Oscillator(i) if i < oscillators => i,
+            LatticeBody::Oscillator(_) => return Err(OscModelError::UnknownDof { dof: self, oscillators }),
+            LatticeBody::Plate => oscillators,
         };
         Ok(3 * body + self.axis as usize)
     }
@@ -67,8 +67,8 @@ impl Dof {
     /// The degree of freedom at a place in u of a lattice with `oscillators` oscillators; `None` past the last.
     pub fn at(index: usize, oscillators: usize) -> Option<Self> {
         let body = match index / 3 {
-            i if i < oscillators => Body::Oscillator(i),
-            i if i == oscillators => Body::Plate,
+            i if i < oscillators => LatticeBody::Oscillator(i),
+            i if i == oscillators => LatticeBody::Plate,
             _ => return None,
         };
         Some(Self { axis: Axis::ALL[index % 3], body })
@@ -88,8 +88,8 @@ impl fmt::Display for Axis {
 impl fmt::Display for Dof {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.body {
-            Body::Oscillator(i) => write!(f, "{}{}", self.axis, i + 1),
-            Body::Plate => write!(f, "{}p", self.axis),
+            LatticeBody::Oscillator(i) => write!(f, "{}{}", self.axis, i + 1),
+            LatticeBody::Plate => write!(f, "{}p", self.axis),
         }
     }
 }
@@ -107,11 +107,11 @@ impl FromStr for Dof {
             _ => return Err(refused()),
         };
         let body = match characters.as_str() {
-            "p" => Body::Plate,
+            "p" => LatticeBody::Plate,
             // `parse` alone would take a sign.
             digits if digits.starts_with(|c: char| c.is_ascii_digit()) => {
                 let number: usize = digits.parse().map_err(|_| refused())?;
-                Body::Oscillator(number.checked_sub(1).ok_or_else(refused)?)
+                LatticeBody::Oscillator(number.checked_sub(1).ok_or_else(refused)?)
             }
             _ => return Err(refused()),
         };

@@ -15,14 +15,14 @@ use squeal::tracking::{Branches, link};
 
 use crate::ValidationError;
 
-/// A branch point is believed where it is this near to the real mu that shows it: half of the standard deviation of mu in
-/// the paper's case.
-const BELIEVED: f64 = 0.05;
+/// Distance of a branch point from the real mu that shows it, up to which first order is relied on: half of the standard
+/// deviation of mu in the paper's case; chosen.
+const LARGEST_OFFSET: f64 = 0.05;
 /// Real mu on either side of the median that are asked for branch points; with a third of them branches are lost at sharp
 /// turns.
-const STEPS: usize = 64;
-/// Part of the probability in which a mode without an onset is judged.
-const CENTRAL: f64 = 0.99;
+const STEPS_PER_SIDE: usize = 64;
+/// Part of the probability in which a mode without an onset is judged; chosen.
+const CENTRAL_PROBABILITY: f64 = 0.99;
 
 /// The modes with a branch point nearer to the median than their farthest onset; for those without an onset, than the ends
 /// of the central part of the distribution.
@@ -34,7 +34,8 @@ pub(crate) fn near_coalescence(
 ) -> Result<BTreeSet<u16>, ValidationError> {
     let distribution = plan.case.friction.mu;
     let median = Sample::median(&plan.case).contact(0).mu;
-    let ends = [0.5 * (1.0 - CENTRAL), 0.5 * (1.0 + CENTRAL)].map(|u| quantile(distribution, u));
+    let ends =
+        [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| quantile(distribution, u));
     let widest = (ends[1] - median).max(median - ends[0]);
     let mut near = BTreeSet::new();
     for (index, names) in reference.names.iter().enumerate() {
@@ -61,13 +62,13 @@ fn nearest_branch_point(
     let mut nearest = f64::INFINITY;
     for direction in [-1.0, 1.0] {
         let (mut mu, mut mode) = (median, index);
-        let steps = (1..=STEPS).map(|step| widest * step as f64 / STEPS as f64);
-        for distance in steps.take_while(|distance| distance - widest / STEPS as f64 <= radius) {
+        let steps = (1..=STEPS_PER_SIDE).map(|step| widest * step as f64 / STEPS_PER_SIDE as f64);
+        for distance in steps.take_while(|distance| distance - widest / STEPS_PER_SIDE as f64 <= radius) {
             let next = (median + direction * distance).max(0.0);
             mode = link(family, mu, mode, next)?.to;
             mu = next;
             for point in branch_points(family, mu, mode)? {
-                if (point - mu).norm() <= BELIEVED {
+                if (point - mu).norm() <= LARGEST_OFFSET {
                     nearest = nearest.min((point - median).norm());
                 }
             }

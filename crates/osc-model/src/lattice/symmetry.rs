@@ -6,8 +6,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::assembly::assemble;
-use crate::{ContactArrangement, Grid, LatticeModel, OscModelError};
+use super::assembly::assemble;
+use super::{ContactArrangement, Grid, LatticeModel};
+use crate::OscModelError;
 
 /// A relabelling of the oscillators; the four form Klein's group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,24 +7,24 @@ use cea::Verdict;
 use linsys::SecondOrder;
 use num_complex::Complex;
 
+use crate::problem::{ReferenceProblem, RouteOutcome};
 #[cfg(feature = "lapack")]
 use crate::routes::raw_pencil;
 use crate::routes::{by_schur, raw_state};
-use crate::worst::{HardCase, HardResult};
 
 /// A library's way to all eigenvalues.
-struct Peer {
+struct Library {
     name: &'static str,
     solve: fn(&SecondOrder) -> Option<Vec<Complex<f64>>>,
 }
 
 /// Those that are compiled in: LAPACK with the feature `lapack` only.
-const PEERS: &[Peer] = &[
-    Peer { name: "nalgebra Schur", solve: |system| by_schur(raw_state(system)?) },
+const LIBRARIES: &[Library] = &[
+    Library { name: "nalgebra Schur", solve: |system| by_schur(raw_state(system)?) },
     #[cfg(feature = "lapack")]
-    Peer { name: "LAPACK dgeev", solve: |system| cea::dgeev(raw_state(system)?) },
+    Library { name: "LAPACK dgeev", solve: |system| cea::dgeev(raw_state(system)?) },
     #[cfg(feature = "lapack")]
-    Peer {
+    Library {
         name: "LAPACK dggev",
         solve: |system| {
             let (a, b) = raw_pencil(system);
@@ -33,18 +33,18 @@ const PEERS: &[Peer] = &[
     },
 ];
 
-/// Each peer on this case.
-pub(crate) fn judge_peers(case: &HardCase) -> Vec<HardResult> {
-    let judge = |peer: &Peer| match (peer.solve)(&case.system) {
+/// Each library on this problem.
+pub(crate) fn judge_libraries(problem: &ReferenceProblem) -> Vec<RouteOutcome> {
+    let judge = |library: &Library| match (library.solve)(&problem.system) {
         Some(lambdas) => {
             let finite = lambdas.into_iter().filter(|l| l.re.is_finite() && l.im.is_finite());
             let found: Vec<_> = finite.map(|l| (l, Verdict::of(l, 0.0))).collect();
-            HardResult::Judged(case.compare(peer.name, &found))
+            RouteOutcome::Judged(problem.compare(library.name, &found))
         }
         None => {
             let reason = "M is singular, or no convergence".to_owned();
-            HardResult::Refused { case: case.name.clone(), route: peer.name, reason }
+            RouteOutcome::Refused { case: problem.name.clone(), route: library.name, reason }
         }
     };
-    PEERS.iter().map(judge).collect()
+    LIBRARIES.iter().map(judge).collect()
 }

@@ -7,7 +7,7 @@ use friction::{
 use montecarlo::{MonteCarloError, StreamRng};
 use rand_distr::{Distribution as _, StandardUniform};
 
-use crate::case::{Case, Draws, FrictionDistributions, Law};
+use crate::case::{Draws, FrictionDistributions, LatticeCase, Law};
 
 /// Friction parameters of one contact, those of every law: scenes of different laws see the same draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,19 +101,19 @@ impl FrictionDraw {
 
 /// One sample: all that is uncertain in one CEA.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct LatticeSample {
     /// One draw shared by all oscillators, or one for each.
     contacts: Vec<FrictionDraw>,
     /// Where in a speed range the speed lies, uniform in 0..1.
     pub speed_quantile: f64,
 }
 
-impl Sample {
+impl LatticeSample {
     /// Draws a sample of `case`.
     ///
     /// # Errors
     /// A distribution that cannot reach its bound.
-    pub fn draw(case: &Case, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
+    pub fn draw(case: &LatticeCase, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
         let speed_quantile = StandardUniform.sample(rng);
         let count = match case.readings.draws {
             Draws::Shared => 1,
@@ -124,13 +124,18 @@ impl Sample {
     }
 
     /// The medians of all distributions.
-    pub fn median(case: &Case) -> Self {
+    pub fn median(case: &LatticeCase) -> Self {
         Self { contacts: vec![FrictionDraw::median(&case.friction)], speed_quantile: 0.5 }
     }
 
     /// A sample with the same given draw in every contact.
     pub fn shared(draw: FrictionDraw, speed_quantile: f64) -> Self {
         Self { contacts: vec![draw], speed_quantile }
+    }
+
+    /// The draw that all oscillators share, if they do.
+    pub fn shared_draw(&self) -> Option<&FrictionDraw> {
+        if let [draw] = &self.contacts[..] { Some(draw) } else { None }
     }
 
     /// The draw of an oscillator, by index from 0.

@@ -10,13 +10,13 @@ use validation::Spectra;
 pub const GROWING: &str = "secular equation, growing modes";
 
 /// One lattice and its draws.
-pub struct Growing {
+pub struct SecularRoute {
     secular: Secular,
     anchors: Anchors,
     gains: Vec<Gain>,
 }
 
-impl Growing {
+impl SecularRoute {
     /// `None` where spectra are the better way.
     ///
     /// # Errors

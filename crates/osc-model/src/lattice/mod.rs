@@ -1,0 +1,20 @@
+//! The lattice of friction oscillators on a sliding plate: one maker of a [`Brake`](crate::Brake).
+
+mod arrangement;
+mod assembly;
+mod dof;
+mod model;
+mod parameters;
+mod preload;
+mod prepared;
+mod readings;
+mod sectors;
+mod symmetry;
+
+pub use arrangement::ContactArrangement;
+pub use dof::{Axis, Dof, LatticeBody};
+pub use model::LatticeModel;
+pub use parameters::{Grid, LatticeParameters, PlateParameters};
+pub use prepared::{ContactPoint, PreparedLattice, Sliding};
+pub use readings::{Lateral, Lean, Preload, Sign};
+pub use symmetry::{Member, Reversal, SymmetryClass};

@@ -1,0 +1,269 @@
+//! The lattice of a case with the friction laws and distributions of that case.
+
+mod draw;
+mod sobol;
+
+pub use draw::{FrictionDraw, LatticeSample};
+
+use linsys::OperatingPoint;
+use montecarlo::StreamRng;
+use osc_model::{
+    ContactArrangement, ContactPoint, Lateral, LatticeModel, Member, Preload, PreparedLattice, Reversal, Sliding,
+    SymmetryClass,
+};
+
+use crate::Error;
+use crate::case::{Distribution, Draws, LatticeCase, Law};
+use crate::study::{
+    CaseFile, Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    UncertainBrake,
+};
+
+/// Speed at which laws without any speed in them are evaluated, m/s; it does not matter.
+const ANY_SPEED: f64 = 1.0;
+
+/// A case's lattice in all its configurations.
+#[derive(Debug)]
+pub struct LatticeBrake {
+    /// The case.
+    pub case: LatticeCase,
+    /// Its scenes.
+    pub plan: Plan,
+    /// One per configuration of the plan.
+    lattices: Vec<PreparedLattice>,
+}
+
+impl LatticeBrake {
+    /// Lays out the scenes of a case.
+    ///
+    /// Where the draws keep the symmetry, arrangements of one symmetry class share a scene, solved by sectors; a law
+    /// without speed in it has one scene for all speed ranges.
+    ///
+    /// # Errors
+    /// What the model refuses; [`Error::Median`] where median parameters have no operating point.
+    pub fn new(case: LatticeCase) -> Result<Self, Error> {
+        let plan = Plan {
+            case_file: Some(CaseFile { path: case.path.clone(), text: case.text.clone() }),
+            name: case.name.clone(),
+            identity: case.identity(),
+            samples: case.samples,
+            seed: case.seed,
+            mode_labels: case.readings.labels,
+            labels: labels(&case),
+            origins: Vec::new(),
+            configurations: Vec::new(),
+            scenes: Vec::new(),
+        };
+        let mut brake = Self { case, plan, lattices: Vec::new() };
+        for constraints in 0..brake.case.constraints.len() {
+            brake.lay_out(constraints)?;
+        }
+        Ok(brake)
+    }
+
+    /// Adds the configurations and scenes of a constraint set.
+    fn lay_out(&mut self, constraints: usize) -> Result<(), Error> {
+        let case = &self.case;
+        let fixed = &case.constraints[constraints].fixed;
+        let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?;
+        let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
+        let named_at = naming_point(case, &full)?;
+        self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
+        for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
+            for class in classes(case, &model, arrangements)? {
+                let arrangement = &arrangements[class.representative];
+                let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
+                let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
+                let configuration = self.plan.configurations.len();
+                for (law, &of_law) in case.laws.iter().enumerate() {
+                    for speed in speeds_of(case, of_law) {
+                        let key = SceneKey { constraints, law, speed, panel };
+                        self.plan.scenes.push(Scene { key, members: members.clone(), configuration, wants_work });
+                    }
+                }
+                let lattice = prepared(case, &model, arrangement)?;
+                self.plan.configurations.push(Configuration {
+                    brake: lattice.brake().clone(),
+                    naming_point: naming_point(case, &lattice)?,
+                    origin: constraints,
+                    contacts: arrangement.to_string(),
+                });
+                self.lattices.push(lattice);
+            }
+        }
+        Ok(())
+    }
+
+    /// The lattice of a scene.
+    pub fn lattice(&self, scene: &Scene) -> &PreparedLattice {
+        &self.lattices[scene.configuration]
+    }
+
+    /// The friction law of a scene.
+    pub fn law(&self, key: SceneKey) -> Law {
+        self.case.laws[key.law]
+    }
+
+    /// The speed of a sample in a scene, m/s.
+    pub fn speed(&self, key: SceneKey, sample: &LatticeSample) -> f64 {
+        key.speed.map_or(ANY_SPEED, |range| self.case.speeds[range].quantile(sample.speed_quantile))
+    }
+
+    /// The sliding state of `sample` in `scene`.
+    ///
+    /// # Errors
+    /// A draw that a law refuses; no static equilibrium.
+    pub fn sliding(&self, scene: &Scene, sample: &LatticeSample) -> Result<Sliding, Error> {
+        sliding(&self.case, self.lattice(scene), self.law(scene.key), self.speed(scene.key, sample), sample)
+    }
+}
+
+impl UncertainBrake for LatticeBrake {
+    type Sample = LatticeSample;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, Error> {
+        Ok(LatticeSample::draw(&self.case, rng)?)
+    }
+
+    fn median(&self) -> LatticeSample {
+        LatticeSample::median(&self.case)
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, Error> {
+        Ok(self.lattice(scene).operating_point(&self.sliding(scene, sample)?)?)
+    }
+
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<LatticeSample> {
+        let is_shared = self.case.readings.draws == Draws::Shared;
+        is_shared.then(|| sobol::sample(&self.case, self.law(scene.key), uniform))
+    }
+
+    /// Shared Coulomb friction whose load no sample can lose is a function of mu alone.
+    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+        let readings = &self.case.readings;
+        let is_single = self.law(scene.key) == Law::AmontonsCoulomb
+            && readings.draws == Draws::Shared
+            && readings.lateral != Lateral::Vector
+            && !matches!(readings.preload, Preload::Equilibrium(_));
+        is_single.then_some(&self.case.friction.mu)
+    }
+
+    fn with_parameter(&self, _: &Scene, mu: f64) -> LatticeSample {
+        let median = self.median();
+        LatticeSample::shared(FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) }, median.speed_quantile)
+    }
+}
+
+/// A law at a speed in each contact of a lattice.
+///
+/// # Errors
+/// A draw that the law refuses; no static equilibrium.
+pub fn sliding(
+    case: &LatticeCase,
+    lattice: &PreparedLattice,
+    law: Law,
+    speed: f64,
+    sample: &LatticeSample,
+) -> Result<Sliding, Error> {
+    let point = |draw: &FrictionDraw| -> Result<ContactPoint, Error> {
+        let tangent = draw.tangent(law, speed, case.readings.bristle_damping)?;
+        Ok(ContactPoint { tangent, lateral_mu: draw.lateral(law), normal_load: 0.0 })
+    };
+    let in_contact = lattice.arrangement().in_contact();
+    let mut contacts = match sample.shared_draw() {
+        Some(draw) => vec![point(draw)?; in_contact.len()],
+        None => in_contact.iter().map(|&i| point(sample.contact(i))).collect::<Result<_, Error>>()?,
+    };
+    let loads = lattice.normal_loads(case.readings.preload, &contacts)?;
+    for (contact, load) in contacts.iter_mut().zip(loads) {
+        contact.normal_load = load;
+    }
+    Ok(Sliding { speed, contacts })
+}
+
+/// The lattice of one constraint set of a case in an arrangement, for any sliding states.
+///
+/// # Errors
+/// What the model refuses.
+pub fn lattice(
+    case: &LatticeCase,
+    constraints: usize,
+    arrangement: &ContactArrangement,
+) -> Result<PreparedLattice, Error> {
+    let fixed = &case.constraints[constraints].fixed;
+    Ok(LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?.prepare(arrangement)?)
+}
+
+/// A lattice with the sectors that its samples, and its modes at median parameters, are solved in.
+fn prepared(
+    case: &LatticeCase,
+    model: &LatticeModel,
+    arrangement: &ContactArrangement,
+) -> Result<PreparedLattice, Error> {
+    let mut lattice = model.prepare(arrangement)?;
+    if case.readings.draws == Draws::Shared {
+        lattice.split(model.sectors(arrangement)?);
+    }
+    Ok(lattice)
+}
+
+/// Median Amontons-Coulomb friction: where the modes of a lattice get their names.
+fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<OperatingPoint, Error> {
+    let (speed, median) = (case.speeds[0].quantile(0.5), LatticeSample::median(case));
+    let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
+    let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
+    point.map_err(|source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) })
+}
+
+fn classes(
+    case: &LatticeCase,
+    model: &LatticeModel,
+    arrangements: &[ContactArrangement],
+) -> Result<Vec<SymmetryClass>, Error> {
+    Ok(match case.readings.draws {
+        Draws::Shared => model.symmetry_classes(arrangements)?,
+        Draws::Each => (0..arrangements.len())
+            .map(|arrangement| SymmetryClass {
+                representative: arrangement,
+                members: vec![Member { arrangement, reversal: Reversal::None }],
+            })
+            .collect(),
+    })
+}
+
+fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
+    // Amontons-Coulomb friction has no speed in it, unless friction across the sliding is a dashpot mu N0 / v.
+    if law == Law::AmontonsCoulomb && case.readings.lateral != Lateral::Vector {
+        vec![None]
+    } else {
+        (0..case.speeds.len()).map(Some).collect()
+    }
+}
+
+fn labels(case: &LatticeCase) -> SceneLabels {
+    SceneLabels {
+        constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
+        laws: case.laws.iter().map(|law| LawLabel { name: law.name().into(), title: law.title().into() }).collect(),
+        baseline_law: case.laws.iter().position(|&law| law == Law::AmontonsCoulomb),
+        speeds: case
+            .speeds
+            .iter()
+            .map(|range| SpeedLabel {
+                name: range.name.clone(),
+                description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
+            })
+            .collect(),
+        panels: case
+            .panels
+            .iter()
+            .map(|(number, list)| PanelLabel {
+                in_contact: *number,
+                arrangements: list.iter().map(ToString::to_string).collect(),
+            })
+            .collect(),
+    }
+}

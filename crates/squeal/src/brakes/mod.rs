@@ -1,0 +1,5 @@
+//! Makers of brakes: what a case file describes, as a [`UncertainBrake`](crate::study::UncertainBrake).
+
+mod lattice;
+
+pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};

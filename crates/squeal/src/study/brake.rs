@@ -1,0 +1,53 @@
+//! The seam: what a study needs of a brake whose numbers are uncertain.
+
+use linsys::OperatingPoint;
+use montecarlo::StreamRng;
+
+use super::{Plan, Scene};
+use crate::Error;
+use crate::case::Distribution;
+
+/// A brake with everything that is uncertain in it.
+///
+/// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
+/// into the equations. Spectra, certificates, names of modes, net work, estimators, tables and figures follow from these
+/// alone. The methods with a default are for estimators that need fewer samples.
+pub trait UncertainBrake: Sync {
+    /// One draw of all that is uncertain; every scene uses the same.
+    type Sample: Send + Sync;
+
+    /// The configurations and scenes of the study.
+    fn plan(&self) -> &Plan;
+
+    /// Draws a sample from its own stream.
+    ///
+    /// # Errors
+    /// A draw that is not possible; it is counted, listed and missing from every scene.
+    fn draw(&self, rng: &mut StreamRng) -> Result<Self::Sample, Error>;
+
+    /// The sample with the medians of all distributions, from which modes have their names.
+    fn median(&self) -> Self::Sample;
+
+    /// The operating point of a sample in a scene of the plan.
+    ///
+    /// # Errors
+    /// A sample that has no operating point there; it is counted and listed.
+    fn operating_point(&self, scene: &Scene, sample: &Self::Sample) -> Result<OperatingPoint, Error>;
+
+    /// The sample at a point of the unit cube, by the quantile functions of the parameters: `uniform(d)` in (0, 1) is its
+    /// coordinate d, the most important parameters first. `None` where a sample is no such function.
+    fn quantile_sample(&self, _scene: &Scene, _uniform: &dyn Fn(u32) -> f64) -> Option<Self::Sample> {
+        None
+    }
+
+    /// The distribution of the one parameter that the operating points of a scene are a function of; `None` where there
+    /// are more, or none.
+    fn single_parameter(&self, _scene: &Scene) -> Option<&Distribution> {
+        None
+    }
+
+    /// The sample in which that parameter has a value and all others their medians.
+    fn with_parameter(&self, _scene: &Scene, _value: f64) -> Self::Sample {
+        self.median()
+    }
+}

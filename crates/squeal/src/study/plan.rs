@@ -1,0 +1,189 @@
+//! What a study goes through: the configurations of a brake, and the scenes in which each sample is evaluated.
+
+use std::path::PathBuf;
+
+use linsys::OperatingPoint;
+use osc_model::Brake;
+
+use crate::case::Labels;
+
+/// What tells scenes apart; indices into the lists of [`SceneLabels`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct SceneKey {
+    /// Constraint set.
+    pub constraints: usize,
+    /// Friction law.
+    pub law: usize,
+    /// Speed range; `None` where nothing depends on speed, one scene then stands for all ranges.
+    pub speed: Option<usize>,
+    /// Number in contact.
+    pub panel: usize,
+}
+
+/// One scene: it stands for all arrangements of its symmetry class.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// Where it belongs.
+    pub key: SceneKey,
+    /// Arrangements it stands for, as places in the panel's list; the first is the one computed.
+    pub members: Vec<usize>,
+    /// Place of its configuration in [`Plan::configurations`].
+    pub configuration: usize,
+    /// Whether net work is computed.
+    pub wants_work: bool,
+}
+
+/// A brake in one configuration of contacts and constraints, with the operating point by which its modes get names.
+#[derive(Debug, Clone)]
+pub struct Configuration {
+    /// The brake.
+    pub brake: Brake,
+    /// Where its modes are named: median parameters, of a baseline law where there are several.
+    pub naming_point: OperatingPoint,
+    /// Place in [`Plan::origins`] of the configuration from which its names come by continuation.
+    pub origin: usize,
+    /// Its contacts, for people.
+    pub contacts: String,
+}
+
+/// Where names of modes come from: a brake and an operating point at which modes are called by frequency rank.
+#[derive(Debug, Clone)]
+pub struct Origin {
+    /// The brake; of the degrees of freedom of every configuration that is named after it.
+    pub brake: Brake,
+    /// Its operating point.
+    pub naming_point: OperatingPoint,
+}
+
+/// A friction law as reports call it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LawLabel {
+    /// In tables.
+    pub name: String,
+    /// In headings.
+    pub title: String,
+}
+
+/// A range of sliding speed as reports call it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SpeedLabel {
+    /// In tables.
+    pub name: String,
+    /// In legends, with its limits.
+    pub description: String,
+}
+
+/// All arrangements with one number in contact.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PanelLabel {
+    /// How many contacts are closed.
+    pub in_contact: usize,
+    /// Each arrangement in words.
+    pub arrangements: Vec<String>,
+}
+
+/// What the indices of a [`SceneKey`] are called.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SceneLabels {
+    /// Constraint sets; at least one.
+    pub constraints: Vec<String>,
+    /// Friction laws; at least one.
+    pub laws: Vec<LawLabel>,
+    /// The law that others are compared with, if there is one.
+    pub baseline_law: Option<usize>,
+    /// Speed ranges; none where no scene has one.
+    pub speeds: Vec<SpeedLabel>,
+    /// Numbers in contact; at least one.
+    pub panels: Vec<PanelLabel>,
+}
+
+impl SceneLabels {
+    /// What a speed is called in tables; "all" where a scene stands for all ranges.
+    pub fn speed(&self, speed: Option<usize>) -> &str {
+        speed.map_or("all", |range| &self.speeds[range].name)
+    }
+}
+
+/// The file that a study was read from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaseFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What stands in it.
+    pub text: String,
+}
+
+/// All scenes of a study.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The case file, where there is one.
+    pub case_file: Option<CaseFile>,
+    /// What the study is called.
+    pub name: String,
+    /// What tells it from others, whatever its seed and number of samples: its name and a hash of all that is computed from.
+    pub identity: String,
+    /// Samples per scene, >= 1.
+    pub samples: u64,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// How modes are named in reports.
+    pub mode_labels: Labels,
+    /// What scenes are called.
+    pub labels: SceneLabels,
+    /// Where names of modes come from.
+    pub origins: Vec<Origin>,
+    /// The configurations of the brake.
+    pub configurations: Vec<Configuration>,
+    /// The scenes, in the order in which they are evaluated.
+    pub scenes: Vec<Scene>,
+}
+
+impl Plan {
+    /// The plan of a brake with one configuration and one scene, whose modes are named at an operating point, and whose
+    /// net work is computed. `samples` and `seed` may be changed afterwards.
+    pub fn single(name: &str, brake: Brake, naming_point: OperatingPoint, samples: u64, seed: u64) -> Self {
+        let contacts: Vec<String> = brake.system.channels().iter().map(|channel| channel.name.clone()).collect();
+        let panel = PanelLabel { in_contact: contacts.len(), arrangements: vec![contacts.join(" ")] };
+        let law = LawLabel { name: "given".into(), title: String::new() };
+        let identity = format!("\"{name}\" {}", &crate::fingerprint(&format!("{brake:?} {naming_point:?}"))[..16]);
+        Self {
+            case_file: None,
+            name: name.into(),
+            identity,
+            samples,
+            seed,
+            mode_labels: Labels::Tracked,
+            labels: SceneLabels {
+                constraints: vec!["none".into()],
+                laws: vec![law],
+                panels: vec![panel],
+                ..SceneLabels::default()
+            },
+            origins: vec![Origin { brake: brake.clone(), naming_point: naming_point.clone() }],
+            configurations: vec![Configuration { brake, naming_point, origin: 0, contacts: contacts.join(" ") }],
+            scenes: vec![Scene { members: vec![0], wants_work: true, ..Scene::default() }],
+        }
+    }
+
+    /// Where the study comes from, for messages: its file or its name.
+    pub fn source(&self) -> String {
+        self.case_file.as_ref().map_or_else(|| self.name.clone(), |file| file.path.display().to_string())
+    }
+
+    /// The configuration of a scene.
+    pub fn configuration(&self, scene: &Scene) -> &Configuration {
+        &self.configurations[scene.configuration]
+    }
+
+    /// The brake of a scene.
+    pub fn brake(&self, scene: &Scene) -> &Brake {
+        &self.configuration(scene).brake
+    }
+
+    /// Complex eigenvalue analyses that one sample stands for: every arrangement, law, constraint set and speed range.
+    pub fn analyses_per_sample(&self) -> u64 {
+        let SceneLabels { constraints, laws, speeds, panels, .. } = &self.labels;
+        let arrangements: usize = panels.iter().map(|panel| panel.arrangements.len()).sum();
+        (constraints.len() * laws.len() * speeds.len().max(1) * arrangements) as u64
+    }
+}

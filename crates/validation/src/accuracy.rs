@@ -1,0 +1,131 @@
+//! Everything measured in one run.
+
+use std::path::Path;
+
+use cea::{BatchSolver, QrSolver};
+use squeal::case::{Case, Law};
+use squeal::estimators::{OneParameterFamily, exact, support};
+use squeal::study::{Plan, Sample, Scene, Study};
+
+use crate::ValidationError;
+use crate::estimator_comparison::compare_estimators;
+use crate::exceptional_point::exceptional_point;
+use crate::nlevp::judge_folder;
+use crate::problem::ReferenceProblem;
+use crate::report::AccuracyReport;
+use crate::route_comparison::{SystemGroup, compare_routes};
+use crate::stress_cases::{around_exceptional_point, around_onset, extremes};
+use crate::time_to_tolerance::time_to_tolerance;
+
+/// How much is measured.
+#[derive(Debug, Clone)]
+pub struct Effort {
+    /// Every how many-th class of arrangements is a scene of the estimators.
+    pub every: usize,
+    /// Sizes of plain Monte Carlo.
+    pub plain: Vec<u64>,
+    /// Sizes of each scrambling of quasi-Monte Carlo.
+    pub quasi: Vec<u32>,
+    /// Scramblings.
+    pub scramblings: u32,
+    /// Systems of a route away from coalescence.
+    pub systems: u64,
+    /// Every how many-th class of arrangements is brought to a tenth of a percentage point under every law.
+    pub every_to_tolerance: usize,
+}
+
+impl Effort {
+    /// A minute.
+    pub fn quick() -> Self {
+        Self {
+            every: 15,
+            plain: vec![100, 1_000],
+            quasi: vec![16, 64],
+            scramblings: 8,
+            systems: 32,
+            every_to_tolerance: 45,
+        }
+    }
+
+    /// Some minutes.
+    pub fn full() -> Self {
+        Self {
+            every: 3,
+            plain: vec![100, 1_000, 10_000],
+            quasi: vec![16, 64, 256],
+            scramblings: 8,
+            systems: 256,
+            every_to_tolerance: 1,
+        }
+    }
+}
+
+/// Distances in mu from an exceptional point, below and above.
+const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-3];
+
+/// Measures everything on the lattice of `case`, and on the problems in `nlevp`.
+///
+/// # Errors
+/// A case without Coulomb friction shared by all contacts; what the solvers and the files say.
+pub fn accuracy(case: &Case, nlevp: &Path, effort: &Effort) -> Result<AccuracyReport, ValidationError> {
+    let with_laws = |laws: Vec<Law>| {
+        let mut case = case.clone();
+        case.laws = laws;
+        Plan::new(case).map_err(ValidationError::from)
+    };
+    let plan = with_laws(vec![Law::AmontonsCoulomb])?;
+    let both = with_laws(vec![Law::AmontonsCoulomb, Law::LuGre])?;
+    let scene_of = |law: Law| both.scenes.iter().find(|s| s.key.law == law).ok_or(ValidationError::NoScene { law });
+    let (coulomb, lugre) = (scene_of(Law::AmontonsCoulomb)?, scene_of(Law::LuGre)?);
+
+    let (from, to) = support(case.friction.mu);
+    let mut undamped = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let mut system = |mu: f64| {
+        let mut system = undamped.system(mu).clone();
+        system.c.fill(0.0);
+        Ok(system)
+    };
+    let point = exceptional_point(&mut system, from, to)?;
+    let near = around_exceptional_point(&mut system, &point, &DISTANCES)?;
+
+    let study = Study::new(&plan, &BatchSolver)?;
+    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let first = exact(&plan, &study.references()[0], &mut family)?;
+    let mut stress_cases = Vec::new();
+    for onset in &first.onsets.onsets {
+        stress_cases.extend(around_onset(&plan, &plan.scenes[0], onset)?);
+    }
+    stress_cases.extend(around_exceptional_point(&mut system, &point, &DISTANCES)?);
+    stress_cases.extend(extremes(&both, coulomb, lugre)?);
+
+    let group =
+        |systems: &str, near_coalescence, problems| SystemGroup { systems: systems.into(), near_coalescence, problems };
+    let groups = [
+        group("Amontons-Coulomb, draws", false, drawn(&both, coulomb, effort.systems)?),
+        group("LuGre, draws", false, drawn(&both, lugre, effort.systems)?),
+        group("no damping, 1e-3 to 1e-10 from an exceptional point", true, near),
+    ];
+    let scenes: Vec<usize> = (0..plan.scenes.len()).step_by(effort.every).collect();
+    let mut lattice = Vec::new();
+    for case in &stress_cases {
+        lattice.extend(case.judge());
+    }
+    Ok(AccuracyReport {
+        routes: compare_routes(&groups),
+        estimators: compare_estimators(&study, &scenes, &effort.plain, &effort.quasi, effort.scramblings)?,
+        time_to_tolerance: time_to_tolerance(case, effort.every_to_tolerance)?,
+        lattice,
+        nlevp: judge_folder(nlevp)?,
+    })
+}
+
+fn drawn(plan: &Plan, scene: &Scene, count: u64) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let system = |i: u64| {
+        let sample =
+            Sample::draw(&plan.case, &mut montecarlo::stream(plan.case.seed, i)).map_err(squeal::Error::from)?;
+        let mut system = linsys::SecondOrder::zeros(1, 0);
+        plan.linearise(scene, &sample, &mut system)?;
+        ReferenceProblem::new(format!("draw {i}"), system)
+    };
+    (0..count).map(system).collect()
+}

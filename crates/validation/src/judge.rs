@@ -1,0 +1,44 @@
+//! Every route on a problem: ours, whose verdicts rest on bounds, and the libraries.
+
+use cea::{CeaError, Verdict, Workspace, general, verdict};
+use num_complex::Complex;
+
+use crate::library_baselines::judge_libraries;
+use crate::problem::{ReferenceProblem, RouteOutcome, structural_eigenvalues};
+
+/// The route of the study, by its name in reports.
+pub(crate) const STANDARD: &str = "QrSolver + verdict";
+/// The route for any dense problem, by its name in reports.
+pub(crate) const GENERAL: &str = "general + certify";
+
+type Verdicts = Result<Vec<(Complex<f64>, Verdict)>, CeaError>;
+
+impl ReferenceProblem {
+    /// Both certified routes on this problem, or why one refused it, and what users script.
+    pub fn judge(&self) -> Vec<RouteOutcome> {
+        let mut outcomes = vec![self.outcome(STANDARD, self.standard()), self.outcome(GENERAL, self.general())];
+        outcomes.extend(judge_libraries(self));
+        outcomes
+    }
+
+    fn outcome(&self, route: &'static str, found: Verdicts) -> RouteOutcome {
+        match found {
+            Ok(found) => RouteOutcome::Judged(self.compare(route, &found)),
+            Err(error) => RouteOutcome::Refused { case: self.name.clone(), route, reason: error.to_string() },
+        }
+    }
+
+    /// The eigenvalues as a study sees them.
+    fn standard(&self) -> Verdicts {
+        let mut work = Workspace::default();
+        let (lambdas, scale) = structural_eigenvalues(&self.system)?;
+        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, scale, &mut work)?))).collect()
+    }
+
+    fn general(&self) -> Verdicts {
+        let mut work = Workspace::default();
+        let spectrum = general::solve(&self.system, &mut work)?;
+        let certified = general::certify(&self.system, &spectrum, &mut work)?;
+        Ok(certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect())
+    }
+}

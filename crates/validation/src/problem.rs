@@ -1,0 +1,160 @@
+//! A problem with reference eigenvalues, and how the eigenvalues and verdicts of a route compare with them.
+
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+use serde::Serialize;
+
+use crate::ValidationError;
+use crate::conditioning::least_backward_error;
+use crate::refine::{RefinedEigenvalue, refine, refine_all};
+use crate::routes::nearest_pairs;
+
+/// Largest |Re lambda| / |lambda| of a refined eigenvalue that counts as exactly neutral: the accuracy to which refinement
+/// is accepted.
+const NEUTRAL_RATIO: f64 = 1e-18;
+
+/// Largest |Im lambda| / |lambda| of a pair that may be two real eigenvalues made one pair by rounding; chosen.
+const NEARLY_REAL_RATIO: f64 = 1e-7;
+
+/// A system with reference eigenvalues.
+pub struct ReferenceProblem {
+    /// What is hard about it.
+    pub name: String,
+    /// The system.
+    pub system: SecondOrder,
+    /// Eigenvalues of its structure with Im lambda >= 0, those that could be refined.
+    pub reference: Vec<RefinedEigenvalue>,
+}
+
+/// What became of a problem on one route.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum RouteOutcome {
+    /// Its eigenvalues were judged.
+    Judged(Judgement),
+    /// It was refused.
+    Refused {
+        /// The case.
+        case: String,
+        /// The route.
+        route: &'static str,
+        /// Why.
+        reason: String,
+    },
+}
+
+/// How a route did on a problem.
+#[derive(Debug, Clone, Serialize)]
+pub struct Judgement {
+    /// The case.
+    pub case: String,
+    /// The route.
+    pub route: &'static str,
+    /// Eigenvalues judged.
+    pub modes: usize,
+    /// Largest relative error of an eigenvalue.
+    pub max_error: f64,
+    /// Largest relative error in units of condition number times machine epsilon.
+    pub max_error_in_condition_epsilon: f64,
+    /// Largest backward error, the least one with which the number found is an eigenvalue.
+    pub max_backward_error: f64,
+    /// Decided verdicts that are wrong.
+    pub wrong_signs: usize,
+    /// Modes called unstable that are stable or neutral.
+    pub false_instabilities: usize,
+    /// Modes proven to be on the axis as far as doubles tell.
+    pub marginal: usize,
+    /// Modes within the bound of their error.
+    pub undecided: usize,
+    /// Modes that a bare `Re lambda > 0` puts on the wrong side.
+    pub wrong_by_bare_sign: usize,
+}
+
+impl RouteOutcome {
+    /// The case.
+    pub fn case(&self) -> &str {
+        let (Self::Judged(Judgement { case, .. }) | Self::Refused { case, .. }) = self;
+        case
+    }
+
+    /// The route.
+    pub fn route(&self) -> &'static str {
+        let (Self::Judged(Judgement { route, .. }) | Self::Refused { route, .. }) = self;
+        route
+    }
+}
+
+impl ReferenceProblem {
+    /// A problem whose eigenvalues are refined from those of QrSolver, without those of internal states alone.
+    ///
+    /// # Errors
+    /// Those of the solver and of [`Modes::classify`].
+    pub fn new(name: String, system: SecondOrder) -> Result<Self, ValidationError> {
+        let (lambdas, _) = structural_eigenvalues(&system)?;
+        let reference = refine_all(&system, &lambdas)
+            .unwrap_or_else(|_| lambdas.iter().filter_map(|&lambda| refine(&system, lambda).ok()).collect());
+        Ok(Self { name, system, reference })
+    }
+
+    /// How eigenvalues with verdicts compare with the reference.
+    pub(crate) fn compare(&self, route: &'static str, found: &[(Complex<f64>, Verdict)]) -> Judgement {
+        let wanted: Vec<_> = self.reference.iter().map(|r| r.lambda).collect();
+        let lambdas: Vec<_> = found.iter().map(|f| f.0).collect();
+        let mut judged = Judgement {
+            case: self.name.clone(),
+            route,
+            modes: wanted.len(),
+            max_error: 0.0,
+            max_error_in_condition_epsilon: 0.0,
+            max_backward_error: 0.0,
+            wrong_signs: 0,
+            false_instabilities: 0,
+            marginal: 0,
+            undecided: 0,
+            wrong_by_bare_sign: 0,
+        };
+        let places = nearest_pairs(&wanted, &lambdas);
+        for (refined, at) in self.reference.iter().zip(places) {
+            let Some((lambda, verdict)) = at.map(|at| found[at]) else {
+                (judged.max_error, judged.max_error_in_condition_epsilon) = (f64::INFINITY, f64::INFINITY);
+                continue;
+            };
+            let exact = refined.lambda;
+            if exact == Complex::default() {
+                // An exact zero has no relative error: it is found as such or missed.
+                judged.max_error = if lambda == exact { judged.max_error } else { f64::INFINITY };
+                continue;
+            }
+            let error = (lambda - exact).norm() / exact.norm();
+            let is_unstable = exact.re > NEUTRAL_RATIO * exact.norm();
+            let is_stable = exact.re < -NEUTRAL_RATIO * exact.norm();
+            judged.max_error = judged.max_error.max(error);
+            judged.max_error_in_condition_epsilon =
+                judged.max_error_in_condition_epsilon.max(error / (refined.condition * f64::EPSILON));
+            judged.max_backward_error = judged.max_backward_error.max(least_backward_error(&self.system, lambda));
+            judged.wrong_by_bare_sign += usize::from((lambda.re > 0.0) != is_unstable);
+            match verdict {
+                Verdict::Unstable => {
+                    judged.false_instabilities += usize::from(!is_unstable);
+                    judged.wrong_signs += usize::from(!is_unstable);
+                }
+                Verdict::Stable => judged.wrong_signs += usize::from(!is_stable),
+                Verdict::Undecided { .. } => judged.undecided += 1,
+                Verdict::Marginal { .. } => judged.marginal += 1,
+            }
+        }
+        judged
+    }
+}
+
+/// QrSolver's eigenvalues of the structure with Im lambda >= 0, and the scale of their errors. Of two equal real ones that
+/// rounding made a pair both are there.
+pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, f64), CeaError> {
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+    let modes = Modes::classify(system, &spectrum, &mut work)?;
+    let nearly_real = modes.oscillatory.iter().filter(|l| l.im <= NEARLY_REAL_RATIO * l.norm()).map(|l| l.conj());
+    let real = modes.real.iter().map(|&l| Complex::from(l));
+    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum.scale))
+}

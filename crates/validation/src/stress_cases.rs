@@ -1,0 +1,117 @@
+//! Stress cases: the lattice at its worst, systems on which a solver or a verdict could go wrong.
+
+use cea::CeaError;
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
+use osc_model::{Lateral, Linearise};
+use squeal::case::Law;
+use squeal::study::{FrictionDraw, Plan, Sample, Scene};
+use squeal::tracking::Onset;
+
+use crate::ValidationError;
+use crate::exceptional_point::ExceptionalPoint;
+use crate::problem::ReferenceProblem;
+
+/// The system of a scene with one draw in all contacts, its lateral coefficient given apart.
+///
+/// # Errors
+/// A draw that the law refuses.
+pub fn with_lateral(
+    plan: &Plan,
+    scene: &Scene,
+    draw: FrictionDraw,
+    lateral_mu: f64,
+    speed_quantile: f64,
+) -> Result<SecondOrder, ValidationError> {
+    let mut at = plan.sliding(scene, &Sample::shared(draw, speed_quantile))?;
+    at.contacts.iter_mut().for_each(|contact| contact.lateral_mu = lateral_mu);
+    Ok(plan.lattice(scene).linearised(&at).map_err(squeal::Error::from)?)
+}
+
+/// Systems around an onset, from 1e-12 below to 1e-12 above, for a scene of Coulomb friction.
+///
+/// # Errors
+/// Those of [`ReferenceProblem::new`].
+pub fn around_onset(plan: &Plan, scene: &Scene, onset: &Onset) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let median = *Sample::median(&plan.case).contact(0);
+    let hertz = onset.omega / std::f64::consts::TAU;
+    let at = |offset: f64| {
+        let mu = onset.at + offset;
+        let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        ReferenceProblem::new(format!("onset at {hertz:.0} Hz, mu_c {offset:+.0e}"), system)
+    };
+    [-1e-9, -1e-12, 0.0, 1e-12, 1e-9].into_iter().map(at).collect()
+}
+
+/// Systems at distances in the parameter from an exceptional point.
+///
+/// # Errors
+/// Those of `system` and of [`ReferenceProblem::new`].
+pub fn around_exceptional_point(
+    system: &mut dyn FnMut(f64) -> Result<SecondOrder, ValidationError>,
+    point: &ExceptionalPoint,
+    distances: &[f64],
+) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let at = |&distance: &f64| {
+        ReferenceProblem::new(format!("exceptional point {distance:+.0e}"), system(point.mu + distance)?)
+    };
+    distances.iter().map(at).collect()
+}
+
+/// Speeds near zero, bristles from soft to stiff, other units, multiple and neutral eigenvalues; `coulomb` and `lugre` are
+/// scenes of the plan with those laws.
+///
+/// # Errors
+/// Those of [`ReferenceProblem::new`].
+pub fn extremes(plan: &Plan, coulomb: &Scene, lugre: &Scene) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let median = *Sample::median(&plan.case).contact(0);
+    let mut cases = Vec::new();
+    for v in [1e-3, 1e-6, 1e-9] {
+        let system = with_lateral(plan, lugre, median, median.lateral_mu, speed_quantile(plan, lugre, v))?;
+        cases.push(ReferenceProblem::new(format!("LuGre, v = {v:.0e} m/s"), system)?);
+    }
+    for exponent in 2..=9 {
+        let sigma0 = 10.0_f64.powi(exponent);
+        let system = with_lateral(plan, lugre, FrictionDraw { sigma0, ..median }, median.lateral_mu, 0.5)?;
+        cases.push(ReferenceProblem::new(format!("LuGre, sigma0 = {sigma0:.0e} 1/m"), system)?);
+    }
+    let mut vector = plan.case.clone();
+    vector.readings.lateral = Lateral::Vector;
+    vector.laws = vec![Law::AmontonsCoulomb];
+    let vector = Plan::new(vector)?;
+    for v in [1e-3, 1e-6, 1e-9] {
+        let scene = &vector.scenes[0];
+        let system = with_lateral(&vector, scene, median, median.mu, speed_quantile(&vector, scene, v))?;
+        cases.push(ReferenceProblem::new(format!("lateral dashpots mu N0 / v, v = {v:.0e} m/s"), system)?);
+    }
+    let plain = with_lateral(plan, coulomb, median, median.mu, 0.5)?;
+    for (name, mass, damping, stiffness) in [("t, mm, s", 1e-3, 1e-3, 1e-3), ("kg, mm, ms", 1.0, 1e-3, 1e-6)] {
+        let system = SecondOrder::new(&plain.m * mass, &plain.c * damping, &plain.k * stiffness);
+        cases.push(ReferenceProblem::new(format!("units {name}"), system.map_err(CeaError::from)?)?);
+    }
+    let twice = SecondOrder::new(twice(&plain.m), twice(&plain.c), twice(&plain.k)).map_err(CeaError::from)?;
+    let single = ReferenceProblem::new(String::new(), plain)?.reference;
+    let reference = single.iter().chain(&single).copied().collect();
+    cases.push(ReferenceProblem { name: "two uncoupled copies".into(), system: twice, reference });
+    for mu in [0.0, 0.1] {
+        let mut system = with_lateral(plan, coulomb, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        system.c.fill(0.0);
+        cases.push(ReferenceProblem::new(format!("no damping, mu = {mu}"), system)?);
+    }
+    Ok(cases)
+}
+
+/// The quantile at which the speed of a scene is `v`, m/s; its quantile function goes on below the range of the speed.
+fn speed_quantile(plan: &Plan, scene: &Scene, v: f64) -> f64 {
+    let range = scene.key.speed.map(|at| &plan.case.speeds[at]);
+    range.map_or(0.5, |range| (v / range.from).ln() / (range.to / range.from).ln())
+}
+
+/// Block diagonal, the matrix twice.
+fn twice(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let mut both = DMatrix::zeros(2 * n, 2 * n);
+    both.view_mut((0, 0), (n, n)).copy_from(matrix);
+    both.view_mut((n, n), (n, n)).copy_from(matrix);
+    both
+}
