@@ -1,8 +1,9 @@
 //! Every onset over one real parameter: where an eigenvalue crosses the imaginary axis (a Hopf point), whichever way.
 //!
 //! The interval is halved until in each step every branch that could reach the axis either keeps its distance or crosses
-//! it once. What a branch does between two spectra is judged by its tangents: on an arc of parabola Re lambda leaves the
-//! chord by |s_b - s_a| h / 8, and four times this is allowed for. All spectra then have to agree with the onsets found.
+//! it once. What a branch does between two spectra is judged by its tangents: where both differ from the chord by less than
+//! half of it, Re lambda is monotonic; otherwise, on an arc of parabola, it leaves the chord by |s_b - s_a| h / 8, and four
+//! times this is allowed for. All spectra then have to agree with the onsets found.
 
 use num_complex::Complex;
 
@@ -120,17 +121,24 @@ fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step,
     for (f, j) in linked {
         let (start, end) = (branches.point(a, f)?, branches.point(b, j)?);
         let chord = (end.lambda.re - start.lambda.re) / h;
-        if start.lambda.re * end.lambda.re < 0.0 {
-            let is_straight = |rate: f64| (rate - chord).abs() < 0.5 * chord.abs();
-            if !(is_straight(start.rate.re) && is_straight(end.rate.re)) {
-                return Ok(Step::Unclear);
-            }
-            crossing.push((f, j));
-        } else if start.lambda.re.abs().min(end.lambda.re.abs()) <= 0.5 * (end.rate.re - start.rate.re).abs() * h {
-            return Ok(Step::Unclear);
+        let is_straight = |rate: f64| (rate - chord).abs() < 0.5 * chord.abs();
+        let is_monotonic = is_straight(start.rate.re) && is_straight(end.rate.re);
+        let does_cross = is_unstable(&start.lambda) != is_unstable(&end.lambda);
+        let keeps_distance =
+            start.lambda.re.abs().min(end.lambda.re.abs()) > 0.5 * (end.rate.re - start.rate.re).abs() * h;
+        match (does_cross, is_monotonic) {
+            (true, true) => crossing.push((f, j)),
+            (false, true) => {}
+            (false, false) if keeps_distance => {}
+            _ => return Ok(Step::Unclear),
         }
     }
     Ok(if crossing.is_empty() { Step::Quiet } else { Step::Once(crossing) })
+}
+
+/// On the axis counts as unstable, so that an onset at a parameter with a spectrum lies in one of the two steps there.
+fn is_unstable(lambda: &Complex<f64>) -> bool {
+    lambda.re >= 0.0
 }
 
 /// Modes at a parameter that could reach the axis within a step of length `h`, or are past it.
@@ -156,7 +164,7 @@ where
     B::Error: From<TrackingError>,
 {
     let (first, last) = (branches.point(a, f)?, branches.point(b, j)?.lambda);
-    let destabilises = first.lambda.re < 0.0;
+    let destabilises = !is_unstable(&first.lambda);
     let (mut low, mut high) = (a, b);
     let mut left = f64::INFINITY;
     // The chord's root to begin with.
@@ -167,7 +175,7 @@ where
         let nearest = |x: &&Complex<f64>, y: &&Complex<f64>| (*x - guess).norm().total_cmp(&(*y - guess).norm());
         let Some(&lambda) = branches.lambdas(at)?.iter().min_by(nearest) else { break };
         let RefinedPoint { lambda, rate, bound } = branches.refined(at, lambda)?;
-        if (lambda.re < 0.0) == destabilises {
+        if is_unstable(&lambda) != destabilises {
             low = at;
         } else {
             high = at;
@@ -191,7 +199,7 @@ where
     B: Branches + ?Sized,
     B::Error: From<TrackingError>,
 {
-    let unstable = |lambdas: &[Complex<f64>]| lambdas.iter().filter(|l| l.re > 0.0).count();
+    let unstable = |lambdas: &[Complex<f64>]| lambdas.iter().filter(|lambda| is_unstable(lambda)).count();
     let start = unstable(branches.lambdas(from)?) as i64;
     let is_open = |at: f64| {
         found.unresolved.iter().any(|&(a, b)| (a..=b).contains(&at))
