@@ -80,3 +80,8 @@ pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
 pub use mac::mac;
 pub use onset::{Onset, Onsets, find_onsets, onset_between};
 pub use path::{Path, PathEnd, PathStart};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
