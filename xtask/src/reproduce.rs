@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use squeal::Error;
-use squeal::case::{Alternative, Case};
+use squeal::brakes::LatticeBrake;
+use squeal::case::{Alternative, LatticeCase};
 use squeal::output::write;
 use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
-use squeal::study::Plan;
 
 /// Samples of a smoke run.
 const SMOKE_SAMPLES: u64 = 16;
@@ -45,7 +45,7 @@ struct Scorecard {
 pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let case = squeal::commands::overridden(
-        Case::read(&root.join("cases/paper.toml"))?,
+        LatticeCase::read(&root.join("cases/paper.toml"))?,
         args.samples.or(args.smoke.then_some(SMOKE_SAMPLES)),
         args.seed,
         args.threads,
@@ -54,16 +54,16 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
     let out = args.out.clone().unwrap_or(default);
 
     let mut cards = Vec::new();
-    let plan = Plan::new(case.clone())?;
-    let manifest = squeal::run_study(&plan, &out, args.threads, &mut |results, dir| {
-        draw_paper(results, dir)?;
-        let own = claims(results)?;
+    let brake = LatticeBrake::new(case.clone())?;
+    let manifest = squeal::run_study(&brake, &out, args.threads, &mut |results, dir| {
+        draw_paper(results, &brake, dir)?;
+        let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
         // Other names of modes need no other run.
         for alternative in &case.alternatives {
             if let Alternative::Labels(labels) = alternative {
-                let claims = claims(&results.labelled(*labels))?;
+                let claims = claims(&results.labelled(*labels), &brake)?;
                 cards.push(card(alternative, claims));
             }
         }
@@ -77,10 +77,10 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         for (number, alternative) in others.enumerate() {
             eprintln!("reading {}: {}", alternative.reading(), alternative.choice());
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
-            let plan = Plan::new(case.with(alternative))?;
+            let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
-            let manifest = squeal::run_study(&plan, &dir, args.threads, &mut |results, dir| {
-                found = claims(results)?;
+            let manifest = squeal::run_study(&brake, &dir, args.threads, &mut |results, dir| {
+                found = claims(results, &brake)?;
                 write_claims(&found, dir)
             })?;
             report(&manifest, &dir);

@@ -1,7 +1,7 @@
 //! The state of a run on disk.
 //!
 //! ```text
-//! montecarlo-checkpoint 1 <bytes below> <their CRC-32, hexadecimal>
+//! montecarlo-checkpoint 2 <bytes below> <their CRC-32, hexadecimal>
 //! {"fingerprint": ..., "seed": ..., ...}     the identity of the run
 //! {"seed": ..., "samples": ..., ...}         its summary so far
 //! ```
@@ -24,7 +24,7 @@ use crate::sampling::Sampling;
 use crate::summary::Summary;
 
 const MAGIC: &str = "montecarlo-checkpoint";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Where and how often the state of a run is saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,14 +37,13 @@ pub struct Checkpoint {
     pub fingerprint: String,
 }
 
-/// What must agree before a checkpoint is continued.
+/// What must agree before a checkpoint is continued. The number of samples is not among it, so that a run can be extended,
+/// nor their number per block, on which no result depends.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Identity {
     fingerprint: String,
     seed: u64,
     first: u64,
-    samples: u64,
-    block: u64,
     scenes: usize,
 }
 
@@ -52,14 +51,16 @@ struct Identity {
 pub(crate) struct Store<'a> {
     checkpoint: &'a Checkpoint,
     identity: Identity,
+    /// How many samples the run shall have at its end.
+    samples: u64,
     saved: Instant,
 }
 
 impl<'a> Store<'a> {
     pub(crate) fn new(checkpoint: &'a Checkpoint, sampling: &Sampling, scenes: usize) -> Self {
-        let Sampling { seed, first, samples, block, .. } = *sampling;
-        let identity = Identity { fingerprint: checkpoint.fingerprint.clone(), seed, first, samples, block, scenes };
-        Self { checkpoint, identity, saved: Instant::now() }
+        let Sampling { seed, first, samples, .. } = *sampling;
+        let identity = Identity { fingerprint: checkpoint.fingerprint.clone(), seed, first, scenes };
+        Self { checkpoint, identity, samples, saved: Instant::now() }
     }
 
     /// The state in the file, or `None` if there is no file.
@@ -75,7 +76,12 @@ impl<'a> Store<'a> {
         let cut = body.iter().position(|&byte| byte == b'\n').unwrap_or(body.len());
         let content = |error| damaged(Damage::Content(error));
         self.check_identity(&serde_json::from_slice(&body[..cut]).map_err(content)?)?;
-        serde_json::from_slice(&body[cut..]).map(Some).map_err(content)
+        let state: Summary<T> = serde_json::from_slice(&body[cut..]).map_err(content)?;
+        if state.samples > self.samples {
+            let (found, wanted) = (state.samples, self.samples);
+            return Err(MonteCarloError::CheckpointLonger { path: path.clone(), found, wanted });
+        }
+        Ok(Some(state))
     }
 
     fn check_identity(&self, found: &Identity) -> Result<(), MonteCarloError> {
@@ -84,8 +90,6 @@ impl<'a> Store<'a> {
             ("experiment", expected.fingerprint.clone(), found.fingerprint.clone()),
             ("seed", expected.seed.to_string(), found.seed.to_string()),
             ("first sample", expected.first.to_string(), found.first.to_string()),
-            ("number of samples", expected.samples.to_string(), found.samples.to_string()),
-            ("number of samples per block", expected.block.to_string(), found.block.to_string()),
             ("number of scenes", expected.scenes.to_string(), found.scenes.to_string()),
         ] {
             if expected != found {

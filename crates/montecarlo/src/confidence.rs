@@ -30,11 +30,13 @@ impl Confidence {
     }
 
     /// The probability left out on each side, `(1 - level) / 2`.
+    #[must_use]
     pub fn tail(self) -> f64 {
         (1.0 - self.0) / 2.0
     }
 
     /// The standard normal deviate that leaves out [`tail`](Self::tail) on each side; 1.96 for 95 %.
+    #[must_use]
     pub fn z(self) -> f64 {
         -Normal::standard().inverse_cdf(self.tail())
     }
@@ -44,6 +46,7 @@ impl Confidence {
     /// Above 1,000 degrees it is the expansion about the normal deviate of Abramowitz and Stegun 26.7.5, which agrees with
     /// the inverted distribution there to 1e-11 for 95, 99 and 99.9 %. The inversion of statrs 0.19 loses digits from
     /// 30,000 degrees on (1.83 instead of 1.96 at 10 million).
+    #[must_use]
     pub fn t(self, freedom: u64) -> f64 {
         let nu = freedom as f64;
         match StudentsT::new(0.0, 1.0, nu) {
@@ -71,6 +74,7 @@ pub struct Interval {
 
 impl Interval {
     /// Whether a value lies between the limits or on one of them.
+    #[must_use]
     pub fn contains(self, value: f64) -> bool {
         self.lower <= value && value <= self.upper
     }

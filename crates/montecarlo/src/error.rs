@@ -3,8 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::distribution::DistributionFault;
+
 /// Errors of this crate. A failed evaluation is not among them: it is counted in [`Failures`](crate::Failures).
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MonteCarloError {
     /// The sampling, or the experiment, has none of something it needs.
     #[error("the number of {what} is 0; at least 1 is needed")]
@@ -82,6 +85,19 @@ pub enum MonteCarloError {
         /// The value in the file.
         found: String,
     },
+    /// A checkpoint holds more samples than the run shall have.
+    #[error(
+        "checkpoint {} holds {found} samples already; samples = {wanted}; allowed: {found} or more, or another folder",
+        path.display()
+    )]
+    CheckpointLonger {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Samples in the file.
+        found: u64,
+        /// Samples asked for.
+        wanted: u64,
+    },
     /// A tally that does not survive being written and read, for example because it holds an infinite float.
     #[error("the tally cannot be stored in checkpoint {}: {source}", path.display())]
     NotStorable {
@@ -122,6 +138,9 @@ pub enum MonteCarloError {
         /// Trials.
         trials: u64,
     },
+    /// A distribution whose parameters are not allowed.
+    #[error(transparent)]
+    Distribution(#[from] DistributionFault),
     /// A truncated distribution that almost never reaches its bound.
     #[error("no draw in {attempts} reached {bound}; the distribution lies below its bound")]
     Redraw {
@@ -134,6 +153,7 @@ pub enum MonteCarloError {
 
 /// What is wrong with a checkpoint file.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Damage {
     /// The first line is not that of a checkpoint.
     #[error("it does not begin with the header of a checkpoint")]

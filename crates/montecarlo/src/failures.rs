@@ -42,26 +42,31 @@ impl Failures {
     }
 
     /// Failed draws; each is missing from every scene.
+    #[must_use]
     pub fn draws(&self) -> u64 {
         self.draws
     }
 
     /// Failed evaluations per scene, failed draws not included.
+    #[must_use]
     pub fn by_scene(&self) -> &[u64] {
         &self.scenes
     }
 
     /// Failed draws and failed evaluations together.
+    #[must_use]
     pub fn total(&self) -> u64 {
         self.draws + self.scenes.iter().sum::<u64>()
     }
 
     /// The first failures, at most 1,000, by sample and scene.
+    #[must_use]
     pub fn listed(&self) -> &[Failure] {
         &self.listed
     }
 
     /// How many failures are counted but not listed.
+    #[must_use]
     pub fn unlisted(&self) -> u64 {
         self.total() - self.listed.len() as u64
     }

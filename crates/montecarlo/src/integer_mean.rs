@@ -23,16 +23,19 @@ impl IntegerMean {
     }
 
     /// How many values.
+    #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// Their exact sum.
+    #[must_use]
     pub fn sum(&self) -> i128 {
         self.sum
     }
 
     /// Their mean; `None` without values.
+    #[must_use]
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum as f64 / self.count as f64)
     }
@@ -42,6 +45,7 @@ impl IntegerMean {
     /// With `q` and `r` the quotient and remainder of the sum by `n`, the squared deviations sum to
     /// `S - r^2 / n`, `S = sum (x - q)^2`, or `(S - r) + r (n - r) / n`: integers but for the last division, so nothing
     /// cancels.
+    #[must_use]
     pub fn variance(&self) -> Option<f64> {
         if self.count < 2 {
             return None;
@@ -56,6 +60,7 @@ impl IntegerMean {
 
     /// A confidence interval for the expectation: `mean -+ t sqrt(variance / n)` with Student's t of `n - 1` degrees of
     /// freedom. `None` with fewer than two values.
+    #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Option<Interval> {
         let mean = self.mean()?;
         let error = (self.variance()? / self.count as f64).sqrt();

@@ -7,11 +7,11 @@
 //! are merged in the order of the indices, so the result is the same bytes with any number of threads, after any number
 //! of kills and resumes.
 //!
-//! What a sample, a scene or an outcome *is* belongs to the [`Experiment`]; this crate knows nothing about it.
+//! What a sample, a scene or an outcome *is* belongs to the [`Experiment`]; this crate knows no matrix and no model.
 //!
 //! ```
+//! use montecarlo::rand::RngExt;
 //! use montecarlo::{Confidence, Experiment, Proportion, Sampling, StreamRng, Trial, run};
-//! use rand::RngExt;
 //!
 //! /// Whether a point of the unit square lies in the quarter disc: with probability pi / 4.
 //! struct QuarterDisc;
@@ -32,38 +32,71 @@
 //! # Ok::<(), montecarlo::MonteCarloError>(())
 //! ```
 //!
-//! Scenes, failures and what else can be counted are in [`Experiment`], [`Failures`] and [`Tally`]; [`run_with`] adds a
-//! [`Checkpoint`] and a [`Progress`] bar.
+//! # Map
+//!
+//! | question | items |
+//! | --- | --- |
+//! | what is sampled, computed and kept? | [`Experiment`], [`Tally`], [`Merge`], [`Runs`] |
+//! | which samples, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
+//! | how is it run, stopped, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
+//! | what came of it? | [`Summary`], [`Failures`] |
+//! | how is a parameter distributed? | [`Distribution`], [`redraw_until_at_least`] |
+//! | how often does something occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`] |
+//! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
+//! | how large is something? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | how sure is that? | [`Confidence`], [`Interval`] |
+//!
+//! Generators appear in public signatures, so [`rand`] is re-exported: a trait of another version of it does not fit
+//! [`StreamRng`]. The feature `progress`, on by default, has the progress bar and its dependency.
 
+pub use rand;
+
+#[cfg(feature = "progress")]
+mod bar;
 mod block;
 mod box_statistics;
 mod checkpoint;
+mod clopper_pearson;
 mod confidence;
+mod distribution;
 mod error;
 mod experiment;
 mod failures;
 mod integer_mean;
+mod label_tally;
 mod progress;
 mod proportion;
 mod quantile_sketch;
 mod redraw;
+mod replicate_mean;
 mod run;
 mod sampling;
 mod stream;
 mod summary;
 
+#[cfg(feature = "progress")]
+pub use bar::Bar;
 pub use box_statistics::{BoxStatistics, quantile};
 pub use checkpoint::Checkpoint;
+pub use clopper_pearson::{clopper_pearson, exact_lower_limit, exact_upper_limit};
 pub use confidence::{Confidence, Interval};
+pub use distribution::{Distribution, DistributionFault};
 pub use error::{Damage, MonteCarloError};
 pub use experiment::{Experiment, Merge, Runs, Tally};
 pub use failures::{Failure, Failures};
 pub use integer_mean::IntegerMean;
-pub use progress::{Bar, Progress};
+pub use label_tally::{LabelTally, occurring_labels};
+pub use progress::Progress;
 pub use proportion::{Proportion, Trial, wilson};
 pub use quantile_sketch::QuantileSketch;
 pub use redraw::redraw_until_at_least;
+pub use replicate_mean::ReplicateMean;
 pub use run::{run, run_with};
 pub use sampling::Sampling;
 pub use stream::{StreamRng, stream};
 pub use summary::Summary;
+
+/// The example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,10 +1,5 @@
 //! Who is told how far the run has come.
 
-use std::io::IsTerminal;
-use std::sync::OnceLock;
-
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 /// Is told how far a run has come, in evaluations (one sample in one scene). `()` is silent.
 pub trait Progress: Sync {
     /// Called once, before the first evaluation: `total` evaluations in the whole run, `done` of them by a run that was
@@ -20,36 +15,4 @@ impl Progress for () {
     fn begin(&self, _total: u64, _done: u64) {}
     fn advance(&self, _evaluations: u64) {}
     fn end(&self) {}
-}
-
-/// A progress bar on standard error with counts and the time left; silent when standard error is not a terminal.
-#[derive(Debug, Default)]
-pub struct Bar {
-    bar: OnceLock<ProgressBar>,
-}
-
-impl Progress for Bar {
-    fn begin(&self, total: u64, done: u64) {
-        let target =
-            if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let template = "{bar:30} {human_pos} of {human_len} evaluations, {eta} left";
-        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = self.bar.get_or_init(|| ProgressBar::with_draw_target(None, target).with_style(style));
-        bar.set_length(total);
-        bar.set_position(done);
-        // The time left must not count what an earlier run did as done just now.
-        bar.reset_eta();
-    }
-
-    fn advance(&self, evaluations: u64) {
-        if let Some(bar) = self.bar.get() {
-            bar.inc(evaluations);
-        }
-    }
-
-    fn end(&self) {
-        if let Some(bar) = self.bar.get() {
-            bar.abandon();
-        }
-    }
 }

@@ -67,6 +67,11 @@ pub struct Proportion {
 }
 
 impl Proportion {
+    /// Of counts whose hits, certain and ambiguous, are of different trials.
+    pub(crate) fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
+        Self { hits, ambiguous, trials }
+    }
+
     /// Enters one trial.
     pub fn record(&mut self, trial: Trial) {
         self.trials += 1;
@@ -78,22 +83,26 @@ impl Proportion {
     }
 
     /// Trials in which it occurred for certain.
+    #[must_use]
     pub fn hits(&self) -> u64 {
         self.hits
     }
 
     /// Trials that do not tell.
+    #[must_use]
     pub fn ambiguous(&self) -> u64 {
         self.ambiguous
     }
 
     /// All trials.
+    #[must_use]
     pub fn trials(&self) -> u64 {
         self.trials
     }
 
     /// The proportion of trials: from the certain hits alone to the ambiguous ones included. The two limits are equal
     /// when nothing was ambiguous. `None` without trials.
+    #[must_use]
     pub fn estimate(&self) -> Option<Interval> {
         let of_trials = |hits: u64| hits as f64 / self.trials as f64;
         (self.trials > 0)
@@ -102,6 +111,7 @@ impl Proportion {
 
     /// A confidence interval for the probability: the lower limit of [`wilson`] from the certain hits, the upper one with
     /// the ambiguous trials counted as hits.
+    #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Interval {
         Interval {
             lower: score_interval(self.hits, self.trials, confidence).lower,

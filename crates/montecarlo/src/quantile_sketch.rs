@@ -53,16 +53,19 @@ impl QuantileSketch {
     }
 
     /// How many finite values.
+    #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
     /// How many values were NaN or infinite; they are in no quantile.
+    #[must_use]
     pub fn not_finite(&self) -> u64 {
         self.not_finite
     }
 
     /// The smallest and the largest value, exact; `None` without values.
+    #[must_use]
     pub fn range(&self) -> Option<Interval> {
         self.range
     }

@@ -35,13 +35,14 @@ pub fn run<S: Experiment, T: Tally<S>>(
 /// Runs a sampling to its end, or from where its checkpoint stands to its end. `empty` makes an empty tally.
 ///
 /// The checkpoint is first written before the first evaluation, so that a folder that cannot be written is found at once,
-/// and last when the run is complete; a run whose checkpoint is complete returns its result without evaluating anything.
+/// and last when the run is complete. A run whose checkpoint is complete returns its result without evaluating anything;
+/// one whose checkpoint has fewer samples, complete then or not, is continued and gives the bytes of a run at once.
 ///
 /// # Errors
 /// - a sampling of zero samples, threads or samples per block, or with indices beyond 64 bits; an experiment of no
 ///   scenes;
-/// - a checkpoint that is damaged, or of another experiment, seed, number of samples, block or scenes, or that cannot
-///   be read or written;
+/// - a checkpoint that is damaged, of another experiment, seed, first sample or number of scenes, or with more samples; or
+///   one that cannot be read or written;
 /// - an experiment whose `evaluate_block` gives a wrong number of results.
 ///
 /// # Panics

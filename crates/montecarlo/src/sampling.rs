@@ -22,6 +22,7 @@ pub struct Sampling {
 
 impl Sampling {
     /// `samples` samples from index 0 on, in blocks of 8, on all cores.
+    #[must_use]
     pub fn new(seed: u64, samples: u64) -> Self {
         Self { seed, first: 0, samples, block: 8, threads: None }
     }

@@ -17,6 +17,7 @@ pub type StreamRng = ChaCha8Rng;
 /// assert_eq!(thousandth.next_u64(), montecarlo::stream(42, 1_000).next_u64());
 /// assert_ne!(thousandth.next_u64(), montecarlo::stream(42, 1_001).next_u64());
 /// ```
+#[must_use]
 pub fn stream(seed: u64, index: u64) -> StreamRng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());

@@ -23,6 +23,7 @@ pub struct Summary<T> {
 
 impl<T: Merge> Summary<T> {
     /// Global index after the last sample.
+    #[must_use]
     pub fn next(&self) -> u64 {
         self.first + self.samples
     }

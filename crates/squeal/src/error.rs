@@ -61,6 +61,12 @@ pub enum Error {
         /// The study to be run.
         wanted: String,
     },
+    /// A folder that another run writes to.
+    #[error("{}: another run is writing there; allowed: another folder, or wait until it has ended", path.display())]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A file or folder that cannot be written.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {

@@ -1,5 +1,6 @@
 //! Running the study of a case from beginning to end, or from where it was stopped.
 
+use std::fs::{File, TryLockError};
 use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,6 +17,8 @@ use crate::study::{Study, Tally, UncertainBrake};
 const TALLY_VERSION: u32 = 4;
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
+/// The file that is locked while a run works in the folder. It stays there; the lock ends with the process.
+const LOCK: &str = "run.lock";
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -26,11 +29,12 @@ pub fn fingerprint(text: &str) -> String {
 
 /// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures.
 ///
-/// `dir` may hold the same study, stopped or finished: it is continued. The state is kept in `checkpoint.json` until
-/// the results are written.
+/// `dir` may hold the same study, stopped or finished, with as many samples or fewer: it is continued, and ends in the bytes
+/// of a run at once. The state is kept in `checkpoint.json`.
 ///
 /// # Errors
-/// A folder that cannot be written or belongs to another study, a damaged checkpoint, those of the study.
+/// A folder that cannot be written, belongs to another study or is in use by another run; a checkpoint that is damaged or
+/// has more samples; those of the study.
 pub fn run_study<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
@@ -38,8 +42,9 @@ pub fn run_study<B: UncertainBrake>(
     draw: &mut (dyn FnMut(&Results<'_>, &Path) -> Result<(), Error> + Send),
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
-    let identity = format!("{} seed {} samples {} format {TALLY_VERSION}", plan.identity, plan.seed, plan.samples);
-    let is_ours = holds_study(dir, &identity)?;
+    let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
+    // Asked again under the lock; here, so that a folder of another study is refused before any work.
+    holds_study(dir, &identity)?;
     let mut seconds = Times::default();
 
     let start = Instant::now();
@@ -49,8 +54,9 @@ pub fn run_study<B: UncertainBrake>(
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
-    if !is_ours {
-        make_folder(dir)?;
+    make_folder(dir)?;
+    let _lock = locked(dir)?;
+    if !holds_study(dir, &identity)? {
         write(&dir.join(MARKER), format!("{identity}\n").as_bytes())?;
     }
     let start = Instant::now();
@@ -79,9 +85,23 @@ fn install<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T +
     }
 }
 
-/// Samples evaluated together: as many as fill the lanes of the solver again and again, but few enough for many threads.
+/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many threads.
 fn block(samples: u64) -> u64 {
     (samples / 8).next_multiple_of(8).clamp(8, 128)
+}
+
+/// Takes the lock of a folder, until the file is dropped.
+fn locked(dir: &Path) -> Result<File, Error> {
+    let path = dir.join(LOCK);
+    let failed = |source| Error::Write { path: path.clone(), source };
+    let file = File::create(&path).map_err(failed)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(Error::InUse { path: dir.to_owned() }),
+        // A file system without locks protects from nothing, but holds results as well as others.
+        Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(source)) => Err(failed(source)),
+    }
 }
 
 /// Whether `dir` is the folder of this study already; `false` is a new or empty one.
@@ -101,8 +121,9 @@ fn holds_study(dir: &Path, identity: &str) -> Result<bool, Error> {
         Err(source) => Err(unreadable(source)),
         Ok(entries) => {
             for entry in entries {
-                // A run that was killed while it wrote the marker leaves the beginning of one.
-                if entry.map_err(unreadable)?.file_name() != "study.txt.partial" {
+                // A run that was killed while it wrote the marker leaves the lock, and the beginning of a marker.
+                let name = entry.map_err(unreadable)?.file_name();
+                if name != LOCK && name != "study.txt.partial" {
                     return other("other files");
                 }
             }

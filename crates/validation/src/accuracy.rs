@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use cea::{BatchSolver, QrSolver};
-use squeal::case::{Case, Law};
-use squeal::estimators::{OneParameterFamily, exact, support};
-use squeal::study::{Plan, Sample, Scene, Study};
+use squeal::brakes::LatticeBrake;
+use squeal::case::{LatticeCase, Law};
+use squeal::estimators::{OneParameterFamily, exact};
+use squeal::study::{Scene, Study, UncertainBrake};
 
 use crate::ValidationError;
 use crate::estimator_comparison::compare_estimators;
@@ -67,19 +68,22 @@ const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e
 ///
 /// # Errors
 /// A case without Coulomb friction shared by all contacts; what the solvers and the files say.
-pub fn accuracy(case: &Case, nlevp: &Path, effort: &Effort) -> Result<AccuracyReport, ValidationError> {
+pub fn accuracy(case: &LatticeCase, nlevp: &Path, effort: &Effort) -> Result<AccuracyReport, ValidationError> {
     let with_laws = |laws: Vec<Law>| {
         let mut case = case.clone();
         case.laws = laws;
-        Plan::new(case).map_err(ValidationError::from)
+        LatticeBrake::new(case).map_err(ValidationError::from)
     };
-    let plan = with_laws(vec![Law::AmontonsCoulomb])?;
+    let brake = with_laws(vec![Law::AmontonsCoulomb])?;
+    let plan = &brake.plan;
     let both = with_laws(vec![Law::AmontonsCoulomb, Law::LuGre])?;
-    let scene_of = |law: Law| both.scenes.iter().find(|s| s.key.law == law).ok_or(ValidationError::NoScene { law });
+    let scene_of = |law: Law| {
+        both.plan.scenes.iter().find(|scene| both.law(scene.key) == law).ok_or(ValidationError::NoScene { law })
+    };
     let (coulomb, lugre) = (scene_of(Law::AmontonsCoulomb)?, scene_of(Law::LuGre)?);
 
-    let (from, to) = support(case.friction.mu);
-    let mut undamped = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
+    let (from, to) = case.friction.mu.support();
+    let mut undamped = OneParameterFamily::new(&brake, &plan.scenes[0], &QrSolver)?;
     let mut system = |mu: f64| {
         let mut system = undamped.system(mu).clone();
         system.c.fill(0.0);
@@ -88,12 +92,12 @@ pub fn accuracy(case: &Case, nlevp: &Path, effort: &Effort) -> Result<AccuracyRe
     let point = exceptional_point(&mut system, from, to)?;
     let near = around_exceptional_point(&mut system, &point, &DISTANCES)?;
 
-    let study = Study::new(&plan, &BatchSolver)?;
-    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver)?;
-    let first = exact(&plan, &study.references()[0], &mut family)?;
+    let study = Study::new(&brake, &BatchSolver)?;
+    let mut family = OneParameterFamily::new(&brake, &plan.scenes[0], &QrSolver)?;
+    let first = exact(&study.references()[0], &mut family)?;
     let mut stress_cases = Vec::new();
     for onset in &first.onsets.onsets {
-        stress_cases.extend(around_onset(&plan, &plan.scenes[0], onset)?);
+        stress_cases.extend(around_onset(&brake, &plan.scenes[0], onset)?);
     }
     stress_cases.extend(around_exceptional_point(&mut system, &point, &DISTANCES)?);
     stress_cases.extend(extremes(&both, coulomb, lugre)?);
@@ -119,13 +123,10 @@ pub fn accuracy(case: &Case, nlevp: &Path, effort: &Effort) -> Result<AccuracyRe
     })
 }
 
-fn drawn(plan: &Plan, scene: &Scene, count: u64) -> Result<Vec<ReferenceProblem>, ValidationError> {
+fn drawn(brake: &LatticeBrake, scene: &Scene, count: u64) -> Result<Vec<ReferenceProblem>, ValidationError> {
     let system = |i: u64| {
-        let sample =
-            Sample::draw(&plan.case, &mut montecarlo::stream(plan.case.seed, i)).map_err(squeal::Error::from)?;
-        let mut system = linsys::SecondOrder::zeros(1, 0);
-        plan.linearise(scene, &sample, &mut system)?;
-        ReferenceProblem::new(format!("draw {i}"), system)
+        let sample = brake.draw(&mut montecarlo::stream(brake.plan.seed, i))?;
+        ReferenceProblem::new(format!("draw {i}"), brake.system(scene, &sample)?)
     };
     (0..count).map(system).collect()
 }

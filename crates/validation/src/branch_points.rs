@@ -8,9 +8,8 @@
 use std::collections::BTreeSet;
 
 use num_complex::Complex;
-use squeal::estimators::quantile;
 use squeal::estimators::{Exact, OneParameterFamily};
-use squeal::study::{Plan, Reference, Sample};
+use squeal::study::Reference;
 use squeal::tracking::{Branches, link};
 
 use crate::ValidationError;
@@ -27,15 +26,13 @@ const CENTRAL_PROBABILITY: f64 = 0.99;
 /// The modes with a branch point nearer to the median than their farthest onset; for those without an onset, than the ends
 /// of the central part of the distribution.
 pub(crate) fn near_coalescence(
-    plan: &Plan,
     reference: &Reference,
     exact: &Exact,
     family: &mut OneParameterFamily<'_>,
 ) -> Result<BTreeSet<u16>, ValidationError> {
-    let distribution = plan.case.friction.mu;
-    let median = Sample::median(&plan.case).contact(0).mu;
-    let ends =
-        [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| quantile(distribution, u));
+    let distribution = family.distribution();
+    let median = distribution.median();
+    let ends = [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| distribution.quantile(u));
     let widest = (ends[1] - median).max(median - ends[0]);
     let mut near = BTreeSet::new();
     for (index, names) in reference.names.iter().enumerate() {

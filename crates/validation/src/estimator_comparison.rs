@@ -6,7 +6,7 @@ use std::time::Instant;
 use cea::QrSolver;
 use serde::Serialize;
 use squeal::estimators::{Estimated, Estimates, Integral, OneParameterFamily, exact, monte_carlo, quasi_monte_carlo};
-use squeal::study::Study;
+use squeal::study::{Study, UncertainBrake};
 
 use crate::ValidationError;
 use crate::branch_points::near_coalescence;
@@ -69,8 +69,8 @@ struct ExactOccurrences {
 ///
 /// # Errors
 /// Those of the estimators.
-pub fn compare_estimators(
-    study: &Study<'_>,
+pub fn compare_estimators<B: UncertainBrake>(
+    study: &Study<'_, B>,
     scenes: &[usize],
     plain: &[u64],
     quasi: &[u32],
@@ -112,17 +112,17 @@ pub fn compare_estimators(
 }
 
 impl ExactOccurrences {
-    fn new(study: &Study<'_>, scenes: &[usize]) -> Result<Self, ValidationError> {
+    fn new<B: UncertainBrake>(study: &Study<'_, B>, scenes: &[usize]) -> Result<Self, ValidationError> {
         let plan = study.plan();
         let mut result = Self::default();
         for &scene in scenes {
             let start = Instant::now();
-            let mut family = OneParameterFamily::new(plan, &plan.scenes[scene], &QrSolver)?;
-            let found = exact(plan, &study.references()[scene], &mut family)?;
+            let mut family = OneParameterFamily::new(study.brake(), &plan.scenes[scene], &QrSolver)?;
+            let found = exact(&study.references()[scene], &mut family)?;
             result.seconds += start.elapsed().as_secs_f64();
             result.spectra += found.counters.eigenvalue_solves;
             result.bound = result.bound.max(found.error);
-            let near = near_coalescence(plan, &study.references()[scene], &found, &mut family)?;
+            let near = near_coalescence(&study.references()[scene], &found, &mut family)?;
             for (&name, occurrence) in &found.integral.occurrences {
                 let value = 0.5 * (occurrence.lower + occurrence.upper);
                 result.occurrences.push(Exactly { scene, name, value, is_near: near.contains(&name) });
@@ -183,10 +183,14 @@ struct SceneEstimate {
 }
 
 impl SceneEstimate {
-    fn expanded(study: &Study<'_>, scene: usize, order: TaylorOrder) -> Result<Self, ValidationError> {
+    fn expanded<B: UncertainBrake>(
+        study: &Study<'_, B>,
+        scene: usize,
+        order: TaylorOrder,
+    ) -> Result<Self, ValidationError> {
         let plan = study.plan();
-        let mut family = OneParameterFamily::new(plan, &plan.scenes[scene], &QrSolver)?;
-        let Integral { occurrences, .. } = perturbation(plan, &study.references()[scene], &mut family, order)?;
+        let mut family = OneParameterFamily::new(study.brake(), &plan.scenes[scene], &QrSolver)?;
+        let Integral { occurrences, .. } = perturbation(&study.references()[scene], &mut family, order)?;
         let occurrences = occurrences.into_iter().map(|(name, o)| (name, [o.lower, o.upper])).collect();
         Ok(Self { occurrences, spectra: family.counters().eigenvalue_solves })
     }

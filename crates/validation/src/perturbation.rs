@@ -14,9 +14,8 @@ use cea::Workspace;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
 use squeal::estimators::OneParameterFamily;
-use squeal::estimators::support;
 use squeal::estimators::{Integral, integrate};
-use squeal::study::{Plan, Reference, Sample};
+use squeal::study::Reference;
 use squeal::tracking::Branches;
 
 use crate::ValidationError;
@@ -53,7 +52,8 @@ pub fn expand(
     mu: f64,
     lambda: Complex<f64>,
 ) -> Result<Expansion, ValidationError> {
-    let linear = family.linear().map(Complex::from);
+    let linear = family.linear().dynamic_stiffness(lambda);
+    let linear_derivative = family.linear().dynamic_stiffness_derivative(lambda);
     let system = family.system(mu);
     let n = system.order();
     let x = cea::right_vector(system, lambda, &mut Workspace::default())?;
@@ -76,7 +76,10 @@ pub fn expand(
     };
     let (dx, first) = solve(&linear * &x)?;
     let two = Complex::from(2.0);
-    let right = (&derivative * &dx) * (two * first) + (&linear * &dx) * two + (mass * &x) * (two * first * first);
+    let right = (&derivative * &dx) * (two * first)
+        + (&linear * &dx) * two
+        + (linear_derivative * &x) * (two * first)
+        + (mass * &x) * (two * first * first);
     let (_, second) = solve(right)?;
     Ok(Expansion { lambda, first, second })
 }
@@ -89,7 +92,7 @@ fn expand_double(
     pair: [Complex<f64>; 2],
 ) -> Result<[Expansion; 2], ValidationError> {
     let lambda = 0.5 * (pair[0] + pair[1]);
-    let linear = family.linear().map(Complex::from);
+    let linear = family.linear().dynamic_stiffness(lambda);
     let system = family.system(mu);
     let mut work = Workspace::default();
     let right = cea::right_vectors(system, &pair, &mut work)?;
@@ -110,14 +113,13 @@ fn expand_double(
 /// # Errors
 /// Those of [`expand`] and of the solver.
 pub fn perturbation(
-    plan: &Plan,
     reference: &Reference,
     family: &mut OneParameterFamily<'_>,
     order: TaylorOrder,
 ) -> Result<Integral, ValidationError> {
-    let distribution = plan.case.friction.mu;
-    let (from, to) = support(distribution);
-    let median = Sample::median(&plan.case).contact(0).mu;
+    let distribution = family.distribution();
+    let (from, to) = distribution.support();
+    let median = distribution.median();
     let lambdas = family.lambdas(median)?.to_vec();
     let curvature = if order == TaylorOrder::First { 0.0 } else { 0.5 };
     let expand = |i: usize| {
@@ -136,7 +138,7 @@ pub fn perturbation(
     ends.retain(|&mu| from < mu && mu < to);
     ends.extend([from, to]);
     ends.sort_by(f64::total_cmp);
-    Ok(integrate(distribution, &ends, |mu| {
+    Ok(integrate(&distribution, &ends, |mu| {
         let d = mu - median;
         let is_unstable = |p: &[f64; 3]| p[0] + d * (p[1] + d * p[2]) > 0.0;
         Ok((0..parts.len()).filter(|&i| is_unstable(&parts[i])).map(|i| reference.names[i].clone()).collect())

@@ -3,9 +3,10 @@
 use cea::CeaError;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
-use osc_model::{Lateral, Linearise};
+use osc_model::Lateral;
+use squeal::brakes::{FrictionDraw, LatticeBrake, LatticeSample};
 use squeal::case::Law;
-use squeal::study::{FrictionDraw, Plan, Sample, Scene};
+use squeal::study::Scene;
 use squeal::tracking::Onset;
 
 use crate::ValidationError;
@@ -17,27 +18,31 @@ use crate::problem::ReferenceProblem;
 /// # Errors
 /// A draw that the law refuses.
 pub fn with_lateral(
-    plan: &Plan,
+    brake: &LatticeBrake,
     scene: &Scene,
     draw: FrictionDraw,
     lateral_mu: f64,
     speed_quantile: f64,
 ) -> Result<SecondOrder, ValidationError> {
-    let mut at = plan.sliding(scene, &Sample::shared(draw, speed_quantile))?;
+    let mut at = brake.sliding(scene, &LatticeSample::shared(draw, speed_quantile))?;
     at.contacts.iter_mut().for_each(|contact| contact.lateral_mu = lateral_mu);
-    Ok(plan.lattice(scene).linearised(&at).map_err(squeal::Error::from)?)
+    Ok(brake.lattice(scene).linearised(&at).map_err(squeal::Error::from)?)
 }
 
 /// Systems around an onset, from 1e-12 below to 1e-12 above, for a scene of Coulomb friction.
 ///
 /// # Errors
 /// Those of [`ReferenceProblem::new`].
-pub fn around_onset(plan: &Plan, scene: &Scene, onset: &Onset) -> Result<Vec<ReferenceProblem>, ValidationError> {
-    let median = *Sample::median(&plan.case).contact(0);
+pub fn around_onset(
+    brake: &LatticeBrake,
+    scene: &Scene,
+    onset: &Onset,
+) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let median = *LatticeSample::median(&brake.case).contact(0);
     let hertz = onset.omega / std::f64::consts::TAU;
     let at = |offset: f64| {
         let mu = onset.at + offset;
-        let system = with_lateral(plan, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        let system = with_lateral(brake, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
         ReferenceProblem::new(format!("onset at {hertz:.0} Hz, mu_c {offset:+.0e}"), system)
     };
     [-1e-9, -1e-12, 0.0, 1e-12, 1e-9].into_iter().map(at).collect()
@@ -59,32 +64,36 @@ pub fn around_exceptional_point(
 }
 
 /// Speeds near zero, bristles from soft to stiff, other units, multiple and neutral eigenvalues; `coulomb` and `lugre` are
-/// scenes of the plan with those laws.
+/// scenes of the brake with those laws.
 ///
 /// # Errors
 /// Those of [`ReferenceProblem::new`].
-pub fn extremes(plan: &Plan, coulomb: &Scene, lugre: &Scene) -> Result<Vec<ReferenceProblem>, ValidationError> {
-    let median = *Sample::median(&plan.case).contact(0);
+pub fn extremes(
+    brake: &LatticeBrake,
+    coulomb: &Scene,
+    lugre: &Scene,
+) -> Result<Vec<ReferenceProblem>, ValidationError> {
+    let median = *LatticeSample::median(&brake.case).contact(0);
     let mut cases = Vec::new();
     for v in [1e-3, 1e-6, 1e-9] {
-        let system = with_lateral(plan, lugre, median, median.lateral_mu, speed_quantile(plan, lugre, v))?;
+        let system = with_lateral(brake, lugre, median, median.lateral_mu, speed_quantile(brake, lugre, v))?;
         cases.push(ReferenceProblem::new(format!("LuGre, v = {v:.0e} m/s"), system)?);
     }
     for exponent in 2..=9 {
         let sigma0 = 10.0_f64.powi(exponent);
-        let system = with_lateral(plan, lugre, FrictionDraw { sigma0, ..median }, median.lateral_mu, 0.5)?;
+        let system = with_lateral(brake, lugre, FrictionDraw { sigma0, ..median }, median.lateral_mu, 0.5)?;
         cases.push(ReferenceProblem::new(format!("LuGre, sigma0 = {sigma0:.0e} 1/m"), system)?);
     }
-    let mut vector = plan.case.clone();
+    let mut vector = brake.case.clone();
     vector.readings.lateral = Lateral::Vector;
     vector.laws = vec![Law::AmontonsCoulomb];
-    let vector = Plan::new(vector)?;
+    let vector = LatticeBrake::new(vector)?;
     for v in [1e-3, 1e-6, 1e-9] {
-        let scene = &vector.scenes[0];
+        let scene = &vector.plan.scenes[0];
         let system = with_lateral(&vector, scene, median, median.mu, speed_quantile(&vector, scene, v))?;
         cases.push(ReferenceProblem::new(format!("lateral dashpots mu N0 / v, v = {v:.0e} m/s"), system)?);
     }
-    let plain = with_lateral(plan, coulomb, median, median.mu, 0.5)?;
+    let plain = with_lateral(brake, coulomb, median, median.mu, 0.5)?;
     for (name, mass, damping, stiffness) in [("t, mm, s", 1e-3, 1e-3, 1e-3), ("kg, mm, ms", 1.0, 1e-3, 1e-6)] {
         let system = SecondOrder::new(&plain.m * mass, &plain.c * damping, &plain.k * stiffness);
         cases.push(ReferenceProblem::new(format!("units {name}"), system.map_err(CeaError::from)?)?);
@@ -94,7 +103,7 @@ pub fn extremes(plan: &Plan, coulomb: &Scene, lugre: &Scene) -> Result<Vec<Refer
     let reference = single.iter().chain(&single).copied().collect();
     cases.push(ReferenceProblem { name: "two uncoupled copies".into(), system: twice, reference });
     for mu in [0.0, 0.1] {
-        let mut system = with_lateral(plan, coulomb, FrictionDraw { mu, ..median }, mu, 0.5)?;
+        let mut system = with_lateral(brake, coulomb, FrictionDraw { mu, ..median }, mu, 0.5)?;
         system.c.fill(0.0);
         cases.push(ReferenceProblem::new(format!("no damping, mu = {mu}"), system)?);
     }
@@ -102,8 +111,8 @@ pub fn extremes(plan: &Plan, coulomb: &Scene, lugre: &Scene) -> Result<Vec<Refer
 }
 
 /// The quantile at which the speed of a scene is `v`, m/s; its quantile function goes on below the range of the speed.
-fn speed_quantile(plan: &Plan, scene: &Scene, v: f64) -> f64 {
-    let range = scene.key.speed.map(|at| &plan.case.speeds[at]);
+fn speed_quantile(brake: &LatticeBrake, scene: &Scene, v: f64) -> f64 {
+    let range = scene.key.speed.map(|at| &brake.case.speeds[at]);
     range.map_or(0.5, |range| (v / range.from).ln() / (range.to / range.from).ln())
 }
 

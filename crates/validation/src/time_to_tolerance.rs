@@ -9,9 +9,10 @@
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ThreadTime;
 use serde::Serialize;
-use squeal::case::{Case, Law};
+use squeal::brakes::LatticeBrake;
+use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact};
-use squeal::study::{Plan, SceneKey, Study};
+use squeal::study::{SceneKey, Study};
 
 use crate::ValidationError;
 
@@ -108,16 +109,16 @@ impl OneScene {
 ///
 /// # Errors
 /// Those of the estimators.
-pub fn time_to_tolerance(case: &Case, every: usize) -> Result<Vec<TimeToTolerance>, ValidationError> {
+pub fn time_to_tolerance(case: &LatticeCase, every: usize) -> Result<Vec<TimeToTolerance>, ValidationError> {
     let mut rows = Vec::new();
     for &law in &case.laws {
         let mut one = case.clone();
         one.laws = vec![law];
         one.constraints.truncate(1);
-        let mut plan = Plan::new(one)?;
+        let mut brake = LatticeBrake::new(one)?;
         // Net work is no part of an occurrence.
-        plan.scenes.iter_mut().for_each(|scene| scene.wants_work = false);
-        let study = Study::new(&plan, &BatchSolver)?;
+        brake.plan.scenes.iter_mut().for_each(|scene| scene.wants_work = false);
+        let (study, plan) = (Study::new(&brake, &BatchSolver)?, &brake.plan);
         let mut keys: Vec<SceneKey> = plan.scenes.iter().map(|scene| SceneKey { panel: 0, ..scene.key }).collect();
         keys.sort();
         keys.dedup();
@@ -130,12 +131,13 @@ pub fn time_to_tolerance(case: &Case, every: usize) -> Result<Vec<TimeToToleranc
     Ok(rows)
 }
 
-fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TimeToTolerance, ValidationError> {
+fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Result<TimeToTolerance, ValidationError> {
     let plan = study.plan();
     let start = ThreadTime::now();
-    let points = match key.law {
-        Law::AmontonsCoulomb => None,
-        _ => Some(FrictionPoints::new(plan, key, least_stable_frequency(study, scenes), POINTS, SCRAMBLINGS)?),
+    let (brake, omega) = (study.brake(), least_stable_frequency(study, scenes));
+    let points = match (brake.law(key), scenes.first()) {
+        (Law::AmontonsCoulomb, _) | (_, None) => None,
+        (_, Some(&first)) => Some(FrictionPoints::new(brake, &plan.scenes[first], omega, POINTS, SCRAMBLINGS)?),
     };
     let shared = start.elapsed().as_secs_f64() / scenes.len().max(1) as f64;
     let mut found = Vec::with_capacity(scenes.len());
@@ -145,15 +147,15 @@ fn row(study: &Study<'_>, key: SceneKey, scenes: &[usize]) -> Result<TimeToToler
             Some(points) => by_control_variate(study, scene, points)?,
         };
         one.seconds += shared;
-        one.dgeev_seconds = dgeev_seconds(plan, scene)?;
+        one.dgeev_seconds = dgeev_seconds(brake, scene)?;
         found.push(one);
     }
-    let range = key.speed.map_or(String::new(), |speed| format!(", {} speed", plan.case.speeds[speed].name));
+    let range = key.speed.map_or(String::new(), |speed| format!(", {} speed", plan.labels.speeds[speed].name));
     let dgeev: Option<f64> = found.iter().map(|one| one.dgeev_seconds).sum();
     // A scene whose modes are never or always unstable needs no sampling.
     let sampled = found.iter().filter(|one| one.plain_samples() > 0.0);
     Ok(TimeToTolerance {
-        scenes_of: format!("{}{range}", key.law.title()),
+        scenes_of: format!("{}{range}", plan.labels.laws[key.law].title),
         scenes: found.len(),
         occurrences: found.iter().map(|one| one.occurrences.len()).sum(),
         reached: found.iter().filter(|one| one.half_width <= HALF_WIDTH).count(),
@@ -176,10 +178,10 @@ pub(crate) fn plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
     occurrences.map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
 }
 
-fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, ValidationError> {
+fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {
     let start = ThreadTime::now();
-    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver)?;
-    let found = exact(study.plan(), &study.references()[scene], &mut family)?;
+    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)?;
+    let found = exact(&study.references()[scene], &mut family)?;
     Ok(OneScene {
         half_width: found.error,
         occurrences: found.integral.occurrences.values().copied().collect(),
@@ -190,7 +192,11 @@ fn by_integral(study: &Study<'_>, scene: usize) -> Result<OneScene, ValidationEr
     })
 }
 
-fn by_control_variate(study: &Study<'_>, scene: usize, points: &FrictionPoints) -> Result<OneScene, ValidationError> {
+fn by_control_variate(
+    study: &Study<'_, LatticeBrake>,
+    scene: usize,
+    points: &FrictionPoints,
+) -> Result<OneScene, ValidationError> {
     let start = ThreadTime::now();
     let found = control_variate(study, scene, points, SEED, HALF_WIDTH)?;
     Ok(OneScene {
@@ -204,24 +210,20 @@ fn by_control_variate(study: &Study<'_>, scene: usize, points: &FrictionPoints) 
 }
 
 /// Im lambda of the mode nearest to growing at median parameters in any of the scenes, rad/s.
-fn least_stable_frequency(study: &Study<'_>, scenes: &[usize]) -> f64 {
+fn least_stable_frequency(study: &Study<'_, LatticeBrake>, scenes: &[usize]) -> f64 {
     let modes = scenes.iter().flat_map(|&scene| &study.references()[scene].modes).map(|mode| mode.lambda);
     modes.max_by(|a, b| a.re.total_cmp(&b.re)).map_or(0.0, |lambda| lambda.im)
 }
 
 /// Seconds of one `dgeev` on samples of a scene.
 #[cfg(feature = "lapack")]
-fn dgeev_seconds(plan: &Plan, scene: usize) -> Result<Option<f64>, ValidationError> {
+fn dgeev_seconds(brake: &LatticeBrake, scene: usize) -> Result<Option<f64>, ValidationError> {
     use cea::{EigenSolver, LapackSolver, Workspace};
-    use linsys::SecondOrder;
-
-    use squeal::study::Sample;
+    use squeal::study::UncertainBrake;
 
     let system = |i: u64| {
-        let sample = Sample::draw(&plan.case, &mut montecarlo::stream(SEED, i)).map_err(squeal::Error::from)?;
-        let mut system = SecondOrder::zeros(1, 0);
-        plan.linearise(&plan.scenes[scene], &sample, &mut system)?;
-        Ok(system)
+        let sample = brake.draw(&mut montecarlo::stream(SEED, i))?;
+        Ok(brake.system(&brake.plan.scenes[scene], &sample)?)
     };
     let systems = (0..DGEEV_SAMPLES).map(system).collect::<Result<Vec<_>, ValidationError>>()?;
     let mut shortest = f64::INFINITY;
@@ -236,6 +238,6 @@ fn dgeev_seconds(plan: &Plan, scene: usize) -> Result<Option<f64>, ValidationErr
 }
 
 #[cfg(not(feature = "lapack"))]
-fn dgeev_seconds(_: &Plan, _: usize) -> Result<Option<f64>, ValidationError> {
+fn dgeev_seconds(_: &LatticeBrake, _: usize) -> Result<Option<f64>, ValidationError> {
     Ok(None)
 }

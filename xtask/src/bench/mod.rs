@@ -14,9 +14,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use squeal::case::Case;
+use squeal::brakes::LatticeBrake;
+use squeal::case::LatticeCase;
 use squeal::output::{make_folder, write};
-use squeal::study::Plan;
 
 use crate::again::run_again;
 use crate::error::TaskError;
@@ -69,7 +69,7 @@ struct BenchReport {
 pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let read = |name: &str| Case::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
+    let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
     let case = read("paper.toml")?;
     let studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
     let studied = squeal::commands::overridden(studied, args.samples, None, None)?;
@@ -92,8 +92,8 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     }
     println!("{}", table::routes(&rows));
 
-    let plan = Plan::new(studied)?;
-    let study = StudyTimes::measure(&plan, &root.join("target/bench"))?;
+    let brake = LatticeBrake::new(studied)?;
+    let study = StudyTimes::measure(&brake, &root.join("target/bench"))?;
     print!("{}", table::study(&study));
     if let Some(path) = &args.json {
         let report = BenchReport { machine, routes: rows, study };
@@ -135,13 +135,13 @@ mod tests {
     #[test]
     fn the_json_has_the_promised_fields_and_the_table_every_route() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let case = Case::read(&root.join("cases/paper.toml")).unwrap();
+        let case = LatticeCase::read(&root.join("cases/paper.toml")).unwrap();
         let problem = Problem::new(&case, &SIZES[0], true).unwrap();
         let routes = measure(&problem, None, 1).unwrap();
-        let mut small = Case::read(&root.join("cases/two-by-two.toml")).unwrap();
+        let mut small = LatticeCase::read(&root.join("cases/two-by-two.toml")).unwrap();
         small.samples = 8;
         let folder = tempfile::tempdir().unwrap();
-        let study = StudyTimes::measure(&Plan::new(small).unwrap(), &folder.path().join("study")).unwrap();
+        let study = StudyTimes::measure(&LatticeBrake::new(small).unwrap(), &folder.path().join("study")).unwrap();
         let table = table::routes(&routes);
         let report = BenchReport { machine: Machine::this(), routes, study };
 
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn python_agrees_where_it_is_there() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let case = Case::read(&root.join("cases/paper.toml")).unwrap();
+        let case = LatticeCase::read(&root.join("cases/paper.toml")).unwrap();
         let problem = Problem::new(&case, &SIZES[0], true).unwrap();
         let Some(mut python) = start_python(&problem) else { return };
         let routes = python.routes.clone();

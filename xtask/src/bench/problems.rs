@@ -3,13 +3,14 @@
 use cea::{EigenSolver, QrSolver, Workspace};
 use num_complex::Complex;
 use squeal::Error;
-use squeal::case::{Case, Law};
+use squeal::case::{LatticeCase, Law};
 use validation::{ValidationError, refine_all};
 
+use squeal::brakes::{LatticeSample, sliding};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
-use squeal::osc_model::{BrakeModel, ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters, Linearise};
-use squeal::study::{ANCHORS, Sample, sliding};
+use squeal::osc_model::{ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters};
+use squeal::study::ANCHORS;
 
 use super::secular::SecularRoute;
 
@@ -60,7 +61,7 @@ impl Problem {
     ///
     /// # Errors
     /// Those of the model and of the refinement.
-    pub fn new(case: &Case, size: &Size, few: bool) -> Result<Self, ValidationError> {
+    pub fn new(case: &LatticeCase, size: &Size, few: bool) -> Result<Self, ValidationError> {
         let Size { rows, columns, held, law, .. } = *size;
         let (draws, refined) = if few { (8, 1) } else { (size.draws, size.refined) };
         let grid = Grid::new(rows, columns).map_err(Error::from)?;
@@ -69,9 +70,9 @@ impl Problem {
         let full = ContactArrangement::full(grid.oscillators());
         let lattice = model.and_then(|model| model.prepare(&full)).map_err(Error::from)?;
         let state = |i: u64| {
-            let sample = Sample::draw(case, &mut stream(case.seed, i)).map_err(Error::from)?;
+            let sample = LatticeSample::draw(case, &mut stream(case.seed, i)).map_err(Error::from)?;
             let speed = case.speeds[0].quantile(sample.speed_quantile);
-            sliding(case, &lattice, law, speed, &sample, |_| 1.0)
+            sliding(case, &lattice, law, speed, &sample)
         };
         let states = (0..draws).map(state).collect::<Result<Vec<_>, Error>>()?;
         let anchors = (draws..).take(ANCHORS).map(state).collect::<Result<Vec<_>, Error>>()?;
@@ -129,7 +130,7 @@ mod tests {
     #[test]
     fn the_sizes_are_those_promised_and_the_paper_s_own_lattice_comes_out_unchanged() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let case = Case::read(&root.join("cases/paper.toml")).unwrap();
+        let case = LatticeCase::read(&root.join("cases/paper.toml")).unwrap();
         assert_eq!(resized(&case.lattice, case.lattice.grid), case.lattice);
         let problems: Vec<_> = SIZES.iter().map(|size| Problem::new(&case, size, false).unwrap()).collect();
         let sizes: Vec<_> = problems.iter().map(|p| (p.n, p.states)).collect();

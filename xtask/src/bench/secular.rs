@@ -2,8 +2,8 @@
 
 use cea::{Anchors, BatchSolver, EigenSolver, Feedback, Gain, Secular, Workspace};
 use squeal::Error;
-use squeal::osc_model::{Linearise, PreparedLattice, Sliding};
-use squeal::study::gain;
+use squeal::osc_model::{PreparedLattice, Sliding};
+use squeal::study::common_gain;
 use validation::Spectra;
 
 /// How the route is called.
@@ -23,14 +23,18 @@ impl SecularRoute {
     /// Those of the model and of the solver.
     pub fn new(lattice: &PreparedLattice, anchors: &[Sliding], draws: &[Sliding]) -> Result<Option<Self>, Error> {
         let mut work = Workspace::default();
-        let (Some(channels), Some(gains)) = (lattice.friction_channels(), draws.iter().map(gain).collect()) else {
+        let gain = |state: &Sliding| -> Result<Option<Gain>, Error> {
+            Ok(common_gain(&lattice.operating_point(state)?.channels))
+        };
+        let Some(gains) = draws.iter().map(gain).collect::<Result<Option<Vec<Gain>>, Error>>()? else {
             return Ok(None);
         };
-        let feedback = Feedback { force: channels.force, reading: channels.coupling };
+        let system = &lattice.brake().system;
+        let feedback = Feedback { force: system.force_matrix(), reading: system.reading_matrix() };
         let Some(secular) = Secular::new(lattice.structural(), &feedback, &mut work)? else { return Ok(None) };
         let mut known = Vec::with_capacity(anchors.len());
         for state in anchors {
-            if let Some(gain) = gain(state) {
+            if let Some(gain) = gain(state)? {
                 known.push((gain, BatchSolver.eigenvalues(&lattice.linearised(state)?, &mut work)?));
             }
         }

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use cea::BatchSolver;
 use serde::Serialize;
+use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::montecarlo::{Experiment as _, Runs, Tally as _, stream};
-use squeal::study::{Plan, Sample, Scratch, Spent, Study, Tally, timed};
+use squeal::study::{Scratch, Spent, Study, Tally, timed};
 
 use crate::error::TaskError;
 
@@ -27,14 +28,15 @@ pub struct Stage {
 ///
 /// # Errors
 /// Those of the study.
-pub fn stages(plan: &Plan) -> Result<Vec<Stage>, TaskError> {
-    let study = Study::new(plan, &BatchSolver)?;
+pub fn stages(brake: &LatticeBrake) -> Result<Vec<Stage>, TaskError> {
+    let study = Study::new(brake, &BatchSolver)?;
+    let plan = &brake.plan;
     let [mut drawing, mut evaluation, mut tallying] = [Duration::ZERO; 3];
-    let draw = || -> Result<Vec<Sample>, squeal::Error> {
-        (0..BLOCK).map(|index| study.draw(&mut stream(plan.case.seed, index))).collect()
+    let draw = || -> Result<Vec<LatticeSample>, squeal::Error> {
+        (0..BLOCK).map(|index| study.draw(&mut stream(plan.seed, index))).collect()
     };
     let samples = timed(&mut drawing, draw)?;
-    let borrowed: Vec<&Sample> = samples.iter().collect();
+    let borrowed: Vec<&LatticeSample> = samples.iter().collect();
     let (mut scratch, mut out) = (Scratch::default(), Vec::new());
     let mut results: Vec<Vec<_>> = samples.iter().map(|_| Vec::new()).collect();
     for scene in 0..study.scenes() {
@@ -46,7 +48,7 @@ pub fn stages(plan: &Plan) -> Result<Vec<Stage>, TaskError> {
     let mut tally = Tally::empty(plan);
     timed(&mut tallying, || {
         for ((index, sample), results) in (0..).zip(&samples).zip(&results) {
-            tally.record(&Runs { index, sample, results });
+            tally.record(&Runs::<'_, Study<'_, LatticeBrake>> { index, sample, results });
         }
     });
     let outcomes = results.iter().flatten().flatten();

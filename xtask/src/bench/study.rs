@@ -4,9 +4,9 @@ use std::path::Path;
 
 use cpu_time::ProcessTime;
 use serde::Serialize;
+use squeal::brakes::LatticeBrake;
 use squeal::report::{Times, draw_paper};
 use squeal::run_study;
-use squeal::study::Plan;
 
 use super::stages::{Stage, stages};
 use crate::error::TaskError;
@@ -41,7 +41,7 @@ impl StudyTimes {
     ///
     /// # Errors
     /// Those of the study.
-    pub fn measure(plan: &Plan, folder: &Path) -> Result<Self, TaskError> {
+    pub fn measure(brake: &LatticeBrake, folder: &Path) -> Result<Self, TaskError> {
         // A study that is found finished is not run again.
         if folder.exists() {
             let failed = |source| TaskError::Remove { path: folder.to_owned(), source };
@@ -49,7 +49,7 @@ impl StudyTimes {
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let start = ProcessTime::now();
-        let manifest = run_study(plan, folder, Some(threads), &mut |results, dir| draw_paper(results, dir))?;
+        let manifest = run_study(brake, folder, Some(threads), &mut |results, dir| draw_paper(results, brake, dir))?;
         let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
         let parts = manifest.seconds;
         Ok(Self {
@@ -62,7 +62,7 @@ impl StudyTimes {
             parts,
             peak_mb,
             threads,
-            stages: stages(plan)?,
+            stages: stages(brake)?,
         })
     }
 }

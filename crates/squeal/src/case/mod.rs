@@ -1,14 +1,20 @@
-//! LatticeCase files: a study as data.
+//! Case files: a study as data.
 
 mod alternative;
-mod distribution;
+mod check;
 mod error;
+mod expression;
+mod file;
+mod matrices;
 mod schema;
 mod types;
 mod validate;
 
 pub use alternative::Alternative;
-pub use distribution::Distribution;
 pub use error::CaseError;
+pub use expression::{Expression, ExpressionError, is_parameter_name};
+pub use file::CaseFile;
+pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
+pub use montecarlo::Distribution;
 pub use schema::{Draws, Labels, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

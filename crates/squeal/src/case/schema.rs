@@ -7,6 +7,8 @@ use super::FrictionDistributions;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct File {
+    #[serde(rename = "brake")]
+    pub _brake: Option<Brake>,
     pub study: Study,
     pub lattice: Lattice,
     pub contact: Contact,
@@ -18,6 +20,20 @@ pub(super) struct File {
     #[serde(default)]
     pub alternatives: Alternatives,
     pub paper: Option<super::Paper>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Brake {
+    #[serde(rename = "kind")]
+    pub _kind: Option<LatticeKind>,
+}
+
+/// `kind = "lattice"`, which needs not be said.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum LatticeKind {
+    Lattice,
 }
 
 #[derive(Debug, Deserialize)]

@@ -85,7 +85,7 @@ impl SpeedRange {
 }
 
 /// Distributions of the friction parameters of all laws.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionDistributions {
     /// Amontons-Coulomb's coefficient, and that across the sliding of every law.

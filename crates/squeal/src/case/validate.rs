@@ -4,10 +4,10 @@ use std::path::Path;
 
 use friction::BristleDamping;
 use osc_model::{
-    ContactArrangement, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, OscModelError, PlateParameters,
-    Preload, Sign,
+    ContactArrangement, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters, Preload, Sign,
 };
 
+use super::check::{Check, syntax};
 use super::schema::{self, Chain, File, Values};
 use super::{
     Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
@@ -36,15 +36,13 @@ impl LatticeCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } = file;
+        let File { _brake: _, study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } =
+            file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
         check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
-        if !(1..=Self::MOST_SAMPLES).contains(&study.samples) {
-            let allowed = format!("1 to {}", Self::MOST_SAMPLES);
-            return Err(check.value("study.samples", study.samples, &allowed));
-        }
+        check.samples(study.samples)?;
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
         let readings = LatticeReadings {
@@ -75,70 +73,6 @@ impl LatticeCase {
             text,
         })
     }
-}
-
-/// Makes errors that name the file.
-struct Check<'a> {
-    path: &'a Path,
-}
-
-impl Check<'_> {
-    fn value(&self, field: &str, value: impl ToString, allowed: &str) -> CaseError {
-        CaseError::Value {
-            path: self.path.to_owned(),
-            field: field.to_owned(),
-            value: value.to_string(),
-            allowed: allowed.to_owned(),
-        }
-    }
-
-    fn lattice(&self, table: &str) -> impl Fn(OscModelError) -> CaseError {
-        let (path, table) = (self.path.to_owned(), table.to_owned());
-        move |source| {
-            let path = path.clone();
-            match source {
-                OscModelError::Value { field, value, allowed } => CaseError::Value {
-                    path,
-                    field: format!("{table}.{field}"),
-                    value: value.to_string(),
-                    allowed: allowed.to_string(),
-                },
-                OscModelError::Length { field, found, expected, rows, columns } => CaseError::Value {
-                    path,
-                    field: format!("{table}.{field}"),
-                    value: format!("a list of {found}"),
-                    allowed: format!("a list of {expected}, for a lattice of {rows} x {columns}"),
-                },
-                source => CaseError::Lattice { path, table: table.clone(), source },
-            }
-        }
-    }
-
-    fn no_repeats(&self, field: &str, names: impl Iterator<Item = String>) -> Result<(), CaseError> {
-        let mut seen = std::collections::BTreeSet::new();
-        for name in names {
-            if !seen.insert(name.clone()) {
-                return Err(self.value(field, name, "each once"));
-            }
-        }
-        Ok(())
-    }
-}
-
-fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
-    let at = error.span().map_or(0, |span| span.start.min(text.len()));
-    let line = text[..at].matches('\n').count() + 1;
-    let source = text.lines().nth(line - 1).unwrap_or_default();
-    let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
-    // The parser names numbers by their types in Rust.
-    let message = ["usize", "u64", "u16"]
-        .iter()
-        .fold(error.message().replace('\n', " "), |message, integer| {
-            message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
-        })
-        .replace("expected f64", "expected a number");
-    let message = if source.is_empty() { message } else { format!("{source}: {message}") };
-    CaseError::Syntax { path: path.to_owned(), line, message }
 }
 
 fn lattice_parameters(
@@ -247,11 +181,7 @@ fn constraint_sets(
         return Ok(vec![ConstraintSet { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", sets.iter().map(|set| set.name.clone()))?;
-    let is_plain =
-        |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
-    if let Some(set) = sets.iter().find(|set| !is_plain(&set.name)) {
-        return Err(check.value("constraints.name", &set.name, "letters, digits, - and _"));
-    }
+    sets.iter().try_for_each(|set| check.plain_name("constraints.name", &set.name))?;
     let convert = |set: schema::Constraints| {
         let table = format!("constraints \"{}\".fixed", set.name);
         let fixed = set.fixed.iter().map(|name| name.parse()).collect::<Result<Vec<Dof>, _>>();
@@ -347,7 +277,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<Sp
 }
 
 fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<FrictionDistributions, CaseError> {
-    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
+    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = &friction;
     let all = [
         ("mu", mu, false),
         ("mu_s", mu_s, true),
@@ -359,10 +289,10 @@ fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<F
         ("sigma2", sigma2, false),
     ];
     for (name, distribution, positive) in all {
-        if let Some((key, value, allowed)) = distribution.fault() {
-            return Err(check.value(&format!("friction.{name}.{key}"), value, &allowed));
-        }
-        // A log-normal has no least value: all of its values are > 0.
+        distribution
+            .check()
+            .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+        // None: all of its values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };

@@ -13,7 +13,7 @@ const MOST_THREADS: usize = 1024;
 
 /// Run the study of a case: every draw in every scene, then tables and figures.
 ///
-/// A run that was stopped, even killed, is continued by the same command.
+/// A run that was stopped, even killed, is continued by the same command; one that has finished, by a larger --samples.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
     /// The case file (TOML); docs/case-files.md describes its fields
@@ -21,7 +21,7 @@ pub struct RunArgs {
     /// Folder for the results: new, empty, or that of the same study
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
-    /// Samples per scene, instead of the case's
+    /// Samples per scene, instead of the case's; more than the folder holds extend its study to as many
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub samples: Option<u64>,
     /// Seed of the random streams, instead of the case's

@@ -7,13 +7,12 @@
 use cea::Counters;
 use tracking::{Branches, Onsets, follow_branch};
 
-use super::distribution::{cumulative, support};
 use super::integral::{Integral, integrate};
 use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
 use crate::study::Reference;
 
-/// Probability cut off at both ends of the support together: [`support`] leaves 1e-12 at each.
+/// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
 
 /// What the integral over mu says of one scene.
@@ -35,15 +34,15 @@ pub struct Exact {
 /// Those of [`OneParameterFamily::onsets`].
 pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Result<Exact, EstimatorError> {
     let distribution = family.distribution();
-    let (from, to) = support(distribution);
+    let (from, to) = distribution.support();
     let median = distribution.median();
     family.lambdas(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
     ends.extend(onsets.onsets.iter().map(|onset| onset.at));
     ends.push(to);
-    let integral = integrate(distribution, &ends, |mu| named(family, mu, median, reference))?;
-    let probability = |a: f64, b: f64| cumulative(distribution, b) - cumulative(distribution, a);
+    let integral = integrate(&distribution, &ends, |mu| named(family, mu, median, reference))?;
+    let probability = |a: f64, b: f64| distribution.cumulative(b) - distribution.cumulative(a);
     let roots = onsets.onsets.iter().map(|onset| probability(onset.at - onset.error, onset.at + onset.error));
     let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();

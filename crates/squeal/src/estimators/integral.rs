@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::EstimatorError;
-use super::distribution::cumulative;
 use crate::case::Distribution;
 use crate::study::{UnstableMode, unstable_names};
 
@@ -45,14 +44,14 @@ pub struct Integral {
 /// # Errors
 /// Those of `unstable`.
 pub fn integrate(
-    distribution: Distribution,
+    distribution: &Distribution,
     ends: &[f64],
     mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
-        let part = cumulative(distribution, step[1]) - cumulative(distribution, step[0]);
+        let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
         let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
         for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
             let occurrence = integral.occurrences.entry(name).or_default();

@@ -15,7 +15,6 @@
 
 mod cell_builder;
 mod control_variate;
-mod distribution;
 mod error;
 mod evaluations;
 mod exact;
@@ -31,7 +30,6 @@ mod stratum;
 mod surrogate;
 
 pub use control_variate::control_variate;
-pub use distribution::{cumulative, quantile, support};
 pub use error::EstimatorError;
 pub use evaluations::Evaluations;
 pub use exact::{Exact, exact};

@@ -49,6 +49,9 @@ pub enum FigureError {
         /// What is missing.
         what: &'static str,
     },
+    /// The values of a box have no quartiles.
+    #[error(transparent)]
+    Statistics(#[from] montecarlo::MonteCarloError),
     /// The font in the program cannot be read.
     #[error("the font of the figures cannot be read: {0}")]
     Font(#[from] ttf_parser::FaceParsingError),

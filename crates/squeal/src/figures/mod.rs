@@ -44,7 +44,6 @@ mod model_diagram;
 mod occurrence;
 mod raster;
 mod style;
-mod tukey;
 mod vector;
 
 pub use error::FigureError;

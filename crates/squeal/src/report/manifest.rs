@@ -65,8 +65,8 @@ impl Manifest {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-            case: plan.case_file.as_ref().map(|file| file.path.display().to_string()),
-            case_sha256: plan.case_file.as_ref().map(|file| fingerprint(&file.text)),
+            case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+            case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
             study: plan.name.clone(),
             seed: summary.seed,
             samples: summary.samples,

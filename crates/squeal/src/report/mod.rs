@@ -11,5 +11,5 @@ pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use manifest::{Manifest, Times};
 pub use paper::claims;
 pub use pictures::{draw_occurrence, draw_paper};
-pub use results::{Estimate, Occurrence, Results};
+pub use results::{ArrangementOccurrence, Estimate, Results};
 pub use tables::write_tables;

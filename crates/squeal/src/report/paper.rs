@@ -272,7 +272,7 @@ fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Resul
 fn largest(results: &Results<'_>, panel: &Panel) -> Result<f64, Error> {
     let mut largest = 0.0_f64;
     for occurrence in results.occurrences(panel).values().flatten() {
-        largest = largest.max(occurrence.estimate()?.value);
+        largest = largest.max(occurrence.estimate().value);
     }
     Ok(largest)
 }

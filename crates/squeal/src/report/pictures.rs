@@ -95,10 +95,7 @@ fn occurrence(
             let mut boxes = Vec::new();
             for panel in results.panels_of(constraints, law).filter(|panel| panel.key.panel == place) {
                 for (name, occurrences) in results.occurrences(panel) {
-                    let percent = occurrences
-                        .iter()
-                        .map(|occurrence| Ok(100.0 * occurrence.estimate()?.value))
-                        .collect::<Result<Vec<f64>, Error>>()?;
+                    let percent = occurrences.iter().map(|occurrence| 100.0 * occurrence.estimate().value).collect();
                     boxes.push(OccurrenceBox {
                         mode: names.iter().position(|&n| n == name).unwrap_or_default(),
                         series: panel.key.speed.unwrap_or(labels.speeds.len()),

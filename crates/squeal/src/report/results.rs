@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{Confidence, IntegerMean, Interval, Summary, quantile, wilson};
+use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
 use crate::case::Labels;
-use crate::study::{Comparison, Hits, Panel, Plan, Reference, Study, Tally, UncertainBrake};
+use crate::study::{Comparison, Panel, Plan, Reference, Study, Tally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,26 +21,21 @@ pub struct Estimate {
 
 /// How often one mode is unstable in one arrangement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Occurrence {
+pub struct ArrangementOccurrence {
     /// Place of the arrangement in its panel's list.
     pub arrangement: usize,
-    /// Samples in which it is unstable.
-    pub hits: Hits,
-    /// Samples solved.
-    pub solved: u64,
+    /// The samples solved: those in which it surely is unstable, and those in which an unstable mode is this one or
+    /// another.
+    pub proportion: Proportion,
 }
 
-impl Occurrence {
+impl ArrangementOccurrence {
     /// Part of the samples in which it surely is unstable, with Wilson's 95 % interval; samples in which it is open
     /// which mode is unstable widen the interval upwards.
-    ///
-    /// # Errors
-    /// None for counts of a tally.
-    pub fn estimate(&self) -> Result<Estimate, Error> {
-        let value = if self.solved == 0 { 0.0 } else { self.hits.sure as f64 / self.solved as f64 };
-        let lower = wilson(self.hits.sure, self.solved, Confidence::P95)?.lower;
-        let upper = wilson((self.hits.sure + self.hits.open).min(self.solved), self.solved, Confidence::P95)?.upper;
-        Ok(Estimate { value, lower, upper })
+    pub fn estimate(&self) -> Estimate {
+        let value = self.proportion.estimate().map_or(0.0, |part| part.lower);
+        let interval = self.proportion.interval(Confidence::P95);
+        Estimate { value, lower: interval.lower, upper: interval.upper }
     }
 }
 
@@ -97,19 +92,18 @@ impl<'a> Results<'a> {
     }
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
-    pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<Occurrence>> {
-        let mut names: BTreeMap<u16, Vec<Occurrence>> = BTreeMap::new();
+    pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<ArrangementOccurrence>> {
+        let mut names: BTreeMap<u16, Vec<ArrangementOccurrence>> = BTreeMap::new();
         for &scene in &panel.scenes {
-            for &name in self.counts(scene).keys() {
+            for (&name, _) in self.counts(scene).proportions() {
                 names.entry(self.name(name)).or_default();
             }
         }
         for (&name, list) in &mut names {
             for &scene in &panel.scenes {
-                let hits = self.counts(scene).get(&self.key(name)).copied().unwrap_or_default();
-                let solved = self.summary.tally.scenes[scene].solved;
+                let proportion = self.counts(scene).proportion(&self.key(name));
                 for &arrangement in &self.plan().scenes[scene].members {
-                    list.push(Occurrence { arrangement, hits, solved });
+                    list.push(ArrangementOccurrence { arrangement, proportion });
                 }
             }
             list.sort_by_key(|occurrence| occurrence.arrangement);
@@ -117,7 +111,7 @@ impl<'a> Results<'a> {
         names
     }
 
-    fn counts(&self, scene: usize) -> &BTreeMap<u16, Hits> {
+    fn counts(&self, scene: usize) -> &LabelTally<u16> {
         let tally = &self.summary.tally.scenes[scene];
         if self.labels == Labels::Tracked { &tally.tracked } else { &tally.ranked }
     }
@@ -151,8 +145,8 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// None for a panel that has arrangements.
-    pub fn median(&self, occurrences: &[Occurrence]) -> Result<Estimate, Error> {
-        let estimates = occurrences.iter().map(Occurrence::estimate).collect::<Result<Vec<_>, _>>()?;
+    pub fn median(&self, occurrences: &[ArrangementOccurrence]) -> Result<Estimate, Error> {
+        let estimates: Vec<Estimate> = occurrences.iter().map(ArrangementOccurrence::estimate).collect();
         let median = |of: fn(&Estimate) -> f64| {
             let mut values: Vec<f64> = estimates.iter().map(of).collect();
             values.sort_by(f64::total_cmp);

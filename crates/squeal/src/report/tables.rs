@@ -43,7 +43,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         let PanelLabel { in_contact, arrangements } = &labels.panels[key.panel];
         for (name, occurrences) in results.occurrences(panel) {
             for occurrence in occurrences {
-                let estimate = occurrence.estimate()?;
+                let estimate = occurrence.estimate();
                 rows.push(vec![
                     labels.constraints[key.constraints].clone(),
                     labels.laws[key.law].name.clone(),
@@ -51,9 +51,9 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
                     in_contact.to_string(),
                     arrangements[occurrence.arrangement].to_string(),
                     name.to_string(),
-                    occurrence.solved.to_string(),
-                    occurrence.hits.sure.to_string(),
-                    occurrence.hits.open.to_string(),
+                    occurrence.proportion.trials().to_string(),
+                    occurrence.proportion.hits().to_string(),
+                    occurrence.proportion.ambiguous().to_string(),
                     estimate.value.to_string(),
                     estimate.lower.to_string(),
                     estimate.upper.to_string(),

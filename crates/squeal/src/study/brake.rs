@@ -1,6 +1,6 @@
 //! The seam: what a study needs of a brake whose numbers are uncertain.
 
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::StreamRng;
 
 use super::{Plan, Scene};
@@ -33,6 +33,14 @@ pub trait UncertainBrake: Sync {
     /// # Errors
     /// A sample that has no operating point there; it is counted and listed.
     fn operating_point(&self, scene: &Scene, sample: &Self::Sample) -> Result<OperatingPoint, Error>;
+
+    /// The system of a sample in a scene of the plan.
+    ///
+    /// # Errors
+    /// As [`UncertainBrake::operating_point`].
+    fn system(&self, scene: &Scene, sample: &Self::Sample) -> Result<SecondOrder, Error> {
+        Ok(self.plan().brake(scene).system.assemble(&self.operating_point(scene, sample)?)?)
+    }
 
     /// The sample at a point of the unit cube, by the quantile functions of the parameters: `uniform(d)` in (0, 1) is its
     /// coordinate d, the most important parameters first. `None` where a sample is no such function.

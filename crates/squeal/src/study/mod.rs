@@ -28,7 +28,9 @@ pub use growing::{ANCHORS, common_gain};
 pub use memory::{Scratch, Spent, timed};
 pub(crate) use near::NearAxis;
 pub use net_work::mode_work;
-pub use plan::{CaseFile, Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel};
+pub use plan::{
+    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+};
 pub use reference::Reference;
 pub(crate) use tally::unstable_names;
-pub use tally::{Hits, SceneTally, Tally};
+pub use tally::{SceneTally, Tally};

@@ -106,7 +106,7 @@ impl SceneLabels {
 
 /// The file that a study was read from.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CaseFile {
+pub struct StudySource {
     /// Where it is.
     pub path: PathBuf,
     /// What stands in it.
@@ -117,7 +117,7 @@ pub struct CaseFile {
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The case file, where there is one.
-    pub case_file: Option<CaseFile>,
+    pub source_file: Option<StudySource>,
     /// What the study is called.
     pub name: String,
     /// What tells it from others, whatever its seed and number of samples: its name and a hash of all that is computed from.
@@ -142,32 +142,49 @@ impl Plan {
     /// The plan of a brake with one configuration and one scene, whose modes are named at an operating point, and whose
     /// net work is computed. `samples` and `seed` may be changed afterwards.
     pub fn single(name: &str, brake: Brake, naming_point: OperatingPoint, samples: u64, seed: u64) -> Self {
-        let contacts: Vec<String> = brake.system.channels().iter().map(|channel| channel.name.clone()).collect();
-        let panel = PanelLabel { in_contact: contacts.len(), arrangements: vec![contacts.join(" ")] };
-        let law = LawLabel { name: "given".into(), title: String::new() };
         let identity = format!("\"{name}\" {}", &crate::fingerprint(&format!("{brake:?} {naming_point:?}"))[..16]);
+        let mut plan = Self::without_scenes(name, identity, samples, seed);
+        plan.add_constraint_set("none", brake, naming_point);
+        plan
+    }
+
+    /// A plan to which [`Plan::add_constraint_set`] adds the scenes. `identity` tells the study from others, whatever its
+    /// seed and number of samples.
+    pub fn without_scenes(name: &str, identity: String, samples: u64, seed: u64) -> Self {
         Self {
-            case_file: None,
+            source_file: None,
             name: name.into(),
             identity,
             samples,
             seed,
             mode_labels: Labels::Tracked,
-            labels: SceneLabels {
-                constraints: vec!["none".into()],
-                laws: vec![law],
-                panels: vec![panel],
-                ..SceneLabels::default()
-            },
-            origins: vec![Origin { brake: brake.clone(), naming_point: naming_point.clone() }],
-            configurations: vec![Configuration { brake, naming_point, origin: 0, contacts: contacts.join(" ") }],
-            scenes: vec![Scene { members: vec![0], wants_work: true, ..Scene::default() }],
+            labels: SceneLabels::default(),
+            origins: Vec::new(),
+            configurations: Vec::new(),
+            scenes: Vec::new(),
         }
+    }
+
+    /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own.
+    pub fn add_constraint_set(&mut self, name: &str, brake: Brake, naming_point: OperatingPoint) {
+        let contacts: Vec<&str> = brake.system.channels().iter().map(|channel| channel.name.as_str()).collect();
+        let contacts = contacts.join(" ");
+        if self.scenes.is_empty() {
+            let in_contact = brake.system.channels().len();
+            self.labels.laws = vec![LawLabel { name: "given".into(), title: String::new() }];
+            self.labels.panels = vec![PanelLabel { in_contact, arrangements: vec![contacts.clone()] }];
+        }
+        let key = SceneKey { constraints: self.labels.constraints.len(), ..SceneKey::default() };
+        let (origin, configuration) = (self.origins.len(), self.configurations.len());
+        self.labels.constraints.push(name.into());
+        self.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
+        self.configurations.push(Configuration { brake, naming_point, origin, contacts });
+        self.scenes.push(Scene { key, members: vec![0], configuration, wants_work: true });
     }
 
     /// Where the study comes from, for messages: its file or its name.
     pub fn source(&self) -> String {
-        self.case_file.as_ref().map_or_else(|| self.name.clone(), |file| file.path.display().to_string())
+        self.source_file.as_ref().map_or_else(|| self.name.clone(), |file| file.path.display().to_string())
     }
 
     /// The configuration of a scene.

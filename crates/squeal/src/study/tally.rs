@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{IntegerMean, Merge, QuantileSketch, Runs};
+use montecarlo::{IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
 use serde::{Deserialize, Serialize};
 
 use super::compare::{Comparison, Panel, comparisons, panels};
@@ -46,23 +46,14 @@ pub struct SceneTally {
     pub divergent: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
-    /// Samples in which a tracked mode is unstable, by name.
-    pub tracked: BTreeMap<u16, Hits>,
+    /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another.
+    pub tracked: LabelTally<u16>,
     /// Samples in which the mode of a frequency rank is unstable.
-    pub ranked: BTreeMap<u16, Hits>,
+    pub ranked: LabelTally<u16>,
     /// Net work of each body, by name of the mode, over the samples in which it is unstable and known by name.
     pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
     /// The same of each family of forces.
     pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
-}
-
-/// In how many samples something is so, and in how many more it may be so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Hits {
-    /// Surely.
-    pub sure: u64,
-    /// Perhaps: an unstable mode may be this one or another.
-    pub open: u64,
 }
 
 impl Tally {
@@ -89,7 +80,6 @@ impl SceneTally {
         self.divergent += u64::from(outcome.divergent);
         self.undecided += u64::from(outcome.undecided);
         for mode in &outcome.unstable {
-            self.ranked.entry(mode.rank).or_default().sure += 1;
             if mode.names.len() != 1 {
                 self.ambiguous_modes += 1;
             }
@@ -100,14 +90,8 @@ impl SceneTally {
                 families.iter_mut().zip(&work.families).for_each(|(bodies, work)| record_work(bodies, &work.bodies));
             }
         }
-        for (name, is_sure) in unstable_names(&outcome.unstable) {
-            let hits = self.tracked.entry(name).or_default();
-            if is_sure {
-                hits.sure += 1;
-            } else {
-                hits.open += 1;
-            }
-        }
+        self.ranked.record(&outcome.unstable.iter().map(|mode| [mode.rank]).collect::<Vec<_>>());
+        self.tracked.record(&candidate_names(&outcome.unstable));
     }
 
     fn merge(&mut self, later: Self) {
@@ -118,13 +102,8 @@ impl SceneTally {
         self.ambiguous_modes += later.ambiguous_modes;
         self.divergent += later.divergent;
         self.undecided += later.undecided;
-        for (mine, more) in [(&mut self.tracked, later.tracked), (&mut self.ranked, later.ranked)] {
-            for (name, hits) in more {
-                let entry = mine.entry(name).or_default();
-                entry.sure += hits.sure;
-                entry.open += hits.open;
-            }
-        }
+        self.tracked.merge(later.tracked);
+        self.ranked.merge(later.ranked);
         for (name, bodies) in later.net_work {
             self.net_work.entry(name).or_default().merge(bodies);
         }
@@ -141,18 +120,13 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
 }
 
 /// Names of the unstable modes of one sample, and whether each is sure.
-///
-/// As many modes as a set of names has members, each open between just those, are all of them, whoever is who.
 pub(crate) fn unstable_names(modes: &[UnstableMode]) -> BTreeMap<u16, bool> {
-    let mut names = BTreeMap::new();
-    for mode in modes {
-        let alike = modes.iter().filter(|other| other.names == mode.names).count();
-        let is_sure = !mode.names.is_empty() && alike >= mode.names.len();
-        for &name in &mode.names {
-            *names.entry(name).or_insert(false) |= is_sure;
-        }
-    }
-    names
+    let names = occurring_labels(&candidate_names(modes)).into_iter();
+    names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
+}
+
+fn candidate_names(modes: &[UnstableMode]) -> Vec<&[u16]> {
+    modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 
 impl Merge for Tally {
@@ -195,24 +169,5 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for Tally {
                 mean.record(more * m - fewer * n);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn mode(names: &[u16]) -> UnstableMode {
-        UnstableMode { rank: 1, names: names.to_vec(), work: None }
-    }
-
-    #[test]
-    fn an_open_pair_is_sure_where_both_are_unstable() {
-        let names = |modes: &[UnstableMode]| unstable_names(modes).into_iter().collect::<Vec<_>>();
-        assert_eq!(names(&[mode(&[15]), mode(&[17])]), [(15, true), (17, true)]);
-        assert_eq!(names(&[mode(&[15, 16])]), [(15, false), (16, false)]);
-        assert_eq!(names(&[mode(&[15, 16]), mode(&[15, 16])]), [(15, true), (16, true)]);
-        assert_eq!(names(&[mode(&[15, 16]), mode(&[16])]), [(15, false), (16, true)]);
-        assert!(names(&[mode(&[])]).is_empty());
     }
 }

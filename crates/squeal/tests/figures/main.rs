@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use made_up::{convergence, countermeasure, hard_occurrence, one_law, shapes};
 use proptest::prelude::*;
 use squeal::figures::{
-    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelDiagram, OccurrenceFigure, OccurrencePanel, OccurrenceRow,
-    loglog, mode_and_work, model_diagram, occurrence_boxes,
+    Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelDiagram, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
+    OccurrenceRow, loglog, mode_and_work, model_diagram, occurrence_boxes,
 };
 
 fn pictures() -> PathBuf {
@@ -108,6 +108,23 @@ fn a_law_has_its_four_panels_in_two_rows() {
     {
         assert!(picture.says(text), "{text} is missing from {:?}", picture.texts);
     }
+}
+
+#[test]
+fn quartiles_are_those_of_r_and_numpy() {
+    let boxes = vec![OccurrenceBox { mode: 0, series: 0, percent: vec![7.0, 1.0, 3.0, 2.0, 5.0, 4.0, 6.0, 100.0] }];
+    let arrangements = (1..=8).map(|i| i.to_string()).collect();
+    let panel = OccurrencePanel { title: "eight".into(), arrangements, boxes };
+    let data = OccurrenceFigure {
+        title: "One box".into(),
+        mode_axis: "mode".into(),
+        modes: vec!["1".into()],
+        series: vec!["low".into()],
+        rows: vec![OccurrenceRow { law: String::new(), panels: vec![panel] }],
+    };
+    // numpy.quantile([1, 2, 3, 4, 5, 6, 7, 100], [0.25, 0.5, 0.75]) = [2.75, 4.5, 6.25]; 2.416 and 6.583 are type 8.
+    let svg = occurrence_boxes(&data).unwrap().svg();
+    assert!(svg.contains("median 4.5 %, quartiles 2.8 % and 6.2 %, n = 8"));
 }
 
 #[test]

@@ -39,6 +39,11 @@ fn values_out_of_range() {
         ("deviation = 0.10", "deviation = -0.10", ["friction.mu.deviation", "-0.1", "> 0"]),
         ("at_least = 0.02 }", "at_least = 0.6 }", ["friction.mu.at_least", "0.6", "at most the mean, 0.5"]),
         ("at_least = 0.02 }", "at_least = -0.02 }", ["friction.mu.at_least", "-0.02", ">= 0"]),
+        (
+            "at_least = 0.02 }",
+            "at_most = 0.1 }",
+            ["friction.mu.at_most", "0.1", "keep 1 % of the distribution or more"],
+        ),
         ("median = 1.5", "median = -1.5", ["friction.alpha.median", "-1.5", "> 0"]),
         ("from = 0.1", "from = 0.0", ["speeds \"low\".from", "= 0;", "m/s, > 0"]),
         ("from = 0.1", "from = -0.1", ["speeds \"low\".from", "-0.1", "m/s, > 0"]),
@@ -49,6 +54,33 @@ fn values_out_of_range() {
         ("oscillator_mass = [0.04", "oscillator_mass = [-0.04", ["alternatives.oscillator_mass", "-0.04", "> 0"]),
     ] {
         said(replaced(&text, from, to), &expected);
+    }
+}
+
+#[test]
+fn distributions_that_are_none() {
+    let mu = r#"mu = { distribution = "normal", mean = 0.60, deviation = 0.2, at_least = 0.02 }"#;
+    for (distribution, expected) in [
+        (r#"distribution = "log-uniform", from = 0.0, to = 1.0"#, ["friction.mu.from", "= 0;", "a number > 0"]),
+        (r#"distribution = "log-uniform", from = 2.0, to = 1.0"#, ["friction.mu.to", "= 1;", "at least from = 2"]),
+        (
+            r#"distribution = "log-normal", median = 0.5, sigma = 0.1, at_least = 0.9"#,
+            ["friction.mu.at_least", "= 0.9;", "keep 1 % of the distribution or more"],
+        ),
+        (
+            r#"distribution = "quantiles", probabilities = [0.0, 0.5], values = [0.1, 0.2]"#,
+            ["friction.mu.probabilities", "0.5]", "1 as the last"],
+        ),
+        (
+            r#"distribution = "quantiles", probabilities = [0.0, 1.0], values = [-0.1, 0.2]"#,
+            ["friction.mu.values", "= -0.1;", "a number >= 0"],
+        ),
+        (
+            r#"distribution = "quantiles", probabilities = [0.0, 1.0], value = [0.1, 0.2]"#,
+            ["line 57", "value", "expected `probabilities` or `values`"],
+        ),
+    ] {
+        said(replaced(SMALL, mu, &format!("mu = {{ {distribution} }}")), &expected);
     }
 }
 

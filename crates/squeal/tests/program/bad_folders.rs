@@ -34,10 +34,25 @@ fn a_folder_of_another_study_stays_as_it_is() {
     run(&place.path("brake.toml"), &out, &[]);
     let before = results(&out);
     refusal(&place.attempt(&out, &["--seed", "8"]), &["out", "seed 7", "not", "seed 8", "allowed"]);
-    refusal(&place.attempt(&out, &["--samples", "41"]), &["out", "samples 40", "samples 41", "allowed"]);
+    refusal(&place.attempt(&out, &["--samples", "39"]), &["out", "40 samples", "samples = 39", "allowed: 40 or more"]);
     std::fs::write(place.path("brake.toml"), replaced(SMALL, "mean = 0.60", "mean = 0.61")).unwrap();
     refusal(&place.attempt(&out, &[]), &["out", "two oscillators", "allowed"]);
     assert_same(&before, &results(&out));
+}
+
+#[test]
+fn a_folder_in_use_is_left_to_its_run() {
+    let place = Place::new();
+    let out = place.path("out");
+    run(&place.path("brake.toml"), &out, &[]);
+    let before = results(&out);
+    let other = std::fs::File::open(out.join("run.lock")).unwrap();
+    other.try_lock().unwrap();
+    refusal(&place.attempt(&out, &["--samples", "48"]), &["out", "another run", "allowed: another folder"]);
+    assert_same(&before, &results(&out));
+    // The lock ends with the one who holds it, whatever is left in the folder.
+    drop(other);
+    run(&place.path("brake.toml"), &out, &["--samples", "48"]);
 }
 
 #[test]

@@ -22,6 +22,39 @@ fn threads_and_a_second_run_change_nothing() {
     assert_same(&first, &results(&one));
 }
 
+#[test]
+fn a_finished_study_is_extended_to_the_bytes_of_one_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = folder.path().join("brake.toml");
+    // One of each distribution that the cases of the repository do not have.
+    let text = replaced(
+        SMALL,
+        r#"mu = { distribution = "normal", mean = 0.60, deviation = 0.2, at_least = 0.02 }"#,
+        r#"mu = { distribution = "log-uniform", from = 0.3, to = 0.9 }"#,
+    );
+    let text = replaced(
+        &text,
+        r#""normal", mean = 0.65, deviation = 0.06, at_least = 0.02 }"#,
+        r#""quantiles", probabilities = [0.0, 0.5, 1.0], values = [0.5, 0.65, 0.7] }"#,
+    );
+    let text =
+        replaced(&text, "median = 1.5, sigma = 0.25", "median = 1.5, sigma = 0.25, at_least = 1.0, at_most = 2.0");
+    std::fs::write(&small, text).unwrap();
+    let two_by_two = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
+    for (case, sizes) in [(two_by_two.as_path(), ["40", "100"]), (small.as_path(), ["13", "50"])] {
+        let of = |name: &str| folder.path().join(format!("{name}-{}", sizes[1]));
+        let (extended, at_once) = (of("extended"), of("at-once"));
+        run(case, &extended, &["--samples", sizes[0]]);
+        run(case, &extended, &["--samples", sizes[1]]);
+        run(case, &at_once, &["--samples", sizes[1]]);
+        let (extended, at_once) = (results(&extended), results(&at_once));
+        for name in ["occurrence.csv", "panels.csv", "net_work.csv", "checkpoint.json"] {
+            assert!(at_once.contains_key(name), "{name}");
+        }
+        assert_same(&at_once, &extended);
+    }
+}
+
 /// How many samples the checkpoint in a folder holds.
 fn samples_done(dir: &Path) -> u64 {
     let text = std::fs::read_to_string(dir.join("checkpoint.json")).unwrap_or_default();

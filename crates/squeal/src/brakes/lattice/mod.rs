@@ -15,7 +15,7 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Distribution, Draws, LatticeCase, Law};
 use crate::study::{
-    CaseFile, Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
     UncertainBrake,
 };
 
@@ -43,7 +43,7 @@ impl LatticeBrake {
     /// What the model refuses; [`Error::Median`] where median parameters have no operating point.
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
         let plan = Plan {
-            case_file: Some(CaseFile { path: case.path.clone(), text: case.text.clone() }),
+            source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
             name: case.name.clone(),
             identity: case.identity(),
             samples: case.samples,

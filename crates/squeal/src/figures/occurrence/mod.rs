@@ -61,7 +61,7 @@ pub struct OccurrenceBox {
 const Y_TITLE: &str = "occurrence of instability (%)";
 
 /// Draws the occurrence of instability: panels with one shared mode axis and 0 to 100 %, the series side by side, a box
-/// (quartiles, median, Tukey's whiskers, outliers) over the arrangements, or a diamond where there is only one.
+/// ([`BoxStatistics`](montecarlo::BoxStatistics)) over the arrangements, or a diamond where there is only one.
 ///
 /// The panels of a law stand in one row; four panels of a single law in two. A panel where no mode is ever unstable says
 /// so. The table has one row per law, panel, mode, series and arrangement.
@@ -105,7 +105,7 @@ pub fn occurrence_boxes(data: &OccurrenceFigure) -> Result<Figure, FigureError> 
                     panel,
                     area,
                     (c == 0, last || (below && l + 1 < lines.len())),
-                );
+                )?;
             }
             y_title(&mut canvas, grid.left - grid.tick_width, grid.area(0, y), Y_TITLE);
             y += grid.height + 6.0;

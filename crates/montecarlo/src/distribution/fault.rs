@@ -1,0 +1,138 @@
+//! What is wrong with the parameters of a distribution.
+
+use super::Distribution;
+use super::bounded_normal::BoundedNormal;
+
+/// The least part of a distribution that its bounds may keep, 1 %. Less is rather a slip of the pen than knowledge of a
+/// parameter, and costs the inverse distribution function more than two digits.
+const SMALLEST_SHARE: f64 = 0.01;
+
+/// A parameter of a distribution that is not allowed. Who reads it from a file prints the field before the key.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{key} = {value}; allowed: {allowed}")]
+pub struct DistributionFault {
+    /// Its key, as in a file.
+    pub key: &'static str,
+    /// What stands there.
+    pub value: String,
+    /// What may stand there.
+    pub allowed: String,
+}
+
+type Checked = Result<(), DistributionFault>;
+
+fn fault(key: &'static str, value: impl ToString, allowed: impl Into<String>) -> Checked {
+    Err(DistributionFault { key, value: value.to_string(), allowed: allowed.into() })
+}
+
+fn positive(key: &'static str, value: f64) -> Checked {
+    if value > 0.0 && value.is_finite() { Ok(()) } else { fault(key, value, "a number > 0") }
+}
+
+fn finite(key: &'static str, value: f64) -> Checked {
+    if value.is_finite() { Ok(()) } else { fault(key, value, "a finite number") }
+}
+
+fn not_below_from(from: f64, to: f64) -> Checked {
+    if to < from { fault("to", to, format!("at least from = {from}")) } else { Ok(()) }
+}
+
+impl Distribution {
+    /// Whether the parameters make a distribution that can be drawn from.
+    ///
+    /// # Errors
+    /// The first parameter that is not allowed.
+    pub fn check(&self) -> Result<(), DistributionFault> {
+        match self {
+            Self::Constant { value } => finite("value", *value),
+            &Self::Normal { mean, deviation, at_least, at_most } => {
+                finite("mean", mean)?;
+                positive("deviation", deviation)?;
+                if at_least != f64::NEG_INFINITY {
+                    finite("at_least", at_least)?;
+                }
+                match at_most {
+                    None if at_least > mean => fault("at_least", at_least, format!("at most the mean, {mean}")),
+                    None => Ok(()),
+                    Some(at_most) => {
+                        finite("at_most", at_most)?;
+                        check_bounds(
+                            BoundedNormal::normal(mean, deviation, at_least, Some(at_most)),
+                            Some(at_least),
+                            Some(at_most),
+                        )
+                    }
+                }
+            }
+            &Self::LogNormal { median, sigma, at_least, at_most } => {
+                positive("median", median)?;
+                positive("sigma", sigma)?;
+                at_least.map_or(Ok(()), |bound| positive("at_least", bound))?;
+                at_most.map_or(Ok(()), |bound| positive("at_most", bound))?;
+                check_bounds(BoundedNormal::log_normal(median, sigma, at_least, at_most), at_least, at_most)
+            }
+            &Self::Uniform { from, to } => {
+                finite("from", from)?;
+                finite("to", to)?;
+                not_below_from(from, to)
+            }
+            &Self::LogUniform { from, to } => {
+                positive("from", from)?;
+                positive("to", to)?;
+                not_below_from(from, to)
+            }
+            Self::Quantiles { probabilities, values } => check_table(probabilities, values),
+        }
+    }
+}
+
+/// Whether the bounds keep enough of a distribution; names the one that cuts off more.
+fn check_bounds(bounded: BoundedNormal, at_least: Option<f64>, at_most: Option<f64>) -> Checked {
+    if let (Some(at_least), Some(at_most)) = (at_least, at_most)
+        && at_most <= at_least
+    {
+        return fault("at_most", at_most, format!("more than at_least = {at_least}"));
+    }
+    let share = bounded.share();
+    if share >= SMALLEST_SHARE {
+        return Ok(());
+    }
+    let allowed = format!(
+        "bounds that keep {} % of the distribution or more, not {:.1e} %",
+        100.0 * SMALLEST_SHARE,
+        100.0 * share
+    );
+    let [below, above] = bounded.cut_off();
+    match (at_least, at_most) {
+        (Some(at_least), None) => fault("at_least", at_least, allowed),
+        (Some(at_least), Some(_)) if below > above => fault("at_least", at_least, allowed),
+        (_, at_most) => fault("at_most", at_most.unwrap_or(f64::INFINITY), allowed),
+    }
+}
+
+fn check_table(probabilities: &[f64], values: &[f64]) -> Checked {
+    if values.len() != probabilities.len() {
+        let allowed = format!("one for each of the {} probabilities", probabilities.len());
+        return fault("values", format!("a list of {}", values.len()), allowed);
+    }
+    let (Some(&first), Some(&last), 2..) = (probabilities.first(), probabilities.last(), values.len()) else {
+        return fault("probabilities", format!("a list of {}", probabilities.len()), "two numbers or more");
+    };
+    ascending("probabilities", probabilities)?;
+    ascending("values", values)?;
+    if first != 0.0 {
+        return fault("probabilities", format!("[{first}, ..]"), "0 as the first");
+    }
+    if last != 1.0 {
+        return fault("probabilities", format!("[.., {last}]"), "1 as the last");
+    }
+    Ok(())
+}
+
+fn ascending(key: &'static str, list: &[f64]) -> Checked {
+    list.iter().try_for_each(|&number| finite(key, number))?;
+    match list.windows(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => fault(key, format!("[.., {}, {}, ..]", pair[0], pair[1]), "numbers that ascend, each once"),
+        None => Ok(()),
+    }
+}

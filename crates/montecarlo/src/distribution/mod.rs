@@ -1,0 +1,204 @@
+//! The distribution of one uncertain parameter, as data.
+
+mod bounded_normal;
+mod fault;
+mod quantile_table;
+
+use rand_distr::{Distribution as _, Open01, StandardNormal, StandardUniform};
+use serde::{Deserialize, Serialize};
+
+use crate::error::MonteCarloError;
+use crate::redraw::redraw_until_at_least;
+use crate::stream::StreamRng;
+
+use bounded_normal::BoundedNormal;
+pub use fault::DistributionFault;
+use quantile_table::interpolate;
+
+/// How a parameter is drawn. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.
+///
+/// ```
+/// use montecarlo::{Distribution, stream};
+///
+/// let friction = Distribution::Normal { mean: 0.5, deviation: 0.1, at_least: 0.02, at_most: None };
+/// friction.check()?;
+/// assert!(friction.draw(&mut stream(1, 0))? >= 0.02);
+/// assert!((friction.cumulative(friction.quantile(0.9)) - 0.9).abs() < 1e-10);
+///
+/// let measured = Distribution::Quantiles { probabilities: vec![0.0, 0.5, 1.0], values: vec![0.25, 0.5, 1.0] };
+/// assert_eq!(measured.quantile(0.75), 0.75);
+///
+/// let slip = Distribution::Uniform { from: 2.0, to: 1.0 }.check().unwrap_err();
+/// assert_eq!(slip.to_string(), "to = 1; allowed: at least from = 2");
+/// # Ok::<(), montecarlo::MonteCarloError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "distribution", rename_all = "kebab-case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum Distribution {
+    /// Always this.
+    Constant {
+        /// The value.
+        value: f64,
+    },
+    /// Normal, under the condition that it lies between the bounds.
+    ///
+    /// With `at_least` alone a value is redrawn until it reaches the bound, which at least half of the draws do; with
+    /// `at_most` it is the quantile of one uniform number.
+    Normal {
+        /// Mean without the bounds.
+        mean: f64,
+        /// Standard deviation without the bounds, > 0.
+        deviation: f64,
+        /// Smallest value; 0 where a file does not say, negative infinity for none. At most the mean where it is the only
+        /// bound.
+        #[serde(default)]
+        at_least: f64,
+        /// Largest value.
+        #[serde(default)]
+        at_most: Option<f64>,
+    },
+    /// `median e^{sigma z}` with z standard normal, under the condition that it lies between the bounds; with a bound it is
+    /// drawn as the quantile of one uniform number.
+    LogNormal {
+        /// Median without the bounds, > 0.
+        median: f64,
+        /// Standard deviation of the logarithm without the bounds, > 0.
+        sigma: f64,
+        /// Smallest value, > 0.
+        #[serde(default)]
+        at_least: Option<f64>,
+        /// Largest value.
+        #[serde(default)]
+        at_most: Option<f64>,
+    },
+    /// Uniform.
+    Uniform {
+        /// Smallest value.
+        from: f64,
+        /// Largest value.
+        to: f64,
+    },
+    /// A logarithm that is uniform.
+    LogUniform {
+        /// Smallest value, > 0.
+        from: f64,
+        /// Largest value.
+        to: f64,
+    },
+    /// A table of quantiles, with straight lines between them: uniform between two neighbouring values.
+    Quantiles {
+        /// Ascending, from 0 to 1.
+        probabilities: Vec<f64>,
+        /// The quantile at each probability, ascending.
+        values: Vec<f64>,
+    },
+}
+
+impl Distribution {
+    /// One value.
+    ///
+    /// # Errors
+    /// No draw reached the bound of a normal distribution; [`check`](Self::check) makes sure that half of them do, or more.
+    pub fn draw(&self, rng: &mut StreamRng) -> Result<f64, MonteCarloError> {
+        Ok(match *self {
+            Self::Constant { value } => value,
+            Self::Normal { mean, deviation, at_least, at_most: None } => {
+                let deviates = StandardNormal.map(|z: f64| mean + deviation * z);
+                redraw_until_at_least(&deviates, at_least, rng)?
+            }
+            Self::LogNormal { median, sigma, at_least: None, at_most: None } => {
+                let z: f64 = StandardNormal.sample(rng);
+                median * (sigma * z).exp()
+            }
+            Self::Normal { .. } | Self::LogNormal { .. } => self.quantile(Open01.sample(rng)),
+            Self::Uniform { .. } | Self::LogUniform { .. } | Self::Quantiles { .. } => {
+                self.quantile(StandardUniform.sample(rng))
+            }
+        })
+    }
+
+    /// The median; but of a normal distribution with no bound above, its mean. That is the median without the bound below,
+    /// which is there to keep a coefficient positive and takes next to nothing away.
+    #[must_use]
+    pub fn median(&self) -> f64 {
+        match *self {
+            Self::Constant { value } => value,
+            Self::Normal { mean, at_most: None, .. } => mean,
+            Self::LogNormal { median, at_least: None, at_most: None, .. } => median,
+            Self::Uniform { from, to } => 0.5 * (from + to),
+            _ => self.quantile(0.5),
+        }
+    }
+
+    /// The smallest value that can be drawn, and the key that sets it; `None` for any value > 0.
+    #[must_use]
+    pub fn least(&self) -> Option<(&'static str, f64)> {
+        match *self {
+            Self::Constant { value } => Some(("value", value)),
+            Self::Normal { at_least, .. } => Some(("at_least", at_least)),
+            Self::LogNormal { at_least, .. } => at_least.map(|at_least| ("at_least", at_least)),
+            Self::Uniform { from, .. } | Self::LogUniform { from, .. } => Some(("from", from)),
+            Self::Quantiles { ref values, .. } => values.first().map(|&least| ("values", least)),
+        }
+    }
+
+    /// The distribution function, P(X <= x).
+    #[must_use]
+    pub fn cumulative(&self, x: f64) -> f64 {
+        match *self {
+            Self::Constant { value } => f64::from(x >= value),
+            Self::Normal { mean, deviation, at_least, at_most } => {
+                BoundedNormal::normal(mean, deviation, at_least, at_most).cumulative(x)
+            }
+            Self::LogNormal { median, sigma, at_least, at_most } => {
+                BoundedNormal::log_normal(median, sigma, at_least, at_most).cumulative(x)
+            }
+            Self::Uniform { from, to } if to > from => ((x - from) / (to - from)).clamp(0.0, 1.0),
+            Self::LogUniform { from, to } if to > from => {
+                if x <= from {
+                    0.0
+                } else {
+                    ((x / from).ln() / (to / from).ln()).min(1.0)
+                }
+            }
+            Self::Uniform { from, .. } | Self::LogUniform { from, .. } => f64::from(x >= from),
+            Self::Quantiles { ref probabilities, ref values } => interpolate(values, probabilities, x),
+        }
+    }
+
+    /// The value below which the part `u` of the probability lies, 0 < u < 1.
+    #[must_use]
+    pub fn quantile(&self, u: f64) -> f64 {
+        match *self {
+            Self::Constant { value } => value,
+            Self::Normal { mean, deviation, at_least, at_most } => {
+                BoundedNormal::normal(mean, deviation, at_least, at_most).quantile(u)
+            }
+            Self::LogNormal { median, sigma, at_least, at_most } => {
+                BoundedNormal::log_normal(median, sigma, at_least, at_most).quantile(u)
+            }
+            Self::Uniform { from, to } => from + (to - from) * u,
+            Self::LogUniform { from, to } => (from * (to / from).powf(u)).min(to),
+            Self::Quantiles { ref probabilities, ref values } => interpolate(probabilities, values, u),
+        }
+    }
+
+    /// The interval outside of which less than 2e-12 of the probability lies.
+    #[must_use]
+    pub fn support(&self) -> (f64, f64) {
+        match *self {
+            Self::Constant { value } => (value, value),
+            Self::Normal { mean, deviation, at_least, at_most } => {
+                BoundedNormal::normal(mean, deviation, at_least, at_most).support()
+            }
+            Self::LogNormal { median, sigma, at_least, at_most } => {
+                BoundedNormal::log_normal(median, sigma, at_least, at_most).support()
+            }
+            Self::Uniform { from, to } | Self::LogUniform { from, to } => (from, to),
+            Self::Quantiles { ref values, .. } => {
+                (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN))
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! How often things occur that bear a label, where a label may be uncertain.
+
+use std::collections::BTreeMap;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::confidence::{Confidence, Interval};
+use crate::experiment::{Experiment, Merge, Runs, Tally};
+use crate::proportion::{Proportion, Trial};
+
+/// The labels that occur in one trial, from the candidate labels of each thing found in it: [`Trial::Yes`] where a label
+/// occurs for certain, [`Trial::Ambiguous`] where it may be another's.
+///
+/// A thing with a single candidate bears that label. If k things share the same k candidates, all k labels occur, whichever
+/// thing bears which. A thing without candidates counts for no label. Candidates of one thing differ from each other; their
+/// order does not matter.
+///
+/// ```
+/// use montecarlo::{Trial, occurring_labels};
+/// let labels = occurring_labels(&[vec!["a"], vec!["b", "c"], vec!["c", "b"], vec!["d", "e"]]);
+/// assert_eq!(labels["a"], Trial::Yes);
+/// assert_eq!((labels["b"], labels["c"]), (Trial::Yes, Trial::Yes));
+/// assert_eq!((labels["d"], labels["e"]), (Trial::Ambiguous, Trial::Ambiguous));
+/// ```
+#[must_use]
+pub fn occurring_labels<L: Ord + Clone>(candidates: &[impl AsRef<[L]>]) -> BTreeMap<L, Trial> {
+    let mut labels = BTreeMap::new();
+    for mine in candidates.iter().map(AsRef::as_ref) {
+        let sharing = candidates.iter().filter(|other| are_same(other.as_ref(), mine)).count();
+        let trial = if sharing >= mine.len() { Trial::Yes } else { Trial::Ambiguous };
+        for label in mine {
+            let entry = labels.entry(label.clone()).or_insert(trial);
+            if trial == Trial::Yes {
+                *entry = Trial::Yes;
+            }
+        }
+    }
+    labels
+}
+
+fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
+    a.len() == b.len() && a.iter().all(|label| b.contains(label))
+}
+
+/// In how many trials each label occurs. Its size is that of the labels that ever occur.
+///
+/// ```
+/// use montecarlo::{Confidence, LabelTally};
+///
+/// // Which modes of a brake squeal in each of four trials; in the last it is one of two.
+/// let mut squeal = LabelTally::default();
+/// squeal.record(&[vec!["bell"]]);
+/// squeal.record(&[vec!["bell"], vec!["rotor"]]);
+/// squeal.record::<Vec<_>>(&[]);
+/// squeal.record(&[vec!["bell", "pad"]]);
+///
+/// let bell = squeal.proportion(&"bell");
+/// assert_eq!((bell.hits(), bell.ambiguous(), bell.trials()), (2, 1, 4));
+/// assert_eq!(squeal.interval(&"never seen", Confidence::P95).lower, 0.0);
+/// for (label, proportion) in squeal.proportions() {
+///     let interval = proportion.interval(Confidence::P95);
+///     println!("{label}: {} of {}, {interval:?}", proportion.hits(), proportion.trials());
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(bound(deserialize = "L: Ord + Deserialize<'de>"))]
+pub struct LabelTally<L: Ord> {
+    trials: u64,
+    labels: BTreeMap<L, Hits>,
+}
+
+/// Counts of one label.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+struct Hits {
+    certain: u64,
+    ambiguous: u64,
+}
+
+impl<L: Ord> Default for LabelTally<L> {
+    fn default() -> Self {
+        Self { trials: 0, labels: BTreeMap::new() }
+    }
+}
+
+impl<L: Ord + Clone> LabelTally<L> {
+    /// Enters one trial, from the candidate labels of each thing that was found in it; see [`occurring_labels`].
+    pub fn record<C: AsRef<[L]>>(&mut self, candidates: &[C]) {
+        self.trials += 1;
+        for (label, trial) in occurring_labels(candidates) {
+            let hits = self.labels.entry(label).or_default();
+            match trial {
+                Trial::Yes => hits.certain += 1,
+                Trial::Ambiguous => hits.ambiguous += 1,
+                Trial::No => {}
+            }
+        }
+    }
+}
+
+impl<L: Ord> LabelTally<L> {
+    /// All trials.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.trials
+    }
+
+    /// Of one label; a label that never occurs has no hits.
+    #[must_use]
+    pub fn proportion(&self, label: &L) -> Proportion {
+        self.of_hits(self.labels.get(label).copied().unwrap_or_default())
+    }
+
+    /// Of every label that ever occurs, ascending.
+    pub fn proportions(&self) -> impl Iterator<Item = (&L, Proportion)> {
+        self.labels.iter().map(|(label, &hits)| (label, self.of_hits(hits)))
+    }
+
+    /// A confidence interval for the probability of a label, as [`Proportion::interval`].
+    #[must_use]
+    pub fn interval(&self, label: &L, confidence: Confidence) -> Interval {
+        self.proportion(label).interval(confidence)
+    }
+
+    fn of_hits(&self, hits: Hits) -> Proportion {
+        Proportion::of_counts(hits.certain, hits.ambiguous, self.trials)
+    }
+}
+
+/// One tally per scene, of experiments whose outcome is the candidate labels of each thing that was found.
+impl<L, E> Tally<E> for Vec<LabelTally<L>>
+where
+    L: Ord + Clone + Serialize + DeserializeOwned + Send,
+    E: Experiment<Outcome = Vec<Vec<L>>>,
+{
+    fn record(&mut self, runs: &Runs<'_, E>) {
+        self.resize_with(runs.results.len(), LabelTally::default);
+        for (tally, result) in self.iter_mut().zip(runs.results) {
+            if let Ok(candidates) = result {
+                tally.record(candidates);
+            }
+        }
+    }
+}
+
+impl<L: Ord> Merge for LabelTally<L> {
+    fn merge(&mut self, later: Self) {
+        self.trials += later.trials;
+        for (label, more) in later.labels {
+            let hits = self.labels.entry(label).or_default();
+            hits.certain += more.certain;
+            hits.ambiguous += more.ambiguous;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn occurring(candidates: &[&[u16]]) -> Vec<(u16, bool)> {
+        occurring_labels(candidates).into_iter().map(|(label, trial)| (label, trial == Trial::Yes)).collect()
+    }
+
+    #[test]
+    fn an_ambiguous_pair_is_certain_where_both_are_there() {
+        assert_eq!(occurring(&[&[15], &[17]]), [(15, true), (17, true)]);
+        assert_eq!(occurring(&[&[15, 16]]), [(15, false), (16, false)]);
+        assert_eq!(occurring(&[&[15, 16], &[16, 15]]), [(15, true), (16, true)]);
+        assert_eq!(occurring(&[&[15, 16], &[16]]), [(15, false), (16, true)]);
+        assert_eq!(occurring(&[&[16], &[15, 16]]), [(15, false), (16, true)]);
+        assert_eq!(occurring(&[&[1, 2, 3], &[1, 2, 3]]), [(1, false), (2, false), (3, false)]);
+        assert!(occurring(&[&[]]).is_empty());
+    }
+
+    #[test]
+    fn labels_are_the_keys_of_the_stored_form() {
+        let mut tally = LabelTally::default();
+        tally.record(&[vec![15_u16], vec![16, 17]]);
+        let text = serde_json::to_string(&tally).unwrap();
+        assert!(text.starts_with(r#"{"trials":1,"labels":{"15":{"certain":1,"ambiguous":0},"16":"#), "{text}");
+        assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
+    }
+
+    /// Trials with up to three things of up to three candidates among five labels.
+    fn trials() -> impl Strategy<Value = Vec<Vec<Vec<u8>>>> {
+        let thing = prop::collection::btree_set(0_u8..5, 0..4).prop_map(|set| set.into_iter().collect());
+        prop::collection::vec(prop::collection::vec(thing, 0..4), 0..30)
+    }
+
+    proptest! {
+        #[test]
+        fn two_parts_merge_to_the_whole_and_no_label_is_lost(trials in trials(), cut in 0_usize..30) {
+            let of = |trials: &[Vec<Vec<u8>>]| {
+                let mut tally = LabelTally::default();
+                trials.iter().for_each(|things| tally.record(things));
+                tally
+            };
+            let (early, late) = trials.split_at(cut.min(trials.len()));
+            let mut merged = of(early);
+            merged.merge(of(late));
+            let whole = of(&trials);
+            prop_assert_eq!(&merged, &whole);
+            prop_assert_eq!(whole.trials(), trials.len() as u64);
+            for label in 0..5 {
+                let seen = trials.iter().filter(|things| things.iter().flatten().any(|&l| l == label)).count() as u64;
+                let proportion = whole.proportion(&label);
+                prop_assert_eq!(proportion.hits() + proportion.ambiguous(), seen);
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Distributions: draws, distribution function and quantiles of each kind agree, and every slip is named.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
+use montecarlo::{Distribution, stream};
+use proptest::prelude::*;
+use rand::Rng;
+use rand_distr::{Distribution as _, StandardNormal, StandardUniform};
+
+fn normal(mean: f64, deviation: f64, at_least: f64, at_most: Option<f64>) -> Distribution {
+    Distribution::Normal { mean, deviation, at_least, at_most }
+}
+
+fn log_normal(median: f64, sigma: f64, at_least: Option<f64>, at_most: Option<f64>) -> Distribution {
+    Distribution::LogNormal { median, sigma, at_least, at_most }
+}
+
+fn table(probabilities: &[f64], values: &[f64]) -> Distribution {
+    Distribution::Quantiles { probabilities: probabilities.to_vec(), values: values.to_vec() }
+}
+
+/// Every kind that has a density, with no bound, one and two.
+fn kinds() -> Vec<Distribution> {
+    vec![
+        normal(0.5, 0.1, f64::NEG_INFINITY, None),
+        normal(0.5, 0.1, 0.45, None),
+        normal(0.5, 0.1, f64::NEG_INFINITY, Some(0.55)),
+        normal(0.5, 0.1, 0.45, Some(0.7)),
+        // Both bounds above the mean, where 2.1 % is kept.
+        normal(0.5, 0.1, 0.7, Some(0.8)),
+        log_normal(1.5, 0.25, None, None),
+        log_normal(1.5, 0.25, Some(1.2), None),
+        log_normal(1.5, 0.25, None, Some(2.0)),
+        log_normal(1.5, 0.25, Some(1.6), Some(2.0)),
+        Distribution::Uniform { from: 2.0, to: 5.0 },
+        Distribution::LogUniform { from: 1e-3, to: 10.0 },
+        table(&[0.0, 0.1, 0.7, 1.0], &[-3.0, 0.0, 0.5, 7.0]),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn the_quantile_inverts_the_distribution_function(u in 1e-6..0.999_999_f64) {
+        for distribution in kinds() {
+            let back = distribution.cumulative(distribution.quantile(u));
+            prop_assert!((back - u).abs() < 1e-10, "{:?}: {} for {}", distribution, back, u);
+        }
+    }
+
+    #[test]
+    fn draws_lie_within_the_bounds(index in 0..u64::MAX) {
+        let mut rng = stream(5, index);
+        for distribution in [
+            normal(0.5, 0.1, 0.45, Some(0.55)),
+            normal(0.5, 0.1, 0.7, Some(0.8)),
+            log_normal(1.5, 0.25, Some(1.4), Some(1.6)),
+            Distribution::LogUniform { from: 0.1, to: 0.2 },
+        ] {
+            let (from, to) = distribution.support();
+            let value = distribution.draw(&mut rng).unwrap();
+            prop_assert!(from <= value && value <= to, "{:?}: {}", distribution, value);
+        }
+    }
+}
+
+/// Largest distance between the distribution function and that of the draws.
+fn kolmogorov_smirnov(distribution: &Distribution, mut draws: Vec<f64>) -> f64 {
+    draws.sort_by(f64::total_cmp);
+    let n = draws.len() as f64;
+    let distance = |(rank, &value): (usize, &f64)| {
+        let probability = distribution.cumulative(value);
+        (probability - rank as f64 / n).abs().max((probability - (rank + 1) as f64 / n).abs())
+    };
+    draws.iter().enumerate().map(distance).fold(0.0, f64::max)
+}
+
+#[test]
+fn draws_are_distributed_as_the_distribution_function_says() {
+    let n = 20_000;
+    for distribution in kinds() {
+        let mut rng = stream(2026, 0);
+        let draws = (0..n).map(|_| distribution.draw(&mut rng).unwrap()).collect();
+        // sqrt(n) D is above 1.95 with a probability of 0.1 % (Kolmogorov's distribution).
+        let distance = kolmogorov_smirnov(&distribution, draws);
+        assert!(distance < 1.95 / f64::from(n).sqrt(), "{distribution:?}: {distance}");
+    }
+}
+
+#[test]
+fn bounds_on_one_side_of_the_mean_hold_even_where_u_is_next_to_0_or_1() {
+    for distribution in kinds() {
+        let (from, to) = distribution.support();
+        for u in [f64::MIN_POSITIVE, f64::EPSILON, 1.0 - f64::EPSILON / 2.0] {
+            let value = distribution.quantile(u);
+            assert!(value.is_finite(), "{distribution:?} at {u}: {value}");
+        }
+        assert!(distribution.cumulative(from) < 2e-12 && 1.0 - distribution.cumulative(to) < 2e-12, "{distribution:?}");
+        assert_eq!((distribution.cumulative(from - 1e9), distribution.cumulative(to + 1e9)), (0.0, 1.0));
+    }
+}
+
+#[test]
+fn a_draw_takes_the_same_random_numbers_in_every_version() {
+    // Studies keep their bytes only while these lines hold.
+    let drawn = |distribution: &Distribution| {
+        let mut rng = stream(7, 3);
+        let value = distribution.draw(&mut rng).unwrap();
+        (value, rng.next_u64())
+    };
+    fn z(rng: &mut montecarlo::StreamRng) -> f64 {
+        StandardNormal.sample(rng)
+    }
+    fn u(rng: &mut montecarlo::StreamRng) -> f64 {
+        StandardUniform.sample(rng)
+    }
+    let expected = |value: fn(&mut montecarlo::StreamRng) -> f64| {
+        let mut rng = stream(7, 3);
+        let value = value(&mut rng);
+        (value, rng.next_u64())
+    };
+    assert_eq!(drawn(&normal(0.5, 0.1, 0.02, None)), expected(|rng| 0.5 + 0.1 * z(rng)));
+    assert_eq!(drawn(&log_normal(1.5, 0.25, None, None)), expected(|rng| 1.5 * (0.25 * z(rng)).exp()));
+    assert_eq!(drawn(&Distribution::Uniform { from: 2.0, to: 5.0 }), expected(|rng| 2.0 + 3.0 * u(rng)));
+    assert_eq!(drawn(&Distribution::Constant { value: 4.0 }), expected(|_| 4.0));
+}
+
+#[test]
+fn medians_are_quantiles_but_for_a_normal_distribution_bounded_below() {
+    for distribution in kinds() {
+        let bounded_below = matches!(distribution, Distribution::Normal { at_most: None, .. });
+        let expected = if bounded_below { 0.5 } else { distribution.quantile(0.5) };
+        assert!((distribution.median() - expected).abs() < 1e-12, "{distribution:?}");
+    }
+}
+
+#[test]
+fn the_fields_of_a_file_are_those_of_the_kinds() {
+    let read = |text: &str| serde_json::from_str::<Distribution>(text).map_err(|error| error.to_string());
+    assert_eq!(read(r#"{"distribution": "normal", "mean": 0.5, "deviation": 0.1}"#), Ok(normal(0.5, 0.1, 0.0, None)));
+    assert_eq!(
+        read(r#"{"distribution": "log-normal", "median": 2, "sigma": 1, "at_most": 4}"#),
+        Ok(log_normal(2.0, 1.0, None, Some(4.0)))
+    );
+    assert_eq!(
+        read(r#"{"distribution": "log-uniform", "from": 1, "to": 2}"#),
+        Ok(Distribution::LogUniform { from: 1.0, to: 2.0 })
+    );
+    assert_eq!(
+        read(r#"{"distribution": "quantiles", "probabilities": [0, 1], "values": [3, 4]}"#),
+        Ok(table(&[0.0, 1.0], &[3.0, 4.0]))
+    );
+    let error = read(r#"{"distribution": "uniform", "from": 1, "to": 2, "at_most": 4}"#).unwrap_err();
+    assert!(error.contains("at_most"), "{error}");
+}
+
+#[test]
+fn every_slip_is_named_with_its_key_and_what_is_allowed() {
+    let infinite = f64::NEG_INFINITY;
+    for (distribution, expected) in [
+        (Distribution::Constant { value: f64::NAN }, "value = NaN; allowed: a finite number"),
+        (normal(0.5, 0.0, 0.0, None), "deviation = 0; allowed: a number > 0"),
+        (normal(0.5, 0.1, 3.0, None), "at_least = 3; allowed: at most the mean, 0.5"),
+        (normal(0.5, 0.1, f64::NAN, None), "at_least = NaN; allowed: a finite number"),
+        (normal(0.5, 0.1, 0.6, Some(0.5)), "at_most = 0.5; allowed: more than at_least = 0.6"),
+        (
+            normal(0.5, 0.1, 0.8, Some(2.0)),
+            "at_least = 0.8; allowed: bounds that keep 1 % of the distribution or more, not 1.3e-1 %",
+        ),
+        (
+            normal(0.5, 0.1, infinite, Some(-0.5)),
+            "at_most = -0.5; allowed: bounds that keep 1 % of the distribution or more, not 7.6e-22 %",
+        ),
+        (log_normal(-1.0, 0.1, None, None), "median = -1; allowed: a number > 0"),
+        (log_normal(1.0, f64::INFINITY, None, None), "sigma = inf; allowed: a number > 0"),
+        (log_normal(1.0, 0.1, Some(0.0), None), "at_least = 0; allowed: a number > 0"),
+        (
+            log_normal(1.0, 0.1, Some(2.0), None),
+            "at_least = 2; allowed: bounds that keep 1 % of the distribution or more, not 2.1e-10 %",
+        ),
+        (Distribution::Uniform { from: 2.0, to: 1.0 }, "to = 1; allowed: at least from = 2"),
+        (Distribution::LogUniform { from: 0.0, to: 1.0 }, "from = 0; allowed: a number > 0"),
+        (table(&[0.0, 1.0], &[1.0]), "values = a list of 1; allowed: one for each of the 2 probabilities"),
+        (table(&[0.0], &[1.0]), "probabilities = a list of 1; allowed: two numbers or more"),
+        (
+            table(&[0.0, 0.5, 0.5, 1.0], &[1.0, 2.0, 3.0, 4.0]),
+            "probabilities = [.., 0.5, 0.5, ..]; allowed: numbers \
+                                                             that ascend, each once",
+        ),
+        (table(&[0.0, 1.0], &[2.0, 1.0]), "values = [.., 2, 1, ..]; allowed: numbers that ascend, each once"),
+        (table(&[0.1, 1.0], &[1.0, 2.0]), "probabilities = [0.1, ..]; allowed: 0 as the first"),
+        (table(&[0.0, 0.9], &[1.0, 2.0]), "probabilities = [.., 0.9]; allowed: 1 as the last"),
+    ] {
+        assert_eq!(distribution.check().unwrap_err().to_string(), expected, "{distribution:?}");
+    }
+    for distribution in kinds() {
+        assert_eq!(distribution.check(), Ok(()), "{distribution:?}");
+    }
+}

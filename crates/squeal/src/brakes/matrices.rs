@@ -1,0 +1,81 @@
+//! A brake given by its matrices in a case file.
+
+use linsys::OperatingPoint;
+use montecarlo::StreamRng;
+
+use crate::Error;
+use crate::case::{Distribution, MatricesCase};
+use crate::study::{Plan, Scene, StudySource, UncertainBrake};
+
+/// A case's brake under each of its sets of constraints. A sample is a value of each parameter.
+#[derive(Debug)]
+pub struct MatricesBrake {
+    /// The case.
+    pub case: MatricesCase,
+    /// Its scenes, one for each set of constraints.
+    pub plan: Plan,
+}
+
+impl MatricesBrake {
+    /// Lays out the scenes of a case.
+    ///
+    /// # Errors
+    /// [`Error::Median`] where the medians of the parameters have no operating point.
+    pub fn new(case: MatricesCase) -> Result<Self, Error> {
+        let failed = |source: crate::case::CaseError| Error::Median {
+            study: case.path.display().to_string(),
+            source: Box::new(source.into()),
+        };
+        let median = case.operating_point(&case.medians()).map_err(failed)?;
+        let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
+        plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        for set in &case.constraints {
+            plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
+        }
+        Ok(Self { case, plan })
+    }
+
+    /// The place of the only parameter that is not constant; `None` where there are more, or none.
+    fn only_parameter(&self) -> Option<usize> {
+        let varies = |distribution: &Distribution| !matches!(distribution, Distribution::Constant { .. });
+        let mut varying = (0..self.case.parameters.len()).filter(|&i| varies(&self.case.parameters[i].distribution));
+        varying.next().filter(|_| varying.next().is_none())
+    }
+}
+
+impl UncertainBrake for MatricesBrake {
+    type Sample = Vec<f64>;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, Error> {
+        Ok(self.case.draw(rng)?)
+    }
+
+    fn median(&self) -> Vec<f64> {
+        self.case.medians()
+    }
+
+    fn operating_point(&self, _: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, Error> {
+        Ok(self.case.operating_point(sample)?)
+    }
+
+    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<Vec<f64>> {
+        let parameters = self.case.parameters.iter().zip(0..);
+        Some(parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension))).collect())
+    }
+
+    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
+        Some(&self.case.parameters[self.only_parameter()?].distribution)
+    }
+
+    fn with_parameter(&self, _: &Scene, value: f64) -> Vec<f64> {
+        let mut sample = self.median();
+        if let Some(at) = self.only_parameter() {
+            sample[at] = value;
+        }
+        sample
+    }
+}

@@ -1,0 +1,131 @@
+//! Errors that name the file, and the checks that all kinds of case files share.
+
+use std::path::Path;
+
+use osc_model::OscModelError;
+
+use super::{CaseError, LatticeCase};
+
+/// Makes errors that name the file.
+pub(super) struct Check<'a> {
+    pub path: &'a Path,
+}
+
+impl Check<'_> {
+    pub fn value(&self, field: &str, value: impl ToString, allowed: &str) -> CaseError {
+        CaseError::Value {
+            path: self.path.to_owned(),
+            field: field.to_owned(),
+            value: value.to_string(),
+            allowed: allowed.to_owned(),
+        }
+    }
+
+    pub fn lattice(&self, table: &str) -> impl Fn(OscModelError) -> CaseError {
+        let (path, table) = (self.path.to_owned(), table.to_owned());
+        move |source| {
+            let path = path.clone();
+            match source {
+                OscModelError::Value { field, value, allowed } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: value.to_string(),
+                    allowed: allowed.to_string(),
+                },
+                OscModelError::Length { field, found, expected, rows, columns } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: format!("a list of {found}"),
+                    allowed: format!("a list of {expected}, for a lattice of {rows} x {columns}"),
+                },
+                source => CaseError::Lattice { path, table: table.clone(), source },
+            }
+        }
+    }
+
+    pub fn no_repeats(&self, field: &str, names: impl Iterator<Item = String>) -> Result<(), CaseError> {
+        let mut seen = std::collections::BTreeSet::new();
+        for name in names {
+            if !seen.insert(name.clone()) {
+                return Err(self.value(field, name, "each once"));
+            }
+        }
+        Ok(())
+    }
+
+    /// A name that can stand in a table and in the name of a file.
+    pub fn plain_name(&self, field: &str, name: &str) -> Result<(), CaseError> {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if name.is_empty() || !name.chars().all(is_plain) {
+            return Err(self.value(field, format!("{name:?}"), "letters, digits, - and _"));
+        }
+        Ok(())
+    }
+
+    /// The number of samples of a study.
+    pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
+        if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
+            return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
+        }
+        Ok(())
+    }
+
+    /// The matrices of a table that make no system.
+    pub fn system(&self, field: &str) -> impl Fn(linsys::LinsysError) -> CaseError + use<> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
+    }
+
+    /// A number that is neither infinite nor NaN.
+    pub fn finite(&self, field: &str, value: f64) -> Result<f64, CaseError> {
+        if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }
+    }
+
+    /// Names of tables: each once, and such that they can stand in a message and a column's head.
+    pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
+        /// Characters of a name; a table with longer ones cannot be read.
+        const LONGEST: usize = 60;
+        let allowed = format!("1 to {LONGEST} characters without control characters");
+        for name in names.clone() {
+            if name.is_empty() || name.chars().count() > LONGEST || name.chars().any(char::is_control) {
+                let start: String = name.chars().take(LONGEST).collect();
+                return Err(self.value(field, format!("{start:?}"), &allowed));
+            }
+        }
+        self.no_repeats(field, names.cloned())
+    }
+
+    /// Families of force that are named: as names of tables, but shared.
+    pub fn names_of_families<'n>(
+        &self,
+        table: &str,
+        given: impl Iterator<Item = (&'n String, &'n Option<String>)>,
+    ) -> Result<(), CaseError> {
+        for (name, family) in given {
+            self.names(&field(table, name, "family"), family.iter())?;
+        }
+        Ok(())
+    }
+}
+
+/// A field of a table that has a name, as messages print it.
+pub(super) fn field(table: &str, name: &str, key: &str) -> String {
+    format!("{table} {name:?}.{key}")
+}
+
+/// What the parser says of a text, with the line.
+pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
+    let at = error.span().map_or(0, |span| span.start.min(text.len()));
+    let line = text[..at].matches('\n').count() + 1;
+    let source = text.lines().nth(line - 1).unwrap_or_default();
+    let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
+    // The parser names numbers by their types in Rust.
+    let message = ["usize", "u64", "u16"]
+        .iter()
+        .fold(error.message().replace('\n', " "), |message, integer| {
+            message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
+        })
+        .replace("expected f64", "expected a number");
+    let message = if source.is_empty() { message } else { format!("{source}: {message}") };
+    CaseError::Syntax { path: path.to_owned(), line, message }
+}

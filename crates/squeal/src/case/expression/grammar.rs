@@ -1,0 +1,249 @@
+//! What an expression may look like, checked before `exmex` reads it, and the form in which `exmex` gets it.
+//!
+//! The check is one pass with a list of the open parentheses and no recursion, so that no text overflows the stack. What
+//! passes is handed on in a form that leaves `exmex` no choice:
+//!
+//! - names of parameters stand in braces, so that a parameter may be called `e` or `E`, which are constants there;
+//! - numbers are written out without exponents, which `exmex` does not read;
+//! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses.
+
+use super::ExpressionError;
+use super::operands::starts_name;
+
+/// Longest expression, in characters: several times what a coefficient needs, and little enough that reading and
+/// evaluating it take milliseconds.
+pub(super) const LONGEST: usize = 1000;
+
+/// Most parentheses open at one place; `exmex` recurses once for each.
+pub(super) const DEEPEST: usize = 32;
+
+/// What can stand where an operand is expected.
+const OPERAND: &str = "a number, a parameter, a function or \"(\"";
+
+/// What can follow an operand.
+const AFTER_OPERAND: &str = "+ - * / ^ or \")\"";
+
+/// What stands between an opening parenthesis, or the start, and here.
+#[derive(Default)]
+pub(super) struct Level {
+    /// Column of the parenthesis.
+    column: usize,
+    /// Whether anything stands here yet.
+    pub(super) begun: bool,
+    /// Whether the last operator was `^`: a second one would read one way here and another elsewhere.
+    power: bool,
+    /// Whether the operand just read is a number with its own minus: `2*-3^2` would have two readings.
+    negative: bool,
+}
+
+/// One pass through the characters of an expression.
+pub(super) struct Pass<'a> {
+    pub(super) characters: Vec<char>,
+    pub(super) at: usize,
+    pub(super) parameters: &'a [String],
+    levels: Vec<Level>,
+    pub(super) out: String,
+}
+
+/// The expression as `exmex` is to read it.
+///
+/// # Errors
+/// The first thing in it that is not allowed, with its column.
+pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, ExpressionError> {
+    let length = text.chars().take(LONGEST + 1).count();
+    if length > LONGEST {
+        return Err(ExpressionError::TooLong { text: shown(text) });
+    }
+    let mut pass = Pass {
+        characters: text.chars().collect(),
+        at: 0,
+        parameters,
+        levels: vec![Level::default()],
+        out: String::new(),
+    };
+    pass.run().map_err(|fault| ExpressionError::Syntax {
+        text: shown(text),
+        column: fault.column,
+        found: fault.found,
+        allowed: fault.allowed,
+    })?;
+    Ok(pass.out)
+}
+
+/// The text for a message: its start where it is long.
+pub(super) fn shown(text: &str) -> String {
+    /// Characters of an expression that a message shows.
+    const SHOWN: usize = 80;
+    let clean = |c: char| if c.is_control() { ' ' } else { c };
+    let start: String = text.chars().take(SHOWN).map(clean).collect();
+    if text.chars().nth(SHOWN).is_some() { start + "..." } else { start }
+}
+
+/// What is not allowed, and where.
+pub(super) struct Fault {
+    /// From 1, in characters.
+    pub(super) column: usize,
+    pub(super) found: String,
+    pub(super) allowed: String,
+}
+
+impl Pass<'_> {
+    fn run(&mut self) -> Result<(), Fault> {
+        loop {
+            self.operand()?;
+            if !self.operator()? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Reads up to and with the next number or name, with all parentheses and functions that open before it.
+    fn operand(&mut self) -> Result<(), Fault> {
+        loop {
+            let c = self.next_character(OPERAND)?;
+            if c == '(' {
+                self.open()?;
+            } else if c == '-' {
+                if self.minus()? {
+                    return Ok(());
+                }
+            } else if c.is_ascii_digit() || c == '.' {
+                let value = self.number()?;
+                self.out += &value.to_string();
+                return Ok(());
+            } else if starts_name(c) {
+                if self.name()? {
+                    return Ok(());
+                }
+            } else {
+                return Err(self.unexpected(OPERAND));
+            }
+        }
+    }
+
+    /// A minus where an operand is expected; whether it belongs to a number, which is then read.
+    fn minus(&mut self) -> Result<bool, Fault> {
+        let column = self.at + 1;
+        self.at += 1;
+        let level = self.level();
+        if !std::mem::replace(&mut level.begun, true) {
+            self.out += "0-";
+            return Ok(false);
+        }
+        self.skip_spaces();
+        match self.characters.get(self.at) {
+            Some(c) if c.is_ascii_digit() || *c == '.' => {
+                let value = self.number()?;
+                self.level().negative = true;
+                self.out += &format!("(0-{value})");
+                Ok(true)
+            }
+            _ => Err(Fault {
+                column,
+                found: "a second sign".into(),
+                allowed: "a minus after an operator only before a number, else in parentheses, as in 2*(-w)".into(),
+            }),
+        }
+    }
+
+    /// Closing parentheses and the next operator; `false` at the end.
+    fn operator(&mut self) -> Result<bool, Fault> {
+        loop {
+            self.skip_spaces();
+            let Some(&c) = self.characters.get(self.at) else {
+                return match self.levels.len() {
+                    1 => Ok(false),
+                    _ => Err(Fault {
+                        column: self.level().column,
+                        found: "\"(\" is never closed".into(),
+                        allowed: "one \")\" for each \"(\"".into(),
+                    }),
+                };
+            };
+            match c {
+                ')' => {
+                    if self.levels.len() == 1 {
+                        return Err(Fault {
+                            column: self.at + 1,
+                            found: "\")\" closes nothing".into(),
+                            allowed: "one \"(\" for each \")\"".into(),
+                        });
+                    }
+                    self.levels.pop();
+                    self.at += 1;
+                    self.out.push(')');
+                }
+                '+' | '-' | '*' | '/' | '^' => {
+                    self.check_power(c)?;
+                    let level = self.level();
+                    level.power = c == '^';
+                    level.negative = false;
+                    self.at += 1;
+                    self.out.push(c);
+                    return Ok(true);
+                }
+                _ => return Err(self.unexpected(AFTER_OPERAND)),
+            }
+        }
+    }
+
+    /// Refuses the powers that have two readings.
+    fn check_power(&mut self, operator: char) -> Result<(), Fault> {
+        let column = self.at + 1;
+        let level = self.level();
+        let allowed = match (operator, level.power, level.negative) {
+            ('^', true, _) => "parentheses that say which power is taken first, as in (a^b)^c",
+            ('^', _, true) => "parentheses that say what is negative, as in (-2)^w or -(2^w)",
+            _ => return Ok(()),
+        };
+        Err(Fault { column, found: "a power with two readings".into(), allowed: allowed.into() })
+    }
+
+    /// An opening parenthesis.
+    pub(super) fn open(&mut self) -> Result<(), Fault> {
+        if self.levels.len() > DEEPEST {
+            return Err(Fault {
+                column: self.at + 1,
+                found: format!("more than {DEEPEST} parentheses open"),
+                allowed: format!("{DEEPEST} at most"),
+            });
+        }
+        self.level().begun = true;
+        self.at += 1;
+        self.levels.push(Level { column: self.at, ..Level::default() });
+        self.out.push('(');
+        Ok(())
+    }
+
+    fn next_character(&mut self, allowed: &str) -> Result<char, Fault> {
+        self.skip_spaces();
+        match self.characters.get(self.at) {
+            Some(&c) => Ok(c),
+            None => Err(self.unexpected(allowed)),
+        }
+    }
+
+    fn unexpected(&self, allowed: &str) -> Fault {
+        let found = match self.characters.get(self.at) {
+            Some(c) => format!("unexpected {:?}", c.to_string()),
+            None if self.characters.iter().all(|c| c.is_whitespace()) => "nothing".into(),
+            None => "unexpected end".into(),
+        };
+        Fault { column: self.at + 1, found, allowed: allowed.into() }
+    }
+
+    pub(super) fn skip_spaces(&mut self) {
+        while self.characters.get(self.at).is_some_and(|c| c.is_ascii_whitespace()) {
+            self.at += 1;
+        }
+    }
+
+    /// The innermost level; there is always the outermost one.
+    pub(super) fn level(&mut self) -> &mut Level {
+        if self.levels.is_empty() {
+            self.levels.push(Level::default());
+        }
+        let last = self.levels.len() - 1;
+        &mut self.levels[last]
+    }
+}

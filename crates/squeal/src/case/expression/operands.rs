@@ -1,0 +1,121 @@
+//! Numbers, names of parameters, constants and functions in an expression.
+
+use super::dual::FUNCTIONS;
+use super::grammar::{Fault, Pass, shown};
+
+/// Whether a name can be that of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
+/// function nor a constant.
+pub fn is_parameter_name(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters.next().is_some_and(starts_name)
+        && characters.all(continues_name)
+        && !is_function(name)
+        && constant(name).is_none()
+}
+
+pub(super) fn starts_name(c: char) -> bool {
+    c.is_ascii_alphabetic() || c == '_'
+}
+
+fn continues_name(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+fn is_function(name: &str) -> bool {
+    FUNCTIONS.iter().any(|(function, _)| *function == name)
+}
+
+fn constant(name: &str) -> Option<f64> {
+    (name == "pi").then_some(std::f64::consts::PI)
+}
+
+impl Pass<'_> {
+    /// Digits with at most one point and an exponent, not followed by a letter.
+    pub(super) fn number(&mut self) -> Result<f64, Fault> {
+        self.level().begun = true;
+        let start = self.at;
+        let digits = |pass: &mut Self| {
+            let from = pass.at;
+            while pass.characters.get(pass.at).is_some_and(char::is_ascii_digit) {
+                pass.at += 1;
+            }
+            pass.at > from
+        };
+        let mut complete = digits(self);
+        if self.characters.get(self.at) == Some(&'.') {
+            self.at += 1;
+            complete |= digits(self);
+        }
+        if complete && matches!(self.characters.get(self.at), Some('e' | 'E')) {
+            self.at += 1;
+            if matches!(self.characters.get(self.at), Some('+' | '-')) {
+                self.at += 1;
+            }
+            complete = digits(self);
+        }
+        let joined = self.characters.get(self.at).is_some_and(|c| continues_name(*c) || *c == '.');
+        let text: String = self.characters[start..self.at].iter().collect();
+        let fault = |found| Fault {
+            column: start + 1,
+            found,
+            allowed: "numbers as 2, 0.5 or 1e-3, with * before a name".into(),
+        };
+        match text.parse::<f64>() {
+            Ok(value) if complete && !joined && value.is_finite() => Ok(value),
+            Ok(_) if complete && !joined => Err(fault(format!("{} is too large", shown(&text)))),
+            _ => {
+                let rest = self.characters[self.at..].iter().take_while(|c| continues_name(**c) || **c == '.');
+                Err(fault(format!("{:?} is no number", shown(&(text + &rest.collect::<String>())))))
+            }
+        }
+    }
+
+    /// A parameter or constant (`true`), or a function with its parenthesis (`false`).
+    pub(super) fn name(&mut self) -> Result<bool, Fault> {
+        self.level().begun = true;
+        let start = self.at;
+        while self.characters.get(self.at).is_some_and(|c| continues_name(*c)) {
+            self.at += 1;
+        }
+        let name: String = self.characters[start..self.at].iter().collect();
+        if is_function(&name) {
+            self.out += &name;
+            self.skip_spaces();
+            return match self.characters.get(self.at) {
+                Some('(') => self.open().map(|()| false),
+                _ => Err(Fault {
+                    column: self.at + 1,
+                    found: format!("the function {name} without an argument"),
+                    allowed: format!("parentheses, as in {name}(w)"),
+                }),
+            };
+        }
+        if let Some(value) = constant(&name) {
+            self.out += &value.to_string();
+        } else if self.parameters.contains(&name) {
+            self.out += &format!("{{{name}}}");
+        } else {
+            return Err(Fault {
+                column: start + 1,
+                found: format!("unknown name {:?}", shown(&name)),
+                allowed: format!("{}; {}", self.known_parameters(), known_functions()),
+            });
+        }
+        Ok(true)
+    }
+
+    fn known_parameters(&self) -> String {
+        /// Parameters that a message lists.
+        const LISTED: usize = 12;
+        match self.parameters {
+            [] => "no parameter is declared".into(),
+            all if all.len() > LISTED => format!("the parameters {}, ...", all[..LISTED].join(", ")),
+            all => format!("the parameters {}", all.join(", ")),
+        }
+    }
+}
+
+fn known_functions() -> String {
+    let names: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
+    format!("the functions {}; pi", names.join(" "))
+}

@@ -1,0 +1,228 @@
+use approx::assert_relative_eq;
+use proptest::prelude::*;
+
+use super::*;
+
+fn names() -> Vec<String> {
+    ["w", "mu_s", "mu_k", "alpha", "v", "e", "E", "w1", "log"].map(String::from).to_vec()
+}
+
+const VALUES: [f64; 9] = [-3.0, 0.5, 0.3, 2.0, 0.7, 11.0, 13.0, 17.0, 19.0];
+
+fn value(text: &str) -> f64 {
+    Expression::parse(text, &names()).unwrap().value(&VALUES).unwrap()
+}
+
+fn fault(text: &str) -> String {
+    let message = Expression::parse(text, &names()).unwrap_err().to_string();
+    assert!(!message.contains('\n') && message.len() < 600, "{message}");
+    message
+}
+
+#[test]
+fn reads_as_in_a_textbook() {
+    let decay = 0.3 + 0.2 * (-1.4f64).exp();
+    for (text, expected) in [
+        ("2", 2.0),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("1e-3*w", -3e-3),
+        ("1E+2", 100.0),
+        ("1e300", 1e300),
+        ("1e-300", 1e-300),
+        ("0.1", 0.1),
+        ("w^2", 9.0),
+        ("-w^2", -9.0),
+        ("(-w)^2", 9.0),
+        ("-w1^2", -289.0),
+        ("3 - -2", 5.0),
+        ("2^-1", 0.5),
+        ("2*-3", -6.0),
+        ("-2^2", -4.0),
+        ("(-2)^2", 4.0),
+        ("-(2 + 3)*4", -20.0),
+        ("2*(-w)", 6.0),
+        ("1/w - 1", -1.0 / 3.0 - 1.0),
+        ("12/2*3", 18.0),
+        ("12/2/3", 2.0),
+        ("12*2/3", 8.0),
+        ("1 - 2 + 3 - 4", -2.0),
+        ("2 + 3*4^2", 50.0),
+        ("e*E*log", 11.0 * 13.0 * 19.0),
+        ("mu_k + (mu_s - mu_k)*exp(-alpha*v)", decay),
+        ("sin(pi/2)^2", 1.0),
+        ("-sin(pi/2)*2", -2.0),
+        ("sqrt(abs(w) + 1) + ln(exp(1)) + tanh(0) + tan(0) + cos(0)", 4.0),
+        ("((((w))))", -3.0),
+        (" w\t*\n2 ", -6.0),
+        ("-(-(-w))", 3.0),
+        ("(2^3)^2", 64.0),
+        ("2^(3^2)", 512.0),
+    ] {
+        assert_relative_eq!(value(text), expected, max_relative = 1e-15);
+    }
+}
+
+#[test]
+fn says_what_is_wrong_and_where() {
+    let deep = |n: usize| "(".repeat(n) + "w" + &")".repeat(n);
+    for (text, column, part) in [
+        ("", 1, "nothing"),
+        ("  ", 3, "nothing"),
+        ("w^^2", 3, "unexpected \"^\"; allowed: a number, a parameter"),
+        ("w +", 4, "unexpected end"),
+        ("+w", 1, "unexpected \"+\""),
+        ("w w", 3, "allowed: + - * / ^"),
+        ("2w", 1, "\"2w\" is no number"),
+        ("1.2.3", 1, "\"1.2.3\" is no number"),
+        ("1e", 1, "\"1e\" is no number"),
+        ("1e5.3", 1, "is no number"),
+        (".", 1, "is no number"),
+        ("3*1e999", 3, "too large"),
+        ("w(2)", 2, "unexpected \"(\""),
+        ("(w)(w)", 4, "unexpected \"(\""),
+        ("2(w)", 2, "unexpected \"(\""),
+        ("v*x", 3, "unknown name \"x\"; allowed: the parameters w, mu_s"),
+        ("log10(w)", 1, "unknown name \"log10\""),
+        ("sinh(w)", 1, "the functions sin cos tan exp ln sqrt abs tanh; pi"),
+        ("PI", 1, "unknown name"),
+        ("sin w", 5, "the function sin without an argument"),
+        ("sin", 4, "sin(w)"),
+        ("sin()", 5, "unexpected \")\""),
+        ("()", 2, "unexpected \")\""),
+        ("(w", 1, "never closed"),
+        ("2*(w+(1)", 3, "never closed"),
+        ("w)", 2, "closes nothing"),
+        ("{w}", 1, "unexpected \"{\""),
+        ("w{", 2, "unexpected \"{\""),
+        ("atan2(w, 2)", 1, "unknown name"),
+        ("sin(w, 2)", 6, "unexpected \",\""),
+        ("2*-w", 3, "else in parentheses"),
+        ("w--v", 3, "a second sign"),
+        ("--w", 2, "a second sign"),
+        ("2*-3^2", 5, "two readings"),
+        ("w^v^2", 4, "two readings"),
+        ("w^(1)^2", 6, "two readings"),
+        ("w^sin(v)^2", 9, "two readings"),
+        ("2π", 2, "unexpected \"π\""),
+        ("ω^2", 1, "unexpected \"ω\""),
+        ("w²", 2, "unexpected \"²\""),
+        ("w\u{0}", 2, "unexpected"),
+        ("w ; v", 3, "unexpected"),
+        ("w == 2", 3, "unexpected"),
+        ("w && v", 3, "unexpected"),
+        (&deep(33), 33, "more than 32 parentheses"),
+    ] {
+        let message = fault(text);
+        assert!(message.contains(&format!("column {column}: ")) && message.contains(part), "{message}");
+    }
+    assert_eq!(value(&deep(32)), -3.0);
+    assert!(fault(&"(".repeat(100_000)).contains("too long; allowed: 1000 characters at most"));
+    assert!(fault(&"w+".repeat(100_000)).contains("too long"));
+    assert!(fault(&"ω".repeat(999)).contains("column 1"));
+    let nothing = Expression::parse("w", &[]).unwrap_err().to_string();
+    assert!(nothing.contains("no parameter is declared"), "{nothing}");
+}
+
+#[test]
+fn the_longest_expressions_are_evaluated() {
+    let sum = vec!["w"; 500].join("+");
+    assert_relative_eq!(value(&sum), -1500.0);
+    let product = vec!["v"; 500].join("*");
+    assert_relative_eq!(value(&product), 0.7f64.powi(500), max_relative = 1e-12);
+    let nested = "tanh(".repeat(32) + "v" + &")".repeat(32);
+    let nested = Expression::parse(&nested, &names()).unwrap();
+    assert!(nested.derivative(&VALUES, 4).unwrap() > 0.0);
+}
+
+#[test]
+fn a_result_that_is_not_finite_is_named_with_its_values() {
+    let at = |text: &str, values: &[f64]| {
+        let names: Vec<String> = ["w", "v"].map(String::from).to_vec();
+        Expression::parse(text, &names).unwrap().value(values).unwrap_err().to_string()
+    };
+    assert_eq!(at("v/w", &[0.0, 2.0]), "\"v/w\" = inf at v = 2, w = 0; allowed: a finite number");
+    assert_eq!(at("ln(w)", &[-1.0, 2.0]), "\"ln(w)\" = NaN at w = -1; allowed: a finite number");
+    assert_eq!(at("1/0", &[]), "\"1/0\" = inf; allowed: a finite number");
+    assert!(at("w + v", &[1.0]).contains("NaN at v = NaN, w = 1"));
+    let kink = Expression::parse("abs(w)", &names()).unwrap().derivative(&[0.0], 0).unwrap_err().to_string();
+    assert_eq!(kink, "\"abs(w)\" = 0, its derivative NaN at w = 0; allowed: a finite number");
+}
+
+#[test]
+fn derivatives_are_those_of_differences() {
+    for text in [
+        "3",
+        "w",
+        "v",
+        "w^2",
+        "-w^3",
+        "w^-2",
+        "2^w",
+        "alpha^v",
+        "v^w",
+        "1/w - 1",
+        "w/v/alpha*w",
+        "w*v*alpha*w",
+        "mu_k + (mu_s - mu_k)*exp(-alpha*v)",
+        "sin(w)*cos(v) + tan(w*v)",
+        "ln(v)/sqrt(alpha)",
+        "abs(w)*v",
+        "abs(v)*w",
+        "tanh(w/10)*v",
+        "sqrt(w^2 + v^2)",
+        "(w - v)^2/(1 + w^2)",
+    ] {
+        let expression = Expression::parse(text, &names()).unwrap();
+        for by in 0..VALUES.len() {
+            const STEP: f64 = 1e-5;
+            let shifted = |step: f64| {
+                let mut values = VALUES;
+                values[by] += step;
+                expression.value(&values).unwrap()
+            };
+            let difference = (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP);
+            let derivative = expression.derivative(&VALUES, by).unwrap();
+            assert_relative_eq!(derivative, difference, epsilon = 1e-8, max_relative = 1e-7);
+        }
+    }
+    let power = Expression::parse("w^2", &names()).unwrap();
+    assert_eq!(power.derivative(&[0.0], 0).unwrap(), 0.0);
+    assert_eq!(power.parameters().collect::<Vec<_>>(), [0]);
+    let constant = Expression::parse("sqrt(0)*w", &names()).unwrap();
+    assert_eq!(constant.derivative(&[2.0], 0).unwrap(), 0.0);
+}
+
+#[test]
+fn names_of_parameters() {
+    for name in ["w", "_", "w1", "mu_s", "e", "E", "PI", "log", "Omega"] {
+        assert!(is_parameter_name(name), "{name}");
+    }
+    for name in ["", "1w", "ω", "a b", "a-b", "sin", "pi", "exp", "{w}", "w\u{301}"] {
+        assert!(!is_parameter_name(name), "{name}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_it_panic(text in ".{0,60}") {
+        let _ = Expression::parse(&text, &names()).map(|expression| expression.value(&VALUES));
+    }
+
+    #[test]
+    fn no_almost_expression_makes_it_panic(text in "([wv2.]|sin\\(|exp\\(|[-+*/^()]|1e-3|\\{| |mu_k|pi){0,40}") {
+        if let Ok(expression) = Expression::parse(&text, &names()) {
+            let _ = expression.value(&VALUES);
+            let _ = expression.derivative(&VALUES, 0);
+        }
+    }
+
+    #[test]
+    fn what_the_check_lets_pass_the_parser_reads(
+        text in "(\\(|sin\\(|)(-|)(w|v|2|0\\.5|1e-3|pi)\\)?([-+*/^](w|v|3|mu_k|-2)){0,4}\\)?([-+*/](w|1)){0,2}\\)?"
+    ) {
+        if let Err(error) = Expression::parse(&text, &names()) {
+            prop_assert!(!matches!(error, ExpressionError::Parser { .. }), "{error}");
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! A case file of any kind.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::check::{Check, syntax};
+use super::{CaseError, LatticeCase, MatricesCase};
+
+/// A case file, by the kind of its brake.
+#[derive(Debug, Clone)]
+pub enum CaseFile {
+    /// A lattice of oscillators, `[brake] kind = "lattice"` or a table `[lattice]` alone.
+    Lattice(Box<LatticeCase>),
+    /// A brake given by its matrices, `[brake] kind = "matrices"`.
+    Matrices(Box<MatricesCase>),
+}
+
+/// The part of a case file that says of which kind it is.
+#[derive(Deserialize)]
+struct Kinds {
+    brake: Option<Brake>,
+    lattice: Option<toml::Table>,
+}
+
+#[derive(Deserialize)]
+struct Brake {
+    kind: Option<Kind>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Kind {
+    Lattice,
+    Matrices,
+}
+
+impl CaseFile {
+    /// Reads and checks a case file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    pub fn read(path: &Path) -> Result<Self, CaseError> {
+        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        Self::parse(path, text)
+    }
+
+    /// Checks the text of a case file; `path` is for messages and says where files with matrices are looked for.
+    ///
+    /// # Errors
+    /// As [`CaseFile::read`].
+    pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
+        let kinds: Kinds = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        match (kinds.brake.and_then(|brake| brake.kind), kinds.lattice) {
+            (Some(Kind::Lattice), _) | (None, Some(_)) => {
+                LatticeCase::parse(path, text).map(Box::new).map(Self::Lattice)
+            }
+            (Some(Kind::Matrices), _) => MatricesCase::parse(path, text).map(Box::new).map(Self::Matrices),
+            (None, None) => Err(Check { path }.value("brake.kind", "missing", "\"lattice\" or \"matrices\"")),
+        }
+    }
+}

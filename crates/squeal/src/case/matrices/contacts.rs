@@ -1,0 +1,58 @@
+//! Friction channels.
+
+use std::collections::BTreeMap;
+
+use linsys::Channel;
+
+use super::dofs::DofNames;
+use super::formulas::Formulas;
+use super::{GainExpressions, schema};
+use crate::case::CaseError;
+use crate::case::check::{Check, field};
+
+/// The family of a contact that names none.
+const FRICTION: &str = "friction";
+
+/// The channels with the expressions of their gains.
+pub(super) fn channels_with_gains(
+    check: &Check<'_>,
+    formulas: &mut Formulas<'_>,
+    dofs: &DofNames<'_>,
+    given: Vec<schema::Contact>,
+) -> Result<(Vec<Channel>, Vec<GainExpressions>), CaseError> {
+    check.names("contacts.name", given.iter().map(|contact| &contact.name))?;
+    check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
+    let (mut channels, mut gains) = (Vec::new(), Vec::new());
+    for schema::Contact { name, family, force, reading, mu, slope } in given {
+        let sparse = |key: &str, entries: &BTreeMap<String, f64>| {
+            let at = |dof: &String| format!("{}.{dof}", field("contacts", &name, key));
+            let entry =
+                |(dof, &value): (&String, &f64)| Ok((dofs.index(&at(dof), dof)?, check.finite(&at(dof), value)?));
+            entries.iter().map(entry).collect::<Result<Vec<_>, CaseError>>()
+        };
+        let (b, r) = (sparse("force", &force)?, sparse("reading", &reading)?);
+        if b.is_empty() {
+            return Err(check.value(&field("contacts", &name, "force"), "{}", "one degree of freedom or more"));
+        }
+        match (r.is_empty(), &mu, &slope) {
+            (_, None, None) => {
+                return Err(check.value(&format!("contacts {name:?}"), "neither mu nor slope", "one of them, or both"));
+            }
+            (true, Some(_), _) => {
+                let allowed = "the normal force that mu multiplies, as { y = 11.0 }";
+                return Err(check.value(&field("contacts", &name, "reading"), "{}", allowed));
+            }
+            (false, None, _) => {
+                let allowed = "an expression, or no reading";
+                return Err(check.value(&field("contacts", &name, "mu"), "missing", allowed));
+            }
+            _ => {}
+        }
+        gains.push(GainExpressions {
+            mu: formulas.expression(&field("contacts", &name, "mu"), mu, 0.0)?,
+            slope: formulas.expression(&field("contacts", &name, "slope"), slope, 0.0)?,
+        });
+        channels.push(Channel::new(name, family.unwrap_or_else(|| FRICTION.to_owned()), b, r));
+    }
+    Ok((channels, gains))
+}

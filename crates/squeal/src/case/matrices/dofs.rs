@@ -1,0 +1,88 @@
+//! Degrees of freedom by name.
+
+use super::schema::Dofs;
+use crate::case::CaseError;
+use crate::case::check::Check;
+
+/// Names that a message lists.
+const LISTED: usize = 12;
+
+/// The names of all degrees of freedom, in the order of rows and columns.
+pub(super) struct DofNames<'a> {
+    check: &'a Check<'a>,
+    names: Vec<String>,
+}
+
+impl<'a> DofNames<'a> {
+    /// The given names, one for each row, or "1" to "n".
+    pub fn new(check: &'a Check<'a>, given: Option<Vec<String>>, order: usize) -> Result<Self, CaseError> {
+        let names = given.unwrap_or_else(|| (1..=order).map(|number| number.to_string()).collect());
+        if names.len() != order {
+            let allowed = format!("{order}, one for each row of the matrices");
+            return Err(check.value("brake.dofs", format!("a list of {}", names.len()), &allowed));
+        }
+        check.no_repeats("brake.dofs", names.iter().cloned())?;
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if let Some(name) = names.iter().find(|name| name.is_empty() || !name.chars().all(is_plain)) {
+            return Err(check.value("brake.dofs", format!("{name:?}"), "letters, digits and _"));
+        }
+        Ok(Self { check, names })
+    }
+
+    /// All names.
+    pub fn into_names(self) -> Vec<String> {
+        self.names
+    }
+
+    /// How many there are.
+    pub fn order(&self) -> usize {
+        self.names.len()
+    }
+
+    /// The name of one.
+    pub fn name(&self, dof: usize) -> &str {
+        self.names.get(dof).map_or("", String::as_str)
+    }
+
+    /// The index of a name.
+    pub fn index(&self, field: &str, name: &str) -> Result<usize, CaseError> {
+        self.position(name).ok_or_else(|| self.unknown(field, name, ""))
+    }
+
+    /// The indices of names and ranges, each once, in the order in which they are listed.
+    pub fn indices(&self, field: &str, dofs: &Dofs) -> Result<Vec<usize>, CaseError> {
+        let items = match dofs {
+            Dofs::One(item) => std::slice::from_ref(item),
+            Dofs::List(items) => items.as_slice(),
+        };
+        let mut all = Vec::new();
+        for item in items {
+            let range = match item.split_once('-') {
+                None => self.index(field, item).map(|dof| dof..=dof)?,
+                Some((first, last)) => match (self.position(first.trim()), self.position(last.trim())) {
+                    (Some(first), Some(last)) if first <= last => first..=last,
+                    _ => return Err(self.unknown(field, item, ", a range \"first-last\" in their order")),
+                },
+            };
+            all.extend(range);
+        }
+        let mut seen = vec![false; self.order()];
+        for &dof in &all {
+            if std::mem::replace(&mut seen[dof], true) {
+                return Err(self.check.value(field, format!("{:?}", self.name(dof)), "each once"));
+            }
+        }
+        Ok(all)
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    fn unknown(&self, field: &str, found: &str, also: &str) -> CaseError {
+        let listed = self.names[..self.order().min(LISTED)].join(", ");
+        let more =
+            if self.order() > LISTED { format!(", ..., {}", self.name(self.order() - 1)) } else { String::new() };
+        self.check.value(field, format!("{found:?}"), &format!("the degrees of freedom {listed}{more}{also}"))
+    }
+}

@@ -1,0 +1,49 @@
+//! Expressions of a case file.
+
+use super::Parameter;
+use super::schema::Formula;
+use crate::case::check::Check;
+use crate::case::{CaseError, Expression};
+
+/// Reads expressions and notes which parameters stand in them.
+pub(super) struct Formulas<'a> {
+    check: &'a Check<'a>,
+    parameters: Vec<String>,
+    used: Vec<bool>,
+}
+
+impl<'a> Formulas<'a> {
+    pub fn new(check: &'a Check<'a>, parameters: &[Parameter]) -> Self {
+        let parameters: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
+        Self { check, used: vec![false; parameters.len()], parameters }
+    }
+
+    /// The expression of a field, `default` where it is left out.
+    pub fn expression(&mut self, field: &str, given: Option<Formula>, default: f64) -> Result<Expression, CaseError> {
+        let text = match given.unwrap_or(Formula::Number(default)) {
+            Formula::Number(value) => self.check.finite(field, value)?.to_string(),
+            Formula::Text(text) => text,
+        };
+        let named = |source| CaseError::Expression {
+            path: self.check.path.to_owned(),
+            field: field.to_owned(),
+            source: Box::new(source),
+        };
+        let expression = Expression::parse(&text, &self.parameters).map_err(named)?;
+        for parameter in expression.parameters() {
+            self.used[parameter] = true;
+        }
+        Ok(expression)
+    }
+
+    /// Refuses parameters that stand in no expression: a misspelt coefficient would else go unseen.
+    pub fn all_used(&self) -> Result<(), CaseError> {
+        match self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
+            None => Ok(()),
+            Some((name, _)) => {
+                let allowed = "parameters that stand in a coefficient, mu or slope";
+                Err(self.check.value(&format!("parameters.{name}"), "used nowhere", allowed))
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! From the fields of a file to a brake given by matrices: every value checked, every list complete.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use linsys::{AffineSystem, Term};
+
+use super::contacts::channels_with_gains;
+use super::dofs::DofNames;
+use super::formulas::Formulas;
+use super::schema::{self, File};
+use super::terms::terms_with_coefficients;
+use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
+use crate::case::check::{Check, field, syntax};
+use crate::case::{CaseError, is_parameter_name};
+
+impl MatricesCase {
+    /// Checks the text of a case file; `path` is for messages and says where files with matrices are looked for.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
+        let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let check = Check { path };
+        let File { study, brake, parameters, terms, contacts, bodies, constraints } = file;
+        check.samples(study.samples)?;
+        let parameters = drawn(&check, parameters)?;
+        let mut formulas = Formulas::new(&check, &parameters);
+        let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, terms)?;
+        let order = terms.first().map_or(0, Term::order);
+        let dofs = DofNames::new(&check, brake.dofs, order)?;
+        let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
+        formulas.all_used()?;
+        let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
+        let case = Self {
+            path: path.to_owned(),
+            text,
+            name: study.name,
+            samples: study.samples,
+            seed: study.seed,
+            system,
+            coefficients,
+            gains,
+            bodies: groups(&check, &dofs, bodies)?,
+            constraints: constraint_sets(&check, &dofs, constraints)?,
+            dofs: dofs.into_names(),
+            parameters,
+        };
+        // What has no value even at the medians is found before a study starts.
+        case.operating_point(&case.medians())?;
+        Ok(case)
+    }
+}
+
+fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::Parameter>) -> Result<Vec<Parameter>, CaseError> {
+    let checked = |(name, schema::Parameter { unit, distribution }): (String, schema::Parameter)| {
+        if !is_parameter_name(&name) {
+            let allowed = "a letter or _, then letters, digits and _, no function and not pi";
+            return Err(check.value("parameters", format!("{name:?}"), allowed));
+        }
+        distribution
+            .check()
+            .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+        Ok(Parameter { name, unit, distribution })
+    };
+    given.into_iter().map(checked).collect()
+}
+
+fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> Result<Vec<BodyDofs>, CaseError> {
+    if given.is_empty() {
+        return Ok(vec![BodyDofs { name: "brake".into(), dofs: (0..dofs.order()).collect() }]);
+    }
+    check.names("bodies.name", given.iter().map(|body| &body.name))?;
+    let mut owners: Vec<Option<usize>> = vec![None; dofs.order()];
+    let mut bodies: Vec<BodyDofs> = Vec::new();
+    for schema::Body { name, dofs: listed } in given {
+        let field = field("bodies", &name, "dofs");
+        let own = dofs.indices(&field, &listed)?;
+        if own.is_empty() {
+            return Err(check.value(&field, "[]", "one degree of freedom or more"));
+        }
+        for &dof in &own {
+            if let Some(other) = owners[dof].replace(bodies.len()) {
+                let found = format!("{:?}, which is in {:?} too", dofs.name(dof), bodies[other].name);
+                return Err(check.value(&field, found, "each degree of freedom in one body"));
+            }
+        }
+        bodies.push(BodyDofs { name, dofs: own });
+    }
+    match owners.iter().position(Option::is_none) {
+        None => Ok(bodies),
+        Some(dof) => {
+            let found = format!("{:?} in none", dofs.name(dof));
+            Err(check.value("bodies", found, "each degree of freedom in one body"))
+        }
+    }
+}
+
+fn constraint_sets(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    given: Vec<schema::Constraints>,
+) -> Result<Vec<FixedDofs>, CaseError> {
+    if given.is_empty() {
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+    }
+    check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
+    let checked = |schema::Constraints { name, fixed }: schema::Constraints| {
+        check.plain_name("constraints.name", &name)?;
+        let field = field("constraints", &name, "fixed");
+        let fixed = dofs.indices(&field, &fixed)?;
+        if fixed.len() == dofs.order() {
+            return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
+        }
+        Ok(FixedDofs { name, fixed })
+    };
+    given.into_iter().map(checked).collect()
+}

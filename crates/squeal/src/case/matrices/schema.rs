@@ -1,0 +1,117 @@
+//! The fields of a case file with a brake given by matrices, as they stand in it. docs/case-files.md is their description
+//! for people.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use crate::case::Distribution;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct File {
+    pub study: Study,
+    pub brake: Brake,
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Parameter>,
+    pub terms: Vec<Term>,
+    #[serde(default)]
+    pub contacts: Vec<Contact>,
+    #[serde(default)]
+    pub bodies: Vec<Body>,
+    #[serde(default)]
+    pub constraints: Vec<Constraints>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Study {
+    pub name: String,
+    pub samples: u64,
+    pub seed: u64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Brake {
+    #[serde(rename = "kind")]
+    pub _kind: Kind,
+    pub dofs: Option<Vec<String>>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Kind {
+    Matrices,
+}
+
+/// A unit for people and a distribution, whose own fields are in the same table.
+#[derive(Debug, Deserialize)]
+pub(super) struct Parameter {
+    #[serde(default)]
+    pub unit: String,
+    #[serde(flatten)]
+    pub distribution: Distribution,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Term {
+    pub name: String,
+    pub family: Option<String>,
+    pub coefficient: Option<Formula>,
+    pub mass: Option<Matrix>,
+    pub damping: Option<Matrix>,
+    pub stiffness: Option<Matrix>,
+}
+
+/// A number, or an expression in the parameters.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "expected a number or an expression in quotes")]
+pub(super) enum Formula {
+    Number(f64),
+    Text(String),
+}
+
+/// Rows, or a Matrix Market file.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected rows of numbers, as [[1.0, 0.0], [0.0, 1.0]], or the name of a file in quotes")]
+pub(super) enum Matrix {
+    Rows(Vec<Vec<f64>>),
+    File(PathBuf),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Contact {
+    pub name: String,
+    pub family: Option<String>,
+    pub force: BTreeMap<String, f64>,
+    #[serde(default)]
+    pub reading: BTreeMap<String, f64>,
+    pub mu: Option<Formula>,
+    pub slope: Option<Formula>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Body {
+    pub name: String,
+    pub dofs: Dofs,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Constraints {
+    pub name: String,
+    pub fixed: Dofs,
+}
+
+/// Names of degrees of freedom and ranges of them.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected names of degrees of freedom, as [\"x\", \"1-40\"], or one of them in quotes")]
+pub(super) enum Dofs {
+    One(String),
+    List(Vec<String>),
+}
