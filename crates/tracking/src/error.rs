@@ -59,6 +59,11 @@ pub enum TrackingError {
     },
 }
 
+/// Refuses what is no interval.
+pub(crate) fn check_interval(from: f64, to: f64) -> Result<(), TrackingError> {
+    if from < to && (to - from).is_finite() { Ok(()) } else { Err(TrackingError::Interval { from, to }) }
+}
+
 impl From<LinsysError> for TrackingError {
     fn from(error: LinsysError) -> Self {
         Self::Cea(error.into())

@@ -50,7 +50,7 @@ pub fn onsets<E: From<TrackingError>>(
     from: f64,
     to: f64,
 ) -> Result<Onsets, E> {
-    let mut family = SystemFamily::new(system, from, to)?;
+    let mut family = SystemFamily::new(system, from, to);
     find_onsets(&mut family, from, to, SMALLEST_STEP * (to - from))
 }
 
@@ -66,7 +66,7 @@ pub fn branches<E: From<TrackingError>>(
     from: f64,
     to: f64,
 ) -> Result<RootLocus, E> {
-    let mut family = SystemFamily::new(system, from, to)?;
+    let mut family = SystemFamily::new(system, from, to);
     root_locus(&mut family, from, to, SMALLEST_STEP * (to - from))
 }
 
@@ -108,12 +108,8 @@ impl Ord for Parameter {
 }
 
 impl<F> SystemFamily<F> {
-    fn new(system: F, from: f64, to: f64) -> Result<Self, TrackingError> {
-        if !(from < to && (to - from).is_finite()) {
-            return Err(TrackingError::Interval { from, to });
-        }
-        let (spectra, work) = (BTreeMap::new(), Workspace::default());
-        Ok(Self { system, interval: [from, to], spectra, modes: None, work })
+    fn new(system: F, from: f64, to: f64) -> Self {
+        Self { system, interval: [from, to], spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
     }
 
     /// The spectrum at a parameter, computed where it is asked for the first time.

@@ -9,6 +9,7 @@ use num_complex::Complex;
 
 use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, RefinedPoint, link};
+use crate::error::check_interval;
 
 /// Steps that an interval is divided into before any halving; chosen.
 const FIRST_STEPS: usize = 16;
@@ -58,9 +59,7 @@ where
     B: Branches + ?Sized,
     B::Error: From<TrackingError>,
 {
-    if !(from < to && (to - from).is_finite()) {
-        return Err(TrackingError::Interval { from, to }.into());
-    }
+    check_interval(from, to)?;
     let mut found = Onsets::default();
     let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
     for i in 0..FIRST_STEPS {

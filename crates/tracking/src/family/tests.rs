@@ -1,6 +1,7 @@
 //! Against closed forms: a flutter oscillator with two degrees of freedom, and modes that cross without coalescing.
 
 use super::*;
+use crate::branch::follow_branch;
 use crate::locus::Ambiguity;
 use crate::onset::Onset;
 use nalgebra::{DMatrix, dmatrix};
@@ -77,6 +78,23 @@ fn through_a_coalescence_branches_end_and_others_begin() {
     let Ambiguity { from, to, before, after } = &locus.ambiguities[0];
     assert!(locus.ambiguities.len() == 1 && *from <= coalescence && coalescence <= *to);
     assert_eq!((&before[..], &after[..]), (&[0, 1][..], &[2, 3][..]));
+}
+
+#[test]
+fn a_branch_is_followed_to_one_end_and_past_a_coalescence_to_both() {
+    let follow = |family: &mut dyn Branches<Error = TrackingError>, index: usize, [a, b]: [f64; 2]| {
+        follow_branch(family, a, index, b, 1e-9).unwrap().into_iter().collect::<Vec<_>>()
+    };
+    // The two change their order by frequency.
+    let mut family = SystemFamily::new(crossing, -1.0, 1.0);
+    for ends in [[-1.0, 1.0], [1.0, -1.0]] {
+        assert_eq!([0, 1].map(|index| follow(&mut family, index, ends)), [[1], [0]]);
+    }
+    let mut family = SystemFamily::new(hoffmann(0.05), 0.0, 1.5);
+    assert_eq!(follow(&mut family, 0, [0.0, 0.5]), [0]);
+    for ends in [[0.0, 1.5], [1.5, 0.0]] {
+        assert_eq!(follow(&mut family, 0, ends), [0, 1]);
+    }
 }
 
 #[test]
