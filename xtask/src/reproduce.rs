@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
+use squeal::commands::override_run;
 use squeal::output::write;
 use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
 
@@ -44,12 +45,9 @@ struct Scorecard {
 /// Runs the task.
 pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let case = squeal::commands::overridden(
-        LatticeCase::read(&root.join("cases/paper.toml"))?,
-        args.samples.or(args.smoke.then_some(SMOKE_SAMPLES)),
-        args.seed,
-        args.threads,
-    )?;
+    let mut case = LatticeCase::read(&root.join("cases/paper.toml"))?;
+    let samples = args.samples.or(args.smoke.then_some(SMOKE_SAMPLES));
+    override_run((&mut case.samples, &mut case.seed), samples, args.seed, args.threads)?;
     let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
     let out = args.out.clone().unwrap_or(default);
 

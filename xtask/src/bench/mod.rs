@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
+use squeal::commands::override_run;
 use squeal::output::{make_folder, write};
 
 use crate::again::run_again;
@@ -71,8 +72,8 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
     let case = read("paper.toml")?;
-    let studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
-    let studied = squeal::commands::overridden(studied, args.samples, None, None)?;
+    let mut studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
+    override_run((&mut studied.samples, &mut studied.seed), args.samples, None, None)?;
     let rounds = if args.quick { 1 } else { 25 };
     // A folder that cannot be made is found before minutes have gone by.
     if let Some(folder) = args.json.as_deref().and_then(Path::parent) {

@@ -12,7 +12,7 @@ use work::ModeWork;
 
 use crate::Error;
 use crate::brakes::{LatticeSample, lattice, sliding};
-use crate::case::{LatticeCase, Law};
+use crate::case::{CaseFile, LatticeCase, Law, MatricesCase};
 use crate::study::mode_work;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
@@ -20,7 +20,7 @@ use crate::study::mode_work;
 pub struct CeaArgs {
     /// The case file (TOML)
     pub case: PathBuf,
-    /// Friction law [default: the case's first]
+    /// Friction law of a lattice [default: the case's first]
     #[arg(long, value_name = "LAW")]
     pub law: Option<String>,
     /// Oscillators in contact, from 1, as in 1,2,5 [default: the case's first arrangement]
@@ -29,7 +29,7 @@ pub struct CeaArgs {
     /// Constraint set by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
-    /// Sliding speed, m/s [default: the median of the case's first range]
+    /// Sliding speed of a lattice, m/s [default: the median of the case's first range]
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub speed: Option<f64>,
     /// Add mode shapes and the work of friction and damping per body
@@ -55,26 +55,52 @@ impl CeaArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let case = LatticeCase::read(&self.case)?;
-        let (law, lattice, speed) = self.scene(&case)?;
-        let state = sliding(&case, &lattice, law, speed, &LatticeSample::median(&case))?;
-        let at = lattice.operating_point(&state)?;
-        let (rows, modes) = analyse(lattice.brake(), &at, self.modes)?;
-        let text = if self.json {
-            let scene = json!({
-                "law": law.name(),
-                "contact": lattice.arrangement().in_contact().iter().map(|i| i + 1).collect::<Vec<_>>(),
-                "speed": speed,
-            });
-            json_text(&scene, &rows, &modes)
-        } else {
-            let contacts = lattice.arrangement();
-            format!(
-                "{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters\n\n{}",
-                table(&rows, &modes, lattice.brake())
-            )
+        let text = match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(case) => self.lattice(&case)?,
+            CaseFile::Matrices(case) => self.matrices(&case)?,
         };
         out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
+    }
+
+    fn lattice(&self, case: &LatticeCase) -> Result<String, Error> {
+        let (law, lattice, speed) = self.scene(case)?;
+        let state = sliding(case, &lattice, law, speed, &LatticeSample::median(case))?;
+        let contacts = lattice.arrangement();
+        let scene = json!({
+            "law": law.name(),
+            "contact": contacts.in_contact().iter().map(|i| i + 1).collect::<Vec<_>>(),
+            "speed": speed,
+        });
+        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters");
+        self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene)
+    }
+
+    fn matrices(&self, case: &MatricesCase) -> Result<String, Error> {
+        let lattice_only =
+            [("--law", self.law.is_some()), ("--contact", self.contact.is_some()), ("--speed", self.speed.is_some())];
+        if let Some((option, _)) = lattice_only.into_iter().find(|(_, is_given)| *is_given) {
+            let allowed = "cases with a lattice; this one is given by its matrices".into();
+            return Err(Error::Option { option, value: "given".into(), allowed });
+        }
+        let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+        let set = &case.constraints[chosen("--constraints", self.constraints.as_deref(), &names)?];
+        let medians = case.medians();
+        let values =
+            case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
+        let heading = format!("median parameters: {}", values.collect::<Vec<_>>().join(", "));
+        let named: serde_json::Map<String, Value> =
+            case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
+        let scene = json!({ "constraints": set.name, "parameters": named });
+        self.text(&case.brake(set)?, &case.operating_point(&medians)?, &heading, &scene)
+    }
+
+    /// The analysis of a brake at an operating point, for people or for machines.
+    fn text(&self, brake: &Brake, at: &OperatingPoint, heading: &str, scene: &Value) -> Result<String, Error> {
+        let (rows, modes) = analyse(brake, at, self.modes)?;
+        Ok(match self.json {
+            true => json_text(scene, &rows, &modes),
+            false => format!("{heading}\n\n{}", table(&rows, &modes, brake)),
+        })
     }
 
     fn scene(&self, case: &LatticeCase) -> Result<(Law, PreparedLattice, f64), Error> {
@@ -86,13 +112,8 @@ impl CeaArgs {
                 .find(|law| law.name() == name)
                 .ok_or_else(|| refused("--law", name, Law::ALL.map(Law::name).join(", ")))?,
         };
-        let constraints = match &self.constraints {
-            None => 0,
-            Some(name) => case.constraints.iter().position(|set| set.name == *name).ok_or_else(|| {
-                let names: Vec<_> = case.constraints.iter().map(|set| set.name.as_str()).collect();
-                refused("--constraints", name, names.join(", "))
-            })?,
-        };
+        let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+        let constraints = chosen("--constraints", self.constraints.as_deref(), &names)?;
         let arrangement = match &self.contact {
             None => case.panels[0].1[0].clone(),
             Some(numbers) => {
@@ -109,6 +130,13 @@ impl CeaArgs {
         }
         Ok((law, lattice(case, constraints, &arrangement)?, speed))
     }
+}
+
+/// The place of the name that an option gives; the first where it is not given.
+fn chosen(option: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, Error> {
+    let Some(given) = given else { return Ok(0) };
+    let refused = || Error::Option { option, value: given.into(), allowed: names.join(", ") };
+    names.iter().position(|name| *name == given).ok_or_else(refused)
 }
 
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.

@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::run::overridden;
-use crate::brakes::LatticeBrake;
-use crate::case::{Draws, LatticeCase};
+use super::run::override_run;
+use crate::brakes::{LatticeBrake, MatricesBrake};
+use crate::case::{CaseFile, Draws};
+use crate::study::{Plan, UncertainBrake};
 use crate::{Error, estimate};
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
@@ -24,29 +25,75 @@ impl CheckArgs {
     /// # Errors
     /// What is wrong with the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let brake = LatticeBrake::new(overridden(LatticeCase::read(&self.case)?, self.samples, None, None)?)?;
+        let text = match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
+                self.lattice(&LatticeBrake::new(*case)?)?
+            }
+            CaseFile::Matrices(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
+                self.matrices(&MatricesBrake::new(*case)?)?
+            }
+        };
+        out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
+    }
+
+    fn lattice(&self, brake: &LatticeBrake) -> Result<String, Error> {
         let (case, plan) = (&brake.case, &brake.plan);
-        let mut text = format!("{}: valid\n\n  study         {}\n", self.case.display(), case.name);
-        let mut line = |name: &str, value: String| text += &format!("  {name:<13} {value}\n");
         let grid = case.lattice.grid;
-        line("lattice", format!("{} x {} oscillators and the plate", grid.rows(), grid.columns()));
-        line("laws", case.laws.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "));
-        let panels = case.panels.iter().map(|(n, list)| format!("{} with {n} in contact", list.len()));
-        line("arrangements", panels.collect::<Vec<_>>().join(", "));
-        line("constraints", case.constraints.iter().map(|set| set.name.clone()).collect::<Vec<_>>().join(", "));
+        let mut text = self.heading(plan);
+        text += &line("lattice", &format!("{} x {} oscillators and the plate", grid.rows(), grid.columns()));
+        text += &line("laws", &listed(case.laws.iter().map(ToString::to_string)));
+        text += &line(
+            "arrangements",
+            &listed(case.panels.iter().map(|(n, list)| format!("{} with {n} in contact", list.len()))),
+        );
+        text += &line("constraints", &plan.labels.constraints.join(", "));
         let speeds = case.speeds.iter().map(|s| format!("{} ({} to {} m/s)", s.name, s.from, s.to));
-        line("speeds", speeds.collect::<Vec<_>>().join(", "));
-        line("samples", format!("{} per arrangement, law and speed range, seed {}", case.samples, case.seed));
-        line("CEAs", (plan.analyses_per_sample() * case.samples).to_string());
+        text += &line("speeds", &listed(speeds));
+        text += &line("samples", &format!("{} per arrangement, law and speed range, seed {}", plan.samples, plan.seed));
+        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
         let classes = match case.readings.draws {
             Draws::Shared => "one per symmetry class; laws without speed in them once for all speeds",
             Draws::Each => "every arrangement; laws without speed in them once for all speeds",
         };
-        line("to be solved", format!("{} ({classes})", plan.scenes.len() as u64 * case.samples));
-        let seconds = estimate(&brake)?.as_secs_f64();
-        line("time", format!("roughly {} on this machine", in_words(seconds)));
-        out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
+        text += &line("to be solved", &format!("{} ({classes})", plan.scenes.len() as u64 * plan.samples));
+        Ok(text + &time(brake)?)
     }
+
+    fn matrices(&self, brake: &MatricesBrake) -> Result<String, Error> {
+        let (case, plan) = (&brake.case, &brake.plan);
+        let mut text = self.heading(plan);
+        text += &line("dofs", &case.dofs.len().to_string());
+        let named = |name: &str, family: &str| if name == family { name.into() } else { format!("{name} ({family})") };
+        text += &line("terms", &listed(case.system.terms().iter().map(|term| named(&term.name, &term.family))));
+        let contacts = case.system.channels().iter().map(|channel| named(&channel.name, &channel.family));
+        text += &line("contacts", &if case.gains.is_empty() { "none".into() } else { listed(contacts) });
+        let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
+        text += &line("parameters", &listed(parameters));
+        text += &line("bodies", &listed(case.bodies.iter().map(|body| body.name.clone())));
+        text += &line("constraints", &plan.labels.constraints.join(", "));
+        text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
+        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
+        Ok(text + &time(brake)?)
+    }
+
+    fn heading(&self, plan: &Plan) -> String {
+        format!("{}: valid\n\n{}", self.case.display(), line("study", &plan.name))
+    }
+}
+
+fn line(name: &str, value: &str) -> String {
+    format!("  {name:<13} {value}\n")
+}
+
+fn listed(items: impl Iterator<Item = String>) -> String {
+    items.collect::<Vec<_>>().join(", ")
+}
+
+fn time<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
+    let seconds = estimate(brake)?.as_secs_f64();
+    Ok(line("time", &format!("roughly {} on this machine", in_words(seconds))))
 }
 
 fn in_words(seconds: f64) -> String {

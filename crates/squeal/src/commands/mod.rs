@@ -10,4 +10,4 @@ pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
 pub use refuse::refuse;
-pub use run::{RunArgs, overridden};
+pub use run::{RunArgs, override_run};

@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::brakes::LatticeBrake;
-use crate::case::LatticeCase;
-use crate::report::{claims, claims_markdown, draw_occurrence};
+use crate::brakes::{LatticeBrake, MatricesBrake};
+use crate::case::{CaseFile, LatticeCase};
+use crate::report::{Claim, Results, claims, claims_markdown, draw_occurrence};
+use crate::study::UncertainBrake;
 use crate::{Error, run_study};
 
 /// More worker threads than any machine has cores for.
@@ -32,16 +33,16 @@ pub struct RunArgs {
     pub threads: Option<usize>,
 }
 
-/// Puts the options of the command line in place of the case's own values.
+/// Puts the options of the command line in place of a case's own samples and seed.
 ///
 /// # Errors
 /// Samples or threads out of range.
-pub fn overridden(
-    mut case: LatticeCase,
+pub fn override_run(
+    own: (&mut u64, &mut u64),
     samples: Option<u64>,
     seed: Option<u64>,
     threads: Option<usize>,
-) -> Result<LatticeCase, Error> {
+) -> Result<(), Error> {
     let refused = |option, value: String, most: u64| Error::Option { option, value, allowed: format!("1 to {most}") };
     if let Some(samples) = samples.filter(|samples| !(1..=LatticeCase::MOST_SAMPLES).contains(samples)) {
         return Err(refused("--samples", samples.to_string(), LatticeCase::MOST_SAMPLES));
@@ -49,9 +50,9 @@ pub fn overridden(
     if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
         return Err(refused("--threads", threads.to_string(), MOST_THREADS as u64));
     }
-    case.samples = samples.unwrap_or(case.samples);
-    case.seed = seed.unwrap_or(case.seed);
-    Ok(case)
+    *own.0 = samples.unwrap_or(*own.0);
+    *own.1 = seed.unwrap_or(*own.1);
+    Ok(())
 }
 
 impl RunArgs {
@@ -60,29 +61,46 @@ impl RunArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let case = overridden(LatticeCase::read(&self.case)?, self.samples, self.seed, self.threads)?;
-        let brake = LatticeBrake::new(case)?;
-        let mut scorecard = None;
-        let manifest = run_study(&brake, &self.out, self.threads, &mut |results, dir| {
+        match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                let brake = LatticeBrake::new(*case)?;
+                self.run_brake(&brake, &|results| claims(results, &brake), out)
+            }
+            CaseFile::Matrices(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                self.run_brake(&MatricesBrake::new(*case)?, &|_| Ok(Vec::new()), out)
+            }
+        }
+    }
+
+    /// Runs the study of a brake, with a scorecard of what a publication claims of it.
+    fn run_brake<B: UncertainBrake>(
+        &self,
+        brake: &B,
+        claims: &(dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
+        out: &mut dyn Write,
+    ) -> Result<(), Error> {
+        let mut scorecard = Vec::new();
+        let manifest = run_study(brake, &self.out, self.threads, &mut |results, dir| {
             draw_occurrence(results, dir)?;
-            scorecard = Some(claims(results, &brake)?);
+            scorecard = claims(results)?;
             Ok(())
         })?;
-        let print = |out: &mut dyn Write| -> std::io::Result<()> {
-            if let Some(claims) = scorecard.as_ref().filter(|claims| !claims.is_empty()) {
-                writeln!(out, "{}", claims_markdown(claims))?;
-            }
-            writeln!(
-                out,
-                "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
-                manifest.analyses,
-                manifest.solved,
-                manifest.certified,
-                manifest.seconds.samples,
-                manifest.failures,
-                self.out.display()
-            )
-        };
-        print(out).map_err(|source| Error::Write { path: "standard output".into(), source })
+        let failed = |source| Error::Write { path: "standard output".into(), source };
+        if !scorecard.is_empty() {
+            writeln!(out, "{}", claims_markdown(&scorecard)).map_err(failed)?;
+        }
+        writeln!(
+            out,
+            "{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
+            manifest.analyses,
+            manifest.solved,
+            manifest.certified,
+            manifest.seconds.samples,
+            manifest.failures,
+            self.out.display()
+        )
+        .map_err(failed)
     }
 }
