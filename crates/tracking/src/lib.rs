@@ -21,6 +21,10 @@
 //! | `step_control` | predictor errors, and the step that follows from them |
 //! | `coalescence` | continuation of a pair |
 //! | `subdivision` | the last resort |
+//! | `branch` | branches over one real parameter: [`link`], [`follow_branch`] of any [`Branches`] |
+//! | `onset` | where they cross the imaginary axis: [`find_onsets`] |
+//! | `locus` | the root locus: [`root_locus`] |
+//! | `family` | both for any function that makes a system from a number: [`onsets`], [`branches`] |
 //!
 //! Two modes that friction couples; a stiffness grows until their frequencies have changed order:
 //!
@@ -53,16 +57,31 @@
 //!
 //! This crate never sees a lattice, a friction law or a random number.
 
+mod branch;
 mod coalescence;
 mod continuation;
 mod corrector;
+mod error;
 mod escalation;
 mod evaluator;
+mod family;
+mod locus;
 mod mac;
+mod onset;
 mod path;
 mod step_control;
 mod subdivision;
 
+pub use branch::{BranchLink, BranchPoint, Branches, RefinedPoint, follow_branch, link, link_error};
+pub use error::TrackingError;
 pub use escalation::{Links, follow, identify, identify_all};
+pub use family::{branches, onsets};
+pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
 pub use mac::mac;
+pub use onset::{Onset, Onsets, find_onsets, onset_between};
 pub use path::{Path, PathEnd, PathStart};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -10,6 +10,7 @@ use std::collections::BTreeSet;
 use num_complex::Complex;
 use squeal::estimators::{Exact, OneParameterFamily};
 use squeal::study::Reference;
+use squeal::tracking::{Branches, link};
 
 use crate::ValidationError;
 
@@ -61,7 +62,7 @@ fn nearest_branch_point(
         let steps = (1..=STEPS_PER_SIDE).map(|step| widest * step as f64 / STEPS_PER_SIDE as f64);
         for distance in steps.take_while(|distance| distance - widest / STEPS_PER_SIDE as f64 <= radius) {
             let next = (median + direction * distance).max(0.0);
-            mode = family.link(mu, mode, next)?.to;
+            mode = link(family, mu, mode, next)?.to;
             mu = next;
             for point in branch_points(family, mu, mode)? {
                 if (point - mu).norm() <= LARGEST_OFFSET {
@@ -79,11 +80,11 @@ fn branch_points(
     mu: f64,
     index: usize,
 ) -> Result<Vec<Complex<f64>>, ValidationError> {
-    let (own, slope) = family.point(mu, index)?;
+    let own = family.point(mu, index)?;
     let mut points = Vec::new();
     for other in (0..family.lambdas(mu)?.len()).filter(|&other| other != index) {
-        let (lambda, other_slope) = family.point(mu, other)?;
-        points.push(mu - (lambda - own) / (2.0 * (other_slope - slope)));
+        let other = family.point(mu, other)?;
+        points.push(mu - (other.lambda - own.lambda) / (2.0 * (other.rate - own.rate)));
     }
     Ok(points)
 }

@@ -16,6 +16,7 @@ use num_complex::Complex;
 use squeal::estimators::OneParameterFamily;
 use squeal::estimators::{Integral, integrate};
 use squeal::study::Reference;
+use squeal::tracking::Branches;
 
 use crate::ValidationError;
 

@@ -6,8 +6,8 @@ use nalgebra::DMatrix;
 use osc_model::Lateral;
 use squeal::brakes::{FrictionDraw, LatticeBrake, LatticeSample};
 use squeal::case::Law;
-use squeal::estimators::Onset;
 use squeal::study::Scene;
+use squeal::tracking::Onset;
 
 use crate::ValidationError;
 use crate::exceptional_point::ExceptionalPoint;
@@ -41,7 +41,7 @@ pub fn around_onset(
     let median = *LatticeSample::median(&brake.case).contact(0);
     let hertz = onset.omega / std::f64::consts::TAU;
     let at = |offset: f64| {
-        let mu = onset.mu + offset;
+        let mu = onset.at + offset;
         let system = with_lateral(brake, scene, FrictionDraw { mu, ..median }, mu, 0.5)?;
         ReferenceProblem::new(format!("onset at {hertz:.0} Hz, mu_c {offset:+.0e}"), system)
     };

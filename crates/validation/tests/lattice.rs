@@ -10,6 +10,7 @@ use num_complex::Complex;
 use squeal::case::{Case, Law};
 use squeal::estimators::{Exact, OneParameterFamily, exact};
 use squeal::study::{Plan, Study};
+use squeal::tracking::Branches;
 use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
 /// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
@@ -52,7 +53,7 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
                 let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
                 refine(&system, nearest.unwrap()).unwrap().lambda.re
             };
-            let (below, above) = (real(crossing.mu - 2e-11), real(crossing.mu + 2e-11));
+            let (below, above) = (real(crossing.at - 2e-11), real(crossing.at + 2e-11));
             assert!(below * above < 0.0 && (above > 0.0) == crossing.destabilises, "{below} {above}");
         }
     }
@@ -76,7 +77,7 @@ fn derivatives_are_the_limits_of_differences() {
         }
         let (below, middle, above) = (all_below[i].lambda, middle.lambda, all_above[i].lambda);
         let expansion = expand(&mut family, mu, middle).unwrap();
-        let slope = family.derivative(mu, middle).unwrap().slope;
+        let slope = family.refined(mu, middle).unwrap().rate;
         let first = (above - below) / (2.0 * h);
         let second = (above - 2.0 * middle + below) / (h * h);
         assert!((expansion.first - slope).norm() < 1e-7 * (1.0 + slope.norm()));

@@ -30,16 +30,9 @@ pub enum EstimatorError {
         /// Spectra computed.
         spectra: usize,
     },
-    /// The spectra between two onsets contradict the onsets found.
-    #[error("at mu = {mu} {found} modes are unstable; the onsets below it leave {expected}")]
-    Inconsistent {
-        /// The friction coefficient.
-        mu: f64,
-        /// Unstable modes by the spectrum.
-        found: usize,
-        /// Unstable modes by counting onsets.
-        expected: i64,
-    },
+    /// Branches whose onsets are not found, or contradict the spectra.
+    #[error(transparent)]
+    Tracking(#[from] tracking::TrackingError),
     /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
     #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
     NotShared,

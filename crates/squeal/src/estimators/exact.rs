@@ -5,9 +5,11 @@
 //! and of the tails that were cut off.
 
 use cea::Counters;
+use tracking::{Branches, Onsets, follow_branch};
 
 use super::integral::{Integral, integrate};
-use super::{EstimatorError, OneParameterFamily, Onsets};
+use super::one_parameter_family::SMALLEST_STEP;
+use super::{EstimatorError, OneParameterFamily};
 use crate::study::Reference;
 
 /// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves 1e-12 at each.
@@ -34,14 +36,14 @@ pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Resu
     let distribution = family.distribution();
     let (from, to) = distribution.support();
     let median = distribution.median();
-    family.spectrum(median)?;
+    family.lambdas(median)?;
     let onsets = family.onsets(from, to)?;
     let mut ends = vec![from];
-    ends.extend(onsets.onsets.iter().map(|c| c.mu));
+    ends.extend(onsets.onsets.iter().map(|onset| onset.at));
     ends.push(to);
     let integral = integrate(&distribution, &ends, |mu| named(family, mu, median, reference))?;
     let probability = |a: f64, b: f64| distribution.cumulative(b) - distribution.cumulative(a);
-    let roots = onsets.onsets.iter().map(|c| probability(c.mu - c.error, c.mu + c.error));
+    let roots = onsets.onsets.iter().map(|onset| probability(onset.at - onset.error, onset.at + onset.error));
     let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));
     let error = CUT_OFF + roots.chain(unresolved).sum::<f64>();
     Ok(Exact { integral, error, onsets, counters: family.counters() })
@@ -57,7 +59,7 @@ fn named(
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
     let name = |index: usize| {
-        let ends = family.follow(mu, index, median)?;
+        let ends = follow_branch(family, mu, index, median, SMALLEST_STEP)?;
         Ok(reference.names_of(ends))
     };
     unstable.into_iter().map(name).collect()

@@ -13,7 +13,6 @@
 //! full solutions of independent samples. Its interval rests on the counts of the correction alone and holds for any
 //! prediction. With lateral friction, which the surrogate does not know, the interval is as right and wider.
 
-mod branches;
 mod cell_builder;
 mod control_variate;
 mod error;
@@ -24,14 +23,12 @@ mod integral;
 mod interval;
 mod kd_tree;
 mod one_parameter_family;
-mod onset;
 mod response_surface;
 mod sample_points;
 mod sampling;
 mod stratum;
 mod surrogate;
 
-pub use branches::Link;
 pub use control_variate::control_variate;
 pub use error::EstimatorError;
 pub use evaluations::Evaluations;
@@ -39,7 +36,6 @@ pub use exact::{Exact, exact};
 pub use friction_points::FrictionPoints;
 pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
 pub use interval::ControlVariateEstimate;
-pub use one_parameter_family::{Derivative, OneParameterFamily};
-pub use onset::{Onset, Onsets};
+pub use one_parameter_family::OneParameterFamily;
 pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
 pub use surrogate::Surrogate;

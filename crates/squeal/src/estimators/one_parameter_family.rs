@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use cea::{Counters, EigenSolver, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use num_complex::Complex;
+use tracking::{BranchPoint, Branches, Onsets, RefinedPoint, find_onsets};
 
 use super::EstimatorError;
 use crate::case::Distribution;
@@ -17,6 +18,8 @@ use crate::study::{Scene, UncertainBrake};
 
 /// Spectra after which branches count as unresolvable; chosen.
 const MOST_SPECTRA: usize = 20_000;
+/// Shortest step in mu: what is still open there stays open; chosen.
+pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
@@ -36,20 +39,9 @@ pub struct OneParameterFamily<'a> {
 
 /// All modes at one mu, ascending in frequency.
 #[derive(Debug, Clone)]
-pub(super) struct BranchSpectrum {
-    pub lambdas: Vec<Complex<f64>>,
-    slopes: Vec<Option<Complex<f64>>>,
-}
-
-/// An eigenvalue with its derivative over mu.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Derivative {
-    /// lambda, rad/s, refined by one Newton step with the vectors.
-    pub lambda: Complex<f64>,
-    /// d lambda / d mu.
-    pub slope: Complex<f64>,
-    /// Bound of the error of lambda by rounding, rad/s.
-    pub bound: f64,
+struct BranchSpectrum {
+    lambdas: Vec<Complex<f64>>,
+    rates: Vec<Option<Complex<f64>>>,
 }
 
 /// Friction coefficients, which are never NaN, in their order.
@@ -137,21 +129,17 @@ impl<'a> OneParameterFamily<'a> {
         self.work.counters
     }
 
-    /// The modes at `mu`, one eigenvalue of each pair, ascending in frequency, rad/s.
+    /// Every onset between two coefficients.
     ///
     /// # Errors
-    /// Those of the solver; [`EstimatorError::NotOscillating`].
-    pub fn lambdas(&mut self, mu: f64) -> Result<&[Complex<f64>], EstimatorError> {
-        Ok(&self.spectrum(mu)?.lambdas)
-    }
-
-    /// Every mu with a spectrum, ascending, between two of them, both included.
-    pub(super) fn between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
+    /// Those of the spectra; [`EstimatorError::Unresolved`], and [`TrackingError`](tracking::TrackingError) where the onsets
+    /// contradict the spectra.
+    pub fn onsets(&mut self, from: f64, to: f64) -> Result<Onsets, EstimatorError> {
+        find_onsets(self, from, to, SMALLEST_STEP)
     }
 
     /// The spectrum at `mu`, computed where it is asked for the first time.
-    pub(super) fn spectrum(&mut self, mu: f64) -> Result<&BranchSpectrum, EstimatorError> {
+    fn spectrum(&mut self, mu: f64) -> Result<&BranchSpectrum, EstimatorError> {
         if !self.spectra.contains_key(&Coefficient(mu)) {
             if self.spectra.len() >= MOST_SPECTRA {
                 return Err(EstimatorError::Unresolved { mu, spectra: self.spectra.len() });
@@ -162,46 +150,52 @@ impl<'a> OneParameterFamily<'a> {
             if lambdas.len() != self.system.order() {
                 return Err(EstimatorError::NotOscillating { mu, real: spectrum.real().count() });
             }
-            let slopes = vec![None; lambdas.len()];
-            self.spectra.insert(Coefficient(mu), BranchSpectrum { lambdas, slopes });
+            let rates = vec![None; lambdas.len()];
+            self.spectra.insert(Coefficient(mu), BranchSpectrum { lambdas, rates });
         }
         self.spectra.get(&Coefficient(mu)).ok_or(EstimatorError::Unresolved { mu, spectra: self.spectra.len() })
     }
+}
 
-    /// Eigenvalue, rad/s, and d lambda / d mu of the mode `index` at `mu`.
-    ///
+impl Branches for OneParameterFamily<'_> {
+    type Error = EstimatorError;
+
     /// # Errors
-    /// Those of [`OneParameterFamily::lambdas`].
-    pub fn point(&mut self, mu: f64, index: usize) -> Result<(Complex<f64>, Complex<f64>), EstimatorError> {
-        let spectrum = self.spectrum(mu)?;
-        let lambda = spectrum.lambdas[index];
-        if let Some(slope) = spectrum.slopes[index] {
-            return Ok((lambda, slope));
-        }
-        let slope = self.derivative(mu, lambda)?.slope;
-        if let Some(spectrum) = self.spectra.get_mut(&Coefficient(mu)) {
-            spectrum.slopes[index] = Some(slope);
-        }
-        Ok((lambda, slope))
+    /// Those of the solver; [`EstimatorError::NotOscillating`], [`EstimatorError::Unresolved`].
+    fn lambdas(&mut self, mu: f64) -> Result<&[Complex<f64>], EstimatorError> {
+        Ok(&self.spectrum(mu)?.lambdas)
     }
 
-    /// The derivative of the eigenvalue `lambda` at `mu`.
-    ///
-    /// # Errors
-    /// `lambda` is no eigenvalue.
-    pub fn derivative(&mut self, mu: f64, lambda: Complex<f64>) -> Result<Derivative, EstimatorError> {
+    fn point(&mut self, mu: f64, index: usize) -> Result<BranchPoint, EstimatorError> {
+        let spectrum = self.spectrum(mu)?;
+        let lambda = spectrum.lambdas[index];
+        if let Some(rate) = spectrum.rates[index] {
+            return Ok(BranchPoint { lambda, rate });
+        }
+        let rate = self.refined(mu, lambda)?.rate;
+        if let Some(spectrum) = self.spectra.get_mut(&Coefficient(mu)) {
+            spectrum.rates[index] = Some(rate);
+        }
+        Ok(BranchPoint { lambda, rate })
+    }
+
+    fn refined(&mut self, mu: f64, lambda: Complex<f64>) -> Result<RefinedPoint, EstimatorError> {
         self.system(mu);
         let right = right_vector(&self.system, lambda, &mut self.work)?;
         let left = left_vector(&self.system, lambda, &mut self.work)?;
         let slope = left.dotc(&(self.system.dynamic_stiffness_derivative(lambda) * &right));
-        let moved = left.dotc(&(self.linear.dynamic_stiffness(lambda) * &right));
+        let by_mu = left.dotc(&(self.linear.dynamic_stiffness(lambda) * &right));
         let residual = left.dotc(&(self.system.dynamic_stiffness(lambda) * &right));
         let l = lambda.norm();
         let size = l * l * self.system.m.norm() + l * self.system.c.norm() + self.system.k.norm();
-        Ok(Derivative {
+        Ok(RefinedPoint {
             lambda: lambda - residual / slope,
-            slope: -moved / slope,
+            rate: -by_mu / slope,
             bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
         })
+    }
+
+    fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
+        self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
     }
 }

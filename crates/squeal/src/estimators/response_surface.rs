@@ -7,6 +7,7 @@
 use linsys::ChannelGain;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use tracking::link_error;
 
 use super::sample_points::SampledMode;
 
@@ -19,8 +20,6 @@ const RIDGE: f64 = 1e-10;
 const UNCERTAIN_RESIDUALS: f64 = 2.0;
 /// Distance of slopes from the centre beyond which a polynomial is not relied on, in those of the corners; chosen.
 const RELIABLE_RANGE: f64 = 1.25;
-/// Weight of a change of direction against a change of place, in telling branches apart; chosen.
-const DIRECTION_WEIGHT: f64 = 0.25;
 
 /// lambda as a polynomial in mu and H, both scaled to a cell.
 #[derive(Debug, Clone)]
@@ -151,9 +150,7 @@ fn size(z: Complex<f64>) -> f64 {
 
 /// The indices of a mode at all corners of a cell, one index each; corner `ks[c]` of eight is on the upper side in direction
 /// d where bit d is set. `None` where a corner has no modes.
-///
-/// An analytic branch misses the mean of its derivatives at the ends of an edge by the third power of the edge's length, and
-/// they differ by its second; those of another branch differ by the first, also where the two cross half-way.
+/// A branch is followed along an edge by the error of its tangents ([`link_error`]).
 pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, index: usize) -> Option<Vec<usize>> {
     let mut path = vec![index; ks.len()];
     // Outwards from the start, one direction after the other.
@@ -162,14 +159,12 @@ pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, 
         for c in known.clone() {
             let Some(other) = ks.iter().position(|&k| k == ks[c] ^ (1 << d)) else { continue };
             let from = &modes[c].1[path[c]];
-            let miss = |to: &SampledMode| {
-                let along = |mode: &SampledMode| {
-                    mode.by_mu * (modes[other].0 - modes[c].0) + mode.by_slope * (to.slope - from.slope)
-                };
-                let (start, end) = (along(from), along(to));
-                size(to.lambda - from.lambda - 0.5 * (start + end)) + DIRECTION_WEIGHT * size(end - start)
+            let step = modes[other].0 - modes[c].0;
+            let error = |to: &SampledMode| {
+                let changes = [from, to].map(|mode| mode.by_mu * step + mode.by_slope * (to.slope - from.slope));
+                link_error([from.lambda, to.lambda], changes)
             };
-            let candidates = modes[other].1.iter().map(miss).enumerate();
+            let candidates = modes[other].1.iter().map(error).enumerate();
             path[other] = candidates.min_by(|a, b| a.1.total_cmp(&b.1))?.0;
             known.push(other);
         }

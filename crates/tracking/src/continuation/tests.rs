@@ -19,7 +19,7 @@ fn continued(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut Workspace::default())
 }
 
-/// The eigenvalue at the end of a trace that knows no modes there; `None` where it does not get there.
+/// The eigenvalue at the end of a continuation that knows no modes there; `None` where it does not get there.
 fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
     let mut work = Workspace::default();
     let here = modes_on_paths(&[PathPoint { path, t: 0.0, lambda: mode.lambda }], &mut work).remove(0)?;

@@ -1,0 +1,192 @@
+//! Branches of eigenvalues over one real parameter: which eigenvalue at one value of it continues which at another.
+//!
+//! From both ends of a step the tangents are drawn to its middle. Those of one analytic branch meet there up to the third
+//! order of the step and differ in direction by its first; those of different branches do not, also where the
+//! eigenvalues cross. A link is clear where its tangents meet far better than those of any rival; a step without a clear
+//! link is halved.
+
+use std::collections::BTreeSet;
+
+use num_complex::Complex;
+
+use crate::step_control::PredictorErrors;
+
+/// Weight of a change of direction against a change of place in the error of a link; chosen.
+const DIRECTION_WEIGHT: f64 = 0.25;
+/// Largest error of a clear link, as a part of that of its best rival; chosen.
+const CLEAR_LINK_ERROR: f64 = 0.25;
+/// Eigenvalues nearest to the tangent that are compared: only those can win, and the others are spared their derivatives.
+const COMPARED: usize = 4;
+
+/// An eigenvalue and how it moves with the parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BranchPoint {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// d lambda / d parameter.
+    pub rate: Complex<f64>,
+}
+
+/// An eigenvalue, refined, with a bound of its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinedPoint {
+    /// lambda, rad/s, after one Newton step with both vectors.
+    pub lambda: Complex<f64>,
+    /// d lambda / d parameter.
+    pub rate: Complex<f64>,
+    /// Bound of the error of lambda by rounding, rad/s.
+    pub bound: f64,
+}
+
+/// The eigenvalues of systems with one real parameter, computed where they are asked for and kept.
+///
+/// A trait, because what a derivative by the parameter is, and how a spectrum is found, is known to the maker of the systems
+/// alone. All methods are asked many times for the same parameter.
+pub trait Branches {
+    /// What can stand in the way.
+    type Error;
+
+    /// One eigenvalue of each pair, rad/s, ascending in frequency, as many everywhere.
+    ///
+    /// # Errors
+    /// Those of the systems and of the solver.
+    fn lambdas(&mut self, at: f64) -> Result<&[Complex<f64>], Self::Error>;
+
+    /// The eigenvalue `index` of [`Branches::lambdas`] with its derivative.
+    ///
+    /// # Errors
+    /// As [`Branches::lambdas`], and those of the vectors.
+    fn point(&mut self, at: f64, index: usize) -> Result<BranchPoint, Self::Error>;
+
+    /// The eigenvalue next to `lambda`, one of [`Branches::lambdas`], to full accuracy.
+    ///
+    /// # Errors
+    /// As [`Branches::point`].
+    fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, Self::Error>;
+
+    /// The parameters from one to another at which spectra are known, ascending, both included where known.
+    fn known_between(&self, from: f64, to: f64) -> Vec<f64>;
+}
+
+/// How an eigenvalue continues over a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BranchLink {
+    /// Index at the other end.
+    pub to: usize,
+    /// By how much the tangents miss each other, rad/s.
+    pub error: f64,
+    /// Whether no other link comes near.
+    pub is_clear: bool,
+}
+
+/// By how much the tangents at both ends of a step miss each other half-way, in place and in direction, rad/s: the error of the
+/// trapezoidal rule and a part of the change of slope. `changes` are the derivatives at the ends times the step; where there
+/// are several parameters, the sum over them.
+///
+/// An analytic branch misses the mean of its derivatives by the third power of the step, and they differ by its second; those
+/// of another branch differ by the first, also where the two cross half-way.
+pub fn link_error(ends: [Complex<f64>; 2], changes: [Complex<f64>; 2]) -> f64 {
+    PredictorErrors::new(ends, changes, 1.0).trapezoid + DIRECTION_WEIGHT * (changes[1] - changes[0]).norm()
+}
+
+/// [`link_error`] of a step over the one parameter.
+fn step_error(from: BranchPoint, to: BranchPoint, step: f64) -> f64 {
+    link_error([from.lambda, to.lambda], [from.rate * step, to.rate * step])
+}
+
+/// The best link of the mode `index` at `a` to a mode at `b`.
+///
+/// # Errors
+/// Those of the branches.
+pub fn link<B: Branches + ?Sized>(branches: &mut B, a: f64, index: usize, b: f64) -> Result<BranchLink, B::Error> {
+    let from = branches.point(a, index)?;
+    let (best, second) = two_best(branches, from, a, b)?;
+    let there = branches.point(b, best.0)?;
+    let (back, rival) = two_best(branches, there, b, a)?;
+    let is_clear = best.1 <= CLEAR_LINK_ERROR * second.min(rival) && back.0 == index;
+    Ok(BranchLink { to: best.0, error: best.1, is_clear })
+}
+
+/// The mode at `b` with the least error as a continuation of `from`, its error and that of the second best.
+fn two_best<B: Branches + ?Sized>(
+    branches: &mut B,
+    from: BranchPoint,
+    a: f64,
+    b: f64,
+) -> Result<((usize, f64), f64), B::Error> {
+    let step = b - a;
+    let predicted = from.lambda + from.rate * (0.5 * step);
+    let mut near: Vec<(usize, f64)> =
+        branches.lambdas(b)?.iter().enumerate().map(|(j, lambda)| (j, (lambda - predicted).norm())).collect();
+    near.sort_by(|x, y| x.1.total_cmp(&y.1));
+    let (mut best, mut second) = ((usize::MAX, f64::INFINITY), f64::INFINITY);
+    for &(j, _) in near.iter().take(COMPARED) {
+        let error = step_error(from, branches.point(b, j)?, step);
+        if error < best.1 {
+            second = best.1;
+            best = (j, error);
+        } else {
+            second = second.min(error);
+        }
+    }
+    Ok((best, second))
+}
+
+/// The modes at `b` that the mode `index` at `a` may have become: one, unless a coalescence lies nearer to the branch than
+/// steps of the `smallest` length tell. Steps over the known spectra, halved where a link is not clear.
+///
+/// # Errors
+/// Those of the branches.
+pub fn follow_branch<B: Branches + ?Sized>(
+    branches: &mut B,
+    a: f64,
+    index: usize,
+    b: f64,
+    smallest: f64,
+) -> Result<BTreeSet<usize>, B::Error> {
+    branches.lambdas(a)?;
+    branches.lambdas(b)?;
+    let mut nodes = branches.known_between(a.min(b), a.max(b));
+    if a > b {
+        nodes.reverse();
+    }
+    let mut now = BTreeSet::from([index]);
+    for step in nodes.windows(2) {
+        let mut next = BTreeSet::new();
+        for &index in &now {
+            next.extend(follow_step(branches, step[0], index, step[1], smallest)?);
+        }
+        now = next;
+    }
+    Ok(now)
+}
+
+/// [`follow_branch`] over one step between known spectra.
+fn follow_step<B: Branches + ?Sized>(
+    branches: &mut B,
+    a: f64,
+    index: usize,
+    b: f64,
+    smallest: f64,
+) -> Result<BTreeSet<usize>, B::Error> {
+    let link = link(branches, a, index, b)?;
+    if link.is_clear {
+        return Ok(BTreeSet::from([link.to]));
+    }
+    let step = b - a;
+    if step.abs() <= smallest {
+        let from = branches.point(a, index)?;
+        let rival_error = link.error / CLEAR_LINK_ERROR;
+        let lambdas = branches.lambdas(b)?.to_vec();
+        let mut open = BTreeSet::from([link.to]);
+        for (j, lambda) in lambdas.into_iter().enumerate() {
+            let is_far = (lambda - from.lambda).norm() > rival_error + from.rate.norm() * step.abs();
+            if !is_far && step_error(from, branches.point(b, j)?, step) <= rival_error {
+                open.insert(j);
+            }
+        }
+        return Ok(open);
+    }
+    branches.lambdas(0.5 * (a + b))?;
+    follow_branch(branches, a, index, b, smallest)
+}

@@ -1,0 +1,216 @@
+//! Every onset over one real parameter: where an eigenvalue crosses the imaginary axis (a Hopf point), whichever way.
+//!
+//! The interval is halved until in each step every branch that could reach the axis either keeps its distance or crosses
+//! it once. What a branch does between two spectra is judged by its tangents: where both differ from the chord by less than
+//! half of it, Re lambda is monotonic; otherwise, on an arc of parabola, it leaves the chord by |s_b - s_a| h / 8, and four
+//! times this is allowed for. All spectra then have to agree with the onsets found.
+
+use num_complex::Complex;
+
+use crate::TrackingError;
+use crate::branch::{BranchPoint, Branches, RefinedPoint, link};
+use crate::error::check_interval;
+
+/// Steps that an interval is divided into before any halving; chosen.
+const FIRST_STEPS: usize = 16;
+/// A branch is watched if it could reach the axis moving this many times faster than it does at either end; chosen.
+const RATE_MARGIN: f64 = 2.0;
+/// Steps of the root search at most; chosen: bisection alone takes about 50.
+const MOST_STEPS: usize = 60;
+
+/// Where an eigenvalue crosses the imaginary axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Onset {
+    /// The parameter.
+    pub at: f64,
+    /// Bound of its error.
+    pub error: f64,
+    /// Im lambda, rad/s.
+    pub omega: f64,
+    /// Whether the mode becomes unstable with a growing parameter.
+    pub destabilises: bool,
+}
+
+/// What was found on an interval.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Onsets {
+    /// Ascending.
+    pub onsets: Vec<Onset>,
+    /// Steps of the smallest length in which a branch touches the axis so closely that it was not decided.
+    pub unresolved: Vec<(f64, f64)>,
+}
+
+/// A watched branch over a step: its mode at both ends.
+type Watched = (usize, usize);
+
+enum Step {
+    Quiet,
+    Once(Vec<Watched>),
+    Unclear,
+}
+
+/// Every onset from one parameter to another; steps are not halved below the `smallest` length.
+///
+/// # Errors
+/// Those of the branches; [`TrackingError::OnsetNotConverged`], [`TrackingError::OnsetsContradicted`],
+/// [`TrackingError::Interval`].
+pub fn find_onsets<B>(branches: &mut B, from: f64, to: f64, smallest: f64) -> Result<Onsets, B::Error>
+where
+    B: Branches + ?Sized,
+    B::Error: From<TrackingError>,
+{
+    check_interval(from, to)?;
+    let mut found = Onsets::default();
+    let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
+    for i in 0..FIRST_STEPS {
+        search(branches, at(i), at(i + 1), smallest, &mut found)?;
+    }
+    found.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
+    check(branches, [from, to], smallest, &found)?;
+    Ok(found)
+}
+
+fn search<B>(branches: &mut B, a: f64, b: f64, smallest: f64, found: &mut Onsets) -> Result<(), B::Error>
+where
+    B: Branches + ?Sized,
+    B::Error: From<TrackingError>,
+{
+    match judge(branches, a, b)? {
+        Step::Quiet => Ok(()),
+        Step::Once(watched) => {
+            for (f, j) in watched {
+                found.onsets.push(onset_between(branches, (a, f), (b, j))?);
+            }
+            Ok(())
+        }
+        Step::Unclear if b - a <= smallest => {
+            found.unresolved.push((a, b));
+            Ok(())
+        }
+        Step::Unclear => {
+            let middle = 0.5 * (a + b);
+            search(branches, a, middle, smallest, found)?;
+            search(branches, middle, b, smallest, found)
+        }
+    }
+}
+
+/// What the branches do in a step.
+fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step, B::Error> {
+    let h = b - a;
+    let mut crossing = Vec::new();
+    let (here, there) = (watched(branches, a, h)?, watched(branches, b, h)?);
+    let mut linked = Vec::with_capacity(here.len());
+    for f in here {
+        let link = link(branches, a, f, b)?;
+        if !link.is_clear {
+            return Ok(Step::Unclear);
+        }
+        linked.push((f, link.to));
+    }
+    for j in there {
+        if !linked.iter().any(|&(_, to)| to == j) {
+            let link = link(branches, b, j, a)?;
+            if !link.is_clear {
+                return Ok(Step::Unclear);
+            }
+            linked.push((link.to, j));
+        }
+    }
+    for (f, j) in linked {
+        let (start, end) = (branches.point(a, f)?, branches.point(b, j)?);
+        let chord = (end.lambda.re - start.lambda.re) / h;
+        let is_straight = |rate: f64| (rate - chord).abs() < 0.5 * chord.abs();
+        let is_monotonic = is_straight(start.rate.re) && is_straight(end.rate.re);
+        let does_cross = is_unstable(&start.lambda) != is_unstable(&end.lambda);
+        let keeps_distance =
+            start.lambda.re.abs().min(end.lambda.re.abs()) > 0.5 * (end.rate.re - start.rate.re).abs() * h;
+        match (does_cross, is_monotonic) {
+            (true, true) => crossing.push((f, j)),
+            (false, true) => {}
+            (false, false) if keeps_distance => {}
+            _ => return Ok(Step::Unclear),
+        }
+    }
+    Ok(if crossing.is_empty() { Step::Quiet } else { Step::Once(crossing) })
+}
+
+/// On the axis counts as unstable, so that an onset at a parameter with a spectrum lies in one of the two steps there.
+fn is_unstable(lambda: &Complex<f64>) -> bool {
+    lambda.re >= 0.0
+}
+
+/// Modes at a parameter that could reach the axis within a step of length `h`, or are past it.
+fn watched<B: Branches + ?Sized>(branches: &mut B, at: f64, h: f64) -> Result<Vec<usize>, B::Error> {
+    let mut watched = Vec::new();
+    for i in 0..branches.lambdas(at)?.len() {
+        let BranchPoint { lambda, rate } = branches.point(at, i)?;
+        if lambda.re + RATE_MARGIN * rate.norm() * h >= 0.0 {
+            watched.push(i);
+        }
+    }
+    Ok(watched)
+}
+
+/// The one onset of a branch between two parameters, given with the mode that it is there, to full accuracy: Newton's method
+/// kept within the bracket. Re lambda must have different signs at the ends.
+///
+/// # Errors
+/// Those of the branches; [`TrackingError::OnsetNotConverged`].
+pub fn onset_between<B>(branches: &mut B, (a, f): (f64, usize), (b, j): (f64, usize)) -> Result<Onset, B::Error>
+where
+    B: Branches + ?Sized,
+    B::Error: From<TrackingError>,
+{
+    let (first, last) = (branches.point(a, f)?, branches.point(b, j)?.lambda);
+    let destabilises = !is_unstable(&first.lambda);
+    let (mut low, mut high) = (a, b);
+    let mut left = f64::INFINITY;
+    // The chord's root to begin with.
+    let start = a + (b - a) * first.lambda.re / (first.lambda.re - last.re);
+    let mut guess = first.lambda + first.rate * (start - a);
+    let mut at = a.max(start);
+    for _ in 0..MOST_STEPS {
+        let nearest = |x: &&Complex<f64>, y: &&Complex<f64>| (*x - guess).norm().total_cmp(&(*y - guess).norm());
+        let Some(&lambda) = branches.lambdas(at)?.iter().min_by(nearest) else { break };
+        let RefinedPoint { lambda, rate, bound } = branches.refined(at, lambda)?;
+        if is_unstable(&lambda) != destabilises {
+            low = at;
+        } else {
+            high = at;
+        }
+        let step = -lambda.re / rate.re;
+        let error = bound / rate.re.abs();
+        left = step.abs();
+        if left <= error.max(2.0 * f64::EPSILON * at.abs()) {
+            return Ok(Onset { at, error: error + left, omega: lambda.im, destabilises });
+        }
+        let next = if at + step > low && at + step < high { at + step } else { 0.5 * (low + high) };
+        guess = lambda + rate * (next - at);
+        at = next;
+    }
+    Err(TrackingError::OnsetNotConverged { from: a, to: b, left, steps: MOST_STEPS }.into())
+}
+
+/// Every spectrum known has as many unstable modes as the onsets below it leave.
+fn check<B>(branches: &mut B, [from, to]: [f64; 2], smallest: f64, found: &Onsets) -> Result<(), B::Error>
+where
+    B: Branches + ?Sized,
+    B::Error: From<TrackingError>,
+{
+    let unstable = |lambdas: &[Complex<f64>]| lambdas.iter().filter(|lambda| is_unstable(lambda)).count();
+    let start = unstable(branches.lambdas(from)?) as i64;
+    let is_open = |at: f64| {
+        found.unresolved.iter().any(|&(a, b)| (a..=b).contains(&at))
+            || found.onsets.iter().any(|onset| (at - onset.at).abs() <= onset.error + smallest)
+    };
+    for at in branches.known_between(from, to) {
+        let change = |onset: &Onset| if onset.destabilises { 1 } else { -1 };
+        let expected = start + found.onsets.iter().filter(|onset| onset.at < at).map(change).sum::<i64>();
+        let found = unstable(branches.lambdas(at)?);
+        if found as i64 != expected && !is_open(at) {
+            return Err(TrackingError::OnsetsContradicted { at, found, expected }.into());
+        }
+    }
+    Ok(())
+}
