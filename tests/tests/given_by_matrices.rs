@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use approx::assert_relative_eq;
-use cea::{Workspace, general};
+use cea::{Workspace, certified};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Matrix2, Vector2, Vector3, dmatrix};
 use squeal::case::{CaseFile, MatricesCase};
@@ -28,7 +28,7 @@ fn hoffmanns_oscillator_flutters_from_its_closed_form_onset() {
     let case = case("hoffmann.toml");
     let growth = |mu: f64| {
         let system = system(&case, |_| mu);
-        let spectrum = general::solve(&system, &mut Workspace::default()).unwrap();
+        let spectrum = certified::solve(&system, &mut Workspace::default()).unwrap();
         spectrum.eigenvalues.iter().map(|lambda| lambda.re).fold(f64::MIN, f64::max)
     };
     let onset = (1.0 + 2.0 * 0.05 * 0.05) * 0.75;

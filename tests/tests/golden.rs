@@ -12,8 +12,8 @@ use friction::{
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{
-    BrakeModel, ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, Linearise,
-    PlateParameters, PreparedLattice, Sign, Sliding,
+    ContactArrangement, ContactPoint, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters,
+    PreparedLattice, Sign, Sliding,
 };
 use serde::Deserialize;
 use work::{Family, ModeWork, family_work};
@@ -127,7 +127,6 @@ impl Case {
             tangent: self.tangent(p),
             lateral_mu,
             normal_load: self.preload,
-            stiffness_factor: 1.0,
         });
         assert!(self.contact.is_sorted(), "contacts are listed in the order of the arrangement");
         Sliding { speed: self.speed, contacts: contacts.collect() }
@@ -172,13 +171,15 @@ fn eigenvalues_are_the_golden_ones_by_every_route() {
 
 fn work_of(golden: &Golden, lambda: Complex<f64>) -> ModeWork {
     let (lattice, sliding) = (golden.case.lattice(), golden.case.sliding());
-    let mut friction = SecondOrder::zeros(lattice.structural().order(), 0);
-    lattice.linearise_friction(&sliding, &mut friction).unwrap();
+    let at = lattice.operating_point(&sliding).unwrap();
+    let brake = lattice.brake();
+    let mut friction = SecondOrder::zeros(brake.system.order(), 0);
+    brake.system.friction_into(&at, &mut friction).unwrap();
     let system = lattice.linearised(&sliding).unwrap();
     let phi = right_vector(&system, lambda, &mut Workspace::default()).unwrap();
     let damping = lattice.structural().damping_alone();
     let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
-    family_work(&system.m, &families, lambda, &phi, lattice.bodies()).unwrap()
+    family_work(&system.m, &families, lambda, &phi, &brake.bodies).unwrap()
 }
 
 #[test]

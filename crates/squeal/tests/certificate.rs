@@ -9,8 +9,9 @@ use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
 use rayon::prelude::*;
-use squeal::case::Case;
-use squeal::study::{Outcome, Plan, Sample, Study};
+use squeal::brakes::{LatticeBrake, LatticeSample};
+use squeal::case::LatticeCase;
+use squeal::study::{Outcome, Study, UncertainBrake as _};
 
 /// Samples solved at a time.
 const BLOCK: u64 = 64;
@@ -61,20 +62,19 @@ fn of_study(outcome: &Outcome) -> Verdicts {
 }
 
 /// Counts `samples` draws in each scene.
-fn count(case: Case, samples: u64) -> Vec<Count> {
-    let plan = Plan::new(case).unwrap();
-    let study = Study::new(&plan, &BatchSolver).unwrap();
+fn count(case: LatticeCase, samples: u64) -> Vec<Count> {
+    let brake = LatticeBrake::new(case).unwrap();
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let plan = &brake.plan;
     // Not those of the pilots, which are the first of the case's own seed.
-    let draw = |index| Sample::draw(&plan.case, &mut stream(plan.case.seed + 1, index)).unwrap();
+    let draw = |index| LatticeSample::draw(&brake.case, &mut stream(brake.case.seed + 1, index)).unwrap();
     let of_scene = |scene: usize| {
         let (mut count, mut work, mut spectra) = (Count::default(), Workspace::default(), Vec::new());
         let (mut scratch, mut outcomes) = (Default::default(), Vec::new());
         for first in (0..samples).step_by(BLOCK as usize) {
-            let samples: Vec<Sample> = (first..samples.min(first + BLOCK)).map(draw).collect();
-            let mut systems = vec![SecondOrder::zeros(1, 0); samples.len()];
-            for (sample, system) in samples.iter().zip(&mut systems) {
-                plan.linearise(&plan.scenes[scene], sample, system).unwrap();
-            }
+            let samples: Vec<LatticeSample> = (first..samples.min(first + BLOCK)).map(draw).collect();
+            let system = |sample| brake.system(&plan.scenes[scene], sample).unwrap();
+            let systems: Vec<SecondOrder> = samples.iter().map(system).collect();
             BatchSolver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
             study.evaluate_block(scene, &samples.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
             for ((system, spectrum), outcome) in systems.iter().zip(&spectra).zip(outcomes.drain(..)) {
@@ -135,16 +135,17 @@ fn friction_across_the_sliding_is_not_certified() {
 fn a_certified_sample_costs_nothing_and_an_open_one_of_like_contacts_no_spectrum() {
     for (draws, is_like) in [("draws = \"shared\"", true), ("draws = \"each\"", false)] {
         let changes: Vec<_> = LESS.into_iter().chain([("draws = \"shared\"", draws)]).collect();
-        let plan = Plan::new(case("two-by-two.toml", &changes)).unwrap();
-        let study = Study::new(&plan, &BatchSolver).unwrap();
+        let brake = LatticeBrake::new(case("two-by-two.toml", &changes)).unwrap();
+        let study = Study::new(&brake, &BatchSolver).unwrap();
         let (mut certified, mut open, mut handed_back) = (0, 0, 0);
         for index in 0..40 {
             let sample = study.draw(&mut stream(1, index)).unwrap();
-            for (at, scene) in plan.scenes.iter().enumerate() {
+            for (at, scene) in brake.plan.scenes.iter().enumerate() {
                 let mut scratch = Default::default();
                 let outcome = study.evaluate(at, &sample, &mut scratch).unwrap();
                 let counters = scratch.counters();
-                if study.certificates()[scene.lattice].covers(&plan.sliding(scene, &sample).unwrap()) {
+                let point = brake.operating_point(scene, &sample).unwrap();
+                if study.certificates()[scene.configuration].covers(&point) {
                     assert_eq!(outcome, Outcome { is_certified: true, ..Outcome::default() });
                     assert_eq!(counters, Counters::default());
                     certified += 1;
@@ -166,7 +167,7 @@ fn a_certified_sample_costs_nothing_and_an_open_one_of_like_contacts_no_spectrum
 fn a_million_samples_of_the_papers_case() {
     let case = case("paper.toml", &[]);
     let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
-    let plan = Plan::new(case.clone()).unwrap();
+    let plan = LatticeBrake::new(case.clone()).unwrap().plan;
     let counts = count(case, 1_000_000_u64.div_ceil(plan.scenes.len() as u64));
     for (constraints, name) in names.iter().enumerate() {
         let of_set = plan.scenes.iter().zip(&counts).filter(|(scene, _)| scene.key.constraints == constraints);

@@ -6,15 +6,16 @@ use std::path::Path;
 
 use cea::{BatchSolver, QrSolver};
 use montecarlo::Experiment as _;
-use squeal::case::{Case, Law};
+use squeal::brakes::LatticeBrake;
+use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{
     EstimatorError, Evaluations, Exact, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
     quasi_monte_carlo,
 };
-use squeal::study::{Plan, Sample, Study};
+use squeal::study::{Study, UncertainBrake as _};
 
 /// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
-fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
+fn brake(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> LatticeBrake {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
     let mut text = std::fs::read_to_string(path)
         .unwrap()
@@ -26,26 +27,26 @@ fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    Plan::new(Case::parse(path, text).unwrap()).unwrap()
+    LatticeBrake::new(LatticeCase::parse(path, text).unwrap()).unwrap()
 }
 
 const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
 
-fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
-    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
-    exact(study.plan(), &study.references()[scene], &mut family).unwrap()
+fn exact_of(study: &Study<'_, LatticeBrake>, scene: usize) -> Exact {
+    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    exact(&study.references()[scene], &mut family).unwrap()
 }
 
 #[test]
 fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
-    let plan = plan(SOME, "amontons-coulomb", &[]);
-    let study = Study::new(&plan, &QrSolver).unwrap();
+    let brake = brake(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&brake, &QrSolver).unwrap();
     let mut scratch = Default::default();
-    for scene in 0..plan.scenes.len() {
+    for scene in 0..brake.plan.scenes.len() {
         let exact = exact_of(&study, scene);
         assert!(exact.error < 1e-10 && exact.counters.eigenvalue_solves < 200);
         for i in 0..100 {
-            let sample = Sample::draw(&plan.case, &mut montecarlo::stream(7, i)).unwrap();
+            let sample = brake.draw(&mut montecarlo::stream(7, i)).unwrap();
             let mu = sample.contact(0).mu;
             let outcome = study.evaluate(scene, &sample, &mut scratch).unwrap();
             let piece = exact.integral.pieces.iter().find(|p| p.from <= mu && mu < p.to).unwrap();
@@ -57,9 +58,9 @@ fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
 
 #[test]
 fn two_thousand_samples_agree_with_the_exact_integral_within_their_intervals() {
-    let plan = plan("[[1,2,3,4,5,6,7,8,9],[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
-    let study = Study::new(&plan, &BatchSolver).unwrap();
-    for scene in 0..plan.scenes.len() {
+    let brake = brake("[[1,2,3,4,5,6,7,8,9],[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    for scene in 0..brake.plan.scenes.len() {
         let exact = exact_of(&study, scene).integral.occurrences;
         let samples = monte_carlo(&study, scene, 11, 2000).unwrap();
         for (name, occurrence) in &exact {
@@ -75,8 +76,8 @@ fn two_thousand_samples_agree_with_the_exact_integral_within_their_intervals() {
 
 #[test]
 fn scrambled_sobol_points_converge_to_the_exact_integral() {
-    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
-    let study = Study::new(&plan, &QrSolver).unwrap();
+    let brake = brake("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let study = Study::new(&brake, &QrSolver).unwrap();
     let exact = exact_of(&study, 0).integral.occurrences;
     for (points, tolerance) in [(16, 0.04), (256, 0.0025)] {
         let found = quasi_monte_carlo(&study, 0, 5, points, 4).unwrap();
@@ -92,8 +93,8 @@ fn scrambled_sobol_points_converge_to_the_exact_integral() {
 #[test]
 fn sobol_points_sample_every_law() {
     for law in ["velocity-dependent", "lugre"] {
-        let plan = plan("[[1,2,3,4,5,6,7,8,9]]", law, &[]);
-        let study = Study::new(&plan, &BatchSolver).unwrap();
+        let brake = brake("[[1,2,3,4,5,6,7,8,9]]", law, &[]);
+        let study = Study::new(&brake, &BatchSolver).unwrap();
         let plain = monte_carlo(&study, 0, 3, 400).unwrap();
         let quasi = quasi_monte_carlo(&study, 0, 3, 64, 4).unwrap();
         for (name, mode) in plain.modes {
@@ -110,23 +111,23 @@ fn what_is_no_family_is_refused() {
         ("amontons-coulomb", &[("draws = \"shared\"", "draws = \"each\"")]),
         ("amontons-coulomb", &[("lateral = \"none\"", "lateral = \"vector\"")]),
     ] {
-        let plan = plan("[[1,3,4,5,6,8]]", law, edits);
-        let refused = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).map(|_| ());
+        let brake = brake("[[1,3,4,5,6,8]]", law, edits);
+        let refused = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).map(|_| ());
         assert!(matches!(refused, Err(EstimatorError::NotOneParameter { .. })));
     }
-    assert_eq!(plan(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
+    assert_eq!(brake(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
 }
 
 #[test]
 fn the_control_variate_agrees_with_plain_samples() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/two-by-two.toml"));
-    let mut case = Case::read(path).unwrap();
+    let mut case = LatticeCase::read(path).unwrap();
     case.constraints.truncate(1);
     case.laws = vec![Law::VelocityDependent, Law::LuGre];
-    let plan = Plan::new(case).unwrap();
-    let study = Study::new(&plan, &BatchSolver).unwrap();
-    for (scene, of) in plan.scenes.iter().enumerate() {
-        let points = FrictionPoints::new(&plan, of.key, 1e4, 1 << 12, 8).unwrap();
+    let brake = LatticeBrake::new(case).unwrap();
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    for (scene, of) in brake.plan.scenes.iter().enumerate() {
+        let points = FrictionPoints::new(&brake, of, 1e4, 1 << 12, 8).unwrap();
         let found = control_variate(&study, scene, &points, 1, 5e-3).unwrap();
         let Evaluations { sample_points, pilots, clear, uncertain } = found.evaluations;
         assert!(found.half_width() <= 5e-3 && clear + uncertain < 5_000, "{scene}: {found:?}");
@@ -149,9 +150,9 @@ fn the_control_variate_agrees_with_plain_samples() {
 
 #[test]
 fn the_prediction_is_right_for_nearly_every_sample() {
-    let plan = plan("[[1,3,4,5,6,8]]", "velocity-dependent", &[]);
-    let study = Study::new(&plan, &BatchSolver).unwrap();
-    let points = FrictionPoints::new(&plan, plan.scenes[0].key, 1.14e4, 1 << 12, 8).unwrap();
+    let brake = brake("[[1,3,4,5,6,8]]", "velocity-dependent", &[]);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let points = FrictionPoints::new(&brake, &brake.plan.scenes[0], 1.14e4, 1 << 12, 8).unwrap();
     let found = control_variate(&study, 0, &points, 1, 5e-3).unwrap();
     assert!(
         found.wrong[0] <= 1 && found.uncertain < 0.01,
@@ -169,10 +170,10 @@ fn the_prediction_is_right_for_nearly_every_sample() {
 #[ignore = "solves 800,000 samples"]
 fn occurrences_to_a_tenth_agree_with_many_plain_samples() {
     for law in ["velocity-dependent", "lugre"] {
-        let plan = plan("[[1,3,4,5,6,8]]", law, &[]);
-        let study = Study::new(&plan, &BatchSolver).unwrap();
-        for (scene, of) in plan.scenes.iter().enumerate() {
-            let points = FrictionPoints::new(&plan, of.key, 1.14e4, 1 << 15, 32).unwrap();
+        let brake = brake("[[1,3,4,5,6,8]]", law, &[]);
+        let study = Study::new(&brake, &BatchSolver).unwrap();
+        for (scene, of) in brake.plan.scenes.iter().enumerate() {
+            let points = FrictionPoints::new(&brake, of, 1.14e4, 1 << 15, 32).unwrap();
             let found = control_variate(&study, scene, &points, 1, 1e-3).unwrap();
             let plain = monte_carlo(&study, scene, 2, 200_000).unwrap();
             println!(

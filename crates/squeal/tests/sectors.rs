@@ -10,23 +10,24 @@ use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
-use osc_model::Sector;
+use osc_model::{Sector, Sectors};
 use rayon::prelude::*;
-use squeal::case::Case;
-use squeal::study::{Outcome, Plan, Sample, Study};
+use squeal::brakes::{LatticeBrake, LatticeSample};
+use squeal::case::{LatticeCase, Law};
+use squeal::study::{Outcome, Plan, Scene, Study, UncertainBrake as _};
 
-/// The plan of a case in which every lattice is its only sector.
-fn whole(case: Case) -> Plan {
-    let mut plan = Plan::new(case).unwrap();
-    let one = |(set, lattice): &(usize, osc_model::PreparedLattice)| {
-        plan.models[*set].one_sector(lattice.arrangement()).unwrap()
-    };
-    plan.sectors = plan.lattices.iter().map(one).collect();
-    plan
+/// The brake of a case in which every lattice is its only sector.
+fn whole(case: LatticeCase) -> LatticeBrake {
+    let mut brake = LatticeBrake::new(case).unwrap();
+    let of_configurations = brake.plan.configurations.iter_mut().map(|configuration| &mut configuration.brake);
+    for brake in of_configurations.chain(brake.plan.origins.iter_mut().map(|origin| &mut origin.brake)) {
+        brake.sectors = Sectors::whole(brake.system.order(), brake.system.channels().len());
+    }
+    brake
 }
 
 fn sectors_of(plan: &Plan, scene: usize) -> usize {
-    plan.sectors[plan.scenes[scene].lattice].iter().len()
+    plan.brake(&plan.scenes[scene]).sectors.iter().len()
 }
 
 /// What two ways of solving the same samples say.
@@ -63,11 +64,12 @@ impl Count {
                 let is_part = !ours.names.is_empty() && ours.names.iter().all(|name| theirs.names.contains(name));
                 *(if is_part { &mut count.closed } else { &mut count.renamed }) += 1;
             }
-            assert_eq!(ours.net_work.is_some(), theirs.net_work.is_some());
-            if let (Some(ours), Some(theirs)) = (&ours.net_work, &theirs.net_work) {
+            assert_eq!(ours.work.is_some(), theirs.work.is_some());
+            if let (Some(ours), Some(theirs)) = (&ours.work, &theirs.work) {
+                let (ours, theirs) = (ours.net(), theirs.net());
                 let largest = theirs.iter().fold(0.0_f64, |most, work| most.max(work.abs()));
                 let difference = |(a, b): (&f64, &f64)| (a - b).abs() / largest;
-                count.net_work = ours.iter().zip(theirs).map(difference).fold(count.net_work, f64::max);
+                count.net_work = ours.iter().zip(&theirs).map(difference).fold(count.net_work, f64::max);
             }
         }
         count
@@ -75,11 +77,11 @@ impl Count {
 }
 
 /// Compares `samples` draws in each scene that falls apart.
-fn compare(case: &Case, samples: u64) -> Count {
-    let (split, whole) = (Plan::new(case.clone()).unwrap(), whole(case.clone()));
-    let [split, whole] = [&split, &whole].map(|plan| Study::new(plan, &BatchSolver).unwrap());
-    let draws: Vec<Sample> = (0..samples).map(|index| split.draw(&mut stream(7, index)).unwrap()).collect();
-    let draws: Vec<&Sample> = draws.iter().collect();
+fn compare(case: &LatticeCase, samples: u64) -> Count {
+    let (split, whole) = (LatticeBrake::new(case.clone()).unwrap(), whole(case.clone()));
+    let [split, whole] = [&split, &whole].map(|brake| Study::new(brake, &BatchSolver).unwrap());
+    let draws: Vec<LatticeSample> = (0..samples).map(|index| split.draw(&mut stream(7, index)).unwrap()).collect();
+    let draws: Vec<&LatticeSample> = draws.iter().collect();
     let of_scene = |scene: usize| {
         let outcomes = [&split, &whole].map(|study| {
             let mut out = Vec::new();
@@ -124,23 +126,24 @@ fn sectors_say_what_the_whole_says() {
 #[test]
 fn secular_equations_say_what_spectra_say() {
     let contacts = ("[9, 8, 7, 6]", "[9, 8]");
-    let plan = Plan::new(case("paper.toml", &[contacts])).unwrap();
+    let brake = LatticeBrake::new(case("paper.toml", &[contacts])).unwrap();
     let each = case("paper.toml", &[contacts, ("draws = \"shared\"", "draws = \"each\"")]);
-    let study = Study::new(&plan, &BatchSolver).unwrap();
-    let draws: Vec<Sample> = (0..100).map(|index| study.draw(&mut stream(7, index)).unwrap()).collect();
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let draws: Vec<LatticeSample> = (0..100).map(|index| study.draw(&mut stream(7, index)).unwrap()).collect();
     let of_scene = |at: usize| {
-        let evaluated = |first: Option<&Sample>| {
+        let evaluated = |first: Option<&LatticeSample>| {
             let (mut scratch, mut out) = (Default::default(), Vec::new());
-            let block: Vec<&Sample> = first.into_iter().chain(&draws).collect();
+            let block: Vec<&LatticeSample> = first.into_iter().chain(&draws).collect();
             study.evaluate_block(at, &block, &mut scratch, &mut out);
             let outcomes = out.split_off(first.iter().len()).into_iter().map(Result::unwrap).collect::<Vec<Outcome>>();
             (outcomes, scratch.counters())
         };
         // One sample whose contacts differ, if no certificate covers it, leaves its whole block to spectra.
-        let (scene, mut unlike) = (&plan.scenes[at], (0..1000).map(|index| Sample::draw(&each, &mut stream(8, index))));
-        let is_open = |sample: &Sample| {
-            let state = plan.sliding(scene, sample).unwrap();
-            !study.certificates()[scene.lattice].covers(&state)
+        let (scene, mut unlike) =
+            (&brake.plan.scenes[at], (0..1000).map(|index| LatticeSample::draw(&each, &mut stream(8, index))));
+        let is_open = |sample: &LatticeSample| {
+            let point = brake.operating_point(scene, sample).unwrap();
+            !study.certificates()[scene.configuration].covers(&point)
         };
         let Some(unlike) = unlike.find_map(|sample| sample.ok().filter(is_open)) else {
             return (Count::default(), [0; 2]);
@@ -151,7 +154,7 @@ fn secular_equations_say_what_spectra_say() {
         let counts = ours.iter().zip(&theirs).map(|(ours, theirs)| Count::of(ours, theirs));
         (counts.fold(Count::default(), Count::and), [by_equations, by_spectra].map(|all| all.eigenvalue_solves))
     };
-    let counts: Vec<(Count, [u64; 2])> = (0..plan.scenes.len()).into_par_iter().map(of_scene).collect();
+    let counts: Vec<(Count, [u64; 2])> = (0..brake.plan.scenes.len()).into_par_iter().map(of_scene).collect();
     let count = counts.iter().fold(Count::default(), |all, (count, _)| all.and(*count));
     let [few, many] = [0, 1].map(|way| counts.iter().map(|(_, spectra)| spectra[way]).sum::<u64>());
     println!("{count:?}, {few} spectra instead of {many}");
@@ -163,8 +166,8 @@ fn secular_equations_say_what_spectra_say() {
 fn no_reference_mode_loses_its_name() {
     // With fewer in contact the sectors are others than where the names come from.
     for contacts in ["[9, 8]", "[6]"] {
-        let plan = Plan::new(case("paper.toml", &[("[9, 8, 7, 6]", contacts)])).unwrap();
-        let study = Study::new(&plan, &BatchSolver).unwrap();
+        let brake = LatticeBrake::new(case("paper.toml", &[("[9, 8, 7, 6]", contacts)])).unwrap();
+        let study = Study::new(&brake, &BatchSolver).unwrap();
         for (scene, reference) in study.references().iter().enumerate() {
             assert_eq!(reference.names.len(), reference.modes.len());
             assert!(reference.names.iter().all(|names| !names.is_empty()), "scene {scene}: {:?}", reference.names);
@@ -189,10 +192,11 @@ impl EigenSolver for Noting {
 #[test]
 fn a_sample_costs_small_systems_only() {
     let sizes = |changes: &[(&str, &str)], lugre: bool| {
-        let plan = Plan::new(case("paper.toml", &[&[("[9, 8, 7, 6]", "[9]")], changes].concat())).unwrap();
+        let brake = LatticeBrake::new(case("paper.toml", &[&[("[9, 8, 7, 6]", "[9]")], changes].concat())).unwrap();
         let solver = Noting::default();
-        let study = Study::new(&plan, &solver).unwrap();
-        let scene = plan.scenes.iter().position(|scene| lugre == (scene.key.law == squeal::case::Law::LuGre)).unwrap();
+        let study = Study::new(&brake, &solver).unwrap();
+        let has_law = |scene: &Scene| lugre == (brake.law(scene.key) == Law::LuGre);
+        let scene = brake.plan.scenes.iter().position(has_law).unwrap();
         // One whose modes are told by their shapes alone.
         for index in 0..16 {
             let sample = study.draw(&mut stream(1, index)).unwrap();
@@ -213,10 +217,10 @@ fn a_sample_costs_small_systems_only() {
 
 #[test]
 fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
-    let plan = Plan::new(case("paper.toml", &[("[9, 8, 7, 6]", "[9]")])).unwrap();
-    let study = Study::new(&plan, &BatchSolver).unwrap();
+    let brake = LatticeBrake::new(case("paper.toml", &[("[9, 8, 7, 6]", "[9]")])).unwrap();
+    let study = Study::new(&brake, &BatchSolver).unwrap();
     let (mut samples, mut spectra) = (0, 0);
-    for (at, scene) in plan.scenes.iter().enumerate() {
+    for (at, scene) in brake.plan.scenes.iter().enumerate() {
         let (mut open, mut values) = (0, 0);
         for index in 0..100 {
             let mut scratch = Default::default();
@@ -228,7 +232,7 @@ fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
                 spectra += scratch.counters().eigenvalue_solves;
             }
         }
-        let order: usize = plan.sectors[scene.lattice].iter().map(Sector::order).sum();
+        let order: usize = brake.plan.brake(scene).sectors.iter().map(Sector::order).sum();
         // Nine contacts, however they are shared out among the sectors.
         let most = 1.6 * (order + 9) as f64;
         println!("{:?}: {open} open, {values} values", scene.key);
@@ -244,16 +248,15 @@ fn a_sample_of_like_contacts_costs_few_values_of_its_secular_equations() {
 fn bristles_that_hardly_couple_are_no_obstacle() {
     // At 8 m/s the coupling of the bristles is a factor of 1e-138, far below rounding and far above the smallest number.
     let one = ("in_contact = [9, 8, 7, 6]", "arrangements = [[1, 3, 4, 5, 6, 8]]");
-    let plan = Plan::new(case("paper.toml", &[one])).unwrap();
-    let wanted = |scene: &&squeal::study::Scene| {
-        scene.key.law == squeal::case::Law::LuGre && scene.key.speed == Some(1) && scene.key.constraints == 0
-    };
-    let scene = plan.scenes.iter().find(wanted).unwrap();
-    let sample = Sample::draw(&plan.case, &mut stream(2, 5184)).unwrap();
-    let (sectors, mut whole) = (&plan.sectors[scene.lattice], SecondOrder::zeros(1, 0));
+    let brake = LatticeBrake::new(case("paper.toml", &[one])).unwrap();
+    let wanted =
+        |scene: &&Scene| brake.law(scene.key) == Law::LuGre && scene.key.speed == Some(1) && scene.key.constraints == 0;
+    let scene = brake.plan.scenes.iter().find(wanted).unwrap();
+    let sample = brake.draw(&mut stream(2, 5184)).unwrap();
+    let (sectors, mut whole) = (&brake.plan.brake(scene).sectors, SecondOrder::zeros(1, 0));
     let mut parts = vec![SecondOrder::zeros(1, 0); sectors.iter().len()];
-    let state = plan.sliding(scene, &sample).unwrap();
-    sectors.linearise(plan.lattice(scene), &state, &mut whole, parts.iter_mut()).unwrap();
+    let point = brake.operating_point(scene, &sample).unwrap();
+    sectors.assemble_into(&brake.plan.brake(scene).system, &point, &mut whole, parts.iter_mut()).unwrap();
     for part in &parts {
         let spectrum = QrSolver.eigenvalues(part, &mut Workspace::default()).unwrap();
         assert_eq!(spectrum.eigenvalues.len(), part.dimension());
@@ -262,10 +265,10 @@ fn bristles_that_hardly_couple_are_no_obstacle() {
 
 #[test]
 fn a_sector_without_friction_is_solved_once_for_a_block() {
-    let plan = Plan::new(case("paper.toml", &[("[9, 8, 7, 6]", "[9]"), UNLIKE])).unwrap();
+    let brake = LatticeBrake::new(case("paper.toml", &[("[9, 8, 7, 6]", "[9]"), UNLIKE])).unwrap();
     let solver = Noting::default();
-    let study = Study::new(&plan, &solver).unwrap();
-    let draws: Vec<Sample> = (0..16).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
+    let study = Study::new(&brake, &solver).unwrap();
+    let draws: Vec<LatticeSample> = (0..16).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
     solver.0.lock().unwrap().clear();
     let mut out = Vec::new();
     study.evaluate_block(0, &draws.iter().collect::<Vec<_>>(), &mut Default::default(), &mut out);

@@ -5,15 +5,13 @@
 mod common;
 
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
-use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
-use osc_model::Linearise;
-use squeal::case::{Case, Law};
-use squeal::study::{Plan, Sample, SceneTally, Study, Tally, sliding};
-use work::{Family, family_work};
+use squeal::brakes::{LatticeBrake, LatticeSample, sliding};
+use squeal::case::{LatticeCase, Law};
+use squeal::study::{Scene, SceneTally, Study, Tally, UncertainBrake as _, mode_work};
 
 /// The paper's case with some of its text replaced.
-fn case(changes: &[(&str, &str)]) -> Case {
+fn case(changes: &[(&str, &str)]) -> LatticeCase {
     common::case("paper.toml", changes)
 }
 
@@ -30,16 +28,16 @@ const TWO_BY_TWO: [(&str, &str); 6] = [
     ("corners = [1, 3, 7, 9]", "corners = [1, 2]"),
 ];
 
-fn two_by_two(changes: &[(&str, &str)]) -> Case {
+fn two_by_two(changes: &[(&str, &str)]) -> LatticeCase {
     let dominant = ("after_corners_dominant = [4, 6]", "after_corners_dominant = [1, 2]");
     case(&[&TWO_BY_TWO[..], &[dominant], changes].concat())
 }
 
 /// The counts of each scene after some samples.
-fn tallies(plan: &Plan, samples: u64) -> Vec<SceneTally> {
-    let study = Study::new(plan, &QrSolver).unwrap();
-    let sampling = montecarlo::Sampling::new(plan.case.seed, samples);
-    let summary = montecarlo::run(&study, &sampling, || Tally::empty(plan)).unwrap();
+fn tallies(brake: &LatticeBrake, samples: u64) -> Vec<SceneTally> {
+    let study = Study::new(brake, &QrSolver).unwrap();
+    let sampling = montecarlo::Sampling::new(brake.case.seed, samples);
+    let summary = montecarlo::run(&study, &sampling, || Tally::empty(&brake.plan)).unwrap();
     assert_eq!(summary.failures.total(), 0);
     summary.tally.scenes
 }
@@ -47,10 +45,10 @@ fn tallies(plan: &Plan, samples: u64) -> Vec<SceneTally> {
 #[test]
 fn a_symmetry_class_counts_as_each_of_its_arrangements_alone() {
     let samples = 8;
-    let plan = Plan::new(two_by_two(&[])).unwrap();
-    let whole = tallies(&plan, samples);
+    let brake = LatticeBrake::new(two_by_two(&[])).unwrap();
+    let (plan, whole) = (&brake.plan, tallies(&brake, samples));
     let (mut members, mut unstable) = (0, 0);
-    for (panel, (_, arrangements)) in plan.case.panels.iter().enumerate() {
+    for (panel, (_, arrangements)) in brake.case.panels.iter().enumerate() {
         for (at, arrangement) in arrangements.iter().enumerate() {
             // A representative is computed anyway.
             if !plan.scenes.iter().any(|scene| scene.key.panel == panel && scene.members[1..].contains(&at)) {
@@ -58,9 +56,9 @@ fn a_symmetry_class_counts_as_each_of_its_arrangements_alone() {
             }
             let numbers: Vec<String> = arrangement.in_contact().iter().map(|i| (i + 1).to_string()).collect();
             let alone = format!("arrangements = [[{}]]", numbers.join(", "));
-            let alone = Plan::new(two_by_two(&[("in_contact = [4, 3, 2]", &alone)])).unwrap();
-            for (scene, counts) in alone.scenes.iter().zip(tallies(&alone, samples)) {
-                let alike = |other: &&squeal::study::Scene| {
+            let alone = LatticeBrake::new(two_by_two(&[("in_contact = [4, 3, 2]", &alone)])).unwrap();
+            for (scene, counts) in alone.plan.scenes.iter().zip(tallies(&alone, samples)) {
+                let alike = |other: &&Scene| {
                     let (a, b) = (scene.key, other.key);
                     (a.constraints, a.law, a.speed) == (b.constraints, b.law, b.speed)
                         && b.panel == panel
@@ -85,35 +83,36 @@ fn a_symmetry_class_counts_as_each_of_its_arrangements_alone() {
 
 #[test]
 fn a_law_without_speed_is_solved_once_for_all_speeds() {
-    let plan = Plan::new(case(&[])).unwrap();
-    let count = |law: Law| plan.scenes.iter().filter(|scene| scene.key.law == law).count();
-    assert_eq!(count(Law::AmontonsCoulomb), plan.lattices.len());
-    assert_eq!(count(Law::LuGre), 2 * plan.lattices.len());
+    let brake = LatticeBrake::new(case(&[])).unwrap();
+    let plan = &brake.plan;
+    let count = |law: Law| plan.scenes.iter().filter(|scene| brake.law(scene.key) == law).count();
+    assert_eq!(count(Law::AmontonsCoulomb), plan.configurations.len());
+    assert_eq!(count(Law::LuGre), 2 * plan.configurations.len());
     assert_eq!(plan.analyses_per_sample(), 3 * 130 * 3 * 2);
 
     // The same system to the last bit at any speed, so once is the same as once per speed.
-    let sample = Sample::draw(&plan.case, &mut stream(1, 0)).unwrap();
-    let scene = plan.scenes.iter().find(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
-    let lattice = plan.lattice(scene);
+    let sample = brake.draw(&mut stream(1, 0)).unwrap();
+    let scene = plan.scenes.iter().find(|scene| brake.law(scene.key) == Law::AmontonsCoulomb).unwrap();
+    let lattice = brake.lattice(scene);
     let at = |speed| {
-        let at = sliding(&plan.case, lattice, Law::AmontonsCoulomb, speed, &sample, |_| 1.0).unwrap();
+        let at = sliding(&brake.case, lattice, Law::AmontonsCoulomb, speed, &sample).unwrap();
         lattice.linearised(&at).unwrap()
     };
     assert!(at(0.1) == at(10.0));
 
     // Not so where friction across the sliding is a dashpot mu N0 / v.
-    let vector = Plan::new(case(&[("lateral = \"none\"", "lateral = \"vector\"")])).unwrap();
-    assert!(vector.scenes.iter().all(|scene| scene.key.speed.is_some()));
+    let vector = LatticeBrake::new(case(&[("lateral = \"none\"", "lateral = \"vector\"")])).unwrap();
+    assert!(vector.plan.scenes.iter().all(|scene| scene.key.speed.is_some()));
 }
 
 #[test]
 fn a_certified_block_costs_no_solve() {
     let calm = ("mean = 0.50, deviation = 0.10", "mean = 0.03, deviation = 0.001");
     let one_law = (", \"velocity-dependent\", \"lugre\"]", "]");
-    let plan = Plan::new(case(&[calm, one_law, ALL_IN_CONTACT])).unwrap();
-    let study = Study::new(&plan, &QrSolver).unwrap();
-    let samples: Vec<Sample> = (0..8).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
-    let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
+    let brake = LatticeBrake::new(case(&[calm, one_law, ALL_IN_CONTACT])).unwrap();
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    let samples: Vec<LatticeSample> = (0..8).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
+    let scene = brake.plan.scenes.iter().position(|scene| brake.law(scene.key) == Law::AmontonsCoulomb).unwrap();
     let (mut scratch, mut out) = (Default::default(), Vec::new());
     study.evaluate_block(scene, &samples.iter().collect::<Vec<_>>(), &mut scratch, &mut out);
     assert!(out.iter().all(|outcome| outcome.as_ref().is_ok_and(|outcome| outcome.unstable.is_empty())));
@@ -126,10 +125,10 @@ fn only_unstable_modes_cost_eigenvectors() {
     // What is not alike in all contacts is solved by spectra, sector by sector.
     let unlike = ("preload = { per_contact = 600.0 }", "preload = { equilibrium = 600.0 }");
     for (changes, has_spectra) in [(&[ALL_IN_CONTACT][..], false), (&[ALL_IN_CONTACT, unlike], true)] {
-        let plan = Plan::new(case(changes)).unwrap();
-        let study = Study::new(&plan, &QrSolver).unwrap();
-        let scene = plan.scenes.iter().position(|scene| scene.key.law == Law::AmontonsCoulomb).unwrap();
-        let sectors = plan.sectors[plan.scenes[scene].lattice].iter().len() as u64;
+        let brake = LatticeBrake::new(case(changes)).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let scene = brake.plan.scenes.iter().position(|scene| brake.law(scene.key) == Law::AmontonsCoulomb).unwrap();
+        let sectors = brake.plan.brake(&brake.plan.scenes[scene]).sectors.iter().len() as u64;
         let mut seen = 0;
         for index in 0..16 {
             let sample = study.draw(&mut stream(1, index)).unwrap();
@@ -149,23 +148,18 @@ fn only_unstable_modes_cost_eigenvectors() {
 
 #[test]
 fn every_unstable_mode_of_the_papers_samples_gains_its_net_work() {
-    let plan = Plan::new(case(&[])).unwrap();
+    let brake = LatticeBrake::new(case(&[])).unwrap();
     let (mut modes, mut worst, mut work) = (0, 0.0_f64, Workspace::default());
     // Every number in contact, law, speed and constraint set in turn.
-    for (index, scene) in plan.scenes.iter().enumerate().step_by(7) {
-        let sample = Sample::draw(&plan.case, &mut stream(plan.case.seed, index as u64)).unwrap();
-        let mut system = SecondOrder::zeros(1, 0);
-        plan.linearise(scene, &sample, &mut system).unwrap();
+    for (index, scene) in brake.plan.scenes.iter().enumerate().step_by(7) {
+        let sample = brake.draw(&mut stream(brake.case.seed, index as u64)).unwrap();
+        let system = brake.system(scene, &sample).unwrap();
         let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
         let found = Modes::classify(&system, &spectrum, &mut work).unwrap();
         let unstable: Vec<_> = found.oscillatory.iter().copied().filter(|lambda| lambda.re > 0.0).collect();
-        let lattice = plan.lattice(scene);
-        let mut friction = SecondOrder::zeros(system.order(), 0);
-        lattice.linearise_friction(&plan.sliding(scene, &sample).unwrap(), &mut friction).unwrap();
-        let damping = lattice.structural().damping_alone();
-        let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
+        let point = brake.operating_point(scene, &sample).unwrap();
         for mode in Mode::at(&system, &unstable, &mut work).unwrap() {
-            let energy = family_work(&system.m, &families, mode.lambda, &mode.shape, lattice.bodies()).unwrap();
+            let energy = mode_work(brake.plan.brake(scene), &point, &mode).unwrap();
             worst = worst.max(energy.identity_residual());
             modes += 1;
         }

@@ -7,14 +7,15 @@ use std::path::Path;
 use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
-use squeal::case::{Case, Law};
+use squeal::brakes::LatticeBrake;
+use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{Exact, OneParameterFamily, exact};
-use squeal::study::{Plan, Study};
+use squeal::study::Study;
 use squeal::tracking::Branches;
 use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
 /// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
-fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
+fn brake(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> LatticeBrake {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
     let mut text = std::fs::read_to_string(path)
         .unwrap()
@@ -26,24 +27,24 @@ fn plan(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> Plan {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    Plan::new(Case::parse(path, text).unwrap()).unwrap()
+    LatticeBrake::new(LatticeCase::parse(path, text).unwrap()).unwrap()
 }
 
 const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
 
-fn exact_of(study: &Study<'_>, scene: usize) -> Exact {
-    let mut family = OneParameterFamily::new(study.plan(), &study.plan().scenes[scene], &QrSolver).unwrap();
-    exact(study.plan(), &study.references()[scene], &mut family).unwrap()
+fn exact_of(study: &Study<'_, LatticeBrake>, scene: usize) -> Exact {
+    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    exact(&study.references()[scene], &mut family).unwrap()
 }
 
 #[test]
 fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
-    let plan = plan(SOME, "amontons-coulomb", &[]);
-    let study = Study::new(&plan, &QrSolver).unwrap();
-    for scene in 0..plan.scenes.len() {
+    let brake = brake(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    for scene in 0..brake.plan.scenes.len() {
         let exact = exact_of(&study, scene);
         assert!(exact.onsets.onsets.len() >= 4 && exact.onsets.unresolved.is_empty());
-        let mut family = OneParameterFamily::new(&plan, &plan.scenes[scene], &QrSolver).unwrap();
+        let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[scene], &QrSolver).unwrap();
         for crossing in &exact.onsets.onsets {
             assert!(crossing.error < 1e-11);
             let mut real = |mu: f64| {
@@ -61,8 +62,8 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
 
 #[test]
 fn derivatives_are_the_limits_of_differences() {
-    let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
-    let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
+    let brake = brake("[[1,3,4,5,6,8]]", "amontons-coulomb", &[]);
+    let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).unwrap();
     let (mu, h) = (0.4, 1e-4);
     // Modes keep their order by frequency over so small a step.
     let at = |family: &mut OneParameterFamily<'_>, mu: f64| {
@@ -98,11 +99,11 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
         ),
     ];
     let error = |edits: &[(&str, &str)], order| {
-        let plan = plan("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
-        let study = Study::new(&plan, &QrSolver).unwrap();
+        let brake = brake("[[1,3,4,5,6,8]]", "amontons-coulomb", edits);
+        let study = Study::new(&brake, &QrSolver).unwrap();
         let exact = exact_of(&study, 0).integral.occurrences;
-        let mut family = OneParameterFamily::new(&plan, &plan.scenes[0], &QrSolver).unwrap();
-        let found = perturbation(&plan, &study.references()[0], &mut family, order).unwrap().occurrences;
+        let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).unwrap();
+        let found = perturbation(&study.references()[0], &mut family, order).unwrap().occurrences;
         let names = exact.keys().chain(found.keys());
         let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::OccurrenceBounds>, name: &u16| {
             all.get(name).map_or(0.0, |o| o.lower)
@@ -117,11 +118,11 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
 #[test]
 fn the_lattice_at_its_extremes_is_solved_to_its_targets() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
-    let mut case = Case::read(path).unwrap();
+    let mut case = LatticeCase::read(path).unwrap();
     case.laws = vec![Law::AmontonsCoulomb, Law::LuGre];
-    let plan = Plan::new(case).unwrap();
-    let scene = |law| plan.scenes.iter().find(|s| s.key.law == law).unwrap();
-    for case in extremes(&plan, scene(Law::AmontonsCoulomb), scene(Law::LuGre)).unwrap() {
+    let brake = LatticeBrake::new(case).unwrap();
+    let scene = |law| brake.plan.scenes.iter().find(|scene| brake.law(scene.key) == law).unwrap();
+    for case in extremes(&brake, scene(Law::AmontonsCoulomb), scene(Law::LuGre)).unwrap() {
         // Strong dashpots take nine of thirty modes the oscillation: two real eigenvalues each.
         let modes = case.system.order() + if case.name.starts_with("lateral") { 9 } else { 0 };
         assert_eq!(case.reference.len(), modes, "{}", case.name);
