@@ -23,7 +23,7 @@ pub struct Outcome {
     pub divergent: u32,
     /// Modes whose verdict the error bound leaves open.
     pub undecided: u32,
-    /// Whether the system was proven to be stable without a spectrum.
+    /// Whether a certificate covers the system: it is stable up to rounding, and nothing was solved.
     pub is_certified: bool,
 }
 
