@@ -4,9 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use montecarlo::Distribution;
 use serde::Deserialize;
-
-use crate::case::Distribution;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
