@@ -60,7 +60,7 @@ mod run;
 pub mod study;
 
 pub use error::Error;
-pub use run::{estimate, fingerprint, run_study};
+pub use run::{DrawResults, estimate, fingerprint, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

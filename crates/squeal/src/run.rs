@@ -33,6 +33,9 @@ pub fn fingerprint(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// What adds figures and estimates to the tables of a finished study, in the folder that it is given.
+pub type DrawResults<'a, B> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send + 'a;
+
 /// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures and estimates.
 ///
 /// `dir` may hold the same study, stopped or finished, with as many samples or fewer: it is continued, and ends in the bytes
@@ -45,7 +48,7 @@ pub fn run_study<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
     threads: Option<usize>,
-    draw: &mut (dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send),
+    draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
     let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
