@@ -8,11 +8,10 @@ use std::path::Path;
 
 use cea::BatchSolver;
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
-use montecarlo::{Experiment as _, StreamRng, stream};
+use montecarlo::{Distribution, Experiment as _, StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
 use squeal::brakes::LatticeBrake;
-use squeal::case::Distribution;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, run_study};
 

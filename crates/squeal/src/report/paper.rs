@@ -7,8 +7,8 @@ use super::claims::{Claim, Holds};
 use super::results::{Estimate, Results};
 use crate::Error;
 use crate::brakes::LatticeBrake;
-use crate::case::{Labels, Paper};
-use crate::study::{Kind, Panel, Reference, Scene};
+use crate::case::Paper;
+use crate::study::{Kind, Labels, Panel, Reference, Scene};
 
 /// Places of the paper's constraint sets in its case: none, the corners, the corners and two more.
 pub(super) const FREE: usize = 0;

@@ -11,12 +11,11 @@ use super::Results;
 use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
 use crate::Error;
 use crate::brakes::LatticeBrake;
-use crate::case::Labels;
 use crate::figures::{
     Body, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
     OccurrenceRow, mode_and_work, model_diagram, occurrence_boxes,
 };
-use crate::study::{PanelLabel, Plan, Scene};
+use crate::study::{Labels, PanelLabel, Plan, Scene};
 
 /// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
 ///

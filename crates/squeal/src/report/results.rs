@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::case::Labels;
-use crate::study::{Comparison, Panel, Plan, Reference, Study, Tally, UncertainBrake};
+use crate::study::{Comparison, Labels, Panel, Plan, Reference, Study, Tally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]

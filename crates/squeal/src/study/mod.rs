@@ -29,7 +29,7 @@ pub use memory::{Scratch, Spent, timed};
 pub(crate) use near::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+    Configuration, Labels, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
 };
 pub use reference::Reference;
 pub(crate) use tally::unstable_names;

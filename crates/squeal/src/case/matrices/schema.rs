@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use montecarlo::Distribution;
 use serde::Deserialize;
 
-use crate::case::Distribution;
 use crate::case::check::Accuracy;
 
 #[derive(Debug, Deserialize)]
