@@ -44,11 +44,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "case-files")]
 pub mod brakes;
+#[cfg(feature = "case-files")]
 pub mod case;
+#[cfg(feature = "program")]
 pub mod commands;
 mod error;
 pub mod estimators;
+#[cfg(feature = "figures")]
 pub mod figures;
 pub mod output;
 pub mod report;

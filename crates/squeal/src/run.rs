@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::{Bar, Checkpoint, run_with};
+use montecarlo::{Checkpoint, run_with};
 use sha2::{Digest, Sha256};
 
 use crate::Error;
@@ -21,6 +21,12 @@ const MARKER: &str = "study.txt";
 const LOCK: &str = "run.lock";
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
+
+/// Who is told how far a run has come: a bar on the terminal where the program is compiled, else nobody.
+#[cfg(feature = "program")]
+type RunProgress = montecarlo::Bar;
+#[cfg(not(feature = "program"))]
+type RunProgress = ();
 
 /// SHA-256 of a text, hexadecimal.
 pub fn fingerprint(text: &str) -> String {
@@ -64,7 +70,7 @@ pub fn run_study<B: UncertainBrake>(
     sampling.threads = threads;
     sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &Bar::default())?;
+    let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &RunProgress::default())?;
     seconds.samples = start.elapsed().as_secs_f64();
 
     let start = Instant::now();

@@ -128,8 +128,9 @@ impl<'a> Results<'a> {
         self.key(name)
     }
 
-    /// The tracked name, under which net work is kept, of a mode named as the report names it.
-    pub(super) fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
+    /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
+    /// reference has no mode of this rank, or one whose name is open.
+    pub fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
         if self.labels == Labels::Tracked {
             return Some(name);
         }
