@@ -53,7 +53,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
 
     let mut cards = Vec::new();
     let brake = LatticeBrake::new(case.clone())?;
-    let manifest = squeal::run_study(&brake, &out, args.threads, &mut |results, dir| {
+    let manifest = squeal::run_study(&brake, &out, args.threads, &mut |_, results, dir| {
         draw_paper(results, &brake, dir)?;
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
@@ -77,7 +77,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
             let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
-            let manifest = squeal::run_study(&brake, &dir, args.threads, &mut |results, dir| {
+            let manifest = squeal::run_study(&brake, &dir, args.threads, &mut |_, results, dir| {
                 found = claims(results, &brake)?;
                 write_claims(&found, dir)
             })?;

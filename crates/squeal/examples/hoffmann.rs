@@ -26,7 +26,7 @@ impl Hoffmann {
         let springs = SecondOrder::new(m, c, dmatrix![2.0, 1.0; 1.0, 2.0])?;
         let belt = Channel::new("belt", "friction", vec![(0, -1.0)], vec![(1, 4.0 / 3.0)]);
         let system = AffineSystem::new(vec![Term::new("springs", "dashpots", springs)?], vec![belt])?;
-        let mu = Distribution::Uniform { from: 0.5, to: 1.0 };
+        let mu = Distribution::Uniform { from: 0.5, to: 1.1 };
         let plan = Plan::single("Hoffmann's oscillator", Brake::new(system), sliding(mu.median()), 10_000, 1);
         Ok(Self { mu, plan })
     }

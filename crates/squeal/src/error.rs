@@ -35,6 +35,9 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
+    /// An estimator of occurrences.
+    #[error(transparent)]
+    Estimator(Box<crate::estimators::EstimatorError>),
     /// What a brake of a user's own type refuses.
     #[error("{0}")]
     Brake(Box<dyn std::error::Error + Send + Sync>),

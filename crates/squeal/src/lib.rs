@@ -34,7 +34,7 @@
 //! let mut case = LatticeCase::read("cases/two-by-two.toml".as_ref())?;
 //! case.samples = 8;
 //! let brake = LatticeBrake::new(case)?;
-//! let manifest = squeal::run_study(&brake, dir, None, &mut |results, _| {
+//! let manifest = squeal::run_study(&brake, dir, None, &mut |_, results, _| {
 //!     for panel in results.panels() {
 //!         println!("{}: {:?} unstable modes per CEA", results.describe(panel), results.mean_unstable(panel));
 //!     }

@@ -27,7 +27,7 @@ pub fn fingerprint(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures.
+/// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures and estimates.
 ///
 /// `dir` may hold the same study, stopped or finished, with as many samples or fewer: it is continued, and ends in the bytes
 /// of a run at once. The state is kept in `checkpoint.json`.
@@ -39,7 +39,7 @@ pub fn run_study<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
     threads: Option<usize>,
-    draw: &mut (dyn FnMut(&Results<'_>, &Path) -> Result<(), Error> + Send),
+    draw: &mut (dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send),
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
     let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
@@ -70,7 +70,7 @@ pub fn run_study<B: UncertainBrake>(
     let start = Instant::now();
     let results = Results::new(&study, summary);
     write_tables(&results, dir)?;
-    install(pool.as_ref().ok(), || draw(&results, dir))?;
+    install(pool.as_ref().ok(), || draw(&study, &results, dir))?;
     seconds.report = start.elapsed().as_secs_f64();
     let manifest = Manifest::new(&results, threads, seconds);
     write(&dir.join("manifest.json"), manifest.json().as_bytes())?;

@@ -19,9 +19,9 @@ use squeal::study::{Outcome, Plan, Scene, Study, UncertainBrake as _};
 /// The brake of a case in which every lattice is its only sector.
 fn whole(case: LatticeCase) -> LatticeBrake {
     let mut brake = LatticeBrake::new(case).unwrap();
-    let of_configurations = brake.plan.configurations.iter_mut().map(|configuration| &mut configuration.brake);
-    for brake in of_configurations.chain(brake.plan.origins.iter_mut().map(|origin| &mut origin.brake)) {
-        brake.sectors = Sectors::whole(brake.system.order(), brake.system.channels().len());
+    for configuration in &mut brake.plan.configurations {
+        let system = &configuration.brake.system;
+        configuration.brake.sectors = Sectors::whole(system.order(), system.channels().len());
     }
     brake
 }
@@ -175,7 +175,7 @@ fn no_reference_mode_loses_its_name() {
     }
 }
 
-/// Loads that differ from contact to contact: such samples are left to spectra.
+/// Loads that differ from contact to contact: samples of a law whose forces change with speed are left to spectra.
 const UNLIKE: (&str, &str) = ("preload = { per_contact = 600.0 }", "preload = { equilibrium = 600.0 }");
 
 /// A solver that notes how large its systems are.
@@ -191,12 +191,11 @@ impl EigenSolver for Noting {
 
 #[test]
 fn a_sample_costs_small_systems_only() {
-    let sizes = |changes: &[(&str, &str)], lugre: bool| {
+    let sizes = |changes: &[(&str, &str)], law: Law| {
         let brake = LatticeBrake::new(case("paper.toml", &[&[("[9, 8, 7, 6]", "[9]")], changes].concat())).unwrap();
         let solver = Noting::default();
         let study = Study::new(&brake, &solver).unwrap();
-        let has_law = |scene: &Scene| lugre == (brake.law(scene.key) == Law::LuGre);
-        let scene = brake.plan.scenes.iter().position(has_law).unwrap();
+        let scene = brake.plan.scenes.iter().position(|scene| brake.law(scene.key) == law).unwrap();
         // One whose modes are told by their shapes alone.
         for index in 0..16 {
             let sample = study.draw(&mut stream(1, index)).unwrap();
@@ -210,9 +209,9 @@ fn a_sample_costs_small_systems_only() {
         Vec::new()
     };
     // Twice the shapes of each sector, and its bristles; the second is yp alone.
-    assert_eq!(sizes(&[UNLIKE], false), [28, 2, 12, 12, 6]);
-    assert_eq!(sizes(&[UNLIKE], true), [32, 2, 14, 14, 7]);
-    assert_eq!(sizes(&[("draws = \"shared\"", "draws = \"each\"")], false), [60]);
+    assert_eq!(sizes(&[UNLIKE], Law::VelocityDependent), [28, 2, 12, 12, 6]);
+    assert_eq!(sizes(&[UNLIKE], Law::LuGre), [32, 2, 14, 14, 7]);
+    assert_eq!(sizes(&[("draws = \"shared\"", "draws = \"each\"")], Law::AmontonsCoulomb), [60]);
 }
 
 #[test]
@@ -270,8 +269,9 @@ fn a_sector_without_friction_is_solved_once_for_a_block() {
     let study = Study::new(&brake, &solver).unwrap();
     let draws: Vec<LatticeSample> = (0..16).map(|index| study.draw(&mut stream(1, index)).unwrap()).collect();
     solver.0.lock().unwrap().clear();
+    let scene = brake.plan.scenes.iter().position(|scene| brake.law(scene.key) == Law::VelocityDependent).unwrap();
     let mut out = Vec::new();
-    study.evaluate_block(0, &draws.iter().collect::<Vec<_>>(), &mut Default::default(), &mut out);
+    study.evaluate_block(scene, &draws.iter().collect::<Vec<_>>(), &mut Default::default(), &mut out);
     let open = out.iter().filter(|outcome| outcome.as_ref().is_ok_and(|outcome| !outcome.is_certified)).count();
     let sizes = solver.0.lock().unwrap();
     let count = |size| sizes.iter().filter(|&&other| other == size).count();

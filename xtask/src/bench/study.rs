@@ -49,7 +49,7 @@ impl StudyTimes {
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let start = ProcessTime::now();
-        let manifest = run_study(brake, folder, Some(threads), &mut |results, dir| draw_paper(results, brake, dir))?;
+        let manifest = run_study(brake, folder, Some(threads), &mut |_, results, dir| draw_paper(results, brake, dir))?;
         let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
         let parts = manifest.seconds;
         Ok(Self {

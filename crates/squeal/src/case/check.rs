@@ -3,8 +3,25 @@
 use std::path::Path;
 
 use osc_model::OscModelError;
+use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
+
+/// Half widths of occurrences that can be asked for: below, a control variate takes millions of samples for each scene;
+/// above, an interval says nothing.
+pub const HALF_WIDTHS: &str = "0.00001 to 0.25";
+
+/// Whether a half width lies in [`HALF_WIDTHS`].
+pub fn is_half_width(half_width: f64) -> bool {
+    (1e-5..=0.25).contains(&half_width)
+}
+
+/// What is asked of the estimates of occurrences, as it stands in a case file of any kind.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Accuracy {
+    half_width: f64,
+}
 
 /// Makes errors that name the file.
 pub(super) struct Check<'a> {
@@ -60,6 +77,15 @@ impl Check<'_> {
             return Err(self.value(field, format!("{name:?}"), "letters, digits, - and _"));
         }
         Ok(())
+    }
+
+    /// The half width that a case asks for, if it does.
+    pub fn half_width(&self, accuracy: Option<Accuracy>) -> Result<Option<f64>, CaseError> {
+        let given = accuracy.map(|accuracy| accuracy.half_width);
+        match given.filter(|half_width| !is_half_width(*half_width)) {
+            None => Ok(given),
+            Some(half_width) => Err(self.value("accuracy.half_width", half_width, HALF_WIDTHS)),
+        }
     }
 
     /// The number of samples of a study.

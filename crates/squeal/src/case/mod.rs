@@ -11,6 +11,7 @@ mod types;
 mod validate;
 
 pub use alternative::Alternative;
+pub use check::{HALF_WIDTHS, is_half_width};
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;

@@ -20,6 +20,7 @@ pub(super) struct File {
     #[serde(default)]
     pub alternatives: Alternatives,
     pub paper: Option<super::Paper>,
+    pub accuracy: Option<super::check::Accuracy>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -24,6 +24,8 @@ pub struct LatticeCase {
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
+    /// Half width to which every occurrence is estimated as well, if asked for.
+    pub half_width: Option<f64>,
     /// The lattice.
     pub lattice: LatticeParameters,
     /// How the model's open questions are read.

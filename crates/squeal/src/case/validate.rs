@@ -36,8 +36,19 @@ impl LatticeCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { _brake: _, study, lattice, contact, constraints, speeds, readings, friction, alternatives, paper } =
-            file;
+        let File {
+            _brake: _,
+            study,
+            lattice,
+            contact,
+            constraints,
+            speeds,
+            readings,
+            friction,
+            alternatives,
+            paper,
+            accuracy,
+        } = file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
@@ -62,6 +73,7 @@ impl LatticeCase {
             laws: study.laws,
             samples: study.samples,
             seed: study.seed,
+            half_width: check.half_width(accuracy)?,
             readings,
             panels: panels(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::brakes::{LatticeBrake, MatricesBrake};
-use crate::case::{CaseFile, LatticeCase};
-use crate::report::{Claim, Results, claims, claims_markdown, draw_occurrence};
+use crate::case::{CaseFile, HALF_WIDTHS, LatticeCase, is_half_width};
+use crate::report::{Claim, Estimates, Results, claims, claims_markdown, draw_occurrence};
 use crate::study::UncertainBrake;
 use crate::{Error, run_study};
 
@@ -30,6 +30,9 @@ pub struct RunArgs {
     /// Seed of the random streams, instead of the case's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub half_width: Option<f64>,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub threads: Option<usize>,
@@ -66,12 +69,15 @@ impl RunArgs {
         match CaseFile::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                let case_half_width = case.half_width;
                 let brake = LatticeBrake::new(*case)?;
-                self.run_brake(&brake, &|results| claims(results, &brake), out)
+                let half_width = self.half_width.or(case_half_width);
+                self.run_brake(&brake, half_width, &|results| claims(results, &brake), out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                self.run_brake(&MatricesBrake::new(*case)?, &|_| Ok(Vec::new()), out)
+                let half_width = self.half_width.or(case.half_width);
+                self.run_brake(&MatricesBrake::new(*case)?, half_width, &|_| Ok(Vec::new()), out)
             }
         }
     }
@@ -80,13 +86,21 @@ impl RunArgs {
     fn run_brake<B: UncertainBrake>(
         &self,
         brake: &B,
+        half_width: Option<f64>,
         claims: &(dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
         out: &mut dyn Write,
     ) -> Result<(), Error> {
-        let (mut scorecard, mut summary) = (Vec::new(), String::new());
-        let manifest = run_study(brake, &self.out, self.threads, &mut |results, dir| {
+        if let Some(half_width) = half_width.filter(|half_width| !is_half_width(*half_width)) {
+            let (value, allowed) = (half_width.to_string(), HALF_WIDTHS.to_owned());
+            return Err(Error::Option { option: "--half-width", value, allowed });
+        }
+        let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
+        let manifest = run_study(brake, &self.out, self.threads, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
             scorecard = claims(results)?;
+            if let Some(half_width) = half_width {
+                estimates = Estimates::run(study, half_width, dir)?.text();
+            }
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;
             }
@@ -98,7 +112,7 @@ impl RunArgs {
         }
         writeln!(
             out,
-            "{summary}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
+            "{summary}{estimates}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
             manifest.analyses,
             manifest.solved,
             manifest.certified,

@@ -5,6 +5,7 @@
 
 use linsys::{ChannelGain, OperatingPoint};
 use num_complex::Complex;
+use rayon::prelude::*;
 
 use super::EstimatorError;
 use crate::study::{Scene, UncertainBrake};
@@ -46,7 +47,8 @@ impl FrictionPoints {
             let of_index = |i: u32| friction.at_sobol_point(i, seed);
             (0..points).map(of_index).collect::<Result<Vec<ChannelGain>, EstimatorError>>()
         };
-        let scramblings = (1..=scramblings).map(of_scrambling).collect::<Result<_, EstimatorError>>()?;
+        let scramblings =
+            (1..=scramblings).into_par_iter().map(of_scrambling).collect::<Result<_, EstimatorError>>()?;
         Ok(Self { scramblings, training: of_scrambling(0)?, omega })
     }
 

@@ -7,7 +7,7 @@ use crate::case::Distribution;
 use crate::study::{UnstableMode, unstable_names};
 
 /// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct OccurrenceBounds {
     /// Of the mode unstable for sure.
     pub lower: f64,

@@ -37,8 +37,7 @@ pub struct ControlVariateEstimate {
 impl ControlVariateEstimate {
     /// The largest half width, without what open names leave open: more samples do not close that.
     pub fn half_width(&self) -> f64 {
-        let closed = |mode: &Estimated| mode.half_width - 0.5 * (mode.occurrence.upper - mode.occurrence.lower);
-        self.modes.values().map(closed).fold(0.5 * self.unseen, f64::max)
+        self.modes.values().map(Estimated::closed_half_width).fold(0.5 * self.unseen, f64::max)
     }
 }
 

@@ -14,6 +14,7 @@
 //! prediction. With lateral friction, which the surrogate does not know, the interval is as right and wider.
 
 mod cell_builder;
+mod cheapest;
 mod control_variate;
 mod error;
 mod evaluations;
@@ -29,6 +30,7 @@ mod sampling;
 mod stratum;
 mod surrogate;
 
+pub use cheapest::{Estimator, SceneOccurrences, friction_points, scene_occurrences};
 pub use control_variate::control_variate;
 pub use error::EstimatorError;
 pub use evaluations::Evaluations;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use cea::Counters;
 use montecarlo::{Confidence, Experiment as _, wilson};
+use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
@@ -13,12 +14,20 @@ use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
 const SAMPLES_PER_BLOCK: usize = 64;
 
 /// An occurrence with what its estimator knows of its error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
     /// The estimate.
     pub occurrence: OccurrenceBounds,
-    /// Half width of its 95 % confidence interval.
+    /// Half width of its 95 % confidence interval, with what open names leave open.
     pub half_width: f64,
+}
+
+impl Estimated {
+    /// The half width without what open names leave open: more samples do not close that.
+    #[must_use]
+    pub fn closed_half_width(&self) -> f64 {
+        self.half_width - 0.5 * (self.occurrence.upper - self.occurrence.lower)
+    }
 }
 
 /// Estimates for the modes that were unstable in any sample, by name.

@@ -1,6 +1,7 @@
 //! What a study found: tables, figures, the scorecard of a paper's claims, and a manifest.
 
 mod claims;
+mod estimates;
 mod manifest;
 mod paper;
 mod pictures;
@@ -9,6 +10,7 @@ mod summary;
 mod tables;
 
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
+pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
 pub use paper::claims;
 pub use pictures::{draw_occurrence, draw_paper};

@@ -30,6 +30,8 @@ pub struct MatricesCase {
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
+    /// Half width to which every occurrence is estimated as well, if asked for.
+    pub half_width: Option<f64>,
     /// What is drawn, in the order of the names; every one is used.
     pub parameters: Vec<Parameter>,
     /// Names of the degrees of freedom, in the order of rows and columns.

@@ -22,7 +22,7 @@ impl MatricesCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { study, brake, parameters, terms, contacts, bodies, constraints } = file;
+        let File { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
         check.samples(study.samples)?;
         let parameters = drawn(&check, parameters)?;
         let mut formulas = Formulas::new(&check, &parameters);
@@ -38,6 +38,7 @@ impl MatricesCase {
             name: study.name,
             samples: study.samples,
             seed: study.seed,
+            half_width: check.half_width(accuracy)?,
             system,
             coefficients,
             gains,

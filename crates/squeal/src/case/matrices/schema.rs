@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use crate::case::Distribution;
+use crate::case::check::Accuracy;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,6 +23,7 @@ pub(super) struct File {
     pub bodies: Vec<Body>,
     #[serde(default)]
     pub constraints: Vec<Constraints>,
+    pub accuracy: Option<Accuracy>,
 }
 
 #[derive(Debug, Deserialize)]

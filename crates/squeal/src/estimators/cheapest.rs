@@ -1,0 +1,186 @@
+//! The occurrences of a scene to a half width, by the cheapest estimator that applies to it.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use cea::QrSolver;
+use serde::{Deserialize, Serialize};
+
+use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
+use crate::study::{Study, UncertainBrake};
+
+/// Standard normal deviate of 95 %.
+const Z95: f64 = 1.96;
+/// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
+/// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
+const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
+/// Samples that say how many plain ones are needed, and count for nothing else; chosen.
+const PLAIN_PILOTS: u64 = 400;
+/// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
+const PLANNED_WIDTH: f64 = 0.95;
+/// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
+const FINEST_HALF_WIDTH: f64 = 1e-3;
+/// Sobol points of each scrambling at most and at least, and scramblings: with the most, the mean of a prediction is known
+/// to some 1e-4.
+const FINEST_POINTS: f64 = 32_768.0;
+const COARSEST_POINTS: f64 = 1_024.0;
+const SCRAMBLINGS: u32 = 32;
+
+/// A way to estimate occurrences.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Estimator {
+    /// The distribution function of the one uncertain parameter at the onsets.
+    ExactIntegral,
+    /// A prediction from response surfaces, corrected by samples.
+    ControlVariate,
+    /// Samples alone.
+    PlainSampling,
+}
+
+impl fmt::Display for Estimator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::ExactIntegral => "exact integral",
+            Self::ControlVariate => "control variate",
+            Self::PlainSampling => "plain sampling",
+        })
+    }
+}
+
+/// The occurrences of one scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneOccurrences {
+    /// How they were found.
+    pub estimator: Estimator,
+    /// By name of the mode; modes that are surely never unstable are not listed.
+    pub modes: BTreeMap<u16, Estimated>,
+    /// The largest half width, without what open names leave open.
+    pub half_width: f64,
+    /// Systems solved, all of them.
+    pub evaluations: u64,
+    /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
+    /// half needs.
+    pub plain_evaluations: u64,
+}
+
+/// The occurrences of a scene to `half_width` at 95 %, or as near as its estimator gets. `points` are points that serve the
+/// scene, where [`friction_points`] found some.
+///
+/// # Errors
+/// A sample that cannot be solved.
+pub fn scene_occurrences<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+    points: Option<&FrictionPoints>,
+) -> Result<SceneOccurrences, EstimatorError> {
+    if let Some(found) = by_integral(study, scene, half_width)? {
+        return Ok(found);
+    }
+    match points {
+        Some(points) => by_control_variate(study, scene, half_width, points),
+        None => by_sampling(study, scene, half_width),
+    }
+}
+
+/// Points of the friction of a scene for [`scene_occurrences`]; `None` where a control variate does not apply, or plain
+/// sampling is cheaper.
+///
+/// # Errors
+/// A sample that has no operating point.
+pub fn friction_points<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+) -> Result<Option<FrictionPoints>, EstimatorError> {
+    let is_single = study.brake().single_parameter(&study.plan().scenes[scene]).is_some();
+    if is_single || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
+        return Ok(None);
+    }
+    let modes = study.references()[scene].modes.iter().map(|mode| mode.lambda);
+    let omega = modes.max_by(|a, b| a.re.total_cmp(&b.re)).map_or(0.0, |lambda| lambda.im);
+    let count = (FINEST_POINTS * FINEST_HALF_WIDTH / half_width).clamp(COARSEST_POINTS, FINEST_POINTS);
+    let count = (count as u32).next_power_of_two();
+    match FrictionPoints::new(study.brake(), &study.plan().scenes[scene], omega, count, SCRAMBLINGS) {
+        Ok(points) => Ok(Some(points)),
+        Err(EstimatorError::NotShared) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// By the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
+fn by_integral<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+) -> Result<Option<SceneOccurrences>, EstimatorError> {
+    let found = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)
+        .and_then(|mut family| exact(&study.references()[scene], &mut family));
+    let found = match found {
+        Ok(found) => found,
+        Err(EstimatorError::Study(error)) => return Err(error.into()),
+        Err(_) => return Ok(None),
+    };
+    let mut modes = BTreeMap::new();
+    for (name, occurrence) in found.integral.occurrences {
+        let half_width = found.error + 0.5 * (occurrence.upper - occurrence.lower);
+        modes.insert(name, Estimated { occurrence, half_width });
+    }
+    let evaluations = found.counters.eigenvalue_solves;
+    Ok(Some(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
+}
+
+fn by_control_variate<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+    points: &FrictionPoints,
+) -> Result<SceneOccurrences, EstimatorError> {
+    let found = control_variate(study, scene, points, study.plan().seed, half_width)?;
+    let (reached, evaluations) = (found.half_width(), found.evaluations.total());
+    Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
+}
+
+/// By plain samples, as many as the occurrence nearest to one half needs by some pilots.
+fn by_sampling<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+) -> Result<SceneOccurrences, EstimatorError> {
+    let seed = study.plan().seed;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let nearest = |estimated: &Estimated| {
+        let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
+        0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
+    };
+    let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
+    let samples = pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64;
+    let found = monte_carlo(study, scene, seed, samples)?;
+    // A mode that was never unstable has half of Wilson's interval for no hit.
+    let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
+    let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+}
+
+impl SceneOccurrences {
+    fn new(
+        estimator: Estimator,
+        modes: BTreeMap<u16, Estimated>,
+        reached: f64,
+        evaluations: u64,
+        half_width: f64,
+    ) -> Self {
+        let centres = modes.values().map(|mode| 0.5 * (mode.occurrence.lower + mode.occurrence.upper));
+        let needed = centres.map(|p| plain_samples(p, half_width)).fold(plain_samples(0.0, half_width), f64::max);
+        Self { estimator, modes, half_width: reached, evaluations, plain_evaluations: needed.ceil() as u64 }
+    }
+}
+
+/// Samples for a half width of Wilson's 95 % interval of a proportion p, nearly: `p (1 - p) (z / h)^2`, and for p = 0 and 1
+/// those with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
+fn plain_samples(p: f64, half_width: f64) -> f64 {
+    let at_the_edge = Z95 * Z95 * (0.5 / half_width - 1.0);
+    (p * (1.0 - p) * (Z95 / half_width).powi(2)).max(at_the_edge)
+}

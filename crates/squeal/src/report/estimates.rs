@@ -1,0 +1,178 @@
+//! Every occurrence of a study to a half width: estimated scene by scene, kept in the folder, and written as a table.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::estimators::{
+    Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
+};
+use crate::output::{write, write_csv};
+use crate::study::{PanelLabel, SceneKey, Study, UncertainBrake};
+
+/// The file in which estimates are kept, so that a run that was stopped goes on.
+const STATE: &str = "estimates.json";
+/// Scenes estimated together; chosen: some for each thread.
+const SCENES_PER_BATCH: usize = 16;
+/// Time between two writes of the state.
+const SAVE_EVERY: Duration = Duration::from_secs(5);
+
+/// The estimates of the scenes of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Estimates {
+    /// Study and seed.
+    identity: String,
+    /// The half width that was asked for.
+    pub half_width: f64,
+    /// One for each scene; `None` for one that is still to be estimated.
+    pub scenes: Vec<Option<SceneOccurrences>>,
+}
+
+impl Estimates {
+    /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. What `dir` holds
+    /// of the same estimates already is not computed again.
+    ///
+    /// # Errors
+    /// A sample that cannot be solved; a folder that cannot be written.
+    pub fn run<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Result<Self, Error> {
+        let mut estimates = Self::kept(study, half_width, dir);
+        let (scenes, mut saved) = (&study.plan().scenes, Instant::now());
+        let mut open: Vec<usize> = (0..scenes.len()).filter(|&at| estimates.scenes[at].is_none()).collect();
+        // Scenes of one law and speed range share their friction, mostly.
+        open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
+        let mut points: Option<FrictionPoints> = None;
+        while let Some(&first) = open.first() {
+            let is_served = match &points {
+                Some(points) => points.serves(study.brake(), &scenes[first]).map_err(inner)?,
+                None => false,
+            };
+            if !is_served {
+                points = friction_points(study, first, half_width).map_err(inner)?;
+            }
+            let mut count = 1;
+            while count < open.len().min(SCENES_PER_BATCH) && shares(study, points.as_ref(), first, open[count])? {
+                count += 1;
+            }
+            let batch: Vec<usize> = open.drain(..count).collect();
+            let estimate = |&at: &usize| scene_occurrences(study, at, half_width, points.as_ref());
+            let found = batch.par_iter().map(estimate).collect::<Result<Vec<_>, EstimatorError>>().map_err(inner)?;
+            for (at, found) in batch.into_iter().zip(found) {
+                estimates.scenes[at] = Some(found);
+            }
+            if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
+                write(&dir.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
+                saved = Instant::now();
+            }
+        }
+        estimates.write_table(study, dir)?;
+        Ok(estimates)
+    }
+
+    /// What a folder holds, if it is of the same study and half width; else nothing.
+    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Self {
+        let (plan, count) = (study.plan(), study.plan().scenes.len());
+        let identity = format!("{} seed {}", plan.identity, plan.seed);
+        let text = std::fs::read_to_string(dir.join(STATE)).unwrap_or_default();
+        let kept = serde_json::from_str::<Self>(&text).ok();
+        let is_same =
+            |kept: &Self| kept.identity == identity && kept.half_width == half_width && kept.scenes.len() == count;
+        let empty = || Self { identity: identity.clone(), half_width, scenes: vec![None; count] };
+        kept.filter(is_same).unwrap_or_else(empty)
+    }
+
+    fn write_table<B: UncertainBrake>(&self, study: &Study<'_, B>, dir: &Path) -> Result<(), Error> {
+        let header = [
+            "constraints",
+            "law",
+            "speed",
+            "in_contact",
+            "arrangement",
+            "mode",
+            "estimator",
+            "lower",
+            "upper",
+            "half_width",
+            "evaluations",
+            "plain_evaluations",
+        ];
+        let (labels, mut rows) = (&study.plan().labels, Vec::new());
+        for (scene, found) in study.plan().scenes.iter().zip(&self.scenes) {
+            let PanelLabel { in_contact, arrangements } = &labels.panels[scene.key.panel];
+            let Some(found) = found else { continue };
+            for (&member, (name, mode)) in
+                scene.members.iter().flat_map(|member| found.modes.iter().map(move |mode| (member, mode)))
+            {
+                rows.push(vec![
+                    labels.constraints[scene.key.constraints].clone(),
+                    labels.laws[scene.key.law].name.clone(),
+                    labels.speed(scene.key.speed).to_owned(),
+                    in_contact.to_string(),
+                    arrangements[member].clone(),
+                    name.to_string(),
+                    found.estimator.to_string(),
+                    mode.occurrence.lower.to_string(),
+                    mode.occurrence.upper.to_string(),
+                    mode.closed_half_width().to_string(),
+                    found.evaluations.to_string(),
+                    found.plain_evaluations.to_string(),
+                ]);
+            }
+        }
+        write_csv(&dir.join("estimates.csv"), &header, rows)
+    }
+
+    /// What the estimates took, in some lines: how many scenes by which estimator, the half width reached, and all
+    /// evaluations against those of plain sampling.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let found: Vec<&SceneOccurrences> = self.scenes.iter().flatten().collect();
+        let mut text = format!("Occurrences to {} at 95 %, without what open names leave open:\n", self.half_width);
+        for estimator in [Estimator::ExactIntegral, Estimator::ControlVariate, Estimator::PlainSampling] {
+            let of: Vec<_> = found.iter().filter(|scene| scene.estimator == estimator).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let reached = of.iter().filter(|scene| scene.half_width <= self.half_width).count();
+            let widest = of.iter().map(|scene| scene.half_width).fold(0.0, f64::max);
+            let [spent, plain] = [
+                of.iter().map(|scene| scene.evaluations).sum::<u64>(),
+                of.iter().map(|scene| scene.plain_evaluations).sum::<u64>(),
+            ];
+            text += &format!(
+                "  {estimator}: {} scenes, {reached} reached, widest {widest:.1e}; {spent} systems solved, plain sampling {plain} \
+                 ({:.1} times as many)\n",
+                of.len(),
+                plain as f64 / spent.max(1) as f64
+            );
+        }
+        text
+    }
+}
+
+/// Whether a scene can go with another one whose points these are.
+fn shares<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    points: Option<&FrictionPoints>,
+    first: usize,
+    other: usize,
+) -> Result<bool, Error> {
+    let scenes = &study.plan().scenes;
+    match points {
+        Some(points) => points.serves(study.brake(), &scenes[other]).map_err(inner),
+        // Without points nothing is shared but the law and the speed range.
+        None => {
+            Ok(scenes[first].key.law == scenes[other].key.law && scenes[first].key.speed == scenes[other].key.speed)
+        }
+    }
+}
+
+/// The error of a study that an estimator met, or the estimator's own.
+fn inner(error: EstimatorError) -> Error {
+    match error {
+        EstimatorError::Study(error) => error,
+        other => Error::Estimator(Box::new(other)),
+    }
+}
