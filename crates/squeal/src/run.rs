@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use crate::Error;
 use crate::output::{make_folder, write};
 use crate::report::{Manifest, Results, Times, write_tables};
-use crate::study::{Study, Tally, UncertainBrake};
+use crate::study::{Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 4;
@@ -73,7 +73,7 @@ pub fn run_study<B: UncertainBrake>(
     sampling.threads = threads;
     sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let summary = run_with(&study, &sampling, || Tally::empty(plan), Some(&checkpoint), &RunProgress::default())?;
+    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &RunProgress::default())?;
     seconds.samples = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -152,6 +152,6 @@ pub fn estimate<B: UncertainBrake>(brake: &B) -> Result<Duration, Error> {
     let few = 2 * 8;
     let samples = few.min(plan.samples);
     let start = Instant::now();
-    run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || Tally::empty(plan), None, &())?;
+    run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || StudyTally::empty(plan), None, &())?;
     Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
 }

@@ -12,7 +12,7 @@ use super::pictures::occurrence;
 use crate::Error;
 use crate::brakes::LatticeBrake;
 use crate::figures::{
-    Body, LawMode, ModeWorkFigure, ModelDiagram, NetWork, mode_and_work, model_diagram, occurrence_boxes,
+    BodyInMode, LawMode, ModeWorkFigure, ModelDiagram, NetWork, mode_and_work, model_diagram, occurrence_boxes,
 };
 use crate::study::Scene;
 
@@ -89,7 +89,7 @@ fn mode_work(
     Ok(Some(ModeWorkFigure { title: heading, rows: grid.rows(), columns: grid.columns(), laws: columns }))
 }
 
-fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -> Result<Vec<Body>, Error> {
+fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -> Result<Vec<BodyInMode>, Error> {
     let map = &results.plan().brake(&results.plan().scenes[at]).dofs;
     let tracked = results.tracked_name(at, name);
     let sketches = tracked.and_then(|name| results.summary.tally.scenes[at].net_work.get(&name));
@@ -102,7 +102,7 @@ fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -
             *entry = NetWork { median: median / largest, quartiles: Some(quartiles) };
         }
     }
-    let body = |(i, work): (usize, NetWork)| Body {
+    let body = |(i, work): (usize, NetWork)| BodyInMode {
         displacement: [shape[3 * i], shape[3 * i + 1], shape[3 * i + 2]],
         constrained: [0, 1, 2].map(|axis| map.position(3 * i + axis).is_none()),
         work,
