@@ -3,8 +3,6 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::distribution::DistributionFault;
-
 /// Errors of this crate. A failed evaluation is not among them: it is counted in [`Failures`](crate::Failures).
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -149,6 +147,18 @@ pub enum MonteCarloError {
         /// Draws made.
         attempts: u32,
     },
+}
+
+/// A parameter of a distribution that is not allowed. Who reads it from a file prints the field before the key.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{key} = {value}; allowed: {allowed}")]
+pub struct DistributionFault {
+    /// Its key, as in a file.
+    pub key: &'static str,
+    /// What stands there.
+    pub value: String,
+    /// What may stand there.
+    pub allowed: String,
 }
 
 /// What is wrong with a checkpoint file.

@@ -8,7 +8,7 @@ use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
 use montecarlo::{Experiment as _, stream};
 use squeal::brakes::{LatticeBrake, LatticeSample, sliding};
 use squeal::case::{LatticeCase, Law};
-use squeal::study::{Scene, SceneTally, Study, Tally, UncertainBrake as _, mode_work};
+use squeal::study::{Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
 
 /// The paper's case with some of its text replaced.
 fn case(changes: &[(&str, &str)]) -> LatticeCase {
@@ -37,7 +37,7 @@ fn two_by_two(changes: &[(&str, &str)]) -> LatticeCase {
 fn tallies(brake: &LatticeBrake, samples: u64) -> Vec<SceneTally> {
     let study = Study::new(brake, &QrSolver).unwrap();
     let sampling = montecarlo::Sampling::new(brake.case.seed, samples);
-    let summary = montecarlo::run(&study, &sampling, || Tally::empty(&brake.plan)).unwrap();
+    let summary = montecarlo::run(&study, &sampling, || StudyTally::empty(&brake.plan)).unwrap();
     assert_eq!(summary.failures.total(), 0);
     summary.tally.scenes
 }

@@ -8,11 +8,11 @@ use std::path::Path;
 
 use cea::BatchSolver;
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
+use montecarlo::Distribution;
 use montecarlo::{Experiment as _, StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
 use squeal::brakes::LatticeBrake;
-use squeal::case::Distribution;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, run_study};
 
@@ -79,7 +79,7 @@ fn a_users_own_brake_runs_from_draws_to_tables() {
     let brake = SlidingMass::new();
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("study");
-    let manifest = run_study(&brake, &dir, None, &mut |_, _| Ok(())).unwrap();
+    let manifest = run_study(&brake, &dir, None, &mut |_, _, _| Ok(())).unwrap();
     assert_eq!(manifest.failures, 0);
 
     let draws = (0..SAMPLES).map(|index| brake.draw(&mut stream(brake.plan.seed, index)).unwrap());

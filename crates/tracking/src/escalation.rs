@@ -10,15 +10,11 @@ use cea::{CeaError, EigenSolver, Mode, Workspace};
 
 use crate::continuation::continue_modes;
 use crate::mac::{Match, match_modes};
-use crate::path::{Path, PathEnd};
+use crate::path::{Links, Path, PathEnd};
 use crate::subdivision::Subdivision;
 
 /// Sample points at least on the path to a system that is not known to be near; chosen.
 const SAMPLE_POINTS_OF_FAR_PATHS: usize = 7;
-
-/// For each mode at the beginning of a path, the indices of those at its end that it may have become: one where it is known,
-/// none where it ceased to oscillate.
-pub type Links = Vec<Vec<usize>>;
 
 /// Follows the modes all the way.
 ///

@@ -74,12 +74,12 @@ mod subdivision;
 
 pub use branch::{BranchLink, BranchPoint, Branches, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;
-pub use escalation::{Links, follow, identify, identify_all};
+pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
 pub use mac::mac;
 pub use onset::{Onset, Onsets, find_onsets, onset_between};
-pub use path::{Path, PathEnd, PathStart};
+pub use path::{Links, Path, PathEnd, PathStart};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

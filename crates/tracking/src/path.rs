@@ -41,6 +41,10 @@ pub struct PathEnd<'a> {
     pub modes: &'a [Mode],
 }
 
+/// For each mode at the beginning of a path, the indices of those at its end that it may have become: one where it is known,
+/// none where it ceased to oscillate.
+pub type Links = Vec<Vec<usize>>;
+
 /// A place on a path, and an eigenvalue there or a guess of one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PathPoint<'a> {

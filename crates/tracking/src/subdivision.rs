@@ -7,9 +7,8 @@ use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use crate::escalation::Links;
 use crate::mac::match_modes;
-use crate::path::Path;
+use crate::path::{Links, Path};
 
 /// Where a step is cut, as a part of it: aside of round fractions, where symmetric paths have their crossings.
 const CUT_FRACTION: f64 = 0.382;

@@ -10,7 +10,7 @@ use squeal::brakes::{LatticeSample, sliding};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
 use squeal::osc_model::{ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters};
-use squeal::study::ANCHORS;
+use squeal::study::ANCHORS_PER_SCENE;
 
 use super::secular::SecularRoute;
 
@@ -75,7 +75,7 @@ impl Problem {
             sliding(case, &lattice, law, speed, &sample)
         };
         let states = (0..draws).map(state).collect::<Result<Vec<_>, Error>>()?;
-        let anchors = (draws..).take(ANCHORS).map(state).collect::<Result<Vec<_>, Error>>()?;
+        let anchors = (draws..).take(ANCHORS_PER_SCENE).map(state).collect::<Result<Vec<_>, Error>>()?;
         let systems = states.iter().map(|state| lattice.linearised(state)).collect::<Result<Vec<_>, _>>();
         let systems = systems.map_err(Error::from)?;
         let references = systems.iter().take(refined).map(reference).collect::<Result<_, _>>()?;

@@ -6,7 +6,7 @@ use cea::BatchSolver;
 use serde::Serialize;
 use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::montecarlo::{Experiment as _, Runs, Tally as _, stream};
-use squeal::study::{Scratch, Spent, Study, Tally, timed};
+use squeal::study::{Scratch, Spent, Study, StudyTally, timed};
 
 use crate::error::TaskError;
 
@@ -45,7 +45,7 @@ pub fn stages(brake: &LatticeBrake) -> Result<Vec<Stage>, TaskError> {
             of_sample.push(result);
         }
     }
-    let mut tally = Tally::empty(plan);
+    let mut tally = StudyTally::empty(plan);
     timed(&mut tallying, || {
         for ((index, sample), results) in (0..).zip(&samples).zip(&results) {
             tally.record(&Runs::<'_, Study<'_, LatticeBrake>> { index, sample, results });

@@ -1,7 +1,7 @@
 //! The distribution of one uncertain parameter, as data.
 
 mod bounded_normal;
-mod fault;
+mod check;
 mod quantile_table;
 
 use rand_distr::{Distribution as _, Open01, StandardNormal, StandardUniform};
@@ -12,7 +12,6 @@ use crate::redraw::redraw_until_at_least;
 use crate::stream::StreamRng;
 
 use bounded_normal::BoundedNormal;
-pub use fault::DistributionFault;
 use quantile_table::interpolate;
 
 /// How a parameter is drawn. In a file: `{ distribution = "normal", mean = 0.5, deviation = 0.1 }`.

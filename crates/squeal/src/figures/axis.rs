@@ -1,10 +1,10 @@
 //! Scales and axes.
 
-use super::canvas::{Anchor, Area, Canvas, Color, Label, Paint, SMALL};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 
 /// Maps values onto an axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Scale {
+pub(super) enum AxisScale {
     Linear {
         low: f64,
         high: f64,
@@ -24,8 +24,8 @@ pub(super) struct Tick {
     pub label: String,
 }
 
-impl Scale {
-    pub const PERCENT: Scale = Scale::Linear { low: 0.0, high: 100.0, step: 25.0 };
+impl AxisScale {
+    pub const PERCENT: AxisScale = AxisScale::Linear { low: 0.0, high: 100.0, step: 25.0 };
 
     /// Covers all values with round ends and at most `intervals + 2` steps of 1, 2 or 5 times a power of ten.
     pub fn linear(values: impl Iterator<Item = f64>, intervals: f64) -> Self {
@@ -37,28 +37,28 @@ impl Scale {
         let step = step.unwrap_or(10.0 * decade);
         // A value beyond a mark by rounding alone, -1e-17 say, needs no further step.
         let (low, high) = ((least / step + 1e-9).floor() * step, (most / step - 1e-9).ceil() * step);
-        Scale::Linear { low, high, step }
+        AxisScale::Linear { low, high, step }
     }
 
     /// Covers all (positive) values with whole decades, two at least.
     pub fn log(values: impl Iterator<Item = f64>) -> Self {
         let (least, most) = range(values.map(f64::log10), (f64::INFINITY, f64::NEG_INFINITY));
         let (low, high) = if least <= most { (least.floor() as i32, most.ceil() as i32) } else { (0, 2) };
-        Scale::Log { low, high: high.max(low + 2) }
+        AxisScale::Log { low, high: high.max(low + 2) }
     }
 
     /// Position of a value: 0 at the start of the axis, 1 at its end.
     pub fn at(&self, value: f64) -> f64 {
         match *self {
-            Scale::Linear { low, high, .. } => (value - low) / (high - low),
-            Scale::Log { low, high } => (value.log10() - f64::from(low)) / f64::from(high - low),
+            AxisScale::Linear { low, high, .. } => (value - low) / (high - low),
+            AxisScale::Log { low, high } => (value.log10() - f64::from(low)) / f64::from(high - low),
         }
     }
 
     /// Marks, at most `labels` of them labelled if the scale is logarithmic.
     pub fn ticks(&self, labels: i32) -> Vec<Tick> {
         match *self {
-            Scale::Linear { low, high, step } => {
+            AxisScale::Linear { low, high, step } => {
                 let decimals = (-step.log10().floor()).max(0.0) as usize;
                 let count = ((high - low) / step).round() as i32;
                 (0..=count)
@@ -66,7 +66,7 @@ impl Scale {
                     .map(|value| Tick { at: self.at(value), label: signed(value, decimals) })
                     .collect()
             }
-            Scale::Log { low, high } => {
+            AxisScale::Log { low, high } => {
                 let stride = (high - low).div_euclid(labels) + 1;
                 (low..=high)
                     .map(|exponent| Tick {
@@ -108,8 +108,8 @@ fn power_of_ten(exponent: i32) -> String {
     format!("10{}", raised.collect::<String>())
 }
 
-/// Length of a tick.
-const TICK: f64 = 2.5;
+/// Length of a tick, pt; chosen, as all lengths of the figures.
+const TICK_LENGTH: f64 = 2.5;
 
 /// The box around a plot.
 pub(super) fn frame(canvas: &mut Canvas, area: Area) {
@@ -123,9 +123,9 @@ pub(super) fn y_axis(canvas: &mut Canvas, area: Area, ticks: &[Tick], labelled: 
         if tick.at > 0.0 && tick.at < 1.0 && !tick.label.is_empty() {
             canvas.line((area.x, y), (area.right(), y), Paint::stroke(Color::LIGHT_GREY, 0.5));
         }
-        canvas.line((area.x - TICK, y), (area.x, y), Paint::stroke(Color::BLACK, 0.6));
+        canvas.line((area.x - TICK_LENGTH, y), (area.x, y), Paint::stroke(Color::BLACK, 0.6));
         if labelled && !tick.label.is_empty() {
-            canvas.text(Label::new(area.x - TICK - 2.0, y + 2.9, tick.label.clone()).anchor(Anchor::End));
+            canvas.text(Label::new(area.x - TICK_LENGTH - 2.0, y + 2.9, tick.label.clone()).anchor(TextAnchor::End));
         }
     }
 }
@@ -137,80 +137,80 @@ pub(super) fn x_axis(canvas: &mut Canvas, area: Area, ticks: &[Tick], labelled: 
         if grid && tick.at > 0.0 && tick.at < 1.0 && !tick.label.is_empty() {
             canvas.line((x, area.y), (x, area.bottom()), Paint::stroke(Color::LIGHT_GREY, 0.5));
         }
-        canvas.line((x, area.bottom()), (x, area.bottom() + TICK), Paint::stroke(Color::BLACK, 0.6));
+        canvas.line((x, area.bottom()), (x, area.bottom() + TICK_LENGTH), Paint::stroke(Color::BLACK, 0.6));
         if labelled && !tick.label.is_empty() {
-            canvas.text(Label::new(x, area.bottom() + TICK + SMALL, tick.label.clone()).middle());
+            canvas.text(Label::new(x, area.bottom() + TICK_LENGTH + SMALL_TEXT, tick.label.clone()).middle());
         }
     }
 }
 
 /// Width of the widest label.
 pub(super) fn widest(canvas: &Canvas, ticks: &[Tick]) -> f64 {
-    ticks.iter().map(|tick| canvas.fonts.width(&tick.label, SMALL, false)).fold(0.0, f64::max)
+    ticks.iter().map(|tick| canvas.fonts.width(&tick.label, SMALL_TEXT, false)).fold(0.0, f64::max)
 }
 
 /// The title of a vertical axis, read upwards, centred on the panel; broken into lines where the panel is short. It takes
 /// [`y_title_width`] to the left of `right`.
 pub(super) fn y_title(canvas: &mut Canvas, right: f64, area: Area, text: &str) {
-    let lines = canvas.fonts.wrap(text, SMALL, false, area.height + OVERHANG);
+    let lines = canvas.fonts.wrap(text, SMALL_TEXT, false, area.height + LARGEST_TITLE_OVERHANG);
     for (i, line) in lines.iter().rev().enumerate() {
-        let x = right - LINE * i as f64 - 2.5;
+        let x = right - LINE_SPACING * i as f64 - 2.5;
         canvas.text(Label::new(x, area.middle_y(), line.clone()).middle().upward());
     }
 }
 
-/// How much longer than its panel a vertical title may be.
-const OVERHANG: f64 = 14.0;
+/// How much longer than its panel a vertical title may be, pt.
+const LARGEST_TITLE_OVERHANG: f64 = 14.0;
 
 /// Width that [`y_title`] takes.
 pub(super) fn y_title_width(canvas: &Canvas, height: f64, text: &str) -> f64 {
-    LINE * canvas.fonts.wrap(text, SMALL, false, height + OVERHANG).len() as f64
+    LINE_SPACING * canvas.fonts.wrap(text, SMALL_TEXT, false, height + LARGEST_TITLE_OVERHANG).len() as f64
 }
 
-/// Distance of two lines of small text.
-pub(super) const LINE: f64 = 10.0;
+/// Distance of two lines of small text, pt.
+pub(super) const LINE_SPACING: f64 = 10.0;
 
 /// Bold lines at the top of the page, broken at its width. Returns the y below them.
 pub(super) fn title(canvas: &mut Canvas, text: &str) -> f64 {
-    let mut y = MARGIN;
-    for line in canvas.fonts.wrap(text, 10.0, true, canvas.width - 2.0 * MARGIN) {
+    let mut y = PAGE_MARGIN;
+    for line in canvas.fonts.wrap(text, 10.0, true, canvas.width - 2.0 * PAGE_MARGIN) {
         y += 9.0;
-        canvas.text(Label::new(MARGIN, y, line).size(10.0).bold());
+        canvas.text(Label::new(PAGE_MARGIN, y, line).size(10.0).bold());
         y += 4.0;
     }
     y
 }
 
-/// White space around the page.
-pub(super) const MARGIN: f64 = 4.0;
+/// White space around the page, pt.
+pub(super) const PAGE_MARGIN: f64 = 4.0;
 
 #[cfg(test)]
 mod tests {
-    use super::{Scale, signed};
+    use super::{AxisScale, signed};
     use proptest::prelude::*;
 
-    fn labels(scale: Scale, most: i32) -> Vec<String> {
+    fn labels(scale: AxisScale, most: i32) -> Vec<String> {
         scale.ticks(most).into_iter().map(|tick| tick.label).filter(|label| !label.is_empty()).collect()
     }
 
     #[test]
     fn ticks_are_round_numbers_with_as_many_decimals_as_they_need() {
         assert_eq!(
-            labels(Scale::linear([-0.3, 1.07].into_iter(), 5.0), 0),
+            labels(AxisScale::linear([-0.3, 1.07].into_iter(), 5.0), 0),
             ["\u{2212}0.5", "0.0", "0.5", "1.0", "1.5"]
         );
-        assert_eq!(labels(Scale::linear([-1e-17, 1.3].into_iter(), 5.0), 0), ["0.0", "0.5", "1.0", "1.5"]);
-        assert_eq!(labels(Scale::linear([812.0].into_iter(), 5.0), 0), ["0", "200", "400", "600", "800", "1000"]);
-        assert_eq!(labels(Scale::log([2e-5, 3e-3].into_iter()), 8), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
-        assert_eq!(labels(Scale::log([1e-16, 1e4].into_iter()), 5), ["10⁻¹⁶", "10⁻¹¹", "10⁻⁶", "10⁻¹", "10⁴"]);
+        assert_eq!(labels(AxisScale::linear([-1e-17, 1.3].into_iter(), 5.0), 0), ["0.0", "0.5", "1.0", "1.5"]);
+        assert_eq!(labels(AxisScale::linear([812.0].into_iter(), 5.0), 0), ["0", "200", "400", "600", "800", "1000"]);
+        assert_eq!(labels(AxisScale::log([2e-5, 3e-3].into_iter()), 8), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+        assert_eq!(labels(AxisScale::log([1e-16, 1e4].into_iter()), 5), ["10⁻¹⁶", "10⁻¹¹", "10⁻⁶", "10⁻¹", "10⁴"]);
         assert_eq!(signed(-0.001, 2), "0.00");
     }
 
     proptest! {
         #[test]
         fn every_value_lies_on_its_axis(values in prop::collection::vec(-1e6..1e6f64, 1..9)) {
-            let linear = Scale::linear(values.iter().copied(), 5.0);
-            let log = Scale::log(values.iter().map(|v| v.abs() + 1e-9));
+            let linear = AxisScale::linear(values.iter().copied(), 5.0);
+            let log = AxisScale::log(values.iter().map(|v| v.abs() + 1e-9));
             for v in values {
                 prop_assert!((-1e-9..=1.0 + 1e-9).contains(&linear.at(v)));
                 prop_assert!((-1e-9..=1.0 + 1e-9).contains(&log.at(v.abs() + 1e-9)));

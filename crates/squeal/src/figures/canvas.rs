@@ -47,7 +47,7 @@ impl Paint {
 
 /// Where the reference point of a text lies along its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(super) enum TextAnchor {
     Start,
     Middle,
     End,
@@ -61,7 +61,7 @@ pub(super) struct Label {
     pub size: f64,
     pub bold: bool,
     pub color: Color,
-    pub anchor: Anchor,
+    pub anchor: TextAnchor,
     /// Read from bottom to top.
     pub upward: bool,
     /// A white rim, for text on top of lines.
@@ -74,10 +74,10 @@ impl Label {
         Self {
             at: (x, y),
             text: text.into(),
-            size: SMALL,
+            size: SMALL_TEXT,
             bold: false,
             color: Color::BLACK,
-            anchor: Anchor::Start,
+            anchor: TextAnchor::Start,
             upward: false,
             halo: false,
         }
@@ -95,12 +95,12 @@ impl Label {
         Self { color, ..self }
     }
 
-    pub fn anchor(self, anchor: Anchor) -> Self {
+    pub fn anchor(self, anchor: TextAnchor) -> Self {
         Self { anchor, ..self }
     }
 
     pub fn middle(self) -> Self {
-        self.anchor(Anchor::Middle)
+        self.anchor(TextAnchor::Middle)
     }
 
     pub fn upward(self) -> Self {
@@ -113,7 +113,7 @@ impl Label {
 }
 
 /// The smallest text of a figure, in points at its printed width.
-pub(super) const SMALL: f64 = 8.0;
+pub(super) const SMALL_TEXT: f64 = 8.0;
 
 /// One thing on the display list.
 #[derive(Debug, Clone)]

@@ -7,7 +7,7 @@ use super::error::FigureError;
 
 /// Families for the SVG, best first. The first four have the same widths; DejaVu is named because some viewers do not know
 /// what "sans-serif" is on a machine that has no other.
-pub(super) const FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', 'DejaVu Sans', sans-serif";
+pub(super) const FONT_FAMILIES: &str = "Arimo, Arial, Helvetica, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
 /// Both weights.
 pub(super) struct Fonts {

@@ -1,7 +1,9 @@
 //! Two positive quantities against each other on logarithmic axes, such as time against error.
 
-use super::axis::{LINE, MARGIN, Scale, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL};
+use super::axis::{
+    AxisScale, LINE_SPACING, PAGE_MARGIN, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width,
+};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
 use super::legend::{Entry, legend};
@@ -40,8 +42,8 @@ pub struct LogLogSeries {
     pub joined: bool,
 }
 
-/// Height of the strip for exact zeros.
-const ZERO_STRIP: f64 = 16.0;
+/// Height of the strip for exact zeros, pt.
+const ZERO_STRIP_HEIGHT: f64 = 16.0;
 
 /// Draws the panels with shared axes and one key for all series. A y of exactly zero has no place on a logarithmic axis
 /// and is drawn in a strip of its own below, marked 0. The table has one row per panel, series and point.
@@ -54,18 +56,18 @@ pub fn loglog(data: &LogLogFigure) -> Result<Figure, FigureError> {
     let mut canvas = Canvas::new()?;
     let points = || data.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);
     let axes = Axes {
-        x: Scale::log(points().map(|p| p[0])),
-        y: Scale::log(points().map(|p| p[1]).filter(|&y| y > 0.0)),
-        strip: if points().any(|p| p[1] == 0.0) { ZERO_STRIP } else { 0.0 },
+        x: AxisScale::log(points().map(|p| p[0])),
+        y: AxisScale::log(points().map(|p| p[1]).filter(|&y| y > 0.0)),
+        strip: if points().any(|p| p[1] == 0.0) { ZERO_STRIP_HEIGHT } else { 0.0 },
     };
     let names = names(data);
     let count = data.panels.len();
     let height = 190.0;
     let tick_width = widest(&canvas, &axes.y.ticks(8)) + 6.0;
-    let left = MARGIN + y_title_width(&canvas, height, &data.y_label) + tick_width;
+    let left = PAGE_MARGIN + y_title_width(&canvas, height, &data.y_label) + tick_width;
     let gap = 26.0;
     // The last label of the horizontal axis is centred on the right edge.
-    let width = (canvas.width - MARGIN - 8.0 - left - gap * (count - 1) as f64) / count as f64;
+    let width = (canvas.width - PAGE_MARGIN - 8.0 - left - gap * (count - 1) as f64) / count as f64;
 
     let mut y = title(&mut canvas, &data.title);
     y = legend(&mut canvas, y + 2.0, &key(&names));
@@ -83,19 +85,19 @@ pub fn loglog(data: &LogLogFigure) -> Result<Figure, FigureError> {
         axes.draw(&mut canvas, area(c, y), panel, &names, c == 0);
     }
     y_title(&mut canvas, left - tick_width, area(0, y), &data.y_label);
-    y += height + SMALL + 4.0;
-    let middle = (left + canvas.width - MARGIN - 8.0) / 2.0;
-    for line in canvas.fonts.wrap(&data.x_label, SMALL, false, canvas.width - left) {
-        y += LINE;
+    y += height + SMALL_TEXT + 4.0;
+    let middle = (left + canvas.width - PAGE_MARGIN - 8.0) / 2.0;
+    for line in canvas.fonts.wrap(&data.x_label, SMALL_TEXT, false, canvas.width - left) {
+        y += LINE_SPACING;
         canvas.text(Label::new(middle, y, line).middle());
     }
-    canvas.height = y + MARGIN;
+    canvas.height = y + PAGE_MARGIN;
     Ok(Figure { canvas, table })
 }
 
 struct Axes {
-    x: Scale,
-    y: Scale,
+    x: AxisScale,
+    y: AxisScale,
     /// Height of the strip for zeros; 0 if there are none.
     strip: f64,
 }

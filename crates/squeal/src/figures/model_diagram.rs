@@ -1,11 +1,10 @@
 //! The model as a drawing: the lattice in plan view and one oscillator from the side.
 
-use super::axis::{LINE, MARGIN, title};
-use super::canvas::{Anchor, Area, Canvas, Color, Label, Paint};
+use super::axis::{LINE_SPACING, PAGE_MARGIN, title};
+use super::canvas::{Area, Canvas, Color, Label, Paint, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
-use super::lattice::arrow;
-use super::style::{BLUE, VERMILLION};
+use super::style::{BLUE, VERMILLION, arrow};
 
 /// What the drawing shows of a lattice.
 #[derive(Debug, Clone, Default)]
@@ -47,16 +46,16 @@ pub fn model_diagram(data: &ModelDiagram) -> Result<Figure, FigureError> {
     let mut canvas = Canvas::new()?;
     let top = title(&mut canvas, &data.title) + 4.0;
     let width = 0.54 * canvas.width;
-    let plan_bottom = plan(&mut canvas, data, Area { x: MARGIN, y: top, width, height: width });
-    let x = MARGIN + width + 24.0;
-    let side = Area { x, y: top, width: canvas.width - MARGIN - x, height: 230.0 };
+    let plan_bottom = plan(&mut canvas, data, Area { x: PAGE_MARGIN, y: top, width, height: width });
+    let x = PAGE_MARGIN + width + 24.0;
+    let side = Area { x, y: top, width: canvas.width - PAGE_MARGIN - x, height: 230.0 };
     let side_bottom = elevation(&mut canvas, data, side);
-    canvas.height = plan_bottom.max(side_bottom) + MARGIN;
+    canvas.height = plan_bottom.max(side_bottom) + PAGE_MARGIN;
     Ok(Figure { canvas, table: springs(data) })
 }
 
-/// Half the side of an oscillator's square.
-const HALF: f64 = 9.0;
+/// Half the side of the square that stands for an oscillator, pt.
+const OSCILLATOR_HALF_SIDE: f64 = 9.0;
 
 /// The lattice from above. Returns the y below.
 fn plan(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
@@ -67,7 +66,9 @@ fn plan(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     let center = |row: usize, column: usize| (x0 + pitch * (column as f64 + 1.0), y0 + pitch * (row as f64 + 1.0));
     let walls = Area { x: x0, y: y0, width: right - x0, height: bottom - y0 };
     canvas.rect(walls, Paint::stroke(Color::DARK_GREY, 1.8));
-    let gap = |k: usize, count: usize| (if k == 0 { 0.0 } else { HALF }, if k == count { 0.0 } else { HALF });
+    let gap = |k: usize, count: usize| {
+        (if k == 0 { 0.0 } else { OSCILLATOR_HALF_SIDE }, if k == count { 0.0 } else { OSCILLATOR_HALF_SIDE })
+    };
     for row in 0..data.rows {
         for k in 0..=data.columns {
             let (before, after) = gap(k, data.columns);
@@ -89,7 +90,12 @@ fn plan(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     for (i, &contact) in data.in_contact.iter().enumerate() {
         let (x, y) = center(i / data.columns, i % data.columns);
         let fill = if contact { Color::LIGHT_GREY } else { Color::WHITE };
-        let square = Area { x: x - HALF, y: y - HALF, width: 2.0 * HALF, height: 2.0 * HALF };
+        let square = Area {
+            x: x - OSCILLATOR_HALF_SIDE,
+            y: y - OSCILLATOR_HALF_SIDE,
+            width: 2.0 * OSCILLATOR_HALF_SIDE,
+            height: 2.0 * OSCILLATOR_HALF_SIDE,
+        };
         canvas.group("body", format!("oscillator {}", i + 1), |canvas| {
             canvas.rect(square, Paint::fill(fill).outlined(Color::BLACK, 0.8));
             canvas.text(Label::new(x, y + 3.0, (i + 1).to_string()).bold().middle());
@@ -104,7 +110,7 @@ fn plan(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
                 Grey: in contact with the plate.";
     let mut y = y + 8.0;
     for line in canvas.fonts.wrap(text, 8.0, false, right - x0) {
-        y += LINE;
+        y += LINE_SPACING;
         canvas.text(Label::new(x0, y, line).color(Color::DARK_GREY));
     }
     y
@@ -116,7 +122,7 @@ fn elevation(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     let (x, y) = (area.x + 0.46 * area.width, area.y + 112.0);
     let foundation = area.y + 24.0;
     ground(canvas, (area.x, foundation), area.width, -1.0);
-    canvas.text(Label::new(area.right(), foundation + 10.0, "foundation").anchor(Anchor::End));
+    canvas.text(Label::new(area.right(), foundation + 10.0, "foundation").anchor(TextAnchor::End));
 
     let (half_width, half_height) = (20.0, 13.0);
     let mass = Area { x: x - half_width, y: y - half_height, width: 2.0 * half_width, height: 2.0 * half_height };
@@ -134,9 +140,9 @@ fn elevation(canvas: &mut Canvas, data: &ModelDiagram, area: Area) -> f64 {
     dashpot(canvas, foot, (foot.0, foundation));
     let (spring_side, dashpot_side) = (x + lean * 36.0, x - lean * 20.0);
     let label = |canvas: &mut Canvas, x: f64, right: bool, lines: &[&str]| {
-        let anchor = if right { Anchor::Start } else { Anchor::End };
+        let anchor = if right { TextAnchor::Start } else { TextAnchor::End };
         for (i, line) in lines.iter().enumerate() {
-            canvas.text(Label::new(x, y - 52.0 + LINE * i as f64, *line).anchor(anchor));
+            canvas.text(Label::new(x, y - 52.0 + LINE_SPACING * i as f64, *line).anchor(anchor));
         }
     };
     let angles = format!("θ {:.0}°, φ {:.0}°", data.theta_degrees, data.phi_degrees);

@@ -5,7 +5,7 @@ use std::io::Write;
 use tiny_skia::{FillRule, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 use ttf_parser::OutlineBuilder;
 
-use super::canvas::{Anchor, Canvas, Color, Item, Label, Paint};
+use super::canvas::{Canvas, Color, Item, Label, Paint, TextAnchor};
 use super::error::FigureError;
 
 const DOTS_PER_INCH: f64 = 300.0;
@@ -64,9 +64,9 @@ impl Page {
     fn write(&mut self, label: &Label, canvas: &Canvas) {
         let width = canvas.fonts.width(&label.text, label.size, label.bold);
         let before = match label.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => width / 2.0,
-            Anchor::End => width,
+            TextAnchor::Start => 0.0,
+            TextAnchor::Middle => width / 2.0,
+            TextAnchor::End => width,
         } as f32;
         let (x0, y0) = (label.at.0 as f32, label.at.1 as f32);
         let place = |x: f32, y: f32| {

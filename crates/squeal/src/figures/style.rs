@@ -101,3 +101,19 @@ pub(super) fn diamond(canvas: &mut Canvas, (x, y): (f64, f64), r: f64, style: Bo
     let fill = style.hatch.unwrap_or(style.fill);
     canvas.polygon(vec![(x, y - r), (x + r, y), (x, y + r), (x - r, y)], Paint::fill(fill).outlined(style.line, 0.6));
 }
+
+/// An arrow with a head no longer than itself; nothing where it would not be seen.
+pub(super) fn arrow(canvas: &mut Canvas, from: (f64, f64), to: (f64, f64), color: Color) {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = dx.hypot(dy);
+    if length < 0.8 {
+        return;
+    }
+    let (ux, uy) = (dx / length, dy / length);
+    let head = (0.55 * length).min(5.0);
+    let neck = (to.0 - head * ux, to.1 - head * uy);
+    canvas.line(from, neck, Paint::stroke(color, 1.3));
+    let half = 0.42 * head;
+    let side = |s: f64| (neck.0 - s * half * uy, neck.1 + s * half * ux);
+    canvas.polygon(vec![to, side(1.0), side(-1.0)], Paint::fill(color));
+}

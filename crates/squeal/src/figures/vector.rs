@@ -4,8 +4,8 @@ use svg::node::element::path::Data;
 use svg::node::element::{Circle, Element, Path, Rectangle, Text, Title};
 use svg::{Document, Node};
 
-use super::canvas::{Anchor, Canvas, Color, Item, Label, Paint};
-use super::font::{FAMILIES, Fonts};
+use super::canvas::{Canvas, Color, Item, Label, Paint, TextAnchor};
+use super::font::{FONT_FAMILIES, Fonts};
 
 /// The whole picture as one SVG document with its printed size in millimetres.
 pub(super) fn to_svg(canvas: &Canvas) -> String {
@@ -15,7 +15,7 @@ pub(super) fn to_svg(canvas: &Canvas) -> String {
         .set("width", millimetres(width))
         .set("height", millimetres(height))
         .set("viewBox", (0, 0, round(width), round(height)))
-        .set("font-family", FAMILIES)
+        .set("font-family", FONT_FAMILIES)
         .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff"));
     let mut open: Vec<Element> = Vec::new();
     for item in &canvas.items {
@@ -80,9 +80,9 @@ fn painted(mut element: Element, paint: &Paint) -> Element {
 fn text(label: &Label, fonts: &Fonts) -> Element {
     let (x, y) = (round(label.at.0), round(label.at.1));
     let anchor = match label.anchor {
-        Anchor::Start => "start",
-        Anchor::Middle => "middle",
-        Anchor::End => "end",
+        TextAnchor::Start => "start",
+        TextAnchor::Middle => "middle",
+        TextAnchor::End => "end",
     };
     // The length keeps the layout whole where a viewer has none of the fonts.
     let length = fonts.width(&label.text, label.size, label.bold);

@@ -7,8 +7,8 @@ use super::claims::{Claim, Holds};
 use super::results::{Estimate, Results};
 use crate::Error;
 use crate::brakes::LatticeBrake;
-use crate::case::{Labels, Paper};
-use crate::study::{Kind, Panel, Reference, Scene};
+use crate::case::Paper;
+use crate::study::{ComparisonKind, Labels, Panel, Reference, Scene};
 
 /// Places of the paper's constraint sets in its case: none, the corners, the corners and two more.
 pub(super) const FREE: usize = 0;
@@ -84,7 +84,7 @@ fn number_in_contact(results: &Results<'_>, panel: &Panel) -> usize {
 }
 
 fn contact_number(results: &Results<'_>) -> Claim {
-    let steps = results.differences(Kind::Contact).filter(|(more, _, _)| more.key.constraints == FREE);
+    let steps = results.differences(ComparisonKind::Contact).filter(|(more, _, _)| more.key.constraints == FREE);
     Claim::new("C1", "instabilities grow with the number of oscillators in contact", "9 > 8 > 7 > 6").all_positive(
         steps.map(|(more, fewer, d)| {
             let (n, m) = (number_in_contact(results, more), number_in_contact(results, fewer));
@@ -102,8 +102,9 @@ fn speed_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
 }
 
 fn laws(results: &Results<'_>) -> Claim {
-    let pairs =
-        results.differences(Kind::Law).filter(|(more, _, _)| more.key.constraints == FREE && more.key.speed == Some(0));
+    let pairs = results
+        .differences(ComparisonKind::Law)
+        .filter(|(more, _, _)| more.key.constraints == FREE && more.key.speed == Some(0));
     let statement = "velocity-dependent and LuGre friction have more unstable modes than Amontons-Coulomb";
     Claim::new("C2", statement, "more, low speed").all_positive(pairs.map(|(more, _, d)| {
         (format!("{} {} in contact", law_name(results, more), number_in_contact(results, more)), d)
@@ -111,7 +112,7 @@ fn laws(results: &Results<'_>) -> Claim {
 }
 
 fn speeds(results: &Results<'_>) -> Claim {
-    let pairs = results.differences(Kind::Speed).filter(|(slow, _, _)| {
+    let pairs = results.differences(ComparisonKind::Speed).filter(|(slow, _, _)| {
         slow.key.constraints == FREE && Some(slow.key.law) != results.plan().labels.baseline_law
     });
     Claim::new("C3", "higher sliding speed, fewer instabilities", "fewer").all_positive(pairs.map(|(slow, _, d)| {
@@ -278,8 +279,10 @@ fn largest(results: &Results<'_>, panel: &Panel) -> Result<f64, Error> {
 }
 
 fn corners_reduce(results: &Results<'_>) -> Result<Claim, Error> {
-    let pairs: Vec<_> =
-        results.differences(Kind::Constraints).filter(|(_, after, _)| after.key.constraints == CORNERS).collect();
+    let pairs: Vec<_> = results
+        .differences(ComparisonKind::Constraints)
+        .filter(|(_, after, _)| after.key.constraints == CORNERS)
+        .collect();
     let mut worst = Vec::new();
     for (before, after, _) in &pairs {
         let (was, is) = (largest(results, before)?, largest(results, after)?);

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::case::Labels;
-use crate::study::{Comparison, Panel, Plan, Reference, Study, Tally, UncertainBrake};
+use crate::study::{Comparison, Labels, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +43,7 @@ pub struct Results<'a> {
     plan: &'a Plan,
     references: &'a [Reference],
     /// Its counts.
-    pub summary: Summary<Tally>,
+    pub summary: Summary<StudyTally>,
     /// How modes are named in the report.
     pub labels: Labels,
     panels: Vec<Panel>,
@@ -53,7 +52,7 @@ pub struct Results<'a> {
 
 impl<'a> Results<'a> {
     /// The results of a finished run.
-    pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<Tally>) -> Self {
+    pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<StudyTally>) -> Self {
         let (plan, references) = (study.plan(), study.references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
@@ -129,8 +128,9 @@ impl<'a> Results<'a> {
         self.key(name)
     }
 
-    /// The tracked name, under which net work is kept, of a mode named as the report names it.
-    pub(super) fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
+    /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
+    /// reference has no mode of this rank, or one whose name is open.
+    pub fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
         if self.labels == Labels::Tracked {
             return Some(name);
         }
@@ -164,7 +164,7 @@ impl<'a> Results<'a> {
     /// Comparisons of one kind with the difference of the two means: positive where it is as expected.
     pub fn differences(
         &self,
-        kind: crate::study::Kind,
+        kind: crate::study::ComparisonKind,
     ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
         let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
         self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(|(comparison, mean)| {

@@ -6,7 +6,7 @@ use montecarlo::Sampling;
 
 use super::Results;
 use crate::Error;
-use crate::study::{Panel, Study, Tally, UncertainBrake};
+use crate::study::{Panel, Study, StudyTally, UncertainBrake};
 
 impl<'a> Results<'a> {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.
@@ -15,7 +15,7 @@ impl<'a> Results<'a> {
     /// A plan without samples, no worker threads.
     pub fn sampled<B: UncertainBrake>(study: &'a Study<'a, B>) -> Result<Self, Error> {
         let plan = study.plan();
-        let summary = montecarlo::run(study, &Sampling::new(plan.seed, plan.samples), || Tally::empty(plan))?;
+        let summary = montecarlo::run(study, &Sampling::new(plan.seed, plan.samples), || StudyTally::empty(plan))?;
         Ok(Results::new(study, summary))
     }
 

@@ -10,27 +10,29 @@ use rayon::prelude::*;
 use super::{Configuration, Scene, UncertainBrake};
 use crate::Error;
 
-/// Draws that show where the operating points of a configuration lie.
-const PILOT_DRAWS: u64 = 32;
-/// How far below the median coefficient of friction an ellipse is tried, in spreads of the coefficient. Lower ones are
-/// certified where the median is unstable.
+/// Draws whose quartiles say where ellipses are placed and how wide they are tried. Chosen; a proof does not depend on it, only
+/// how many samples it covers.
+const DRAWS_TO_PLACE_ELLIPSES: u64 = 32;
+/// How far below the median coefficient of friction the centres of the ellipses lie, in interquartile ranges of the
+/// coefficient. Chosen: where the system is unstable at the median, lower centres can still be certified.
 const SPREADS_BELOW_MEDIAN: [f64; 3] = [0.0, 0.75, 1.5];
 
-/// What is certified of one configuration: ellipses in the plane of coefficient mu and slope `N0 h` of friction.
+/// What is certified of one configuration: ellipses in the plane of coefficient mu and slope `N0 h` of friction, inside of which
+/// every system is stable.
 ///
 /// No operating point all of whose channels lie in one of them has an eigenvalue with `Re lambda >= 0`, whatever the law,
 /// and whether the channels are alike or not. See [`h_infinity_norm_bound`] for the proof; docs/error-bounds.md puts it together.
 #[derive(Debug, Clone, Default)]
 pub struct Certificate {
-    /// Of the terms: another structure is not certified.
+    /// The coefficient of each term; the certificate holds for this structure alone.
     coefficients: Vec<f64>,
     ellipses: Vec<Ellipse>,
-    sizes: Sizes,
+    norms: NormBounds,
 }
 
-/// What bounds the eigenvalues of a configuration: 2-norms with the mass taken out symmetrically.
+/// Bounds of the matrices of a configuration, from which a bound of its eigenvalues follows: 2-norms of `M^-1/2 A M^-1/2`.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sizes {
+struct NormBounds {
     /// Of C without friction, 1/s.
     damping: f64,
     /// Of K without friction, 1/s^2.
@@ -47,7 +49,7 @@ struct Ellipse {
     half_axes: Friction,
 }
 
-/// Friction in one channel, as the equations see it, or a difference of two.
+/// Friction in one channel, or the difference of two such frictions.
 #[derive(Debug, Clone, Copy)]
 struct Friction {
     /// Coefficient.
@@ -62,19 +64,20 @@ struct Friction {
 /// Those of the model and of the scaling.
 pub(super) fn certificates<B: UncertainBrake>(brake: &B) -> Result<Vec<Certificate>, Error> {
     let plan = brake.plan();
-    let pilots: Vec<B::Sample> =
-        (0..PILOT_DRAWS).filter_map(|index| brake.draw(&mut stream(plan.seed, index)).ok()).collect();
+    let samples: Vec<B::Sample> =
+        (0..DRAWS_TO_PLACE_ELLIPSES).filter_map(|index| brake.draw(&mut stream(plan.seed, index)).ok()).collect();
     let of_configuration = |(at, configuration): (usize, &Configuration)| {
         let scenes = plan.scenes.iter().filter(|scene| scene.configuration == at);
-        let points =
-            scenes.flat_map(|scene: &Scene| pilots.iter().filter_map(|pilot| brake.operating_point(scene, pilot).ok()));
+        let points = scenes
+            .flat_map(|scene: &Scene| samples.iter().filter_map(|sample| brake.operating_point(scene, sample).ok()));
         Certificate::new(&configuration.brake.system, &points.collect::<Vec<_>>())
     };
     plan.configurations.par_iter().enumerate().map(of_configuration).collect()
 }
 
 impl Certificate {
-    /// Certifies what it can of a system around the median of `points`; nothing where these differ in their structure.
+    /// Places ellipses by the quartiles of `points` and certifies those that it can; none where the points differ in the
+    /// coefficients of terms.
     ///
     /// # Errors
     /// Those of the model and of the scaling.
@@ -87,7 +90,7 @@ impl Certificate {
         let spread = Friction { mu: mus[2] - mus[0], slope: slopes[2] - slopes[0] };
         let (force, reading) = (system.force_matrix(), system.reading_matrix());
         let structure = system.structure(&coefficients)?;
-        let Some(sizes) = Sizes::new(&structure, &force, &reading) else { return Ok(Self::default()) };
+        let Some(norms) = NormBounds::new(&structure, &force, &reading) else { return Ok(Self::default()) };
         let weighted = Channels {
             position: stacked(spread.mu * &reading, 0.0 * &reading),
             velocity: stacked(0.0 * &reading, spread.slope * force.transpose()),
@@ -104,7 +107,7 @@ impl Certificate {
                 ellipses.push(Ellipse { centre, half_axes });
             }
         }
-        Ok(Self { coefficients, ellipses, sizes })
+        Ok(Self { coefficients, ellipses, norms })
     }
 
     /// Whether the system at this operating point is certified to be stable.
@@ -112,7 +115,7 @@ impl Certificate {
         if self.ellipses.is_empty() || at.coefficients != self.coefficients {
             return false;
         }
-        let radius = self.sizes.radius(&at.channels);
+        let radius = self.norms.radius(&at.channels);
         self.ellipses.iter().any(|ellipse| at.channels.iter().all(|gain| ellipse.contains(gain, radius)))
     }
 }
@@ -123,7 +126,7 @@ fn common_coefficients(points: &[OperatingPoint]) -> Option<Vec<f64>> {
     others.iter().all(|other| other.coefficients == first.coefficients).then(|| first.coefficients.clone())
 }
 
-impl Sizes {
+impl NormBounds {
     /// `None` for a mass matrix that is not positive definite.
     fn new(structure: &SecondOrder, force: &DMatrix<f64>, reading: &DMatrix<f64>) -> Option<Self> {
         let mass = structure.m.clone().symmetric_eigen();
@@ -142,13 +145,13 @@ impl Sizes {
         })
     }
 
-    /// No eigenvalue with `Re lambda >= 0` is farther from 0: `|lambda|^2 <= c |lambda| + k` with bounds c and k of damping
-    /// and stiffness. Rad/s.
+    /// Largest |lambda| that an eigenvalue with `Re lambda >= 0` can have, rad/s: it satisfies `|lambda|^2 <= c |lambda| + k`
+    /// with bounds c and k of damping and stiffness.
     fn radius(&self, gains: &[ChannelGain]) -> f64 {
         let slopes = gains.iter().flat_map(|gain| gain.slope_extremes().map(f64::abs));
         let c = self.damping + self.slope * slopes.fold(0.0, f64::max);
         let k = self.stiffness + self.coupling * gains.iter().map(|gain| gain.mu.abs()).fold(0.0, f64::max);
-        // The last factor is for rounding.
+        // The last factor is an allowance for rounding, chosen far above the rounding of these few operations.
         (0.5 * c + (0.25 * c * c + k).sqrt()) * (1.0 + 1e-9)
     }
 }
@@ -157,20 +160,21 @@ impl Ellipse {
     /// Whether friction in a channel stays in the ellipse for every lambda with `Re lambda >= 0`, `|lambda| <= radius`.
     fn contains(&self, gain: &ChannelGain, radius: f64) -> bool {
         let Self { centre, half_axes } = self;
-        let mu = part(gain.mu - centre.mu, half_axes.mu);
-        // The slope is farthest from one on the real axis at a corner of the half disc, or at its farthest point.
+        let mu = in_half_axes(gain.mu - centre.mu, half_axes.mu);
+        // Over the half disc `Re lambda >= 0`, `|lambda| <= radius` the complex slope is farthest from a real number at lambda = 0,
+        // at the point of the real axis or at the point of the imaginary axis.
         let corners = [Complex::default(), Complex::new(radius, 0.0), Complex::new(0.0, radius)];
         let is_inside = |lambda| {
             let slope = gain.complex_slope(lambda) - centre.slope;
-            let slope = part(slope.norm(), half_axes.slope);
+            let slope = in_half_axes(slope.norm(), half_axes.slope);
             mu * mu + slope * slope < 1.0
         };
         corners.into_iter().all(is_inside)
     }
 }
 
-/// `difference / half_axis`, 0 for a parameter that does not vary.
-fn part(difference: f64, half_axis: f64) -> f64 {
+/// A difference in units of a half axis; 0 for a parameter that does not vary.
+fn in_half_axes(difference: f64, half_axis: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / half_axis }
 }
 
@@ -179,6 +183,7 @@ fn middle_slope(gain: &ChannelGain) -> f64 {
     0.5 * gain.slope_extremes().iter().sum::<f64>()
 }
 
+/// One matrix on top of another.
 fn stacked(above: DMatrix<f64>, below: DMatrix<f64>) -> DMatrix<f64> {
     let rows = above.nrows();
     let mut both = above.resize_vertically(rows + below.nrows(), 0.0);
@@ -186,7 +191,8 @@ fn stacked(above: DMatrix<f64>, below: DMatrix<f64>) -> DMatrix<f64> {
     both
 }
 
-/// First quartile, median and third quartile; `None` of nothing or of what is not finite.
+/// First quartile, median and third quartile, as entries of the sorted list; `None` for an empty list and for one with a value
+/// that is not finite.
 fn quartiles(mut values: Vec<f64>) -> Option<[f64; 3]> {
     values.sort_unstable_by(f64::total_cmp);
     let all_finite = values.iter().all(|value| value.is_finite());
@@ -194,7 +200,7 @@ fn quartiles(mut values: Vec<f64>) -> Option<[f64; 3]> {
     Some([last / 4, last / 2, 3 * last / 4].map(|at| values[at]))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "case-files"))]
 mod tests {
     use std::path::Path;
 
@@ -215,7 +221,7 @@ mod tests {
                 let system = &brake.plan.brake(scene).system;
                 let (force, reading) = (system.force_matrix(), system.reading_matrix());
                 let at = brake.operating_point(scene, &sample).unwrap();
-                let sizes = Sizes::new(&system.structure(&at.coefficients).unwrap(), &force, &reading).unwrap();
+                let sizes = NormBounds::new(&system.structure(&at.coefficients).unwrap(), &force, &reading).unwrap();
                 let radius = sizes.radius(&at.channels);
                 let system = system.assemble(&at).unwrap();
                 for lambda in QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap().eigenvalues {

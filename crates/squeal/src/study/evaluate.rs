@@ -1,4 +1,5 @@
-//! One block of samples in one scene: certificates, then sector by sector spectra, verdicts and names, then net work.
+//! The evaluation of a block of samples in one scene: certificates first, then growing modes and their names sector by sector,
+//! then net work.
 
 use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
@@ -6,24 +7,24 @@ use montecarlo::StreamRng;
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
-use super::growing::{Equations, anchors, equations, growing};
 use super::memory::{Scratch, timed};
 use super::net_work::WorkSystems;
-use super::part::{Equation, Known, Part, Solver, Unstable};
-use super::reference::{Reference, References, references};
+use super::reference::{Reference, SectoredReference, references};
+use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
+use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
 use super::{Plan, Scene, UncertainBrake};
 use crate::Error;
 
-/// What one CEA of a study says.
+/// The result of one complex eigenvalue analysis (CEA) of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
     /// The unstable modes, ascending in frequency.
     pub unstable: Vec<UnstableMode>,
     /// Real eigenvalues of the structure above zero: divergence.
     pub divergent: u32,
-    /// Modes whose verdict the error bound leaves open.
+    /// Number of modes whose verdict the error bound leaves open.
     pub undecided: u32,
-    /// Whether a certificate covers the system: it is stable up to rounding, and nothing was solved.
+    /// Whether the system was certified to be stable without a spectrum.
     pub is_certified: bool,
 }
 
@@ -45,16 +46,17 @@ pub struct Study<'a, B: UncertainBrake> {
     references: Vec<Reference>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
-    /// Of each configuration.
-    equations: Vec<Equations>,
-    /// Of each sector of each scene.
+    /// By configuration.
+    equations: Vec<SecularEquations>,
+    /// By scene and sector.
     anchors: Vec<Vec<Option<Anchors>>>,
-    /// Of the reference of each scene.
+    /// By scene: the gain at which its reference modes were computed.
     reference_gains: Vec<Option<Gain>>,
 }
 
 impl<'a, B: UncertainBrake> Study<'a, B> {
-    /// Finds the reference modes of every scene and certifies what it can of every configuration.
+    /// Computes what all samples share: the reference modes of every scene, and for every configuration the certificates, the
+    /// secular equations and their anchors.
     ///
     /// # Errors
     /// Those of the brake and of the solver.
@@ -65,7 +67,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let references = references(plan, &points, solver).map_err(failed)?.into_iter();
-        let (references, sector_references) = references.map(|References { whole, sectors }| (whole, sectors)).unzip();
+        let (references, sector_references) =
+            references.map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
         let anchors = anchors(brake, &equations, &certificates, solver)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
@@ -99,28 +102,28 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     }
 
     /// The secular equations of the configuration of a scene.
-    pub(super) fn equations(&self, scene: usize) -> &Equations {
+    pub(super) fn equations(&self, scene: usize) -> &SecularEquations {
         &self.equations[self.plan().scenes[scene].configuration]
     }
 
     /// How each sector of a scene is solved.
-    pub(super) fn solvers(&self, scene: usize) -> Vec<Solver<'_>> {
+    pub(super) fn solvers(&self, scene: usize) -> Vec<SectorSolver<'_>> {
         let equations = &self.equations(scene).sectors;
         let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
-        let solvers = each.map(|((reference, secular), anchors)| Solver {
-            spectra: self.solver,
+        let solvers = each.map(|((reference, secular), anchors)| SectorSolver {
+            eigen_solver: self.solver,
             reference,
             equation: secular
                 .as_ref()
                 .zip(anchors.as_ref())
                 .zip(gain)
-                .map(|((secular, anchors), reference)| Equation { secular, anchors, reference }),
+                .map(|((secular, anchors), reference)| SectorEquation { secular, anchors, reference }),
         });
         solvers.collect()
     }
 
-    /// What is to be said at each of these operating points, which no certificate covers.
+    /// The outcomes at operating points of a scene that no certificate covers.
     fn open_samples(
         &self,
         scene: usize,
@@ -130,25 +133,21 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let Scratch { systems, memory } = scratch;
         let (equations, solvers) = (self.equations(scene), self.solvers(scene));
         let scene = &self.plan().scenes[scene];
-        let mut known = timed(&mut memory.spent.search, || growing(equations, &solvers, points, &mut memory.work));
-        let damps = |found: &Known| found.as_ref().is_some_and(|(_, found)| found.frequencies().next().is_none());
         let mut outcomes: Vec<Result<Outcome, Error>> = points.iter().map(|_| Ok(Outcome::default())).collect();
 
-        // What the secular equations leave to spectra they leave in all sectors.
-        let (told, open): (Vec<usize>, Vec<usize>) =
-            (0..points.len()).partition(|&at| known.iter().all(|of_sector| of_sector[at].is_some()));
-        let growing: Vec<usize> =
-            told.into_iter().filter(|&at| !known.iter().all(|of_sector| damps(&of_sector[at]))).collect();
-        let mut parts = Vec::with_capacity(solvers.len());
-        for (solver, known) in solvers.iter().zip(&mut known) {
-            let known: Vec<(Gain, Growing)> = growing.iter().filter_map(|&at| known[at].take()).collect();
-            parts.push(solver.known(&known, memory));
+        let mut found =
+            timed(&mut memory.spent.search, || growing_modes(equations, &solvers, points, &mut memory.work));
+        let (growing, open) = growing_and_open(&found, points.len());
+        let mut of_sectors = Vec::with_capacity(solvers.len());
+        for (solver, found) in solvers.iter().zip(&mut found) {
+            let found: Vec<(Gain, Growing)> = growing.iter().filter_map(|&at| found[at].take()).collect();
+            of_sectors.push(solver.name_growing(&found, memory));
         }
-        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &growing, parts, &mut outcomes));
+        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &growing, of_sectors, &mut outcomes));
 
         let assembled = timed(&mut memory.spent.assembly, || self.assemble(scene, points, &open, systems));
-        // What cannot be assembled has no lane.
-        let (mut lanes, mut parts) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
+        // A sample whose matrices cannot be assembled takes no lane of the solver.
+        let (mut lanes, mut of_sectors) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
         for (at, made) in open.into_iter().zip(assembled) {
             match made {
                 Ok(()) => lanes.push(at),
@@ -156,29 +155,32 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             }
         }
         for (systems, solver) in systems.iter().zip(&solvers) {
-            parts.push(solver.solve(&systems[..lanes.len()], memory));
+            of_sectors.push(solver.solve(&systems[..lanes.len()], memory));
         }
-        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &lanes, parts, &mut outcomes));
+        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &lanes, of_sectors, &mut outcomes));
         outcomes
     }
 
-    /// Enters what the parts of some samples, sector by sector, say together.
+    /// Puts the modes of all sectors of some samples together and enters the outcomes.
     fn enter(
         &self,
         scene: &Scene,
         points: &[OperatingPoint],
         samples: &[usize],
-        parts: Vec<Vec<Result<Part, CeaError>>>,
+        of_sectors: Vec<Vec<Result<SectorModes, CeaError>>>,
         outcomes: &mut [Result<Outcome, Error>],
     ) {
-        let mut parts: Vec<_> = parts.into_iter().map(Vec::into_iter).collect();
+        let mut of_sectors: Vec<_> = of_sectors.into_iter().map(Vec::into_iter).collect();
         for &at in samples {
-            let of_sample = parts.iter_mut().filter_map(Iterator::next).collect::<Result<Vec<Part>, CeaError>>();
-            outcomes[at] = of_sample.map_err(Error::from).and_then(|parts| self.outcome(scene, &points[at], &parts));
+            let of_sample =
+                of_sectors.iter_mut().filter_map(Iterator::next).collect::<Result<Vec<SectorModes>, CeaError>>();
+            outcomes[at] =
+                of_sample.map_err(Error::from).and_then(|of_sectors| self.outcome(scene, &points[at], &of_sectors));
         }
     }
 
-    /// Writes the systems of each sector at those of `points` that are `open`, without gaps where one cannot be assembled.
+    /// Writes the systems of each sector at those of `points` that are `open`, by sector and sample. A sample that cannot be
+    /// assembled takes no place: the next is written in its stead.
     fn assemble(
         &self,
         scene: &Scene,
@@ -192,33 +194,51 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             of_sector.resize_with(of_sector.len().max(open.len()), || SecondOrder::zeros(1, 0));
         }
         let (mut lane, mut whole) = (0, SecondOrder::zeros(1, 0));
-        let mut one = |&at: &usize| {
+        let mut assembled = Vec::with_capacity(open.len());
+        for &at in open {
             let of_lane = systems.iter_mut().map(|of_sector| &mut of_sector[lane]);
-            sectors.assemble_into(system, &points[at], &mut whole, of_lane)?;
-            lane += 1;
-            Ok(())
-        };
-        open.iter().map(&mut one).collect()
+            let made = sectors.assemble_into(system, &points[at], &mut whole, of_lane);
+            lane += usize::from(made.is_ok());
+            assembled.push(made.map_err(Error::from));
+        }
+        assembled
     }
 
-    /// What the sectors of one sample say together.
-    fn outcome(&self, scene: &Scene, at: &OperatingPoint, parts: &[Part]) -> Result<Outcome, Error> {
+    /// The outcome of one sample from the modes of all its sectors.
+    fn outcome(&self, scene: &Scene, at: &OperatingPoint, of_sectors: &[SectorModes]) -> Result<Outcome, Error> {
         let (mut outcome, brake) = (Outcome::default(), self.plan().brake(scene));
-        let wants_work = scene.wants_work && parts.iter().any(|part| !part.unstable.is_empty());
+        let wants_work = scene.wants_work && of_sectors.iter().any(|of_sector| !of_sector.unstable.is_empty());
         let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
-        let ranks = ranks_together(&parts.iter().map(|part| &part.modes).collect::<Vec<_>>());
-        for ((part, ranks), sector) in parts.iter().zip(ranks).zip(brake.sectors.iter()) {
-            for Unstable { index, mode, names } in &part.unstable {
+        let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
+        for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
+            for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
                 outcome.unstable.push(UnstableMode { rank: ranks[*index] as u16, names: names.clone(), work });
             }
-            outcome.divergent += part.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
-            outcome.undecided += part.undecided;
+            outcome.divergent += of_sector.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
+            outcome.undecided += of_sector.undecided;
         }
         outcome.unstable.sort_by_key(|mode| mode.rank);
         Ok(outcome)
     }
+}
+
+/// Which samples have growing modes, and which are open, by the answers of all sectors: a sample that one sector leaves open
+/// needs the spectra of all. Samples in neither list are stable.
+fn growing_and_open(found: &[Vec<SecularAnswer>], samples: usize) -> (Vec<usize>, Vec<usize>) {
+    let (mut growing, mut open) = (Vec::new(), Vec::new());
+    for at in 0..samples {
+        let answers: Option<Vec<&(Gain, Growing)>> = found.iter().map(|of_sector| of_sector[at].as_ref()).collect();
+        match answers {
+            None => open.push(at),
+            Some(answers) if answers.iter().any(|(_, growing)| growing.frequencies().next().is_some()) => {
+                growing.push(at)
+            }
+            Some(_) => {}
+        }
+    }
+    (growing, open)
 }
 
 impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {

@@ -1,4 +1,4 @@
-//! Working memory of one block, and what it was used for.
+//! Working memory of one block, and the processor time of the stages.
 
 use std::time::Duration;
 
@@ -9,12 +9,12 @@ use linsys::SecondOrder;
 /// Working memory of one block.
 #[derive(Default)]
 pub struct Scratch {
-    /// Of each sector, those of the samples.
+    /// By sector, one for each sample.
     pub(super) systems: Vec<Vec<SecondOrder>>,
     pub(super) memory: Memory,
 }
 
-/// What solvers work with.
+/// Working memory of the solvers of a scene's sectors.
 #[derive(Default)]
 pub(super) struct Memory {
     pub spectra: Vec<Result<Spectrum, CeaError>>,
@@ -25,35 +25,35 @@ pub(super) struct Memory {
 /// Processor time of the stages of a study.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Spent {
-    /// Sliding states, and certificates looked up.
+    /// Operating points, and whether a certificate covers them.
     pub states: Duration,
-    /// Growing modes by secular equations.
+    /// Finding growing modes by secular equations.
     pub search: Duration,
-    /// Matrices.
+    /// Assembling matrices.
     pub assembly: Duration,
-    /// Spectra and verdicts of what the secular equations leave.
+    /// Spectra and verdicts of samples that the secular equations leave open.
     pub spectra: Duration,
-    /// Shapes of growing modes.
+    /// Computing the shapes of growing modes.
     pub shapes: Duration,
-    /// Their names, continuations included.
+    /// Naming them, continuation included.
     pub names: Duration,
     /// Ranks and net work.
     pub outcomes: Duration,
 }
 
 impl Scratch {
-    /// What was computed so far.
+    /// How often each kind of computation was done so far.
     pub fn counters(&self) -> Counters {
         self.memory.work.counters
     }
 
-    /// What that took.
+    /// The processor time of each stage so far.
     pub fn spent(&self) -> Spent {
         self.memory.spent
     }
 }
 
-/// Adds the processor time that some work takes of this thread.
+/// Does some work and adds the processor time that it takes of this thread `into` a sum.
 pub fn timed<T>(into: &mut Duration, work: impl FnOnce() -> T) -> T {
     let start = ThreadTime::now();
     let result = work();

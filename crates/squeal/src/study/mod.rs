@@ -9,28 +9,28 @@
 
 mod brake;
 mod certificate;
-mod compare;
+mod comparison;
 mod evaluate;
-mod growing;
 mod memory;
-mod near;
+mod near_axis;
 mod net_work;
-mod part;
 mod plan;
 mod reference;
+mod sector_modes;
+mod secular_equations;
 mod tally;
 
 pub use brake::UncertainBrake;
 pub use certificate::Certificate;
-pub use compare::{Comparison, Kind, Panel, comparisons, panels};
+pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use evaluate::{Outcome, Study, UnstableMode};
-pub use growing::{ANCHORS, common_gain};
 pub use memory::{Scratch, Spent, timed};
-pub(crate) use near::NearAxis;
+pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+    Configuration, Labels, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
 };
 pub use reference::Reference;
+pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub(crate) use tally::unstable_names;
-pub use tally::{SceneTally, Tally};
+pub use tally::{SceneTally, StudyTally};

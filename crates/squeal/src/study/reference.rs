@@ -6,7 +6,7 @@
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
 //! then matched to the modes of their scene.
 //!
-//! All this goes sector by sector: modes of different sectors never meet, whatever their frequencies.
+//! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 
 use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
@@ -24,14 +24,14 @@ pub struct Reference {
     pub system: SecondOrder,
     /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
-    /// What each is called: one name, several where a coalescence on the path leaves it open, none where a mode only
-    /// began to oscillate on the path.
+    /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
+    /// no oscillation at the beginning of the path.
     pub names: Vec<Vec<u16>>,
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
 #[derive(Debug, Clone)]
-pub struct References {
+pub struct SectoredReference {
     /// The whole brake.
     pub whole: Reference,
     /// Each of its sectors.
@@ -47,7 +47,7 @@ impl Reference {
         Ok((Self { names: vec![Vec::new(); modes.len()], modes, system }, found))
     }
 
-    /// The names of a mode that may have become any of the modes of `link`, ascending, each once.
+    /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
     pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<u16> {
         let mut names: Vec<u16> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
         names.sort_unstable();
@@ -55,19 +55,19 @@ impl Reference {
         names
     }
 
-    /// The whole that sectors make up.
-    fn joined(system: SecondOrder, sectors: &Sectors, parts: &[Self]) -> Self {
+    /// The modes of the whole brake, from those of all its sectors.
+    fn joined(system: SecondOrder, sectors: &Sectors, of_sectors: &[Self]) -> Self {
         let named = |(sector, part): (&Sector, &Self)| {
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
-        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(parts).flat_map(named).collect();
+        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
         all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
         let (modes, names) = all.into_iter().unzip();
         Self { system, modes, names }
     }
 
-    /// Those modes of a whole brake that are of one sector.
+    /// Of the modes of a whole brake those that lie in one sector: with more than half of their squared norm.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
         let mut part = Self { system: sector.reduced(&self.system)?, modes: Vec::new(), names: Vec::new() };
         for (mode, names) in self.modes.iter().zip(&self.names) {
@@ -80,8 +80,8 @@ impl Reference {
         Ok(part)
     }
 
-    /// The modes of `system`, named by continuation from this reference: all the way, or, for a `near` system, where MAC
-    /// leaves a doubt.
+    /// The modes of `system`, with names from this reference. A `near` system is compared by MAC, with continuation where that
+    /// leaves a doubt; to any other every mode is continued.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
@@ -115,19 +115,19 @@ pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
-) -> Result<Vec<References>, Error> {
+) -> Result<Vec<SectoredReference>, Error> {
     let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration =
         |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
     let configurations =
-        plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<References>, Error>>()?;
+        plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
         of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver)
     };
     plan.scenes.par_iter().zip(points).map(of_scene).collect()
 }
 
-/// Where the names come from: frequency ranks.
+/// The modes of an origin, each named by its frequency rank.
 fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
     let (brake, mut work) = (&origin.brake, Workspace::default());
     let system = brake.system.assemble(&origin.naming_point)?;
@@ -144,33 +144,33 @@ fn of_configuration(
     configuration: &Configuration,
     origin: &Reference,
     solver: &dyn EigenSolver,
-) -> Result<References, Error> {
+) -> Result<SectoredReference, Error> {
     let Configuration { brake, naming_point, .. } = configuration;
     let system = brake.system.assemble(naming_point)?;
     let from = brake.sectors.iter().map(|sector| origin.within(sector)).collect::<Result<Vec<_>, _>>()?;
     if system == origin.system {
-        return Ok(References { whole: origin.clone(), sectors: from });
+        return Ok(SectoredReference { whole: origin.clone(), sectors: from });
     }
-    // The straight line from one system to the other takes the stiffness and the load of the contacts that differ
-    // from 1 to 0 together.
-    References::linked(&from, solver, &brake.sectors, system, false)
+    // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
+    // together.
+    SectoredReference::linked(&from, solver, &brake.sectors, system, false)
 }
 
 fn of_scene(
     brake: &Brake,
     at: &OperatingPoint,
-    configuration: &References,
+    configuration: &SectoredReference,
     solver: &dyn EigenSolver,
-) -> Result<References, Error> {
+) -> Result<SectoredReference, Error> {
     let system = brake.system.assemble(at)?;
     if system == configuration.whole.system {
         return Ok(configuration.clone());
     }
-    References::linked(&configuration.sectors, solver, &brake.sectors, system, true)
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, true)
 }
 
-impl References {
-    /// The modes of `system`, those of each sector named as [`Reference::linked`] names them `from` its reference.
+impl SectoredReference {
+    /// The modes of `system`, named sector by sector as [`Reference::linked`] does.
     fn linked(
         from: &[Reference],
         solver: &dyn EigenSolver,

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use montecarlo::{IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
 use serde::{Deserialize, Serialize};
 
-use super::compare::{Comparison, Panel, comparisons, panels};
+use super::comparison::{Comparison, Panel, comparisons, panels};
 use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Tally {
+pub struct StudyTally {
     /// One per scene.
     pub scenes: Vec<SceneTally>,
     /// Per panel, unstable modes summed over all arrangements, over samples solved in all of them.
@@ -18,12 +18,12 @@ pub struct Tally {
     /// Per comparison, the difference of the two sums, each times the number of arrangements of the other panel.
     pub comparisons: Vec<IntegerMean>,
     #[serde(skip)]
-    layout: Layout,
+    layout: PanelLayout,
 }
 
 /// How scenes make up panels; a part of the plan, not of the counts.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Layout {
+struct PanelLayout {
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     weights: Vec<i32>,
@@ -57,7 +57,7 @@ pub struct SceneTally {
     pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
 }
 
-impl Tally {
+impl StudyTally {
     /// An empty tally of a plan.
     pub fn empty(plan: &Plan) -> Self {
         let panels = panels(plan);
@@ -67,7 +67,7 @@ impl Tally {
             scenes: vec![SceneTally::default(); plan.scenes.len()],
             panels: vec![IntegerMean::default(); panels.len()],
             comparisons: vec![IntegerMean::default(); comparisons.len()],
-            layout: Layout { panels, comparisons, weights },
+            layout: PanelLayout { panels, comparisons, weights },
         }
     }
 }
@@ -130,7 +130,7 @@ fn candidate_names(modes: &[UnstableMode]) -> Vec<&[u16]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 
-impl Merge for Tally {
+impl Merge for StudyTally {
     fn merge(&mut self, later: Self) {
         for (mine, more) in self.scenes.iter_mut().zip(later.scenes) {
             mine.merge(more);
@@ -144,14 +144,14 @@ impl Merge for Tally {
     }
 }
 
-impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for Tally {
+impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
     fn record(&mut self, runs: &Runs<'_, Study<'_, B>>) {
         for (tally, result) in self.scenes.iter_mut().zip(runs.results) {
             if let Ok(outcome) = result {
                 tally.record(outcome);
             }
         }
-        let Layout { panels, comparisons, weights } = &self.layout;
+        let PanelLayout { panels, comparisons, weights } = &self.layout;
         let sum_of = |panel: &Panel| {
             let of_scene = |&scene: &usize| {
                 runs.results[scene].as_ref().ok().map(|outcome| weights[scene] * outcome.unstable.len() as i32)

@@ -4,8 +4,8 @@ use num_complex::Complex64;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use squeal::figures::{
-    Body, LawMode, LogLogFigure, LogLogPanel, LogLogSeries, ModeWorkFigure, NetWork, OccurrenceBox, OccurrenceFigure,
-    OccurrencePanel, OccurrenceRow,
+    BodyInMode, LawMode, LogLogFigure, LogLogPanel, LogLogSeries, ModeWorkFigure, NetWork, OccurrenceBox,
+    OccurrenceFigure, OccurrencePanel, OccurrenceRow,
 };
 
 const CONTACTS: [(&str, usize); 4] =
@@ -133,10 +133,10 @@ pub fn hard_occurrence() -> Vec<(&'static str, OccurrenceFigure)> {
     ]
 }
 
-fn body(u: [f64; 3], out_of_phase: f64, work: f64, quartiles: Option<[f64; 2]>) -> Body {
+fn body(u: [f64; 3], out_of_phase: f64, work: f64, quartiles: Option<[f64; 2]>) -> BodyInMode {
     // Any phase and scale: the figure turns it back.
     let turned = Complex64::from_polar(0.037, 1.1);
-    Body {
+    BodyInMode {
         displacement: u.map(|c| turned * Complex64::new(c, out_of_phase * c)),
         constrained: [false; 3],
         work: NetWork { median: work, quartiles },
@@ -145,9 +145,9 @@ fn body(u: [f64; 3], out_of_phase: f64, work: f64, quartiles: Option<[f64; 2]>) 
 
 /// As Figure 7; the same with constraints, negative work and one law; a lattice that is not square.
 pub fn shapes() -> Vec<(&'static str, ModeWorkFigure)> {
-    let corners = |k: f64| -> Vec<Body> {
+    let corners = |k: f64| -> Vec<BodyInMode> {
         let corner = [1.0, -1.0, 1.0, -1.0];
-        let mut bodies: Vec<Body> = (0..9)
+        let mut bodies: Vec<BodyInMode> = (0..9)
             .map(|i| match [0, 2, 6, 8].iter().position(|&c| c == i) {
                 Some(c) => {
                     body([corner[c], 0.12 * k, -0.45 * corner[c]], 0.1 * k, 1.0 - 0.03 * c as f64, Some([0.8, 1.1]))
@@ -200,7 +200,7 @@ pub fn shapes() -> Vec<(&'static str, ModeWorkFigure)> {
     let mut zero = three.clone();
     zero.title = "All zero".into();
     for body in zero.laws.iter_mut().flat_map(|law| &mut law.bodies) {
-        *body = Body::default();
+        *body = BodyInMode::default();
     }
     vec![("fig07", three), ("held", held), ("wide_lattice", wide), ("all_zero", zero)]
 }

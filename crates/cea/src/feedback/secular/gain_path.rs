@@ -5,7 +5,6 @@ use std::ptr;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::pair::{EigenvaluePair, pairs};
 use super::response::{Point, characteristic, secular_matrices};
 use super::{Gain, MIDDLE_FREQUENCY, Resolvent, Secular};
 use crate::dense::{NullVector, null_vectors, start};
@@ -86,13 +85,6 @@ impl GainPath<'_> {
             found.extend(shapes.map(|found| found.filter(near).map(|found| found.shape)));
         }
         found
-    }
-
-    /// The two eigenvalues next to each of some guesses at a part t of a path, and the rate, per t, at which mean and square
-    /// move; `None` where there are no two, or others as near. Sixteen values of the secular equation each and more where the
-    /// guess is far off.
-    pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
-        pairs(at, work)
     }
 }
 

@@ -53,43 +53,43 @@ impl EigenvaluePair {
     }
 }
 
-/// The pair next to each guess at a part of a path, and how it moves along the path; `None` where there is none, or no pair
-/// that is alone.
-pub(super) fn pairs(
-    at: &[(GainPath<'_>, f64, EigenvaluePair)],
-    work: &mut Workspace,
-) -> Vec<Option<[EigenvaluePair; 2]>> {
-    let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
-    let mut found = vec![None; at.len()];
-    let mut open: Vec<usize> = (0..at.len()).collect();
-    for _ in 0..MOST_CIRCLES {
-        let circles = on_circles(&open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect::<Vec<_>>(), work);
-        let mut circles = circles.into_iter();
-        open.retain(|&i| {
-            let Some([here, ahead]) = circles.next().flatten() else { return false };
-            let before = std::mem::replace(&mut guesses[i], here);
-            let radius = before.radius();
-            if (here.mean - before.mean).norm() > LARGEST_OFFSET * radius
-                || here.half_gap_squared.norm() > radius * radius
-            {
-                return true;
+impl GainPath<'_> {
+    /// The two eigenvalues next to each of some guesses at a part t of a path, and the rate, per t, at which mean and square
+    /// move; `None` where there are no two, or others as near. Sixteen values of the secular equation each and more where the
+    /// guess is far off.
+    pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
+        let mut found = vec![None; at.len()];
+        let mut open: Vec<usize> = (0..at.len()).collect();
+        for _ in 0..MOST_CIRCLES {
+            let circles = on_circles(&open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect::<Vec<_>>(), work);
+            let mut circles = circles.into_iter();
+            open.retain(|&i| {
+                let Some([here, ahead]) = circles.next().flatten() else { return false };
+                let before = std::mem::replace(&mut guesses[i], here);
+                let radius = before.radius();
+                if (here.mean - before.mean).norm() > LARGEST_OFFSET * radius
+                    || here.half_gap_squared.norm() > radius * radius
+                {
+                    return true;
+                }
+                let rate = EigenvaluePair {
+                    mean: ahead.mean - here.mean,
+                    half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
+                };
+                let rate = EigenvaluePair {
+                    mean: rate.mean / DIFFERENCE_STEP,
+                    half_gap_squared: rate.half_gap_squared / DIFFERENCE_STEP,
+                };
+                found[i] = Some([here, rate]);
+                false
+            });
+            if open.is_empty() {
+                break;
             }
-            let rate = EigenvaluePair {
-                mean: ahead.mean - here.mean,
-                half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
-            };
-            let rate = EigenvaluePair {
-                mean: rate.mean / DIFFERENCE_STEP,
-                half_gap_squared: rate.half_gap_squared / DIFFERENCE_STEP,
-            };
-            found[i] = Some([here, rate]);
-            false
-        });
-        if open.is_empty() {
-            break;
         }
+        found
     }
-    found
 }
 
 /// The pair by the circle about each guess, and that a little further on the path.

@@ -8,7 +8,6 @@
 //! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses.
 
 use super::ExpressionError;
-use super::operands::starts_name;
 
 /// Longest expression, in characters: several times what a coefficient needs, and little enough that reading and
 /// evaluating it take milliseconds.
@@ -77,6 +76,11 @@ pub(super) fn shown(text: &str) -> String {
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     let start: String = text.chars().take(SHOWN).map(clean).collect();
     if text.chars().nth(SHOWN).is_some() { start + "..." } else { start }
+}
+
+/// Whether a character can begin a name.
+pub(super) fn starts_name(c: char) -> bool {
+    c.is_ascii_alphabetic() || c == '_'
 }
 
 /// What is not allowed, and where.

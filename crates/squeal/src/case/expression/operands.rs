@@ -1,7 +1,7 @@
 //! Numbers, names of parameters, constants and functions in an expression.
 
 use super::dual::FUNCTIONS;
-use super::grammar::{Fault, Pass, shown};
+use super::grammar::{Fault, Pass, shown, starts_name};
 
 /// Whether a name can be that of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
 /// function nor a constant.
@@ -11,10 +11,6 @@ pub fn is_parameter_name(name: &str) -> bool {
         && characters.all(continues_name)
         && !is_function(name)
         && constant(name).is_none()
-}
-
-pub(super) fn starts_name(c: char) -> bool {
-    c.is_ascii_alphabetic() || c == '_'
 }
 
 fn continues_name(c: char) -> bool {

@@ -1,14 +1,14 @@
 //! Where the panels stand, the axis that they share, and the places of the series on it.
 
-use super::super::axis::{MARGIN, Scale, Tick, widest, y_title_width};
-use super::super::canvas::{Area, Canvas, SMALL};
-use super::{OccurrenceFigure, OccurrenceRow, Y_TITLE};
+use super::super::axis::{AxisScale, PAGE_MARGIN, Tick, widest, y_title_width};
+use super::super::canvas::{Area, Canvas, SMALL_TEXT};
+use super::{OCCURRENCE_AXIS_TITLE, OccurrenceFigure, OccurrenceRow};
 
-/// Between two panels.
-const GAP: f64 = 9.0;
+/// Distance of two panels, pt.
+const PANEL_GAP: f64 = 9.0;
 
 /// Where the panels stand, and the axis that they share.
-pub(super) struct Grid {
+pub(super) struct PanelGrid {
     pub columns: usize,
     pub left: f64,
     pub tick_width: f64,
@@ -23,23 +23,24 @@ pub(super) struct Grid {
     pub upward: bool,
 }
 
-impl Grid {
+impl PanelGrid {
     pub fn new(data: &OccurrenceFigure, canvas: &Canvas, modes: Vec<usize>) -> Self {
-        let y_ticks = Scale::PERCENT.ticks(5);
+        let y_ticks = AxisScale::PERCENT.ticks(5);
         let tick_width = widest(canvas, &y_ticks) + 6.0;
         let most = data.rows.iter().map(|row| row.panels.len()).max().unwrap_or(1);
         let height = if data.rows.len() == 1 { 120.0 } else { 96.0 };
-        let left = MARGIN + y_title_width(canvas, height, Y_TITLE) + tick_width;
-        let width_of = |columns: usize| (canvas.width - MARGIN - left - GAP * (columns - 1) as f64) / columns as f64;
+        let left = PAGE_MARGIN + y_title_width(canvas, height, OCCURRENCE_AXIS_TITLE) + tick_width;
+        let width_of =
+            |columns: usize| (canvas.width - PAGE_MARGIN - left - PANEL_GAP * (columns - 1) as f64) / columns as f64;
         let count = modes.len().max(1) as f64;
         let mut columns = if data.rows.len() == 1 && most > 2 { most.div_ceil(2) } else { most };
         // A mode needs room for its label, if only upwards.
-        while columns > 2 && width_of(columns) / count < SMALL + 0.5 {
+        while columns > 2 && width_of(columns) / count < SMALL_TEXT + 0.5 {
             columns = columns.div_ceil(2);
         }
         let width = width_of(columns);
         let slot = width / count;
-        let every = ((SMALL + 0.5) / slot).ceil() as usize;
+        let every = ((SMALL_TEXT + 0.5) / slot).ceil() as usize;
         let ticks: Vec<Tick> = modes
             .iter()
             .enumerate()
@@ -50,12 +51,12 @@ impl Grid {
             .collect();
         let longest = widest(canvas, &ticks);
         let upward = longest + 3.0 > slot * every as f64;
-        let label_height = if upward { longest + 3.0 } else { SMALL + 2.0 };
+        let label_height = if upward { longest + 3.0 } else { SMALL_TEXT + 2.0 };
         Self { columns, left, tick_width, width, height, label_height, modes, ticks, upward }
     }
 
     pub fn area(&self, column: usize, y: f64) -> Area {
-        let x = self.left + column as f64 * (self.width + GAP);
+        let x = self.left + column as f64 * (self.width + PANEL_GAP);
         Area { x, y, width: self.width, height: self.height }
     }
 }
@@ -69,7 +70,7 @@ pub(super) struct Slots {
 }
 
 impl Slots {
-    pub fn new(data: &OccurrenceFigure, row: &OccurrenceRow, grid: &Grid) -> Self {
+    pub fn new(data: &OccurrenceFigure, row: &OccurrenceRow, grid: &PanelGrid) -> Self {
         let shown = |s: &usize| row.panels.iter().flat_map(|panel| &panel.boxes).any(|b| b.series == *s);
         let series: Vec<usize> = (0..data.series.len()).filter(shown).collect();
         let slot = grid.width / grid.modes.len().max(1) as f64;

@@ -3,13 +3,13 @@
 mod grid;
 mod panel;
 
-use super::axis::{LINE, MARGIN, title, y_title};
+use super::axis::{LINE_SPACING, PAGE_MARGIN, title, y_title};
 use super::canvas::{Area, Canvas, Label, Paint};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
 use super::legend::{Entry, legend};
 use super::style::{box_style, filled_box};
-use grid::{Grid, Slots};
+use grid::{PanelGrid, Slots};
 use panel::{draw_panel, headings};
 
 /// Box plots in panels, one row of panels per friction law.
@@ -58,7 +58,7 @@ pub struct OccurrenceBox {
     pub percent: Vec<f64>,
 }
 
-const Y_TITLE: &str = "occurrence of instability (%)";
+const OCCURRENCE_AXIS_TITLE: &str = "occurrence of instability (%)";
 
 /// Draws the occurrence of instability: panels with one shared mode axis and 0 to 100 %, the series side by side, a box
 /// ([`BoxStatistics`](montecarlo::BoxStatistics)) over the arrangements, or a diamond where there is only one.
@@ -73,7 +73,7 @@ pub fn occurrence_boxes(data: &OccurrenceFigure) -> Result<Figure, FigureError> 
     let table = check(data)?;
     let mut canvas = Canvas::new()?;
     let modes: Vec<usize> = (0..data.modes.len()).filter(|&m| unstable(data, m)).collect();
-    let grid = Grid::new(data, &canvas, modes);
+    let grid = PanelGrid::new(data, &canvas, modes);
 
     let mut y = title(&mut canvas, &data.title);
     y = legend(&mut canvas, y + 2.0, &key(data));
@@ -81,7 +81,7 @@ pub fn occurrence_boxes(data: &OccurrenceFigure) -> Result<Figure, FigureError> 
     for (r, row) in data.rows.iter().enumerate() {
         if !row.law.is_empty() {
             y += 12.0;
-            canvas.text(Label::new(MARGIN, y, row.law.clone()).size(9.0).bold());
+            canvas.text(Label::new(PAGE_MARGIN, y, row.law.clone()).size(9.0).bold());
             y += 1.0;
         }
         let slots = Slots::new(data, row, &grid);
@@ -107,13 +107,13 @@ pub fn occurrence_boxes(data: &OccurrenceFigure) -> Result<Figure, FigureError> 
                     (c == 0, last || (below && l + 1 < lines.len())),
                 )?;
             }
-            y_title(&mut canvas, grid.left - grid.tick_width, grid.area(0, y), Y_TITLE);
+            y_title(&mut canvas, grid.left - grid.tick_width, grid.area(0, y), OCCURRENCE_AXIS_TITLE);
             y += grid.height + 6.0;
         }
     }
-    y += grid.label_height + LINE - 5.0;
-    canvas.text(Label::new((grid.left + canvas.width - MARGIN) / 2.0, y, data.mode_axis.clone()).middle());
-    canvas.height = y + MARGIN;
+    y += grid.label_height + LINE_SPACING - 5.0;
+    canvas.text(Label::new((grid.left + canvas.width - PAGE_MARGIN) / 2.0, y, data.mode_axis.clone()).middle());
+    canvas.height = y + PAGE_MARGIN;
     Ok(Figure { canvas, table })
 }
 

@@ -2,21 +2,21 @@
 
 use montecarlo::BoxStatistics;
 
-use super::super::axis::{LINE, Scale, frame, x_axis, y_axis};
-use super::super::canvas::{Anchor, Area, Canvas, Color, Label, Paint, SMALL};
+use super::super::axis::{AxisScale, LINE_SPACING, frame, x_axis, y_axis};
+use super::super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::super::error::FigureError;
 use super::super::style::{BoxStyle, box_style, diamond, filled_box};
-use super::grid::{Grid, Slots};
+use super::grid::{PanelGrid, Slots};
 use super::{OccurrenceFigure, OccurrencePanel};
 
 /// The titles of one line of panels, with the number of arrangements. Returns the y below them.
-pub(super) fn headings(canvas: &mut Canvas, grid: &Grid, panels: &[OccurrencePanel], top: f64) -> f64 {
+pub(super) fn headings(canvas: &mut Canvas, grid: &PanelGrid, panels: &[OccurrencePanel], top: f64) -> f64 {
     let mut bottom = top;
     for (c, panel) in panels.iter().enumerate() {
         let area = grid.area(c, top);
         let text = format!("{}, n\u{a0}=\u{a0}{}", panel.title, panel.arrangements.len());
-        for (i, line) in canvas.fonts.wrap(&text, SMALL, false, area.width).into_iter().enumerate() {
-            let y = top + LINE * (i + 1) as f64;
+        for (i, line) in canvas.fonts.wrap(&text, SMALL_TEXT, false, area.width).into_iter().enumerate() {
+            let y = top + LINE_SPACING * (i + 1) as f64;
             canvas.text(Label::new(area.x, y, line));
             bottom = y.max(bottom);
         }
@@ -28,18 +28,18 @@ pub(super) fn headings(canvas: &mut Canvas, grid: &Grid, panels: &[OccurrencePan
 pub(super) fn draw_panel(
     canvas: &mut Canvas,
     data: &OccurrenceFigure,
-    grid: &Grid,
+    grid: &PanelGrid,
     slots: &Slots,
     panel: &OccurrencePanel,
     area: Area,
     (first, lowest): (bool, bool),
 ) -> Result<(), FigureError> {
-    y_axis(canvas, area, &Scale::PERCENT.ticks(5), first);
+    y_axis(canvas, area, &AxisScale::PERCENT.ticks(5), first);
     x_axis(canvas, area, &grid.ticks, lowest && !grid.upward, false);
     if lowest && grid.upward {
         for tick in &grid.ticks {
             let x = area.x + tick.at * area.width + 2.9;
-            canvas.text(Label::new(x, area.bottom() + 4.5, tick.label.clone()).anchor(Anchor::End).upward());
+            canvas.text(Label::new(x, area.bottom() + 4.5, tick.label.clone()).anchor(TextAnchor::End).upward());
         }
     }
     for i in 1..grid.modes.len() {
@@ -66,7 +66,7 @@ pub(super) fn draw_panel(
             b.percent.len()
         );
         canvas.group("box", text, |canvas| {
-            let y_of = |percent: f64| area.bottom() - Scale::PERCENT.at(percent) * area.height;
+            let y_of = |percent: f64| area.bottom() - AxisScale::PERCENT.at(percent) * area.height;
             let style = box_style(b.series);
             if b.percent.len() == 1 {
                 diamond(canvas, (x, y_of(statistics.median)), (0.55 * slots.pitch).min(3.6), style);

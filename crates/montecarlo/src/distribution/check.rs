@@ -1,23 +1,12 @@
-//! What is wrong with the parameters of a distribution.
+//! Which parameters a distribution may have.
 
 use super::Distribution;
 use super::bounded_normal::BoundedNormal;
+use crate::error::DistributionFault;
 
-/// The least part of a distribution that its bounds may keep, 1 %. Less is rather a slip of the pen than knowledge of a
-/// parameter, and costs the inverse distribution function more than two digits.
+/// The least share of a distribution that its bounds may keep. Chosen, 1 %: a smaller one is more likely a slip of the pen than
+/// knowledge of a parameter, and costs the inverse distribution function more than two digits.
 const SMALLEST_SHARE: f64 = 0.01;
-
-/// A parameter of a distribution that is not allowed. Who reads it from a file prints the field before the key.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{key} = {value}; allowed: {allowed}")]
-pub struct DistributionFault {
-    /// Its key, as in a file.
-    pub key: &'static str,
-    /// What stands there.
-    pub value: String,
-    /// What may stand there.
-    pub allowed: String,
-}
 
 type Checked = Result<(), DistributionFault>;
 

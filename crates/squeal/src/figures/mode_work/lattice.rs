@@ -2,13 +2,13 @@
 
 use num_complex::Complex64;
 
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL};
-use super::legend::Entry;
-use super::mode_work::{Body, ModeWorkFigure};
-use super::style::{BLUE, ORANGE};
+use super::super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::super::legend::Entry;
+use super::super::style::{BLUE, ORANGE, arrow};
+use super::data::{BodyInMode, ModeWorkFigure};
 
 /// Geometry of one drawing: x to the right along a row, y downwards along a column, as the oscillators are numbered.
-pub(super) struct Lattice {
+pub(super) struct LatticeDrawing {
     rows: usize,
     columns: usize,
     width: f64,
@@ -16,7 +16,7 @@ pub(super) struct Lattice {
     pitch: f64,
 }
 
-impl Lattice {
+impl LatticeDrawing {
     pub fn new(rows: usize, columns: usize, width: f64) -> Self {
         Self { rows, columns, width, pitch: (width / (columns as f64 + 0.5)).min(52.0) }
     }
@@ -27,7 +27,7 @@ impl Lattice {
     }
 
     /// Draws bodies (oscillators by rows, then the plate) and returns the y below. `axes` adds the directions.
-    pub fn draw(&self, canvas: &mut Canvas, (x, y): (f64, f64), bodies: &[Body], axes: bool) -> f64 {
+    pub fn draw(&self, canvas: &mut Canvas, (x, y): (f64, f64), bodies: &[BodyInMode], axes: bool) -> f64 {
         let left = x + (self.width - self.pitch * (self.columns as f64 - 1.0)) / 2.0;
         let top = y + (0.6 * self.pitch).max(20.0);
         let oscillators = self.rows * self.columns;
@@ -83,7 +83,7 @@ impl Lattice {
 
     fn body(&self, canvas: &mut Canvas, at: (f64, f64), [u, v, w]: [f64; 3], constrained: [bool; 3]) {
         canvas.circle(at, 2.2, Paint::fill(Color::WHITE).outlined(Color::DARK_GREY, 0.6));
-        let radius = DISC.min(0.3 * self.pitch);
+        let radius = LARGEST_DISC_RADIUS.min(0.3 * self.pitch);
         disc(canvas, at, radius, w);
         held(canvas, at, radius + 1.5, constrained);
         let tip = (at.0 + u * self.reach(), at.1 + v * self.reach());
@@ -99,25 +99,25 @@ struct Phase {
 }
 
 impl Phase {
-    fn of(bodies: &[Body]) -> Self {
+    fn of(bodies: &[BodyInMode]) -> Self {
         let all = || bodies.iter().flat_map(|body| body.displacement);
         let largest = all().fold(Complex64::ZERO, |a, b| if b.norm() > a.norm() { b } else { a });
         let factor = if largest.norm() > 0.0 { largest.inv() } else { Complex64::ZERO };
         Self { factor, left_out: all().map(|u| (u * factor).im.abs()).fold(0.0, f64::max) }
     }
 
-    fn shape(&self, body: &Body) -> [f64; 3] {
+    fn shape(&self, body: &BodyInMode) -> [f64; 3] {
         body.displacement.map(|u| (u * self.factor).re)
     }
 
-    fn describe(&self, body: &Body) -> String {
-        let [x, y, z] = self.shape(body).map(|u| super::axis::signed(u, 2));
+    fn describe(&self, body: &BodyInMode) -> String {
+        let [x, y, z] = self.shape(body).map(|u| super::super::axis::signed(u, 2));
         format!("x {x}, y {y}, z {z}")
     }
 }
 
-/// Radius of the disc of z = 1, where there is room.
-const DISC: f64 = 8.5;
+/// Radius of the disc of z = 1 where there is room, pt; chosen.
+const LARGEST_DISC_RADIUS: f64 = 8.5;
 
 /// z as a disc with its sign, `full` the radius of z = 1 and the area proportional to |z|; nothing where it would not be
 /// seen.
@@ -153,32 +153,16 @@ fn held(canvas: &mut Canvas, at: (f64, f64), distance: f64, [x, y, z]: [bool; 3]
     }
 }
 
-/// An arrow with a head no longer than itself; nothing where it would not be seen.
-pub(super) fn arrow(canvas: &mut Canvas, from: (f64, f64), to: (f64, f64), color: Color) {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = dx.hypot(dy);
-    if length < 0.8 {
-        return;
-    }
-    let (ux, uy) = (dx / length, dy / length);
-    let head = (0.55 * length).min(5.0);
-    let neck = (to.0 - head * ux, to.1 - head * uy);
-    canvas.line(from, neck, Paint::stroke(color, 1.3));
-    let half = 0.42 * head;
-    let side = |s: f64| (neck.0 - s * half * uy, neck.1 + s * half * ux);
-    canvas.polygon(vec![to, side(1.0), side(-1.0)], Paint::fill(color));
-}
-
 /// The directions x and y, small.
 fn directions(canvas: &mut Canvas, at: (f64, f64)) {
     arrow(canvas, at, (at.0 + 15.0, at.1), Color::DARK_GREY);
     arrow(canvas, at, (at.0, at.1 + 15.0), Color::DARK_GREY);
     canvas.text(Label::new(at.0 + 17.0, at.1 + 2.5, "x").color(Color::DARK_GREY));
-    canvas.text(Label::new(at.0, at.1 + 15.0 + SMALL, "y").middle().color(Color::DARK_GREY));
+    canvas.text(Label::new(at.0, at.1 + 15.0 + SMALL_TEXT, "y").middle().color(Color::DARK_GREY));
 }
 
-/// What the symbols mean; only those that occur.
-pub(super) fn key(data: &ModeWorkFigure) -> Vec<Entry> {
+/// The legend of the symbols, of those that occur.
+pub(super) fn symbols(data: &ModeWorkFigure) -> Vec<Entry> {
     let reach = 16.0;
     let mut entries = vec![
         Entry::new("x, y", reach, move |canvas: &mut Canvas, (x, y)| {

@@ -1,29 +1,30 @@
-//! Modes near the axis at some operating points of a scene, with their derivatives and names: what a table of them is made from.
+//! Modes near the imaginary axis at some operating points of a scene, with derivatives and names: the sample points of the
+//! control variate are made from these.
 
 use cea::{Gain, LeftOpen};
 use linsys::OperatingPoint;
 use num_complex::Complex;
 
-use super::part::Equation;
+use super::sector_modes::SectorEquation;
 use super::{Scratch, Study, UncertainBrake};
 use crate::Error;
 
-/// A mode near the axis under friction that is alike in all contacts.
+/// A mode near the imaginary axis, under friction that is the same in all contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct NearAxis {
-    /// rad/s.
+    /// Eigenvalue, rad/s.
     pub lambda: Complex<f64>,
     /// d lambda / d mu at a constant slope.
     pub by_mu: Complex<f64>,
     /// d lambda / d (N0 h) at constant mu.
     pub by_slope: Complex<f64>,
-    /// What an unstable mode may be called.
+    /// The names that an unstable mode may have; empty for a stable one.
     pub names: Vec<u16>,
 }
 
 impl<B: UncertainBrake> Study<'_, B> {
-    /// The modes that grow, or decay more slowly than `part` of |lambda|, at each operating point of a scene; `None` where the
-    /// secular equations leave a doubt or there are none.
+    /// The modes that grow, or decay at less than `part` times |lambda|, at each operating point of a scene; `None` at a point
+    /// where the secular equations leave a doubt, and at all points of a scene without secular equations.
     ///
     /// # Errors
     /// Those of the model and of the names.
@@ -39,7 +40,7 @@ impl<B: UncertainBrake> Study<'_, B> {
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; points.len()]) };
         let mut found = vec![Some(Vec::new()); points.len()];
-        for (solver, Equation { secular, anchors, .. }) in solvers.iter().zip(equations) {
+        for (solver, SectorEquation { secular, anchors, .. }) in solvers.iter().zip(equations) {
             let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
             let growing = |near: &Result<Vec<Complex<f64>>, LeftOpen>| -> Vec<Complex<f64>> {
                 near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()

@@ -17,7 +17,7 @@ pub struct Panel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Comparison {
     /// What differs.
-    pub kind: Kind,
+    pub kind: ComparisonKind,
     /// Place of the panel with more expected.
     pub more: usize,
     /// Place of the panel with fewer expected.
@@ -26,7 +26,7 @@ pub struct Comparison {
 
 /// What differs between two compared panels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum ComparisonKind {
     /// More contacts closed against fewer.
     Contact,
     /// A law against the baseline law.
@@ -56,17 +56,17 @@ pub fn comparisons(plan: &Plan, panels: &[Panel]) -> Vec<Comparison> {
         let (p, q) = (a.key, b.key);
         let same_scene = p.law == q.law && p.speed == q.speed;
         if p.constraints != q.constraints {
-            return (p.constraints == 0 && same_scene && p.panel == q.panel).then_some(Kind::Constraints);
+            return (p.constraints == 0 && same_scene && p.panel == q.panel).then_some(ComparisonKind::Constraints);
         }
         if p.panel != q.panel {
             let next = plan.labels.panels.iter().map(|panel| panel.in_contact).filter(|&n| n < number(a)).max();
-            return (same_scene && next == Some(number(b))).then_some(Kind::Contact);
+            return (same_scene && next == Some(number(b))).then_some(ComparisonKind::Contact);
         }
         if p.law != q.law {
             let speeds_agree = q.speed.is_none() || p.speed == q.speed;
-            return (plan.labels.baseline_law == Some(q.law) && speeds_agree).then_some(Kind::Law);
+            return (plan.labels.baseline_law == Some(q.law) && speeds_agree).then_some(ComparisonKind::Law);
         }
-        (p.speed < q.speed).then_some(Kind::Speed)
+        (p.speed < q.speed).then_some(ComparisonKind::Speed)
     };
     let mut found = Vec::new();
     for (more, a) in panels.iter().enumerate() {

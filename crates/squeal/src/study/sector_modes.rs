@@ -1,4 +1,4 @@
-//! What one sector of a block of samples says: verdicts on its modes, shapes and names of those that are unstable.
+//! The modes of one sector for a block of samples: verdicts on all of them, shapes and names of the unstable ones.
 
 use cea::{
     Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
@@ -11,73 +11,77 @@ use tracking::{Links, Path, PathEnd, PathStart, identify_all};
 use super::Reference;
 use super::memory::{Memory, timed};
 
-/// The modes of one sector of one sample.
+/// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
-pub(super) struct Part {
-    /// All of them; those that damp may be guesses in the right order.
+pub(super) struct SectorModes {
+    /// All of them. Where the secular equation found the growing ones, the others are approximations in the right order.
     pub modes: Modes,
     /// The unstable ones, ascending in frequency.
-    pub unstable: Vec<Unstable>,
-    /// Modes whose verdict the error bound leaves open.
+    pub unstable: Vec<UnstableSectorMode>,
+    /// Number of modes whose verdict the error bound leaves open.
     pub undecided: u32,
 }
 
-/// An unstable mode of a sector.
+/// An unstable mode of one sector.
 #[derive(Debug, Clone)]
-pub(super) struct Unstable {
-    /// Its place among the oscillating modes of the sector.
+pub(super) struct UnstableSectorMode {
+    /// Its index among the oscillating modes of the sector.
     pub index: usize,
-    /// Itself, its shape in the basis of the sector.
+    /// Eigenvalue, and shape in the basis of the sector.
     pub mode: Mode,
     /// Names it may have as a tracked mode.
     pub names: Vec<u16>,
 }
 
-/// The growing modes of a sector of a sample, as its secular equation finds them.
-pub(super) type Known = Option<(Gain, Growing)>;
+/// The growing modes of a sector in one sample, with the gain they were found at; `None` where the secular equation leaves a
+/// doubt and a spectrum has to decide.
+pub(super) type SecularAnswer = Option<(Gain, Growing)>;
 
-/// Modes with what they may be called.
-type Named = Vec<(Mode, Vec<u16>)>;
+/// Modes with the names each may have.
+type NamedModes = Vec<(Mode, Vec<u16>)>;
 
-/// How one sector of a scene is solved.
-pub(super) struct Solver<'a> {
-    pub spectra: &'a dyn EigenSolver,
-    /// What its modes are named after.
+/// What the modes of one sector of a scene are computed with.
+pub(super) struct SectorSolver<'a> {
+    /// Computes spectra.
+    pub eigen_solver: &'a dyn EigenSolver,
+    /// The modes that give the names.
     pub reference: &'a Reference,
-    /// `None` where spectra are the better way.
-    pub equation: Option<Equation<'a>>,
+    /// `None` where spectra are computed instead, see [`Secular::new`].
+    pub equation: Option<SectorEquation<'a>>,
 }
 
-/// The secular equation of a sector of a scene.
+/// The secular equation of one sector of a scene, and what it is used with.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Equation<'a> {
+pub(super) struct SectorEquation<'a> {
+    /// The equation.
     pub secular: &'a Secular,
+    /// Gains of the scene with known eigenvalues.
     pub anchors: &'a Anchors,
-    /// The gain of the reference.
+    /// The gain at which the reference modes were computed: the end of every continuation.
     pub reference: Gain,
 }
 
-impl Solver<'_> {
-    /// Solves for the modes of `systems`, this sector of some samples, and names the unstable ones.
-    pub fn solve(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
-        // Friction does not reach every sector: where it does not, all samples are one.
+impl SectorSolver<'_> {
+    /// The modes of this sector in some samples, one system each, by their spectra; the unstable ones with names.
+    pub fn solve(&self, systems: &[SecondOrder], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
+        // Friction does not act on every sector. Where it does not, the systems of all samples are equal: one is solved.
         if let [first, others @ ..] = systems
             && !others.is_empty()
             && others.iter().all(|other| other == first)
         {
-            let part = self.solve(std::slice::from_ref(first), memory).remove(0);
-            return vec![part; systems.len()];
+            let modes = self.solve(std::slice::from_ref(first), memory).remove(0);
+            return vec![modes; systems.len()];
         }
         let Memory { spectra, work, spent } = memory;
-        let judged: Vec<Result<Judged, CeaError>> = timed(&mut spent.spectra, || {
-            self.spectra.eigenvalues_of_all(systems, work, spectra);
+        let judged: Vec<Result<ModesWithVerdicts, CeaError>> = timed(&mut spent.spectra, || {
+            self.eigen_solver.eigenvalues_of_all(systems, work, spectra);
             let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
-                Judged::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
+                ModesWithVerdicts::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
             };
             systems.iter().zip(&*spectra).map(judge).collect()
         });
         let lambdas: Vec<Vec<Complex<f64>>> =
-            judged.iter().map(|judged| judged.as_ref().map(Judged::lambdas).unwrap_or_default()).collect();
+            judged.iter().map(|judged| judged.as_ref().map(ModesWithVerdicts::lambdas).unwrap_or_default()).collect();
         let asked: Vec<_> = systems.iter().zip(lambdas.iter().map(Vec::as_slice)).collect();
         let shaped = timed(&mut spent.shapes, || Mode::of_all(&asked, work));
         let starts: Vec<PathStart<'_>> = systems.iter().map(PathStart::System).collect();
@@ -85,18 +89,19 @@ impl Solver<'_> {
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged?.with_names(named?))).collect()
     }
 
-    /// Names the unstable modes of this sector of some samples, of which its equation told all that is asked.
-    pub fn known(&self, known: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<Part, CeaError>> {
-        let judged: Vec<Judged> = known.iter().map(|(_, growing)| Judged::known(growing)).collect();
+    /// The modes of this sector in some samples, from the growing modes that its secular equation found; these with names.
+    pub fn name_growing(&self, found: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
+        let judged: Vec<ModesWithVerdicts> =
+            found.iter().map(|(_, growing)| ModesWithVerdicts::from_growing(growing)).collect();
         let lambdas: Vec<(Gain, Vec<Complex<f64>>)> =
-            known.iter().zip(&judged).map(|((gain, _), judged)| (*gain, judged.lambdas())).collect();
+            found.iter().zip(&judged).map(|((gain, _), judged)| (*gain, judged.lambdas())).collect();
         let named = self.named_at(&lambdas, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged.with_names(named?))).collect()
     }
 
-    /// The modes with each of some gains at some eigenvalues, with their names; none without an equation.
-    pub fn named_at(&self, of: &[(Gain, Vec<Complex<f64>>)], memory: &mut Memory) -> Vec<Result<Named, CeaError>> {
-        let Some(Equation { secular, reference, .. }) = self.equation else { return Vec::new() };
+    /// The modes at given eigenvalues of some gains, with their names; empty for a sector without a secular equation.
+    pub fn named_at(&self, of: &[(Gain, Vec<Complex<f64>>)], memory: &mut Memory) -> Vec<Result<NamedModes, CeaError>> {
+        let Some(SectorEquation { secular, reference, .. }) = self.equation else { return Vec::new() };
         let Memory { work, spent, .. } = memory;
         let shaped = timed(&mut spent.shapes, || {
             let asked: Vec<_> = of.iter().map(|(gain, lambdas)| (*gain, &lambdas[..])).collect();
@@ -113,18 +118,19 @@ impl Solver<'_> {
         self.named(&of.iter().map(start).collect::<Vec<_>>(), shaped, memory)
     }
 
+    /// Names modes by following each from its own system to the reference.
     fn named(
         &self,
         starts: &[PathStart<'_>],
         shaped: Vec<Result<Vec<Mode>, CeaError>>,
         memory: &mut Memory,
-    ) -> Vec<Result<Named, CeaError>> {
+    ) -> Vec<Result<NamedModes, CeaError>> {
         let Memory { work, spent, .. } = memory;
         let end = PathEnd { system: &self.reference.system, modes: &self.reference.modes };
         let modes = shaped.iter().map(|modes| modes.as_deref().unwrap_or_default());
         let paths: Vec<Path<'_>> =
             starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
-        let links = timed(&mut spent.names, || identify_all(self.spectra, &paths, work));
+        let links = timed(&mut spent.names, || identify_all(self.eigen_solver, &paths, work));
         let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
             Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
         };
@@ -133,15 +139,15 @@ impl Solver<'_> {
 }
 
 /// The modes of one system, with verdicts.
-struct Judged {
+struct ModesWithVerdicts {
     modes: Modes,
-    /// Places of the unstable ones among the oscillating modes.
+    /// Indices of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
     undecided: u32,
 }
 
-impl Judged {
-    fn known(Growing { modes, .. }: &Growing) -> Self {
+impl ModesWithVerdicts {
+    fn from_growing(Growing { modes, .. }: &Growing) -> Self {
         let unstable = modes.iter().enumerate().filter(|(_, lambda)| lambda.re > 0.0).map(|(index, _)| index).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
         Self { modes, unstable, undecided: 0 }
@@ -164,9 +170,9 @@ impl Judged {
         self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
     }
 
-    fn with_names(self, named: Named) -> Part {
-        let mode = |(index, (mode, names))| Unstable { index, mode, names };
+    fn with_names(self, named: NamedModes) -> SectorModes {
+        let mode = |(index, (mode, names))| UnstableSectorMode { index, mode, names };
         let unstable = self.unstable.into_iter().zip(named).map(mode).collect();
-        Part { modes: self.modes, unstable, undecided: self.undecided }
+        SectorModes { modes: self.modes, unstable, undecided: self.undecided }
     }
 }

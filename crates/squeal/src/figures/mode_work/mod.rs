@@ -1,62 +1,22 @@
 //! Mode shape on the lattice above the net work of each body, one column per friction law.
 
-use num_complex::Complex64;
+mod data;
+mod lattice;
 
-use super::axis::{MARGIN, Scale, frame, signed, title, widest, y_axis, y_title, y_title_width};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL};
+use super::axis::{AxisScale, PAGE_MARGIN, frame, signed, title, widest, y_axis, y_title, y_title_width};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
-use super::lattice::{Lattice, key};
 use super::legend::legend;
 use super::style::{BLUE, VERMILLION};
+pub use data::{BodyInMode, LawMode, ModeWorkFigure, NetWork};
+use lattice::{LatticeDrawing, symbols};
 
-/// One mode under several friction laws.
-#[derive(Debug, Clone, Default)]
-pub struct ModeWorkFigure {
-    /// Above everything; may be empty.
-    pub title: String,
-    /// Rows of the lattice.
-    pub rows: usize,
-    /// Columns of the lattice.
-    pub columns: usize,
-    /// One column of the figure each.
-    pub laws: Vec<LawMode>,
-}
-
-/// The mode under one law.
-#[derive(Debug, Clone, Default)]
-pub struct LawMode {
-    /// Its name.
-    pub law: String,
-    /// Below the name, for example frequency and growth rate; may be empty.
-    pub caption: String,
-    /// The oscillators by rows, then the plate: `rows * columns + 1`.
-    pub bodies: Vec<Body>,
-}
-
-/// One oscillator, or the plate.
-#[derive(Debug, Clone, Default)]
-pub struct Body {
-    /// Components x, y, z of the eigenvector, in any unit and phase.
-    pub displacement: [Complex64; 3],
-    /// Which of x, y, z are held.
-    pub constrained: [bool; 3],
-    /// Its net work over the samples.
-    pub work: NetWork,
-}
-
-/// Normalised net work of one body (no unit).
-#[derive(Debug, Clone, Default)]
-pub struct NetWork {
-    /// Over the samples.
-    pub median: f64,
-    /// 25th and 75th percentile.
-    pub quartiles: Option<[f64; 2]>,
-}
-
-const GAP: f64 = 10.0;
+/// Between the columns of two laws, pt.
+const COLUMN_GAP: f64 = 10.0;
+/// Height of the axes of net work, pt.
 const WORK_HEIGHT: f64 = 105.0;
-const WORK_TITLE: &str = "normalised median net work";
+const WORK_AXIS_TITLE: &str = "normalised median net work";
 
 /// Draws the mode shape in plan view (arrows for x and y, discs for z, the undeformed lattice behind) above bars of the
 /// net work of each oscillator and the plate (p), with quartiles as whiskers; the work axis is shared.
@@ -76,15 +36,15 @@ pub fn mode_and_work(data: &ModeWorkFigure) -> Result<Figure, FigureError> {
         let [lower, upper] = body.work.quartiles.unwrap_or([body.work.median; 2]);
         [lower, body.work.median, upper]
     });
-    let scale = Scale::linear(values, 5.0);
+    let scale = AxisScale::linear(values, 5.0);
     let ticks = scale.ticks(0);
     let tick_width = widest(&canvas, &ticks) + 6.0;
-    let left = MARGIN + y_title_width(&canvas, WORK_HEIGHT, WORK_TITLE) + tick_width;
-    let width = (canvas.width - MARGIN - left - GAP * (count - 1) as f64) / count as f64;
-    let column = |c: usize| left + c as f64 * (width + GAP);
+    let left = PAGE_MARGIN + y_title_width(&canvas, WORK_HEIGHT, WORK_AXIS_TITLE) + tick_width;
+    let width = (canvas.width - PAGE_MARGIN - left - COLUMN_GAP * (count - 1) as f64) / count as f64;
+    let column = |c: usize| left + c as f64 * (width + COLUMN_GAP);
 
     let mut y = title(&mut canvas, &data.title);
-    y = legend(&mut canvas, y + 2.0, &key(data)) + 2.0;
+    y = legend(&mut canvas, y + 2.0, &symbols(data)) + 2.0;
     let tops: Vec<f64> = data
         .laws
         .iter()
@@ -92,14 +52,14 @@ pub fn mode_and_work(data: &ModeWorkFigure) -> Result<Figure, FigureError> {
         .map(|(c, law)| heading(&mut canvas, c, &law.law, &law.caption, (column(c), y), width))
         .collect();
     y = tops.into_iter().fold(y, f64::max) + 4.0;
-    let lattice = Lattice::new(data.rows, data.columns, width);
+    let lattice = LatticeDrawing::new(data.rows, data.columns, width);
     let mut bottom = y;
     for (c, law) in data.laws.iter().enumerate() {
         bottom = bottom.max(lattice.draw(&mut canvas, (column(c), y), &law.bodies, c == 0));
     }
     y = bottom + 8.0;
     for c in 0..count {
-        canvas.text(Label::new(column(c), y + SMALL, format!("({})", letter(count + c))).size(9.0).bold());
+        canvas.text(Label::new(column(c), y + SMALL_TEXT, format!("({})", letter(count + c))).size(9.0).bold());
     }
     y += 13.0;
     for (c, law) in data.laws.iter().enumerate() {
@@ -107,11 +67,11 @@ pub fn mode_and_work(data: &ModeWorkFigure) -> Result<Figure, FigureError> {
         y_axis(&mut canvas, area, &ticks, c == 0);
         bars(&mut canvas, area, scale, law);
     }
-    y_title(&mut canvas, left - tick_width, Area { x: left, y, width, height: WORK_HEIGHT }, WORK_TITLE);
+    y_title(&mut canvas, left - tick_width, Area { x: left, y, width, height: WORK_HEIGHT }, WORK_AXIS_TITLE);
     y += WORK_HEIGHT + 12.0;
-    let middle = (left + canvas.width - MARGIN) / 2.0;
+    let middle = (left + canvas.width - PAGE_MARGIN) / 2.0;
     canvas.text(Label::new(middle, y + 10.0, "oscillator (p: plate)").middle());
-    canvas.height = y + 10.0 + MARGIN;
+    canvas.height = y + 10.0 + PAGE_MARGIN;
     Ok(Figure { canvas, table })
 }
 
@@ -126,7 +86,7 @@ fn heading(canvas: &mut Canvas, index: usize, law: &str, caption: &str, (x, top)
         y += 11.0;
         canvas.text(Label::new(x, y, line).size(9.0).bold());
     }
-    for line in canvas.fonts.wrap(caption, SMALL, false, width) {
+    for line in canvas.fonts.wrap(caption, SMALL_TEXT, false, width) {
         y += 10.0;
         canvas.text(Label::new(x, y, line).color(Color::DARK_GREY));
     }
@@ -134,10 +94,10 @@ fn heading(canvas: &mut Canvas, index: usize, law: &str, caption: &str, (x, top)
 }
 
 /// Bars of the oscillators and the plate; those that feed the mode and those that drain it differ in colour and side.
-fn bars(canvas: &mut Canvas, area: Area, scale: Scale, law: &LawMode) {
+fn bars(canvas: &mut Canvas, area: Area, scale: AxisScale, law: &LawMode) {
     let y_of = |value: f64| area.bottom() - scale.at(value) * area.height;
     let slot = area.width / law.bodies.len() as f64;
-    let every = ((canvas.fonts.width("00", SMALL, false) + 2.0) / slot).ceil() as usize;
+    let every = ((canvas.fonts.width("00", SMALL_TEXT, false) + 2.0) / slot).ceil() as usize;
     for (i, body) in law.bodies.iter().enumerate() {
         let plate = i + 1 == law.bodies.len();
         let name = if plate { "p".to_owned() } else { (i + 1).to_string() };
