@@ -87,11 +87,11 @@ pub use run::{DrawResults, estimate, fingerprint, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "case-files"))]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
 
 /// The example of this crate's own README.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "case-files"))]
 #[doc = include_str!("../README.md")]
 struct CrateReadme;
