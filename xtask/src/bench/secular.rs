@@ -7,7 +7,7 @@ use squeal::study::common_gain;
 use validation::Spectra;
 
 /// How the route is called.
-pub const GROWING: &str = "secular equation, growing modes";
+pub const SECULAR_ROUTE_NAME: &str = "secular equation, growing modes";
 
 /// One lattice and its draws.
 pub struct SecularRoute {

@@ -1,6 +1,7 @@
 //! Case files: a study as data.
 
 mod alternative;
+mod arrangements;
 mod check;
 mod error;
 mod expression;
@@ -17,5 +18,5 @@ pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use montecarlo::Distribution;
-pub use schema::{Draws, Labels, Law};
+pub use schema::{Draws, Law, ModeNaming};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

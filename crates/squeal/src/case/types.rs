@@ -6,7 +6,7 @@ use friction::BristleDamping;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::schema::{Draws, Labels, Law};
+use super::schema::{Draws, Law, ModeNaming};
 use super::{Alternative, Distribution};
 
 /// A study, checked.
@@ -52,7 +52,7 @@ pub struct LatticeReadings {
     /// One draw for all contacts or one each.
     pub draws: Draws,
     /// How modes are named.
-    pub labels: Labels,
+    pub labels: ModeNaming,
     /// What presses the oscillators on the plate.
     pub preload: Preload,
     /// LuGre's sigma1 over speed; `None` sets it to 0.

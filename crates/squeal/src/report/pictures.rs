@@ -8,10 +8,10 @@ use osc_model::Lean;
 use rayon::prelude::*;
 
 use super::Results;
-use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
+use super::paper::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED, most_robust, paper_mode, shape, title};
 use crate::Error;
 use crate::brakes::LatticeBrake;
-use crate::case::Labels;
+use crate::case::ModeNaming;
 use crate::figures::{
     BodyInMode, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceBox, OccurrenceFigure, OccurrencePanel,
     OccurrenceRow, mode_and_work, model_diagram, occurrence_boxes,
@@ -53,19 +53,19 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
     let laws: Vec<usize> = (0..case.laws.len()).collect();
     for (&law, stem) in laws.iter().zip(["fig04", "fig05", "fig06"]) {
         let heading = format!("{} friction", case.laws[law].title());
-        figures.push((occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?, stem));
+        figures.push((occurrence_boxes(&occurrence(results, UNCONSTRAINED, &[law], heading)?)?, stem));
     }
-    for (constraints, stem) in [(CORNERS, "fig08"), (SIX, "fig09")] {
+    for (constraints, stem) in [(CORNERS_HELD, "fig08"), (SIX_HELD, "fig09")] {
         if let Some(set) = case.constraints.get(constraints) {
             let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
             let heading = format!("Held: {}", held.join(", "));
             figures.push((occurrence_boxes(&occurrence(results, constraints, &laws, heading)?)?, stem));
         }
     }
-    let robust = most_robust(results, FREE)?.first().map(|&(name, _)| name);
+    let robust = most_robust(results, UNCONSTRAINED)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
     for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
-        if let Some(figure) = name.and_then(|name| mode_work(results, brake, FREE, name).transpose()) {
+        if let Some(figure) = name.and_then(|name| mode_work(results, brake, UNCONSTRAINED, name).transpose()) {
             figures.push((mode_and_work(&figure?)?, stem));
         }
     }
@@ -112,9 +112,9 @@ fn occurrence(
         rows.push(row);
     }
     let mode_axis = match results.labels {
-        Labels::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
-        Labels::Rank => "mode (frequency rank in its own sample)",
-        Labels::Pair => "mode (place among all 2n eigenvalues of its own sample)",
+        ModeNaming::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
+        ModeNaming::Rank => "mode (frequency rank in its own sample)",
+        ModeNaming::Pair => "mode (place among all 2n eigenvalues of its own sample)",
     };
     let modes = names.iter().map(ToString::to_string).collect();
     Ok(OccurrenceFigure { title, mode_axis: mode_axis.into(), modes, series, rows })

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use linsys::OperatingPoint;
 use osc_model::Brake;
 
-use crate::case::Labels;
+use crate::case::ModeNaming;
 
 /// What tells scenes apart; indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -127,7 +127,7 @@ pub struct Plan {
     /// Seed of the random streams.
     pub seed: u64,
     /// How modes are named in reports.
-    pub mode_labels: Labels,
+    pub mode_labels: ModeNaming,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -157,7 +157,7 @@ impl Plan {
             identity,
             samples,
             seed,
-            mode_labels: Labels::Tracked,
+            mode_labels: ModeNaming::Tracked,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),
