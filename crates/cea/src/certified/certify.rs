@@ -12,7 +12,7 @@ use crate::{CeaError, Verdict, Workspace};
 
 /// One finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Certificate {
+pub struct CertifiedEigenvalue {
     /// The eigenvalue, rad/s, improved where it could be.
     pub lambda: Complex<f64>,
     /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, of the matrices as given
@@ -37,7 +37,7 @@ pub struct Certificate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certified {
     /// One for each finite eigenvalue, in the order of the spectrum.
-    pub eigenvalues: Vec<Certificate>,
+    pub eigenvalues: Vec<CertifiedEigenvalue>,
     /// Multiple eigenvalues, defective and nearly defective groups; of conjugate groups both are listed.
     pub clusters: Vec<Cluster>,
 }
@@ -159,7 +159,7 @@ fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> C
         let norm = v.norm();
         v.unscale(norm)
     };
-    let certificate = |state: State| Certificate {
+    let certificate = |state: State| CertifiedEigenvalue {
         lambda: state.sigma * s.gamma,
         backward_error: state.backward_error,
         condition: state.condition,
