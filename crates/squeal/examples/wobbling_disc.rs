@@ -7,8 +7,10 @@ use squeal::montecarlo::{Distribution, StreamRng};
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, nalgebra::DMatrix, osc_model::Brake, report::Results};
 
-/// Family, M, C and K, by rows, of the terms whose coefficients are 1, Omega, N0, mu, mu N0, mu^2 N0 and mu N0 / Omega.
-const TERMS: [(&str, [f64; 4], [f64; 4], [f64; 4]); 7] = [
+/// A 2 x 2 matrix by rows.
+type Rows = [f64; 4];
+/// Family, M, C and K of the terms whose coefficients are 1, Omega, N0, mu, mu N0, mu^2 N0 and mu N0 / Omega.
+const TERMS: [(&str, Rows, Rows, Rows); 7] = [
     ("dashpots", [0.16, 0.0, 0.0, 0.16], [0.1, 0.0, 0.0, 0.269], [1.88e7, 0.0, 0.0, 1.90028e7]),
     ("gyroscopic", [0.0; 4], [0.0, 0.32, -0.32, 0.0], [0.0; 4]),
     ("preload", [0.0; 4], [0.0; 4], [0.02, 0.0, 0.0, 0.02]),

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The case file.
+    #[cfg(feature = "case-files")]
     #[error(transparent)]
     Case(#[from] crate::case::CaseError),
     /// The model of a brake.
@@ -25,6 +26,7 @@ pub enum Error {
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
     /// A figure.
+    #[cfg(feature = "figures")]
     #[error(transparent)]
     Figure(#[from] crate::figures::FigureError),
     /// A brake whose own median parameters have no modes to name the others after.

@@ -5,6 +5,19 @@
 //!
 //! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> figures
 //!
+//! # Features
+//!
+//! All are on by default. With `default-features = false` what is left is the [`study`] of a brake of one's own type, the
+//! [`estimators`] and the tables of [`report`]; `examples/hoffmann.rs` takes no more.
+//!
+//! | feature | adds | depends on |
+//! | --- | --- | --- |
+//! | `case-files` | [`case`], [`brakes`], the scorecard of a paper's claims | toml, exmex |
+//! | `figures` | [`figures`], pictures of results in [`report`] | svg, tiny-skia, png, ttf-parser |
+//! | `program` | [`commands`], the program, a progress bar; both of the above | clap, indicatif |
+//!
+//! # Examples
+//!
 //! Two frequencies that friction couples, the flutter at the bottom of brake squeal:
 //!
 //! ```
@@ -44,11 +57,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "case-files")]
 pub mod brakes;
+#[cfg(feature = "case-files")]
 pub mod case;
+#[cfg(feature = "program")]
 pub mod commands;
 mod error;
 pub mod estimators;
+#[cfg(feature = "figures")]
 pub mod figures;
 pub mod output;
 pub mod report;
@@ -56,7 +73,7 @@ mod run;
 pub mod study;
 
 pub use error::Error;
-pub use run::{estimate, fingerprint, run_study};
+pub use run::{DrawResults, estimate, fingerprint, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -42,13 +42,20 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Write`].
 pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
-    let failed = |error: csv::Error| Error::Write { path: path.to_owned(), source: error.into() };
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(header).map_err(failed)?;
-    for row in rows {
-        table.write_record(row).map_err(failed)?;
-    }
     let bytes =
-        table.into_inner().map_err(|error| Error::Write { path: path.to_owned(), source: error.into_error() })?;
+        csv_bytes(header, rows).map_err(|error| Error::Write { path: path.to_owned(), source: error.into() })?;
     write(path, &bytes)
+}
+
+/// A table as CSV.
+pub(crate) fn csv_bytes<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
+where
+    R: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(header)?;
+    for row in rows {
+        table.write_record(row)?;
+    }
+    table.into_inner().map_err(|error| error.into_error().into())
 }

@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::{Bar, Checkpoint, run_with};
+use montecarlo::{Checkpoint, run_with};
 use sha2::{Digest, Sha256};
 
 use crate::Error;
@@ -22,10 +22,19 @@ const LOCK: &str = "run.lock";
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
+/// Who is told how far a run has come: a bar on the terminal where the program is compiled, else nobody.
+#[cfg(feature = "program")]
+type RunProgress = montecarlo::Bar;
+#[cfg(not(feature = "program"))]
+type RunProgress = ();
+
 /// SHA-256 of a text, hexadecimal.
 pub fn fingerprint(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
+
+/// What adds figures and estimates to the tables of a finished study, in the folder that it is given.
+pub type DrawResults<'a, B> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send + 'a;
 
 /// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures and estimates.
 ///
@@ -39,7 +48,7 @@ pub fn run_study<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
     threads: Option<usize>,
-    draw: &mut (dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send),
+    draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
     let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
@@ -64,7 +73,7 @@ pub fn run_study<B: UncertainBrake>(
     sampling.threads = threads;
     sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &Bar::default())?;
+    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &RunProgress::default())?;
     seconds.samples = start.elapsed().as_secs_f64();
 
     let start = Instant::now();

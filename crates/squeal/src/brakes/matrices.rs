@@ -1,10 +1,10 @@
 //! A brake given by its matrices in a case file.
 
 use linsys::OperatingPoint;
-use montecarlo::StreamRng;
+use montecarlo::{Distribution, StreamRng};
 
 use crate::Error;
-use crate::case::{Distribution, MatricesCase};
+use crate::case::MatricesCase;
 use crate::study::{Plan, Scene, StudySource, UncertainBrake};
 
 /// A case's brake under each of its sets of constraints. A sample is a value of each parameter.

@@ -3,7 +3,8 @@
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
-use super::{Draws, LatticeCase, Law, ModeNaming};
+use super::{Draws, LatticeCase, Law};
+use crate::study::ModeNaming;
 
 /// One reading other than the case's own.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,6 +17,5 @@ pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
-pub use montecarlo::Distribution;
-pub use schema::{Draws, Law, ModeNaming};
+pub use schema::{Draws, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::FrictionDistributions;
+use crate::study::ModeNaming;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -193,18 +194,6 @@ pub enum Draws {
     Shared,
     /// A draw for each oscillator.
     Each,
-}
-
-/// How modes are named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ModeNaming {
-    /// By shape: the frequency rank of the mode it continues, all in contact at median parameters.
-    Tracked,
-    /// By frequency rank in its own sample, 1 to n.
-    Rank,
-    /// By place among all 2 n eigenvalues in its own sample: rank r is named 2 r - 1.
-    Pair,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]

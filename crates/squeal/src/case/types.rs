@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use friction::BristleDamping;
+use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::schema::{Draws, Law, ModeNaming};
-use super::{Alternative, Distribution};
+use super::Alternative;
+use super::schema::{Draws, Law};
+use crate::study::ModeNaming;
 
 /// A study, checked.
 #[derive(Debug, Clone)]

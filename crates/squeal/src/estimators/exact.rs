@@ -5,6 +5,7 @@
 //! and of the tails that were cut off.
 
 use cea::Counters;
+use num_complex::Complex;
 use tracking::{Branches, Onsets, follow_branch};
 
 use super::integral::{Integral, integrate};
@@ -12,6 +13,9 @@ use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
 use crate::study::Reference;
 
+/// Relative distance up to which eigenvalues of two solvers at one parameter are the same: far above rounding, far below
+/// the distance of modes; chosen.
+const SAME_EIGENVALUE: f64 = 1e-6;
 /// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
 
@@ -56,11 +60,22 @@ fn named(
     median: f64,
     reference: &Reference,
 ) -> Result<Vec<Vec<u16>>, EstimatorError> {
+    let at_median = family.lambdas(median)?.to_vec();
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
     let name = |index: usize| {
         let ends = follow_branch(family, mu, index, median, SMALLEST_STEP)?;
-        Ok(reference.names_of(ends))
+        Ok(reference.names_of(ends.into_iter().map(|end| place(reference, end, at_median[end]))))
     };
     unstable.into_iter().map(name).collect()
+}
+
+/// The place among the reference modes of an eigenvalue that stands at `index` in the family's own spectrum. Modes of equal
+/// frequency may stand the other way round there: rounding errors of two solvers decide their order.
+fn place(reference: &Reference, index: usize, lambda: Complex<f64>) -> usize {
+    let distance = |at: usize| (reference.modes[at].lambda - lambda).norm();
+    if index < reference.modes.len() && distance(index) <= SAME_EIGENVALUE * lambda.norm() {
+        return index;
+    }
+    (0..reference.modes.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap_or(index)
 }

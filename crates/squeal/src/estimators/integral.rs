@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use montecarlo::Distribution;
+
 use super::EstimatorError;
-use crate::case::Distribution;
 use crate::study::{UnstableMode, unstable_names};
 
 /// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.

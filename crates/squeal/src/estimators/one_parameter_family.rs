@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 
 use cea::{Counters, EigenSolver, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
+use montecarlo::Distribution;
 use num_complex::Complex;
 use tracking::{BranchPoint, Branches, Onsets, RefinedPoint, find_onsets};
 
 use super::EstimatorError;
-use crate::case::Distribution;
 use crate::study::{Scene, UncertainBrake};
 
 /// Spectra after which branches count as unresolvable; chosen.

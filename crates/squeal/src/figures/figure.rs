@@ -5,7 +5,7 @@ use std::path::Path;
 use super::canvas::Canvas;
 use super::error::FigureError;
 use super::{raster, vector};
-use crate::output::replace;
+use crate::output::{csv_bytes, replace};
 
 /// The numbers of a figure, one observation per row.
 pub(super) struct Table {
@@ -41,12 +41,7 @@ impl Figure {
     /// # Errors
     /// [`FigureError::Csv`] if the table cannot be encoded.
     pub fn csv(&self) -> Result<Vec<u8>, FigureError> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(self.table.header)?;
-        for row in &self.table.rows {
-            writer.write_record(row)?;
-        }
-        writer.into_inner().map_err(|e| FigureError::Csv(e.into_error().into()))
+        Ok(csv_bytes(self.table.header, &self.table.rows)?)
     }
 
     /// Writes `stem.svg`, `stem.png` and `stem.csv` into the existing folder `dir`. Each file is written under another

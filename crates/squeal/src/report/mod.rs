@@ -1,18 +1,28 @@
 //! What a study found: tables, figures, the scorecard of a paper's claims, and a manifest.
 
+#[cfg(feature = "case-files")]
 mod claims;
 mod estimates;
 mod manifest;
+#[cfg(feature = "case-files")]
 mod paper;
+#[cfg(all(feature = "case-files", feature = "figures"))]
+mod paper_pictures;
+#[cfg(feature = "figures")]
 mod pictures;
 mod results;
 mod summary;
 mod tables;
 
+#[cfg(feature = "case-files")]
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
+#[cfg(feature = "case-files")]
 pub use paper::claims;
-pub use pictures::{draw_occurrence, draw_paper};
+#[cfg(all(feature = "case-files", feature = "figures"))]
+pub use paper_pictures::draw_paper;
+#[cfg(feature = "figures")]
+pub use pictures::draw_occurrence;
 pub use results::{ArrangementOccurrence, Estimate, Results};
 pub use tables::write_tables;

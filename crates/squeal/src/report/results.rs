@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::case::ModeNaming;
-use crate::study::{Comparison, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{Comparison, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,8 +128,9 @@ impl<'a> Results<'a> {
         self.key(name)
     }
 
-    /// The tracked name, under which net work is kept, of a mode named as the report names it.
-    pub(super) fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
+    /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
+    /// reference has no mode of this rank, or one whose name is open.
+    pub fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
         if self.labels == ModeNaming::Tracked {
             return Some(name);
         }

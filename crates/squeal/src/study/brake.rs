@@ -1,11 +1,10 @@
 //! The seam: what a study needs of a brake whose numbers are uncertain.
 
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::StreamRng;
+use montecarlo::{Distribution, StreamRng};
 
 use super::{Plan, Scene};
 use crate::Error;
-use crate::case::Distribution;
 
 /// A brake with everything that is uncertain in it.
 ///

@@ -200,7 +200,7 @@ fn quartiles(mut values: Vec<f64>) -> Option<[f64; 3]> {
     Some([last / 4, last / 2, 3 * last / 4].map(|at| values[at]))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "case-files"))]
 mod tests {
     use std::path::Path;
 

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use linsys::OperatingPoint;
 use osc_model::Brake;
-
-use crate::case::ModeNaming;
+use serde::{Deserialize, Serialize};
 
 /// What tells scenes apart; indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -102,6 +101,18 @@ impl SceneLabels {
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
     }
+}
+
+/// How modes are named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeNaming {
+    /// By shape: the frequency rank of the mode it continues, all in contact at median parameters.
+    Tracked,
+    /// By frequency rank in its own sample, 1 to n.
+    Rank,
+    /// By place among all 2 n eigenvalues in its own sample: rank r is named 2 r - 1.
+    Pair,
 }
 
 /// The file that a study was read from.

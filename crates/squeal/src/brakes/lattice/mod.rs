@@ -6,14 +6,14 @@ mod sobol;
 pub use draw::{FrictionDraw, LatticeSample};
 
 use linsys::OperatingPoint;
-use montecarlo::StreamRng;
+use montecarlo::{Distribution, StreamRng};
 use osc_model::{
     ContactArrangement, ContactPoint, Lateral, LatticeModel, Member, Preload, PreparedLattice, Reversal, Sliding,
     SymmetryClass,
 };
 
 use crate::Error;
-use crate::case::{Distribution, Draws, LatticeCase, Law};
+use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
     Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
     UncertainBrake,

@@ -12,10 +12,10 @@ mod terms;
 use std::path::PathBuf;
 
 use linsys::{AffineSystem, ChannelGain, OperatingPoint};
-use montecarlo::{MonteCarloError, StreamRng};
+use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::field;
-use super::{CaseError, Distribution, Expression};
+use super::{CaseError, Expression};
 
 /// A study of a brake given by its matrices, checked.
 #[derive(Debug, Clone)]

@@ -4,11 +4,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use montecarlo::Distribution;
 use serde::Deserialize;
 
-use crate::case::Distribution;
 use crate::case::check::Accuracy;
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MatricesFile {

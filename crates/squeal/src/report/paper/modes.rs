@@ -5,8 +5,8 @@ use num_complex::Complex;
 use super::super::results::{Estimate, Results};
 use super::scenes::{full_contact, law_of};
 use crate::Error;
-use crate::case::{ModeNaming, Paper};
-use crate::study::{Reference, Scene};
+use crate::case::Paper;
+use crate::study::{ModeNaming, Reference, Scene};
 
 /// Modes under a constraint set by the smallest median occurrence over all panels, largest first.
 pub(in super::super) fn most_robust(results: &Results<'_>, constraints: usize) -> Result<Vec<(u16, Estimate)>, Error> {
