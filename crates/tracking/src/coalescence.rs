@@ -21,7 +21,7 @@ pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
 /// Distance past the coalescence, as a part of the path, at which single-mode continuation resumes: eight of its shortest steps.
 const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
 
-/// A pair under way.
+/// A pair that is being continued.
 struct PairContinuation<'a> {
     path: GainPath<'a>,
     steps: StepControl,

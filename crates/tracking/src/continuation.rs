@@ -27,7 +27,7 @@ const MOST_COALESCENCES: usize = 6;
 /// Least distance of the second nearest known mode from the end of a continuation, in negligible errors.
 const LEAST_SEPARATION: f64 = 10.0;
 
-/// One mode under way.
+/// One mode that is being continued.
 struct Continuation<'a> {
     path: Path<'a>,
     /// Whether MAC with the end may end it.

@@ -1,11 +1,8 @@
 //! The root locus: eigenvalues over one real parameter, each as far as it is known to be one branch.
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, link};
+use crate::branch::{BranchPoint, Branches, first_steps, link};
 use crate::error::check_interval;
-
-/// Steps that an interval is divided into before any halving; chosen.
-const FIRST_STEPS_OF_LOCUS: usize = 16;
 
 /// One branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -54,9 +51,8 @@ where
 {
     check_interval(from, to)?;
     let mut steps = Vec::new();
-    let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS_OF_LOCUS as f64;
-    for i in 0..FIRST_STEPS_OF_LOCUS {
-        subdivide(branches, at(i), at(i + 1), smallest, &mut steps)?;
+    for [a, b] in first_steps(from, to) {
+        subdivide(branches, a, b, smallest, &mut steps)?;
     }
     let count = branches.lambdas(from)?.len();
     let mut locus = RootLocus { branches: vec![Branch::default(); count], ambiguities: Vec::new() };

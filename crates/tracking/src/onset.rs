@@ -8,11 +8,9 @@
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint, link};
+use crate::branch::{BranchPoint, Branches, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
-/// Steps that an interval is divided into before any halving; chosen.
-const FIRST_STEPS_OF_SEARCH: usize = 16;
 /// A branch is watched if it could reach the axis moving this many times faster than it does at either end; chosen.
 const RATE_MARGIN: f64 = 2.0;
 /// Steps of the root search at most; chosen: bisection alone takes about 50.
@@ -65,9 +63,8 @@ where
 {
     check_interval(from, to)?;
     let mut found = Onsets::default();
-    let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS_OF_SEARCH as f64;
-    for i in 0..FIRST_STEPS_OF_SEARCH {
-        search(branches, at(i), at(i + 1), smallest, &mut found)?;
+    for [a, b] in first_steps(from, to) {
+        search(branches, a, b, smallest, &mut found)?;
     }
     found.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
     check(branches, [from, to], smallest, &found)?;

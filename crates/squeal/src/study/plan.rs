@@ -101,6 +101,12 @@ impl SceneLabels {
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
     }
+
+    /// Constraints, law and speed of a scene or panel, as tables have them in their first columns.
+    pub fn key_columns(&self, key: SceneKey) -> [String; 3] {
+        let (constraints, law) = (&self.constraints[key.constraints], &self.laws[key.law].name);
+        [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
+    }
 }
 
 /// How modes are named.

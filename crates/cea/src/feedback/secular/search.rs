@@ -17,7 +17,7 @@ const CONVERGED_CORRECTION: f64 = 1e-9;
 /// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
 const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
-/// One state on its way.
+/// The search at one gain.
 struct Search {
     wanted: Wanted,
     gain: Gain,
@@ -148,7 +148,7 @@ impl Search {
         }
     }
 
-    /// Encloses the eigenvalues, or corrects those guesses that stand in the way.
+    /// Encloses the eigenvalues, or corrects those guesses that are not good enough for it.
     fn enclose(&mut self, ports: usize) {
         let sigmas = &self.approximations.sigmas;
         for (i, correction) in self.corrections.iter_mut().enumerate() {

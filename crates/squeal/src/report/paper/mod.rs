@@ -12,11 +12,15 @@ use super::results::Results;
 use crate::Error;
 use crate::brakes::LatticeBrake;
 use constrained::{after_corners, after_six, corners_reduce, none_at_six};
-pub(super) use modes::{most_robust, paper_mode, shape, title};
+pub(super) use modes::most_robust;
+#[cfg(feature = "figures")]
+pub(super) use modes::{paper_mode, shape, title};
 use panels::{contact_number, laws, speeds};
 use printed::{counted, natural_frequencies};
 use robust_mode::{robust_mode, robust_shape, robust_work};
-pub(super) use scenes::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED};
+pub(super) use scenes::UNCONSTRAINED;
+#[cfg(feature = "figures")]
+pub(super) use scenes::{CORNERS_HELD, SIX_HELD};
 
 /// The scorecard of a study of the paper's case; empty for a case without a `[paper]` table.
 ///
