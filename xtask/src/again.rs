@@ -19,7 +19,7 @@ pub fn run_again(features: Option<&str>, task: &[OsString]) -> Result<(), TaskEr
 
 /// The task built with other features, or this one with OpenBLAS on one thread: it reads their number when it is loaded.
 fn again(features: Option<&str>, task: &[OsString]) -> Option<Result<Command, Error>> {
-    const THREADS: &str = "OPENBLAS_NUM_THREADS";
+    const OPENBLAS_THREADS: &str = "OPENBLAS_NUM_THREADS";
     let command = if let Some(features) = features {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
         cargo.args(["run", "--release", "--package", "xtask", "--features", features, "--"]).args(task);
@@ -31,7 +31,7 @@ fn again(features: Option<&str>, task: &[OsString]) -> Option<Result<Command, Er
             }
         }
         Ok(cargo)
-    } else if cfg!(feature = "lapack") && std::env::var_os(THREADS).is_none_or(|threads| threads != "1") {
+    } else if cfg!(feature = "lapack") && std::env::var_os(OPENBLAS_THREADS).is_none_or(|threads| threads != "1") {
         std::env::current_exe().map(|program| {
             let mut same = Command::new(program);
             same.args(std::env::args_os().skip(1));
@@ -41,7 +41,7 @@ fn again(features: Option<&str>, task: &[OsString]) -> Option<Result<Command, Er
         return None;
     };
     Some(command.map(|mut command| {
-        command.env(THREADS, "1");
+        command.env(OPENBLAS_THREADS, "1");
         command
     }))
 }

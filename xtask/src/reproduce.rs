@@ -60,7 +60,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
         // Other names of modes need no other run.
         for alternative in &case.alternatives {
-            if let Alternative::Labels(labels) = alternative {
+            if let Alternative::ModeNaming(labels) = alternative {
                 let claims = claims(&results.labelled(*labels), &brake)?;
                 cards.push(card(alternative, claims));
             }
@@ -71,7 +71,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
     report(&manifest, &out);
 
     if args.readings {
-        let others = case.alternatives.iter().filter(|a| !matches!(a, Alternative::Labels(_)));
+        let others = case.alternatives.iter().filter(|a| !matches!(a, Alternative::ModeNaming(_)));
         for (number, alternative) in others.enumerate() {
             eprintln!("reading {}: {}", alternative.reading(), alternative.choice());
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));

@@ -17,7 +17,7 @@ pub enum CeaError {
         row: usize,
     },
     /// The QR iteration stopped at its cap.
-    #[error("the QR iteration did not settle on an eigenvalue within {iterations} steps ({dimension} eigenvalues)")]
+    #[error("the QR iteration did not converge to an eigenvalue within {iterations} steps ({dimension} eigenvalues)")]
     NoConvergence {
         /// The cap, per eigenvalue.
         iterations: usize,

@@ -16,7 +16,7 @@ const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
 /// above it that is not itself beyond 1e28 is below the square of rounding, so no eigenvalue sees it.
 const NEGLIGIBLE_SUBDIAGONAL: f64 = 1e-60;
 
-/// All eigenvalues of a square matrix, or `None` if one does not settle within `cap` steps or an entry is not finite.
+/// All eigenvalues of a square matrix, or `None` if one does not converge within `cap` steps or an entry is not finite.
 pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
     let n = matrix.nrows();
     let mut h = if n > 2 { Hessenberg::new(matrix).unpack_h() } else { matrix };
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn hard_shapes_settle() {
+    fn hard_shapes_converge() {
         // The cyclic shift needs an exceptional shift: without one QR turns it in circles.
         let cyclic = DMatrix::from_fn(8, 8, |i, j| if (j + 1) % 8 == i { 1.0 } else { 0.0 });
         assert!(sorted(cyclic).iter().all(|l| (l.norm() - 1.0).abs() < 1e-14));
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn many_equal_eigenvalues_settle() {
+    fn many_equal_eigenvalues_converge() {
         // Six uncoupled copies of one oscillator, turned: every eigenvalue sixfold.
         let block = DMatrix::from_fn(12, 12, |i, j| match (i < 6, j < 6) {
             (true, false) if j == i + 6 => 1.0,

@@ -5,8 +5,8 @@ use statrs::function::beta::beta_reg;
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
 
-/// Relative width of the bracket at which the bisection for a limit ends.
-const BRACKET: f64 = 1e-9;
+/// Relative width of the bracket at which the bisection for a limit ends; chosen, far below what a table prints.
+const LARGEST_BRACKET: f64 = 1e-9;
 
 /// The interval of Clopper and Pearson for a proportion, from `hits` in `trials`: it covers at least as often as asked,
 /// however rare the hits, and is wider than [`wilson`](crate::wilson)'s, which covers as often on average.
@@ -40,7 +40,7 @@ pub fn exact_upper_limit(hits: u64, trials: u64, tail: f64) -> f64 {
         return 1.0;
     }
     let (mut low, mut high) = (hits as f64 / trials as f64, 1.0);
-    while high - low > BRACKET * high {
+    while high - low > LARGEST_BRACKET * high {
         let middle = 0.5 * (low + high);
         // P(more than `hits`).
         if beta_reg(hits as f64 + 1.0, (trials - hits) as f64, middle) < 1.0 - tail {

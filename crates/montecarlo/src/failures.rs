@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::experiment::Merge;
 
-/// How many failures are listed in full.
-const LISTED: usize = 1_000;
+/// Most failures that are listed in full; chosen, so that a checkpoint stays small.
+const MOST_LISTED: usize = 1_000;
 
 /// One failed draw or evaluation.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ impl Failures {
             None => self.draws += 1,
             Some(scene) => self.scenes[scene] += 1,
         }
-        if self.listed.len() < LISTED {
+        if self.listed.len() < MOST_LISTED {
             self.listed.push(failure);
         }
     }
@@ -78,7 +78,7 @@ impl Merge for Failures {
         for (mine, more) in self.scenes.iter_mut().zip(&later.scenes) {
             *mine += more;
         }
-        let room = LISTED - self.listed.len();
+        let room = MOST_LISTED - self.listed.len();
         self.listed.extend(later.listed.into_iter().take(room));
     }
 }

@@ -22,14 +22,15 @@ pub fn redraw_until_at_least(
     bound: f64,
     rng: &mut StreamRng,
 ) -> Result<f64, MonteCarloError> {
-    const ATTEMPTS: u32 = 1_000;
-    for _ in 0..ATTEMPTS {
+    /// Chosen: see above.
+    const MOST_ATTEMPTS: u32 = 1_000;
+    for _ in 0..MOST_ATTEMPTS {
         let value = distribution.sample(rng);
         if value >= bound {
             return Ok(value);
         }
     }
-    Err(MonteCarloError::Redraw { bound, attempts: ATTEMPTS })
+    Err(MonteCarloError::Redraw { bound, attempts: MOST_ATTEMPTS })
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@
 //! M u'' + C u' + K u = F z,   z' = -a z + E u'      (z: bristles of LuGre contacts)
 //! ```
 //!
-//! One way through: [`LatticeParameters`] -> [`LatticeModel`] -> [`LatticeModel::prepare`] once per
+//! The steps: [`LatticeParameters`] -> [`LatticeModel`] -> [`LatticeModel::prepare`] once per
 //! [`ContactArrangement`] -> [`PreparedLattice::operating_point`] once per sample.
 //!
 //! ```

@@ -20,15 +20,15 @@ use num_complex::Complex;
 use crate::OscModelError;
 use crate::coupling::first_coupled;
 
-/// Normal loads of a static equilibrium keep the symmetry up to rounding errors: relative difference of two loads that
-/// still passes for one.
-const LOAD_ROUNDING: f64 = 1e-9;
+/// Largest relative difference of two normal loads that count as equal: those of a static equilibrium keep the symmetry only up
+/// to rounding. Chosen, far above rounding and far below any difference that is meant.
+const LARGEST_LOAD_DIFFERENCE: f64 = 1e-9;
 
-/// The sectors of a brake: one, the whole, where nothing carries it into itself and all is coupled.
+/// The sectors of a brake; one, the whole, where the brake has no symmetry and everything is coupled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sectors {
     sectors: Vec<Sector>,
-    /// For each channel the first that it must be like.
+    /// For each channel the first of those that must have the same friction as it.
     like: Vec<usize>,
 }
 
@@ -45,7 +45,7 @@ pub struct Sector {
     pub(crate) channel_count: usize,
 }
 
-/// One vector of a basis: at some places, ascending, coefficients of one size with signs, the first of them positive.
+/// One basis vector: at some indices, ascending, entries `+size` or `-size`, the first of them positive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Combination {
     pub signs: Vec<(usize, f64)>,
@@ -70,12 +70,12 @@ impl Sectors {
         Self { sectors: vec![sector], like: (0..channels).collect() }
     }
 
-    /// Sectors by a symmetry; `like` gives for each channel the first that it must be like.
+    /// Sectors by a symmetry; `like` has for each channel the first of those that must have the same friction.
     pub(crate) fn new(sectors: Vec<Sector>, like: Vec<usize>) -> Self {
         Self { sectors, like }
     }
 
-    /// Each sector divided into what nothing in the `whole` systems couples.
+    /// Each sector divided into parts that none of the `whole` systems couples.
     ///
     /// # Errors
     /// A system of another order.
@@ -107,7 +107,7 @@ impl Sectors {
         self.sectors.iter().zip(out).try_for_each(|(sector, out)| sector.reduce(whole, out))
     }
 
-    /// Channels that the symmetry carries into each other are alike.
+    /// Whether channels that the symmetry exchanges have the same friction.
     fn check(&self, system: &AffineSystem, gains: &[ChannelGain]) -> Result<(), OscModelError> {
         for (i, (gain, &first)) in gains.iter().zip(&self.like).enumerate() {
             if !is_alike(gain, &gains[first]) {
@@ -125,14 +125,14 @@ impl Sectors {
     }
 }
 
-/// Those combinations that belong to the part whose first place is `first`.
+/// The combinations of the part whose first index is `first`.
 fn of_part(all: &[Combination], firsts: &[usize], first: usize) -> Vec<Combination> {
     all.iter().zip(firsts).filter(|(_, other)| **other == first).map(|(combination, _)| combination.clone()).collect()
 }
 
 /// Whether two gains differ by no more than rounding of their loads.
 fn is_alike(gain: &ChannelGain, other: &ChannelGain) -> bool {
-    let is_near = |a: f64, b: f64| (a - b).abs() <= LOAD_ROUNDING * b.abs();
+    let is_near = |a: f64, b: f64| (a - b).abs() <= LARGEST_LOAD_DIFFERENCE * b.abs();
     let lags = match (gain.lag, other.lag) {
         (None, None) => true,
         (Some(a), Some(b)) => a.decay == b.decay && a.drive == b.drive && is_near(a.force, b.force),
@@ -142,7 +142,7 @@ fn is_alike(gain: &ChannelGain, other: &ChannelGain) -> bool {
 }
 
 impl Sector {
-    /// The parts of this sector that nothing in the `whole` systems couples. Channels that act on nothing have no part.
+    /// The parts of this sector that none of the `whole` systems couples. A channel that acts on no shape is in no part.
     fn coupled(&self, whole: &[SecondOrder]) -> Result<Vec<Self>, OscModelError> {
         let mut systems = vec![SecondOrder::zeros(1, 0); whole.len()];
         whole.iter().zip(&mut systems).try_for_each(|(whole, part)| self.reduce(whole, part))?;
@@ -253,8 +253,8 @@ impl Sector {
     }
 }
 
-/// `R^T A C` of a matrix that commutes with the symmetry. `A C` is made of the vectors of R, each of which has
-/// its first place for itself: one row of A each is enough.
+/// `R^T A C` of a matrix that commutes with the symmetry. Then `A C` is a combination of the vectors of R, and no two of these
+/// share their first index: one row of A tells the coefficient of each.
 fn reduce(whole: &DMatrix<f64>, rows: &[&Combination], columns: &[&Combination], out: &mut DMatrix<f64>) {
     for (column, mut out) in columns.iter().zip(out.column_iter_mut()) {
         for (row, out) in rows.iter().zip(out.iter_mut()) {

@@ -15,8 +15,11 @@ use crate::step_control::PredictorErrors;
 const DIRECTION_WEIGHT: f64 = 0.25;
 /// Largest error of a clear link, as a part of that of its best rival; chosen.
 const CLEAR_LINK_ERROR: f64 = 0.25;
-/// Eigenvalues nearest to the tangent that are compared: only those can win, and the others are spared their derivatives.
-const COMPARED: usize = 4;
+/// How many eigenvalues nearest to the tangent are compared; chosen: only those can be linked, and the derivatives of all others
+/// need not be computed.
+const COMPARED_EIGENVALUES: usize = 4;
+/// Steps that an interval is divided into before any halving; chosen.
+const FIRST_STEPS: usize = 16;
 
 /// An eigenvalue and how it moves with the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,7 +123,7 @@ fn two_best<B: Branches + ?Sized>(
         branches.lambdas(b)?.iter().enumerate().map(|(j, lambda)| (j, (lambda - predicted).norm())).collect();
     near.sort_by(|x, y| x.1.total_cmp(&y.1));
     let (mut best, mut second) = ((usize::MAX, f64::INFINITY), f64::INFINITY);
-    for &(j, _) in near.iter().take(COMPARED) {
+    for &(j, _) in near.iter().take(COMPARED_EIGENVALUES) {
         let error = step_error(from, branches.point(b, j)?, step);
         if error < best.1 {
             second = best.1;
@@ -130,6 +133,12 @@ fn two_best<B: Branches + ?Sized>(
         }
     }
     Ok((best, second))
+}
+
+/// The steps with which the search for onsets and the root locus begin, ascending.
+pub(crate) fn first_steps(from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
+    let at = move |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
+    (0..FIRST_STEPS).map(move |i| [at(i), at(i + 1)])
 }
 
 /// The modes at `b` that the mode `index` at `a` may have become: one, unless a coalescence lies nearer to the branch than
@@ -146,12 +155,12 @@ pub fn follow_branch<B: Branches + ?Sized>(
 ) -> Result<BTreeSet<usize>, B::Error> {
     branches.lambdas(a)?;
     branches.lambdas(b)?;
-    let mut nodes = branches.known_between(a.min(b), a.max(b));
+    let mut known = branches.known_between(a.min(b), a.max(b));
     if a > b {
-        nodes.reverse();
+        known.reverse();
     }
     let mut now = BTreeSet::from([index]);
-    for step in nodes.windows(2) {
+    for step in known.windows(2) {
         let mut next = BTreeSet::new();
         for &index in &now {
             next.extend(follow_step(branches, step[0], index, step[1], smallest)?);

@@ -9,9 +9,9 @@ use num_complex::Complex;
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
 /// The first step, as a part of the path; chosen, as short as next to a coalescence.
-const FIRST_STEP: f64 = 0.01;
+const FIRST_PAIR_STEP: f64 = 0.01;
 /// Shortest step that is taken, as a part of the path; chosen.
-const SHORTEST_STEP: f64 = 1.0 / 4096.0;
+const SHORTEST_PAIR_STEP: f64 = 1.0 / 4096.0;
 /// How often a step is halved at most in following the turns of s: 0 is then passed at rounding distance.
 const MOST_HALVINGS: u32 = 24;
 /// By how much the cubic polynomial of a step may miss s, as a part of the difference between the trapezoidal rule and s.
@@ -21,7 +21,7 @@ pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
 /// Distance past the coalescence, as a part of the path, at which single-mode continuation resumes: eight of its shortest steps.
 const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
 
-/// A pair under way.
+/// A pair that is being continued.
 struct PairContinuation<'a> {
     path: GainPath<'a>,
     steps: StepControl,
@@ -69,7 +69,7 @@ impl<'a> PairContinuation<'a> {
         let root = lambda - here.mean;
         let is_member =
             (root * root - here.half_gap_squared).norm() <= ACCEPTANCE_RADIUS * here.half_gap_squared.norm();
-        is_member.then_some(Self { path, steps: StepControl::new(at, FIRST_STEP), here, rate, root })
+        is_member.then_some(Self { path, steps: StepControl::new(at, FIRST_PAIR_STEP), here, rate, root })
     }
 
     fn ahead(&self) -> (GainPath<'a>, f64, EigenvaluePair) {
@@ -90,7 +90,7 @@ impl<'a> PairContinuation<'a> {
             (self.here, self.rate, self.root) = (there, rate, root);
         }
         let is_past = self.here.half_gap_squared.norm() >= RESUMPTION_DISTANCE * self.rate.half_gap_squared.norm();
-        !is_past && !self.steps.is_over(SHORTEST_STEP)
+        !is_past && !self.steps.is_over(SHORTEST_PAIR_STEP)
     }
 
     /// How badly a step can be trusted, as that of a mode alone.

@@ -17,17 +17,17 @@ use crate::path::{Path, PathPoint};
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
 /// The first step, as a part of the path; chosen: most modes that are followed go far.
-const FIRST_STEP: f64 = 0.2;
+const FIRST_MODE_STEP: f64 = 0.2;
 /// Least MAC of the shapes before and after a step; chosen.
 const LEAST_MAC_OF_STEP: f64 = 0.8;
 /// Shortest step, as a part of the path: shorter ones are next to a coalescence; chosen.
-const SHORTEST_STEP: f64 = 1.0 / 512.0;
+const SHORTEST_MODE_STEP: f64 = 1.0 / 512.0;
 /// How often a mode is continued at most as one of a pair; chosen.
 const MOST_COALESCENCES: usize = 6;
 /// Least distance of the second nearest known mode from the end of a continuation, in negligible errors.
 const LEAST_SEPARATION: f64 = 10.0;
 
-/// One mode under way.
+/// One mode that is being continued.
 struct Continuation<'a> {
     path: Path<'a>,
     /// Whether MAC with the end may end it.
@@ -38,7 +38,7 @@ struct Continuation<'a> {
     curvature: Complex<f64>,
 }
 
-enum Progress {
+enum Advance {
     UnderWay,
     Arrived(usize),
     Lost,
@@ -90,9 +90,9 @@ fn continue_alone<'a>(
         let mut under_way = Vec::with_capacity(modes.len());
         for (i, mut mode) in modes {
             match mode.advance(corrected.next().flatten()) {
-                Progress::UnderWay => under_way.push((i, mode)),
-                Progress::Arrived(to) => ends[i] = Some(to),
-                Progress::Lost => lost.push((i, mode)),
+                Advance::UnderWay => under_way.push((i, mode)),
+                Advance::Arrived(to) => ends[i] = Some(to),
+                Advance::Lost => lost.push((i, mode)),
             }
         }
         modes = under_way;
@@ -137,7 +137,7 @@ impl<'a> Continuation<'a> {
         is_it.then_some(Self {
             path,
             near,
-            steps: StepControl::new(t, FIRST_STEP),
+            steps: StepControl::new(t, FIRST_MODE_STEP),
             here,
             curvature: Complex::default(),
         })
@@ -151,7 +151,7 @@ impl<'a> Continuation<'a> {
     }
 
     /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not.
-    fn advance(&mut self, there: Option<ModeOnPath>) -> Progress {
+    fn advance(&mut self, there: Option<ModeOnPath>) -> Advance {
         let step = self.steps.step();
         let ratio = there.as_ref().map(|there| self.error_ratio(there, step));
         self.steps.advance(ratio);
@@ -159,10 +159,10 @@ impl<'a> Continuation<'a> {
             self.curvature = (there.rate - self.here.rate) / step;
             self.here = there;
             if let Some(to) = self.end() {
-                return Progress::Arrived(to);
+                return Advance::Arrived(to);
             }
         }
-        if self.steps.is_over(SHORTEST_STEP) { Progress::Lost } else { Progress::UnderWay }
+        if self.steps.is_over(SHORTEST_MODE_STEP) { Advance::Lost } else { Advance::UnderWay }
     }
 
     /// The known mode at the end that this one is or, beyond doubt, becomes.

@@ -16,7 +16,7 @@ use crate::subdivision::Subdivision;
 /// Sample points at least on the path to a system that is not known to be near; chosen.
 const SAMPLE_POINTS_OF_FAR_PATHS: usize = 7;
 
-/// Follows the modes all the way.
+/// Follows the modes over the whole path, whether MAC between its ends would tell or not.
 ///
 /// # Errors
 /// Those of the solver and of the eigenvectors on the path.

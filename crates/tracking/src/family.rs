@@ -15,9 +15,9 @@ use crate::onset::{Onsets, find_onsets};
 const MOST_SPECTRA: usize = 20_000;
 /// Half of the difference from which derivatives by the parameter are taken, as a part of the interval: squared it is near
 /// machine epsilon over itself.
-const DIFFERENCE_STEP: f64 = 1e-5;
+const PARAMETER_DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a part of the interval; chosen: derivatives by differences tell branches apart down to there.
-const SMALLEST_STEP: f64 = 1e-9;
+const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
 /// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
@@ -51,7 +51,7 @@ pub fn onsets<E: From<TrackingError>>(
     to: f64,
 ) -> Result<Onsets, E> {
     let mut family = SystemFamily::new(system, from, to);
-    find_onsets(&mut family, from, to, SMALLEST_STEP * (to - from))
+    find_onsets(&mut family, from, to, SHORTEST_PARAMETER_STEP * (to - from))
 }
 
 /// The root locus of `system` from one parameter to another: each branch as far as it is known to be one, and where branches
@@ -67,14 +67,14 @@ pub fn branches<E: From<TrackingError>>(
     to: f64,
 ) -> Result<RootLocus, E> {
     let mut family = SystemFamily::new(system, from, to);
-    root_locus(&mut family, from, to, SMALLEST_STEP * (to - from))
+    root_locus(&mut family, from, to, SHORTEST_PARAMETER_STEP * (to - from))
 }
 
 /// Systems on an interval, with the spectra computed so far.
 struct SystemFamily<F> {
     system: F,
     interval: [f64; 2],
-    spectra: BTreeMap<Parameter, SpectrumOfFamily>,
+    spectra: BTreeMap<OrderedParameter, SpectrumOfFamily>,
     /// Oscillating modes at the first parameter asked for.
     modes: Option<usize>,
     work: Workspace,
@@ -91,17 +91,17 @@ struct SpectrumOfFamily {
 
 /// Parameters, which are never NaN, in their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Parameter(f64);
+struct OrderedParameter(f64);
 
-impl Eq for Parameter {}
+impl Eq for OrderedParameter {}
 
-impl PartialOrd for Parameter {
+impl PartialOrd for OrderedParameter {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Parameter {
+impl Ord for OrderedParameter {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         self.0.total_cmp(&other.0)
     }
@@ -119,7 +119,7 @@ impl<F> SystemFamily<F> {
         E: From<TrackingError>,
     {
         let unresolved = TrackingError::Unresolved { at, spectra: self.spectra.len() };
-        if !self.spectra.contains_key(&Parameter(at)) {
+        if !self.spectra.contains_key(&OrderedParameter(at)) {
             if self.spectra.len() >= MOST_SPECTRA {
                 return Err(unresolved.into());
             }
@@ -131,13 +131,13 @@ impl<F> SystemFamily<F> {
             }
             // The function need not be defined outside of the interval.
             let [from, to] = self.interval;
-            let step = DIFFERENCE_STEP * (to - from);
+            let step = PARAMETER_DIFFERENCE * (to - from);
             let (below, above) = ((at - step).max(from), (at + step).min(to));
             let neighbours = ([(self.system)(below)?, (self.system)(above)?], above - below);
             let rates = vec![None; lambdas.len()];
-            self.spectra.insert(Parameter(at), SpectrumOfFamily { system, neighbours, lambdas, rates });
+            self.spectra.insert(OrderedParameter(at), SpectrumOfFamily { system, neighbours, lambdas, rates });
         }
-        self.spectra.get_mut(&Parameter(at)).ok_or(unresolved.into())
+        self.spectra.get_mut(&OrderedParameter(at)).ok_or(unresolved.into())
     }
 }
 
@@ -197,7 +197,7 @@ where
     }
 
     fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.spectra.range(Parameter(from)..=Parameter(to)).map(|(at, _)| at.0).collect()
+        self.spectra.range(OrderedParameter(from)..=OrderedParameter(to)).map(|(at, _)| at.0).collect()
     }
 }
 

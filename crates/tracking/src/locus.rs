@@ -1,11 +1,8 @@
 //! The root locus: eigenvalues over one real parameter, each as far as it is known to be one branch.
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, link};
+use crate::branch::{BranchPoint, Branches, first_steps, link};
 use crate::error::check_interval;
-
-/// Steps that an interval is divided into before any halving; chosen.
-const FIRST_STEPS: usize = 16;
 
 /// One branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -37,7 +34,7 @@ pub struct RootLocus {
 }
 
 /// A step, and the mode at its end that each at its beginning becomes, where that is clear.
-struct Step {
+struct LocusStep {
     to: f64,
     links: Vec<Option<usize>>,
 }
@@ -54,16 +51,15 @@ where
 {
     check_interval(from, to)?;
     let mut steps = Vec::new();
-    let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
-    for i in 0..FIRST_STEPS {
-        subdivide(branches, at(i), at(i + 1), smallest, &mut steps)?;
+    for [a, b] in first_steps(from, to) {
+        subdivide(branches, a, b, smallest, &mut steps)?;
     }
     let count = branches.lambdas(from)?.len();
     let mut locus = RootLocus { branches: vec![Branch::default(); count], ambiguities: Vec::new() };
     // The branch of each mode at the parameter reached.
     let (mut reached, mut here): (f64, Vec<usize>) = (from, (0..count).collect());
     locus.enter(branches, reached, &here)?;
-    for Step { to, links } in steps {
+    for LocusStep { to, links } in steps {
         here = locus.step([reached, to], &here, &links);
         locus.enter(branches, to, &here)?;
         reached = to;
@@ -77,7 +73,7 @@ fn subdivide<B: Branches + ?Sized>(
     a: f64,
     b: f64,
     smallest: f64,
-    steps: &mut Vec<Step>,
+    steps: &mut Vec<LocusStep>,
 ) -> Result<(), B::Error> {
     let count = branches.lambdas(a)?.len();
     let mut links = Vec::with_capacity(count);
@@ -86,7 +82,7 @@ fn subdivide<B: Branches + ?Sized>(
         links.push(Some(link.to).filter(|_| link.is_clear));
     }
     if b - a <= smallest || links.iter().all(Option::is_some) {
-        steps.push(Step { to: b, links });
+        steps.push(LocusStep { to: b, links });
         return Ok(());
     }
     let middle = 0.5 * (a + b);

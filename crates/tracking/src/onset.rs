@@ -8,15 +8,13 @@
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint, link};
+use crate::branch::{BranchPoint, Branches, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
-/// Steps that an interval is divided into before any halving; chosen.
-const FIRST_STEPS: usize = 16;
 /// A branch is watched if it could reach the axis moving this many times faster than it does at either end; chosen.
 const RATE_MARGIN: f64 = 2.0;
 /// Steps of the root search at most; chosen: bisection alone takes about 50.
-const MOST_STEPS: usize = 60;
+const MOST_ROOT_STEPS: usize = 60;
 
 /// Where an eigenvalue crosses the imaginary axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,9 +41,13 @@ pub struct Onsets {
 /// A watched branch over a step: its mode at both ends.
 type Watched = (usize, usize);
 
-enum Step {
+/// What the branches do in a step.
+enum StepVerdict {
+    /// No watched branch has an onset.
     Quiet,
+    /// These branches have one onset each.
     Once(Vec<Watched>),
+    /// The step is too long to tell.
     Unclear,
 }
 
@@ -61,9 +63,8 @@ where
 {
     check_interval(from, to)?;
     let mut found = Onsets::default();
-    let at = |i: usize| from + (to - from) * i as f64 / FIRST_STEPS as f64;
-    for i in 0..FIRST_STEPS {
-        search(branches, at(i), at(i + 1), smallest, &mut found)?;
+    for [a, b] in first_steps(from, to) {
+        search(branches, a, b, smallest, &mut found)?;
     }
     found.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
     check(branches, [from, to], smallest, &found)?;
@@ -76,18 +77,18 @@ where
     B::Error: From<TrackingError>,
 {
     match judge(branches, a, b)? {
-        Step::Quiet => Ok(()),
-        Step::Once(watched) => {
+        StepVerdict::Quiet => Ok(()),
+        StepVerdict::Once(watched) => {
             for (f, j) in watched {
                 found.onsets.push(onset_between(branches, (a, f), (b, j))?);
             }
             Ok(())
         }
-        Step::Unclear if b - a <= smallest => {
+        StepVerdict::Unclear if b - a <= smallest => {
             found.unresolved.push((a, b));
             Ok(())
         }
-        Step::Unclear => {
+        StepVerdict::Unclear => {
             let middle = 0.5 * (a + b);
             search(branches, a, middle, smallest, found)?;
             search(branches, middle, b, smallest, found)
@@ -95,8 +96,8 @@ where
     }
 }
 
-/// What the branches do in a step.
-fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step, B::Error> {
+/// Judges a step.
+fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<StepVerdict, B::Error> {
     let h = b - a;
     let mut crossing = Vec::new();
     let (here, there) = (watched(branches, a, h)?, watched(branches, b, h)?);
@@ -104,7 +105,7 @@ fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step,
     for f in here {
         let link = link(branches, a, f, b)?;
         if !link.is_clear {
-            return Ok(Step::Unclear);
+            return Ok(StepVerdict::Unclear);
         }
         linked.push((f, link.to));
     }
@@ -112,7 +113,7 @@ fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step,
         if !linked.iter().any(|&(_, to)| to == j) {
             let link = link(branches, b, j, a)?;
             if !link.is_clear {
-                return Ok(Step::Unclear);
+                return Ok(StepVerdict::Unclear);
             }
             linked.push((link.to, j));
         }
@@ -129,10 +130,10 @@ fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<Step,
             (true, true) => crossing.push((f, j)),
             (false, true) => {}
             (false, false) if keeps_distance => {}
-            _ => return Ok(Step::Unclear),
+            _ => return Ok(StepVerdict::Unclear),
         }
     }
-    Ok(if crossing.is_empty() { Step::Quiet } else { Step::Once(crossing) })
+    Ok(if crossing.is_empty() { StepVerdict::Quiet } else { StepVerdict::Once(crossing) })
 }
 
 /// On the axis counts as unstable, so that an onset at a parameter with a spectrum lies in one of the two steps there.
@@ -170,7 +171,7 @@ where
     let start = a + (b - a) * first.lambda.re / (first.lambda.re - last.re);
     let mut guess = first.lambda + first.rate * (start - a);
     let mut at = a.max(start);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_ROOT_STEPS {
         let nearest = |x: &&Complex<f64>, y: &&Complex<f64>| (*x - guess).norm().total_cmp(&(*y - guess).norm());
         let Some(&lambda) = branches.lambdas(at)?.iter().min_by(nearest) else { break };
         let RefinedPoint { lambda, rate, bound } = branches.refined(at, lambda)?;
@@ -189,7 +190,7 @@ where
         guess = lambda + rate * (next - at);
         at = next;
     }
-    Err(TrackingError::OnsetNotConverged { from: a, to: b, left, steps: MOST_STEPS }.into())
+    Err(TrackingError::OnsetNotConverged { from: a, to: b, left, steps: MOST_ROOT_STEPS }.into())
 }
 
 /// Every spectrum known has as many unstable modes as the onsets below it leave.

@@ -15,7 +15,7 @@ const CUT_FRACTION: f64 = 0.382;
 /// How often a step is cut at once: sample points that fill the solver's lanes cost little more than one.
 const CUTS_AT_ONCE: usize = 3;
 /// Steps are not cut below this part of the path; chosen: shorter ones are as near to a coalescence as rounding.
-const SMALLEST_STEP: f64 = 1.0 / 4096.0;
+const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance of eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart; chosen.
 const MULTIPLE_SEPARATION: f64 = 1e-4;
 /// How many eigenvalues nearest to a followed one are its candidates in a step; chosen.
@@ -92,7 +92,7 @@ impl<'a> Subdivision<'a> {
         }
         let next = self.sample_points.pop();
         let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
-        let last_try = place - self.at <= SMALLEST_STEP;
+        let last_try = place - self.at <= SHORTEST_SUBDIVISION;
         let is_there = match &next {
             Some(sample_point) => self.go_over(&sample_point.modes_near(&self.modes), last_try),
             None => self.go_over(self.path.end.modes, last_try),

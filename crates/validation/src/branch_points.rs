@@ -16,7 +16,7 @@ use crate::ValidationError;
 
 /// Distance of a branch point from the real mu that shows it, up to which first order is relied on: half of the standard
 /// deviation of mu in the paper's case; chosen.
-const LARGEST_OFFSET: f64 = 0.05;
+const LARGEST_BRANCH_POINT_OFFSET: f64 = 0.05;
 /// Real mu on either side of the median that are asked for branch points; with a third of them branches are lost at sharp
 /// turns.
 const STEPS_PER_SIDE: usize = 64;
@@ -65,7 +65,7 @@ fn nearest_branch_point(
             mode = link(family, mu, mode, next)?.to;
             mu = next;
             for point in branch_points(family, mu, mode)? {
-                if (point - mu).norm() <= LARGEST_OFFSET {
+                if (point - mu).norm() <= LARGEST_BRANCH_POINT_OFFSET {
                     nearest = nearest.min((point - median).norm());
                 }
             }

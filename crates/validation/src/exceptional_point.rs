@@ -18,7 +18,7 @@ const SURE_GROWTH: f64 = 1e-5;
 /// Bisections that bring the growing mode close to where it began to grow; chosen.
 const BISECTIONS: usize = 40;
 /// Most steps of the secant method; chosen.
-const MOST_STEPS: usize = 40;
+const MOST_SECANT_STEPS: usize = 40;
 /// Squared relative distance of the eigenvalues below which rounding takes over: some tens of epsilon; chosen.
 const ROUNDED_SQUARE: f64 = 1e-14;
 
@@ -53,7 +53,8 @@ pub fn exceptional_point(
             break;
         }
     }
-    let none = |left: f64| ValidationError::NoConvergence { what: "an exceptional point", left, steps: MOST_STEPS };
+    let none =
+        |left: f64| ValidationError::NoConvergence { what: "an exceptional point", left, steps: MOST_SECANT_STEPS };
     let (mut low, mut high) = bracket.ok_or_else(|| none(f64::INFINITY))?;
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
@@ -70,7 +71,7 @@ pub fn exceptional_point(
     let (mut before, mut mu) = (high + 1e-7 * (to - from), high);
     let (mut square_before, _) = discriminant(&system(before)?, near)?;
     let mut best = ExceptionalPoint { mu, lambda: near, distance: f64::INFINITY };
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_SECANT_STEPS {
         let (square, lambda) = discriminant(&system(mu)?, near)?;
         let distance = (square.norm() / lambda.norm_sqr()).sqrt();
         if distance < best.distance {

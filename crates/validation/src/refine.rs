@@ -23,7 +23,7 @@ use crate::conditioning::condition;
 use crate::refine_equations::{Long, bordered, long, product, residuals, short};
 
 /// Most Newton steps; each gains the digits that the factorisation is good for. Chosen.
-const MOST_STEPS: usize = 30;
+const MOST_NEWTON_STEPS: usize = 30;
 /// Relative size of a step after which there is no other: ten times below the accuracy of double-double; chosen.
 const LAST_STEP: f64 = 1e-22;
 /// Largest relative size of a last step that is accepted: where the condition number is above 1e8, double-double goes no
@@ -86,7 +86,7 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
     let mut small: Vec<Vec<Long>> =
         (0..k).map(|j| (0..k).map(|i| long(if i == j { starts[j] } else { Complex::default() })).collect()).collect();
     let mut left = f64::INFINITY;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_NEWTON_STEPS {
         let centre = (0..k).map(|j| short(small[j][j])).sum::<Complex<f64>>() / k as f64;
         let rounded: Vec<_> = w.iter().map(|c| DVector::from_iterator(n + s, c.iter().map(|&v| short(v)))).collect();
         let mut matrix = bordered(system, centre, &rounded);
@@ -102,7 +102,11 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
         for (j, mut right) in residuals.into_iter().enumerate() {
             right.iter_mut().zip(&rows).for_each(|(r, norm)| *r /= norm);
             if !factor.solve_mut(&mut right) {
-                return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
+                return Err(ValidationError::NoConvergence {
+                    what: "a refined eigenvalue",
+                    left,
+                    steps: MOST_NEWTON_STEPS,
+                });
             }
             w[j].iter_mut().zip(right.iter()).for_each(|(v, &d)| *v += long(d));
             small[j].iter_mut().zip(right.iter().skip(n + s)).for_each(|(v, &d)| *v += long(d));
@@ -114,9 +118,9 @@ fn refine_block(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<Ref
         }
     }
     if left.is_nan() || left > LARGEST_LAST_STEP {
-        return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_STEPS });
+        return Err(ValidationError::NoConvergence { what: "a refined eigenvalue", left, steps: MOST_NEWTON_STEPS });
     }
-    let failed = || ValidationError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_STEPS };
+    let failed = || ValidationError::NoConvergence { what: "a multiple eigenvalue", left, steps: MOST_NEWTON_STEPS };
     let lambdas = small_eigenvalues(&small).ok_or_else(failed)?;
     lambdas
         .iter()

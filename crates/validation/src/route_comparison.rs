@@ -10,7 +10,7 @@ use crate::problem::ReferenceProblem;
 use crate::routes::{relative_errors, routes};
 
 /// Times that a route solves its systems; the median counts. Chosen.
-const REPEATS: usize = 5;
+const SOLVES_TIMED: usize = 5;
 
 /// A route on one set of systems.
 #[derive(Debug, Clone, Serialize)]
@@ -52,9 +52,9 @@ pub fn compare_routes(groups: &[SystemGroup]) -> Vec<RouteAccuracy> {
         let all: Vec<SecondOrder> = problems.iter().map(|problem| problem.system.clone()).collect();
         let Some(first) = all.first() else { continue };
         for route in routes() {
-            let mut times: Vec<f64> = Vec::with_capacity(REPEATS);
+            let mut times: Vec<f64> = Vec::with_capacity(SOLVES_TIMED);
             let mut spectra = Vec::new();
-            for _ in 0..REPEATS {
+            for _ in 0..SOLVES_TIMED {
                 let start = Instant::now();
                 spectra = (route.solve)(&all);
                 times.push(start.elapsed().as_secs_f64() * 1e6 / all.len() as f64);
@@ -67,7 +67,7 @@ pub fn compare_routes(groups: &[SystemGroup]) -> Vec<RouteAccuracy> {
                 near_coalescence: *near_coalescence,
                 n: first.order(),
                 states: first.states(),
-                us: times[REPEATS / 2],
+                us: times[SOLVES_TIMED / 2],
                 count: all.len(),
                 failed: spectra.iter().filter(|found| found.is_none()).count(),
                 max_error: errors.fold(0.0, f64::max),

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
 /// Most steps of nalgebra's QR iteration in all, which has no cap of its own; chosen.
-const MOST_STEPS: usize = 100_000;
+const MOST_NALGEBRA_STEPS: usize = 100_000;
 
 /// All eigenvalues of each system, `None` where the route fails.
 pub type Spectra = Vec<Option<Vec<Complex<f64>>>>;
@@ -74,7 +74,7 @@ pub(crate) fn raw_pencil(system: &SecondOrder) -> (DMatrix<f64>, DMatrix<f64>) {
 }
 
 pub(crate) fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let schur = Schur::try_new(state, f64::EPSILON, MOST_STEPS)?;
+    let schur = Schur::try_new(state, f64::EPSILON, MOST_NALGEBRA_STEPS)?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 

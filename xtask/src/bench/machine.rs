@@ -7,11 +7,11 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
 /// Independent sums: more than latency times throughput of current cores, fewer than they have registers.
-const SUMS: usize = 12;
+const INDEPENDENT_SUMS: usize = 12;
 /// Additions to each sum in one repetition, a millisecond or less.
-const STEPS: usize = 100_000;
-/// Repetitions, of which the fastest counts.
-const REPEATS: usize = 50;
+const ADDITIONS_PER_SUM: usize = 100_000;
+/// Repetitions, of which the fastest counts; chosen.
+const PEAK_REPEATS: usize = 50;
 
 /// Where the bench ran.
 #[derive(Debug, Clone, Serialize)]
@@ -34,8 +34,8 @@ impl Machine {
             .lines()
             .find_map(|line| line.strip_prefix("model name"))
             .map(|name| name.trim_matches([' ', '\t', ':']));
-        let (lanes, peak_gflops) = (0..REPEATS)
-            .map(|_| Arch::new().dispatch(Kernel))
+        let (lanes, peak_gflops) = (0..PEAK_REPEATS)
+            .map(|_| Arch::new().dispatch(MultiplyAdds))
             .fold((0, 0.0), |best, one| if one.1 > best.1 { one } else { best });
         Self {
             processor: name.unwrap_or(std::env::consts::ARCH).to_owned(),
@@ -46,24 +46,25 @@ impl Machine {
     }
 }
 
-struct Kernel;
+/// Fused multiply-adds on numbers that stay in registers.
+struct MultiplyAdds;
 
-impl WithSimd for Kernel {
+impl WithSimd for MultiplyAdds {
     /// Lanes, and operations per nanosecond.
     type Output = (usize, f64);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> (usize, f64) {
         let (x, y) = (simd.splat_f64s(black_box(0.999)), simd.splat_f64s(black_box(1e-3)));
-        let mut sums = [y; SUMS];
+        let mut sums = [y; INDEPENDENT_SUMS];
         let start = Instant::now();
-        for _ in 0..STEPS {
+        for _ in 0..ADDITIONS_PER_SUM {
             for sum in &mut sums {
                 *sum = simd.mul_add_e_f64s(*sum, x, y);
             }
         }
         let elapsed = start.elapsed();
         black_box(&sums);
-        (S::F64_LANES, (2 * SUMS * STEPS * S::F64_LANES) as f64 / elapsed.as_nanos() as f64)
+        (S::F64_LANES, (2 * INDEPENDENT_SUMS * ADDITIONS_PER_SUM * S::F64_LANES) as f64 / elapsed.as_nanos() as f64)
     }
 }

@@ -154,7 +154,7 @@ mod tests {
             assert!(row["n"] == 10 && row["states"] == 0 && row["us"].as_f64().unwrap() > 0.0, "{row}");
             let limit = if row["route"].as_str().unwrap().contains("raw") { 1e-6 } else { 1e-12 };
             // Where no mode of the draws with known eigenvalues grows, there is none to be compared.
-            let is_growing = row["route"] == secular::GROWING;
+            let is_growing = row["route"] == secular::SECULAR_ROUTE_NAME;
             assert!(row["max_error"].as_f64().map_or(is_growing, |error| error < limit), "{row}");
             assert_eq!(row["ratio_to_dgeev"].is_null(), !cfg!(feature = "lapack"), "{row}");
         }

@@ -9,8 +9,8 @@ use validation::{Spectra, relative_errors};
 
 use super::problems::Problem;
 use super::python::Python;
-use super::routes::{DGEEV, routes};
-use super::secular::GROWING;
+use super::routes::{DGEEV_ROUTE_NAME, routes};
+use super::secular::SECULAR_ROUTE_NAME;
 use crate::error::TaskError;
 
 /// A route on one size of problem.
@@ -56,7 +56,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
         .map(|r| Timed { name: r.name.into(), spectra: (r.solve)(&problem.systems), seconds: Vec::new() })
         .collect();
     if let Some(growing) = &problem.growing {
-        timed.push(Timed { name: GROWING.into(), spectra: growing.solve(), seconds: Vec::new() });
+        timed.push(Timed { name: SECULAR_ROUTE_NAME.into(), spectra: growing.solve(), seconds: Vec::new() });
     }
     let own = timed.len();
     let mut python = python;
@@ -83,7 +83,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
             }
         }
     }
-    let dgeev = timed.iter().find(|t| t.name == DGEEV).map(|t| t.seconds.clone());
+    let dgeev = timed.iter().find(|t| t.name == DGEEV_ROUTE_NAME).map(|t| t.seconds.clone());
     timed.iter().map(|timed| row(problem, timed, dgeev.as_deref())).collect()
 }
 
@@ -106,7 +106,7 @@ fn row(problem: &Problem, timed: &Timed, dgeev: Option<&[f64]>) -> Result<RouteT
 
 /// The eigenvalues that a route is to find.
 fn wanted(problem: &Problem, timed: &Timed) -> Vec<Vec<Complex<f64>>> {
-    let is_wanted = |lambda: &&Complex<f64>| timed.name != GROWING || lambda.re > 0.0 && lambda.im > 0.0;
+    let is_wanted = |lambda: &&Complex<f64>| timed.name != SECULAR_ROUTE_NAME || lambda.re > 0.0 && lambda.im > 0.0;
     problem.references.iter().map(|all| all.iter().filter(is_wanted).copied().collect()).collect()
 }
 

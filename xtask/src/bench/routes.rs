@@ -6,7 +6,7 @@ use validation::SolverRoute;
 pub fn routes() -> Vec<SolverRoute> {
     let peers: &[SolverRoute] = &[
         #[cfg(feature = "lapack")]
-        SolverRoute { name: DGEEV, solve: peers::dgeev },
+        SolverRoute { name: DGEEV_ROUTE_NAME, solve: peers::dgeev },
         #[cfg(feature = "faer")]
         SolverRoute { name: "faer, scaled", solve: peers::faer },
     ];
@@ -14,7 +14,7 @@ pub fn routes() -> Vec<SolverRoute> {
 }
 
 /// The route that the others are compared with.
-pub const DGEEV: &str = "LAPACK dgeev, scaled";
+pub const DGEEV_ROUTE_NAME: &str = "LAPACK dgeev, scaled";
 
 #[cfg(any(feature = "lapack", feature = "faer"))]
 mod peers {

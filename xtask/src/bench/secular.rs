@@ -7,7 +7,7 @@ use squeal::study::common_gain;
 use validation::Spectra;
 
 /// How the route is called.
-pub const GROWING: &str = "secular equation, growing modes";
+pub const SECULAR_ROUTE_NAME: &str = "secular equation, growing modes";
 
 /// One lattice and its draws.
 pub struct SecularRoute {
@@ -17,7 +17,7 @@ pub struct SecularRoute {
 }
 
 impl SecularRoute {
-    /// `None` where spectra are the better way.
+    /// `None` for a structure that has no secular equation, and for draws whose channels differ.
     ///
     /// # Errors
     /// Those of the model and of the solver.

@@ -11,7 +11,7 @@ use squeal::study::{Scratch, Spent, Study, StudyTally, timed};
 use crate::error::TaskError;
 
 /// Samples evaluated together, as in a run.
-const BLOCK: u64 = 128;
+const SAMPLES_TIMED: u64 = 128;
 
 /// One stage of a study.
 #[derive(Debug, Clone, Serialize)]
@@ -33,7 +33,7 @@ pub fn stages(brake: &LatticeBrake) -> Result<Vec<Stage>, TaskError> {
     let plan = &brake.plan;
     let [mut drawing, mut evaluation, mut tallying] = [Duration::ZERO; 3];
     let draw = || -> Result<Vec<LatticeSample>, squeal::Error> {
-        (0..BLOCK).map(|index| study.draw(&mut stream(plan.seed, index))).collect()
+        (0..SAMPLES_TIMED).map(|index| study.draw(&mut stream(plan.seed, index))).collect()
     };
     let samples = timed(&mut drawing, draw)?;
     let borrowed: Vec<&LatticeSample> = samples.iter().collect();

@@ -12,7 +12,7 @@ use crate::{CeaError, Verdict, Workspace};
 
 /// One finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Certificate {
+pub struct CertifiedEigenvalue {
     /// The eigenvalue, rad/s, improved where it could be.
     pub lambda: Complex<f64>,
     /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, of the matrices as given
@@ -37,7 +37,7 @@ pub struct Certificate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certified {
     /// One for each finite eigenvalue, in the order of the spectrum.
-    pub eigenvalues: Vec<Certificate>,
+    pub eigenvalues: Vec<CertifiedEigenvalue>,
     /// Multiple eigenvalues, defective and nearly defective groups; of conjugate groups both are listed.
     pub clusters: Vec<Cluster>,
 }
@@ -74,7 +74,7 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
         };
         found.push(state);
     }
-    let mut groups = settle_groups(&problem, &mut found);
+    let mut groups = classify_groups(&problem, &mut found);
     groups.extend(nearly_defective_pairs(&found, &conjugates, &groups));
     for i in 0..found.len() {
         match conjugates[i] {
@@ -107,14 +107,14 @@ fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
 }
 
 /// Finds groups and takes the members of semisimple ones from their common null space.
-fn settle_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
+fn classify_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
     let shifts: Vec<_> = found.iter().map(State::shift).collect();
-    let mut settled = Vec::new();
+    let mut classified = Vec::new();
     for members in groups(&sigmas, &shifts) {
         let own: Vec<_> = members.iter().map(|&i| sigmas[i]).collect();
         let Some(space) = semisimple(&problem.scaled, &own) else {
-            settled.push((members, ClusterKind::Defective));
+            classified.push((members, ClusterKind::Defective));
             continue;
         };
         let mean = own.iter().sum::<Complex<f64>>() / own.len() as f64;
@@ -129,9 +129,9 @@ fn settle_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
             }
             (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
         }
-        settled.push((members, ClusterKind::Semisimple));
+        classified.push((members, ClusterKind::Semisimple));
     }
-    settled
+    classified
 }
 
 /// Pairs of the same half plane that belong to no group and have nearly parallel vectors.
@@ -159,7 +159,7 @@ fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> C
         let norm = v.norm();
         v.unscale(norm)
     };
-    let certificate = |state: State| Certificate {
+    let certificate = |state: State| CertifiedEigenvalue {
         lambda: state.sigma * s.gamma,
         backward_error: state.backward_error,
         condition: state.condition,

@@ -44,6 +44,6 @@ mod structure;
 mod vectors;
 mod verdict;
 
-pub use certify::{Certificate, Certified, certify};
+pub use certify::{Certified, CertifiedEigenvalue, certify};
 pub use clusters::{Cluster, ClusterKind};
 pub use solve::{GeneralSpectrum, Route, solve};

@@ -17,7 +17,7 @@ const MOST_QZ_STEPS: usize = 30;
 /// Eigenvalues of A - lambda B, complex ones in exact conjugate pairs.
 pub(crate) fn eigenvalues<T: Real>(a: DMatrix<T>, b: DMatrix<T>) -> Result<Vec<Complex<f64>>, CeaError> {
     let size = a.nrows();
-    let mut pencil = Pencil::hessenberg_triangular(a, b);
+    let mut pencil = HessenbergTriangular::reduced_from(a, b);
     let mut found = Vec::with_capacity(size);
     let cap = MOST_QZ_STEPS * size;
     let (mut end, mut steps, mut since) = (size, 0, 0);
@@ -43,7 +43,7 @@ pub(crate) fn eigenvalues<T: Real>(a: DMatrix<T>, b: DMatrix<T>) -> Result<Vec<C
 /// Start of a step whose shifts overflow (EISPACK's `qzit`).
 const EXCEPTIONAL_START: [f64; 3] = [0.0, 1.0, 1.1605];
 
-struct Pencil<T> {
+struct HessenbergTriangular<T> {
     /// Upper Hessenberg.
     h: DMatrix<T>,
     /// Upper triangular, no zero on its diagonal.
@@ -52,8 +52,8 @@ struct Pencil<T> {
     norm: f64,
 }
 
-impl<T: Real> Pencil<T> {
-    fn hessenberg_triangular(mut h: DMatrix<T>, mut t: DMatrix<T>) -> Self {
+impl<T: Real> HessenbergTriangular<T> {
+    fn reduced_from(mut h: DMatrix<T>, mut t: DMatrix<T>) -> Self {
         let size = h.nrows();
         triangularise(&mut t, &mut h);
         for j in 0..size {

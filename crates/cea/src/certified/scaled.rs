@@ -18,7 +18,7 @@ const SCALING_ROUNDS: usize = 5;
 /// rounding to powers of two.
 const EQUILIBRATION_SWEEPS: usize = 8;
 
-/// The scaled problem and the way back.
+/// The scaled problem, and the scaling that takes its solutions back.
 #[derive(Debug, Clone)]
 pub(crate) struct Scaled {
     pub(crate) m: DMatrix<f64>,

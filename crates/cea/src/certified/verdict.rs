@@ -36,7 +36,7 @@ pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, groups: &
     }
     let (mut bound, mut tolerance) = (FIRST_ORDER_SAFETY * state.shift(), FIRST_ORDER_SAFETY * state.data_shift());
     let group = groups.iter().find(|(members, kind)| members.contains(&i) && *kind != ClusterKind::NearlyDefective);
-    // Re sigma is known to this; sharp where that is no more than rounded data allow. A projection settles a semisimple group to second order.
+    // Re sigma is known to this; sharp where that is no more than rounded data allow. A projection determines a semisimple group to second order.
     let (mut known_to, mut is_sharp) = (bound, false);
     match group {
         Some((members, ClusterKind::Defective)) => {

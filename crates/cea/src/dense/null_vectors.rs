@@ -29,18 +29,18 @@ pub(crate) fn null_vectors(
 ) -> Vec<Option<NullVector>> {
     let arch = Arch::new();
     let (wide, few) = matrices.split_at(wide_part(matrices.len()));
-    let mut found = arch.dispatch(Kernel { matrices: wide, start, scratch });
-    found.extend(narrow(arch, Kernel { matrices: few, start, scratch }));
+    let mut found = arch.dispatch(NullVectorsInLanes { matrices: wide, start, scratch });
+    found.extend(narrow(arch, NullVectorsInLanes { matrices: few, start, scratch }));
     found
 }
 
-struct Kernel<'a> {
+struct NullVectorsInLanes<'a> {
     matrices: &'a [DMatrix<Complex<f64>>],
     start: &'a DVector<Complex<f64>>,
     scratch: &'a mut Vec<f64>,
 }
 
-impl WithSimd for Kernel<'_> {
+impl WithSimd for NullVectorsInLanes<'_> {
     type Output = Vec<Option<NullVector>>;
 
     #[inline(always)]
@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn a_machine_without_vector_units_finds_the_same_up_to_rounding() {
         let matrices: Vec<_> = (0..3).map(|seed| singular(12, seed).0).collect();
-        let kernel = Kernel { matrices: &matrices, start: &start(12), scratch: &mut Vec::new() };
+        let kernel = NullVectorsInLanes { matrices: &matrices, start: &start(12), scratch: &mut Vec::new() };
         for (portable, best) in Simd::vectorize(Scalar, kernel).into_iter().zip(found(&matrices)) {
             assert!((portable.unwrap().vector.dotc(&best.unwrap().vector).norm() - 1.0).abs() < 1e-12);
         }

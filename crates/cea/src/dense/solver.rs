@@ -1,4 +1,4 @@
-//! The seam between a study and the way its eigenvalues are found.
+//! The seam between those who need eigenvalues and the solvers that compute them.
 
 use linsys::SecondOrder;
 

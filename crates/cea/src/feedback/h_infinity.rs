@@ -57,8 +57,8 @@ pub enum NoNormBound {
     /// The gain overflows, or Q is singular to rounding on the axis.
     #[error("the gain is not finite next to an eigenfrequency")]
     GainNotFinite,
-    /// The QR iteration on the state matrix or on the Hamiltonian did not settle.
-    #[error("the QR iteration did not settle")]
+    /// The QR iteration on the state matrix or on the Hamiltonian did not converge.
+    #[error("the QR iteration did not converge")]
     NoConvergence,
     /// Every bound tried was crossed.
     #[error("none of {tried} bounds was found to be above the gain")]

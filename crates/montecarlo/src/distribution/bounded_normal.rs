@@ -2,16 +2,16 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Probability that a support may leave out at either end.
-const TAIL: f64 = 1e-12;
+/// Largest probability that a support leaves out at either end; chosen, far below any count of samples.
+const NEGLIGIBLE_TAIL: f64 = 1e-12;
 
 /// The largest probability below 1. The standard normal quantile there is 8.2; that at 1 is infinite.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+const LARGEST_BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A value that is a function of a standard normal deviate z, and its bounds, which may be infinite.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundedNormal {
-    scale: Scale,
+    scale: NormalScale,
     at_least: f64,
     at_most: f64,
     /// The bounds as deviates.
@@ -20,14 +20,14 @@ pub(super) struct BoundedNormal {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Scale {
+enum NormalScale {
     /// mean + deviation z.
     Linear { mean: f64, deviation: f64 },
     /// median e^(sigma z).
     Logarithmic { median: f64, sigma: f64 },
 }
 
-impl Scale {
+impl NormalScale {
     fn value(self, z: f64) -> f64 {
         match self {
             Self::Linear { mean, deviation } => mean + deviation * z,
@@ -46,14 +46,14 @@ impl Scale {
 
 impl BoundedNormal {
     pub fn normal(mean: f64, deviation: f64, at_least: f64, at_most: Option<f64>) -> Self {
-        Self::new(Scale::Linear { mean, deviation }, at_least, at_most)
+        Self::new(NormalScale::Linear { mean, deviation }, at_least, at_most)
     }
 
     pub fn log_normal(median: f64, sigma: f64, at_least: Option<f64>, at_most: Option<f64>) -> Self {
-        Self::new(Scale::Logarithmic { median, sigma }, at_least.unwrap_or(0.0), at_most)
+        Self::new(NormalScale::Logarithmic { median, sigma }, at_least.unwrap_or(0.0), at_most)
     }
 
-    fn new(scale: Scale, at_least: f64, at_most: Option<f64>) -> Self {
+    fn new(scale: NormalScale, at_least: f64, at_most: Option<f64>) -> Self {
         let at_most = at_most.unwrap_or(f64::INFINITY);
         Self { scale, at_least, at_most, lower: scale.deviate(at_least), upper: scale.deviate(at_most) }
     }
@@ -89,7 +89,7 @@ impl BoundedNormal {
     pub fn quantile(self, u: f64) -> f64 {
         let normal = Normal::standard();
         let below = normal.cdf(self.lower);
-        let p = (below + u * (normal.cdf(self.upper) - below)).min(BELOW_ONE);
+        let p = (below + u * (normal.cdf(self.upper) - below)).min(LARGEST_BELOW_ONE);
         self.within_bounds(self.scale.value(normal.inverse_cdf(p)))
     }
 
@@ -97,7 +97,7 @@ impl BoundedNormal {
     pub fn support(self) -> (f64, f64) {
         // Bounds that keep half or more at most double the probability of what they keep.
         let share = self.share();
-        let tail = if share < 0.5 { TAIL * share } else { TAIL };
+        let tail = if share < 0.5 { NEGLIGIBLE_TAIL * share } else { NEGLIGIBLE_TAIL };
         // Far out the quantile is exact in z, not in u.
         let z = -Normal::standard().inverse_cdf(tail);
         (self.within_bounds(self.scale.value(-z)), self.within_bounds(self.scale.value(z)))

@@ -15,8 +15,8 @@ type Parity = (Reversal, f64);
 impl LatticeModel {
     /// The sectors of an arrangement, for sliding states that are alike in all contacts.
     ///
-    /// Nothing is split that the other contacts couple when they close, or that is alike then: a mode is of one sector all
-    /// the way from every oscillator in contact to this arrangement.
+    /// What the open contacts would couple if they were closed stays in one sector, and so does what a symmetry exchanges then:
+    /// along the path from every oscillator in contact to this arrangement a mode stays in one sector.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.
@@ -69,7 +69,8 @@ impl LatticeModel {
     }
 }
 
-/// Friction with everything in it that any law has, and this internal state in every channel.
+/// The matrices of friction with a coefficient, a slope and this internal state in every channel: they couple what friction of
+/// any law can couple.
 fn any_friction(lattice: &PreparedLattice, lag: Option<Lag>) -> Result<SecondOrder, OscModelError> {
     let system = &lattice.brake().system;
     let channels = vec![ChannelGain { mu: 1.0, slope: 1.0, lag }; system.channels().len()];
@@ -96,7 +97,8 @@ fn characters(group: &[Reversal]) -> Vec<Vec<Parity>> {
     characters
 }
 
-/// An orthonormal basis of the vectors over `count` places that change as `parities` say, in the order of first places.
+/// An orthonormal basis of the vectors with `count` entries that keep or change their sign as `parities` say, in the order of
+/// their first index.
 fn combinations(count: usize, parities: &[Parity], image: impl Fn(Reversal, usize) -> usize) -> Vec<Combination> {
     let of = |first: usize| {
         let mut signs: Vec<(usize, f64)> = Vec::with_capacity(parities.len());
@@ -107,7 +109,7 @@ fn combinations(count: usize, parities: &[Parity], image: impl Fn(Reversal, usiz
                 None => signs.push((place, sign)),
             }
         }
-        // A place that a reversal leaves where it is has no part in a sector in which that reversal changes signs.
+        // An entry that a reversal maps to itself is zero in every sector where that reversal changes signs.
         let is_kept = signs.iter().all(|&(place, sum)| place >= first && sum != 0.0);
         signs.iter_mut().for_each(|(_, sign)| *sign = sign.signum());
         signs.sort_unstable_by_key(|&(place, _)| place);

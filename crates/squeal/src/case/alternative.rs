@@ -4,7 +4,7 @@ use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
 use super::{Draws, LatticeCase, Law};
-use crate::study::Labels;
+use crate::study::ModeNaming;
 
 /// One reading other than the case's own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,7 +16,7 @@ pub enum Alternative {
     /// R4: other draws.
     Draws(Draws),
     /// R7: other names of modes.
-    Labels(Labels),
+    ModeNaming(ModeNaming),
     /// R8: another preload.
     Preload(Preload),
     /// R9: another sigma1 over speed; `None` is 0.
@@ -32,7 +32,7 @@ impl Alternative {
             Self::OscillatorMass(_) => "R1",
             Self::Lateral(_) => "R3",
             Self::Draws(_) => "R4",
-            Self::Labels(_) => "R7",
+            Self::ModeNaming(_) => "R7",
             Self::Preload(_) => "R8",
             Self::BristleDamping(_) | Self::InPlaceOfLuGre(_) => "R9",
         }
@@ -46,7 +46,7 @@ impl Alternative {
             Self::Lateral(Lateral::Coupled { sign }) => format!("friction in y coupled, sign {:+}", sign.value()),
             Self::Lateral(Lateral::Vector) => "friction along the relative velocity".into(),
             Self::Draws(draws) => format!("draws {draws:?}").to_lowercase(),
-            Self::Labels(labels) => format!("labels {labels:?}").to_lowercase(),
+            Self::ModeNaming(labels) => format!("labels {labels:?}").to_lowercase(),
             Self::Preload(Preload::PerContact(force)) => format!("{force} N per contact"),
             Self::Preload(Preload::Clamp(force)) => format!("{force} N shared by the contacts"),
             Self::Preload(Preload::Equilibrium(force)) => format!("{force} N on each, loads from equilibrium"),
@@ -67,7 +67,7 @@ impl LatticeCase {
             Alternative::OscillatorMass(mass) => case.lattice.oscillator_mass.fill(mass),
             Alternative::Lateral(lateral) => readings.lateral = lateral,
             Alternative::Draws(draws) => readings.draws = draws,
-            Alternative::Labels(labels) => readings.labels = labels,
+            Alternative::ModeNaming(labels) => readings.labels = labels,
             Alternative::Preload(preload) => readings.preload = preload,
             Alternative::BristleDamping(damping) => readings.bristle_damping = damping,
             Alternative::InPlaceOfLuGre(other) => {

@@ -109,12 +109,12 @@ impl Check<'_> {
 
     /// Names of tables: each once, and such that they can stand in a message and a column's head.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
-        /// Characters of a name; a table with longer ones cannot be read.
-        const LONGEST: usize = 60;
-        let allowed = format!("1 to {LONGEST} characters without control characters");
+        /// Most characters of a name; chosen: a table with longer ones cannot be read.
+        const LONGEST_NAME: usize = 60;
+        let allowed = format!("1 to {LONGEST_NAME} characters without control characters");
         for name in names.clone() {
-            if name.is_empty() || name.chars().count() > LONGEST || name.chars().any(char::is_control) {
-                let start: String = name.chars().take(LONGEST).collect();
+            if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
+                let start: String = name.chars().take(LONGEST_NAME).collect();
                 return Err(self.value(field, format!("{start:?}"), &allowed));
             }
         }
@@ -152,6 +152,15 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
             message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
         })
         .replace("expected f64", "expected a number");
+    let message = without_struct_name(message);
     let message = if source.is_empty() { message } else { format!("{source}: {message}") };
     CaseError::Syntax { path: path.to_owned(), line, message }
+}
+
+/// A message that calls a table a table, where the parser names the type that it reads it into.
+fn without_struct_name(message: String) -> String {
+    const EXPECTED: &str = "expected struct ";
+    let Some(start) = message.find(EXPECTED) else { return message };
+    let rest = message[start + EXPECTED.len()..].trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+    format!("{}expected a table{rest}", &message[..start])
 }

@@ -18,19 +18,19 @@ pub enum CaseFile {
 
 /// The part of a case file that says of which kind it is.
 #[derive(Deserialize)]
-struct Kinds {
-    brake: Option<Brake>,
+struct KindOfFile {
+    brake: Option<KindOfBrake>,
     lattice: Option<toml::Table>,
 }
 
 #[derive(Deserialize)]
-struct Brake {
-    kind: Option<Kind>,
+struct KindOfBrake {
+    kind: Option<BrakeKind>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Kind {
+enum BrakeKind {
     Lattice,
     Matrices,
 }
@@ -50,12 +50,12 @@ impl CaseFile {
     /// # Errors
     /// As [`CaseFile::read`].
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
-        let kinds: Kinds = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let kinds: KindOfFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         match (kinds.brake.and_then(|brake| brake.kind), kinds.lattice) {
-            (Some(Kind::Lattice), _) | (None, Some(_)) => {
+            (Some(BrakeKind::Lattice), _) | (None, Some(_)) => {
                 LatticeCase::parse(path, text).map(Box::new).map(Self::Lattice)
             }
-            (Some(Kind::Matrices), _) => MatricesCase::parse(path, text).map(Box::new).map(Self::Matrices),
+            (Some(BrakeKind::Matrices), _) => MatricesCase::parse(path, text).map(Box::new).map(Self::Matrices),
             (None, None) => Err(Check { path }.value("brake.kind", "missing", "\"lattice\" or \"matrices\"")),
         }
     }

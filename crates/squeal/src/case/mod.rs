@@ -1,6 +1,7 @@
 //! Case files: a study as data.
 
 mod alternative;
+mod arrangements;
 mod check;
 mod error;
 mod expression;

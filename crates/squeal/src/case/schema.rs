@@ -3,30 +3,30 @@
 use serde::{Deserialize, Serialize};
 
 use super::FrictionDistributions;
-use crate::study::Labels;
+use crate::study::ModeNaming;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct File {
+pub(super) struct LatticeFile {
     #[serde(rename = "brake")]
-    pub _brake: Option<Brake>,
-    pub study: Study,
-    pub lattice: Lattice,
-    pub contact: Contact,
+    pub _brake: Option<BrakeTable>,
+    pub study: StudyTable,
+    pub lattice: LatticeTable,
+    pub contact: ContactTable,
     #[serde(default)]
-    pub constraints: Vec<Constraints>,
-    pub speeds: Vec<Speeds>,
-    pub readings: Readings,
+    pub constraints: Vec<ConstraintsTable>,
+    pub speeds: Vec<SpeedsTable>,
+    pub readings: ReadingsTable,
     pub friction: FrictionDistributions,
     #[serde(default)]
-    pub alternatives: Alternatives,
+    pub alternatives: AlternativesTable,
     pub paper: Option<super::Paper>,
     pub accuracy: Option<super::check::Accuracy>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Brake {
+pub(super) struct BrakeTable {
     #[serde(rename = "kind")]
     pub _kind: Option<LatticeKind>,
 }
@@ -40,7 +40,7 @@ pub(super) enum LatticeKind {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Study {
+pub(super) struct StudyTable {
     pub name: String,
     pub laws: Vec<Law>,
     pub samples: u64,
@@ -111,7 +111,7 @@ pub(super) struct Chain {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Lattice {
+pub(super) struct LatticeTable {
     pub rows: usize,
     pub columns: usize,
     pub oscillator_mass: Values,
@@ -124,12 +124,12 @@ pub(super) struct Lattice {
     pub theta: f64,
     pub phi: f64,
     pub contact_stiffness: Values,
-    pub plate: Plate,
+    pub plate: PlateTable,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Plate {
+pub(super) struct PlateTable {
     pub mass: f64,
     pub stiffness: [f64; 3],
     pub damping: [f64; 3],
@@ -137,7 +137,7 @@ pub(super) struct Plate {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Contact {
+pub(super) struct ContactTable {
     #[serde(default)]
     pub in_contact: Vec<usize>,
     #[serde(default)]
@@ -146,14 +146,14 @@ pub(super) struct Contact {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Constraints {
+pub(super) struct ConstraintsTable {
     pub name: String,
     pub fixed: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Speeds {
+pub(super) struct SpeedsTable {
     pub name: String,
     pub from: f64,
     pub to: f64,
@@ -161,25 +161,25 @@ pub(super) struct Speeds {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Readings {
-    pub lean: Lean,
-    pub lateral: Lateral,
+pub(super) struct ReadingsTable {
+    pub lean: LeanEntry,
+    pub lateral: LateralEntry,
     pub draws: Draws,
-    pub labels: Labels,
-    pub preload: Preload,
-    pub bristle_damping: BristleDamping,
+    pub labels: ModeNaming,
+    pub preload: PreloadEntry,
+    pub bristle_damping: BristleDampingEntry,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Lean {
+pub(super) enum LeanEntry {
     Against,
     Along,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Lateral {
+pub(super) enum LateralEntry {
     None,
     Coupled,
     CoupledMinus,
@@ -198,7 +198,7 @@ pub enum Draws {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Preload {
+pub(super) enum PreloadEntry {
     PerContact(f64),
     Clamp(f64),
     Equilibrium(f64),
@@ -206,7 +206,7 @@ pub(super) enum Preload {
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum BristleDamping {
+pub(super) enum BristleDampingEntry {
     Constant,
     Decaying,
     None,
@@ -214,12 +214,12 @@ pub(super) enum BristleDamping {
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct Alternatives {
+pub(super) struct AlternativesTable {
     pub oscillator_mass: Vec<f64>,
-    pub lateral: Vec<Lateral>,
+    pub lateral: Vec<LateralEntry>,
     pub draws: Vec<Draws>,
-    pub labels: Vec<Labels>,
-    pub preload: Vec<Preload>,
-    pub bristle_damping: Vec<BristleDamping>,
+    pub labels: Vec<ModeNaming>,
+    pub preload: Vec<PreloadEntry>,
+    pub bristle_damping: Vec<BristleDampingEntry>,
     pub in_place_of_lugre: Vec<Law>,
 }

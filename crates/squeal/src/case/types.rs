@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::Alternative;
 use super::schema::{Draws, Law};
-use crate::study::Labels;
+use crate::study::ModeNaming;
 
 /// A study, checked.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ pub struct LatticeReadings {
     /// One draw for all contacts or one each.
     pub draws: Draws,
     /// How modes are named.
-    pub labels: Labels,
+    pub labels: ModeNaming,
     /// What presses the oscillators on the plate.
     pub preload: Preload,
     /// LuGre's sigma1 over speed; `None` sets it to 0.

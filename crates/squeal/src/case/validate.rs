@@ -3,18 +3,14 @@
 use std::path::Path;
 
 use friction::BristleDamping;
-use osc_model::{
-    ContactArrangement, Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters, Preload, Sign,
-};
+use osc_model::{Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters, Preload, Sign};
 
+use super::arrangements::arrangements_by_number;
 use super::check::{Check, syntax};
-use super::schema::{self, Chain, File, Values};
+use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
     Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
 };
-
-/// The most arrangements that a case may have: each has a scene of its own in memory.
-const MOST_ARRANGEMENTS: usize = 100_000;
 
 impl LatticeCase {
     /// The most samples of a study; with them every count of it fits in 64 bits.
@@ -34,9 +30,9 @@ impl LatticeCase {
     /// # Errors
     /// As [`LatticeCase::read`].
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
-        let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let file: LatticeFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File {
+        let LatticeFile {
             _brake: _,
             study,
             lattice,
@@ -75,7 +71,7 @@ impl LatticeCase {
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
             readings,
-            panels: panels(&check, &contact, parameters.grid.oscillators())?,
+            panels: arrangements_by_number(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,
             constraints,
             speeds: speed_ranges(&check, speeds)?,
@@ -89,8 +85,8 @@ impl LatticeCase {
 
 fn lattice_parameters(
     check: &Check<'_>,
-    lattice: &schema::Lattice,
-    lean: schema::Lean,
+    lattice: &schema::LatticeTable,
+    lean: schema::LeanEntry,
 ) -> Result<LatticeParameters, CaseError> {
     let grid = Grid::new(lattice.rows, lattice.columns).map_err(check.lattice("lattice"))?;
     let springs = |values: &Values, chains: &dyn Fn(f64, f64) -> Vec<f64>| match values {
@@ -118,8 +114,8 @@ fn lattice_parameters(
         theta: lattice.theta.to_radians(),
         phi: lattice.phi.to_radians(),
         lean: match lean {
-            schema::Lean::Against => Lean::Against,
-            schema::Lean::Along => Lean::Along,
+            schema::LeanEntry::Against => Lean::Against,
+            schema::LeanEntry::Along => Lean::Along,
         },
         contact_stiffness: each("contact_stiffness", &lattice.contact_stiffness)?,
         oscillator_mass: each("oscillator_mass", &lattice.oscillator_mass)?,
@@ -133,11 +129,11 @@ fn lattice_parameters(
     Ok(parameters)
 }
 
-fn preload(check: &Check<'_>, preload: schema::Preload) -> Result<Preload, CaseError> {
+fn preload(check: &Check<'_>, preload: schema::PreloadEntry) -> Result<Preload, CaseError> {
     let (key, value, reading) = match preload {
-        schema::Preload::PerContact(value) => ("per_contact", value, Preload::PerContact(value)),
-        schema::Preload::Clamp(value) => ("clamp", value, Preload::Clamp(value)),
-        schema::Preload::Equilibrium(value) => ("equilibrium", value, Preload::Equilibrium(value)),
+        schema::PreloadEntry::PerContact(value) => ("per_contact", value, Preload::PerContact(value)),
+        schema::PreloadEntry::Clamp(value) => ("clamp", value, Preload::Clamp(value)),
+        schema::PreloadEntry::Equilibrium(value) => ("equilibrium", value, Preload::Equilibrium(value)),
     };
     if value.is_finite() && value > 0.0 {
         Ok(reading)
@@ -146,35 +142,35 @@ fn preload(check: &Check<'_>, preload: schema::Preload) -> Result<Preload, CaseE
     }
 }
 
-impl From<schema::Lateral> for Lateral {
-    fn from(lateral: schema::Lateral) -> Self {
+impl From<schema::LateralEntry> for Lateral {
+    fn from(lateral: schema::LateralEntry) -> Self {
         match lateral {
-            schema::Lateral::None => Self::None,
-            schema::Lateral::Coupled => Self::Coupled { sign: Sign::Plus },
-            schema::Lateral::CoupledMinus => Self::Coupled { sign: Sign::Minus },
-            schema::Lateral::Vector => Self::Vector,
+            schema::LateralEntry::None => Self::None,
+            schema::LateralEntry::Coupled => Self::Coupled { sign: Sign::Plus },
+            schema::LateralEntry::CoupledMinus => Self::Coupled { sign: Sign::Minus },
+            schema::LateralEntry::Vector => Self::Vector,
         }
     }
 }
 
-impl From<schema::BristleDamping> for Option<BristleDamping> {
-    fn from(damping: schema::BristleDamping) -> Self {
+impl From<schema::BristleDampingEntry> for Option<BristleDamping> {
+    fn from(damping: schema::BristleDampingEntry) -> Self {
         match damping {
-            schema::BristleDamping::Constant => Some(BristleDamping::Constant),
-            schema::BristleDamping::Decaying => Some(BristleDamping::Decaying),
-            schema::BristleDamping::None => None,
+            schema::BristleDampingEntry::Constant => Some(BristleDamping::Constant),
+            schema::BristleDampingEntry::Decaying => Some(BristleDamping::Decaying),
+            schema::BristleDampingEntry::None => None,
         }
     }
 }
 
-fn all_alternatives(check: &Check<'_>, given: &schema::Alternatives) -> Result<Vec<Alternative>, CaseError> {
+fn all_alternatives(check: &Check<'_>, given: &schema::AlternativesTable) -> Result<Vec<Alternative>, CaseError> {
     if let Some(mass) = given.oscillator_mass.iter().find(|mass| !(mass.is_finite() && **mass > 0.0)) {
         return Err(check.value("alternatives.oscillator_mass", mass, "a mass in kg, > 0"));
     }
     let mut all: Vec<_> = given.oscillator_mass.iter().map(|&mass| Alternative::OscillatorMass(mass)).collect();
     all.extend(given.lateral.iter().map(|&lateral| Alternative::Lateral(lateral.into())));
     all.extend(given.draws.iter().map(|&draws| Alternative::Draws(draws)));
-    all.extend(given.labels.iter().map(|&labels| Alternative::Labels(labels)));
+    all.extend(given.labels.iter().map(|&labels| Alternative::ModeNaming(labels)));
     for &force in &given.preload {
         all.push(Alternative::Preload(preload(check, force)?));
     }
@@ -185,7 +181,7 @@ fn all_alternatives(check: &Check<'_>, given: &schema::Alternatives) -> Result<V
 
 fn constraint_sets(
     check: &Check<'_>,
-    sets: Vec<schema::Constraints>,
+    sets: Vec<schema::ConstraintsTable>,
     parameters: &LatticeParameters,
     lateral: Lateral,
 ) -> Result<Vec<ConstraintSet>, CaseError> {
@@ -194,7 +190,7 @@ fn constraint_sets(
     }
     check.no_repeats("constraints.name", sets.iter().map(|set| set.name.clone()))?;
     sets.iter().try_for_each(|set| check.plain_name("constraints.name", &set.name))?;
-    let convert = |set: schema::Constraints| {
+    let convert = |set: schema::ConstraintsTable| {
         let table = format!("constraints \"{}\".fixed", set.name);
         let fixed = set.fixed.iter().map(|name| name.parse()).collect::<Result<Vec<Dof>, _>>();
         let fixed = fixed.map_err(check.lattice(&table))?;
@@ -202,63 +198,6 @@ fn constraint_sets(
         Ok(ConstraintSet { name: set.name, fixed })
     };
     sets.into_iter().map(convert).collect()
-}
-
-fn panels(
-    check: &Check<'_>,
-    contact: &schema::Contact,
-    oscillators: usize,
-) -> Result<Vec<(usize, Vec<ContactArrangement>)>, CaseError> {
-    let mut panels: Vec<(usize, Vec<ContactArrangement>)> = Vec::new();
-    match (contact.in_contact.as_slice(), contact.arrangements.as_slice()) {
-        ([], []) => {
-            return Err(check.value(
-                "contact",
-                "empty",
-                "in_contact = [numbers] or arrangements = [[oscillators], ..]",
-            ));
-        }
-        (numbers, []) => {
-            check.no_repeats("contact.in_contact", numbers.iter().map(usize::to_string))?;
-            for &number in numbers {
-                if !(1..=oscillators).contains(&number) {
-                    return Err(check.value("contact.in_contact", number, &format!("1 to {oscillators}")));
-                }
-                let so_far: usize = panels.iter().map(|(_, list)| list.len()).sum();
-                if so_far.saturating_add(choices(oscillators, number)) > MOST_ARRANGEMENTS {
-                    let allowed = format!("numbers with at most {MOST_ARRANGEMENTS} arrangements in all");
-                    return Err(check.value("contact.in_contact", number, &allowed));
-                }
-                let all = ContactArrangement::all(oscillators, number).map_err(check.lattice("contact.in_contact"))?;
-                panels.push((number, all));
-            }
-        }
-        ([], arrangements) => {
-            for numbers in arrangements {
-                let arrangement = ContactArrangement::from_numbers(oscillators, numbers)
-                    .map_err(check.lattice("contact.arrangements"))?;
-                if numbers.is_empty() {
-                    return Err(check.value("contact.arrangements", "[]", "one oscillator or more"));
-                }
-                match panels.iter_mut().find(|(number, _)| *number == numbers.len()) {
-                    Some((_, list)) if list.contains(&arrangement) => {
-                        return Err(check.value("contact.arrangements", format!("[{arrangement}]"), "each once"));
-                    }
-                    Some((_, list)) => list.push(arrangement),
-                    None => panels.push((numbers.len(), vec![arrangement])),
-                }
-            }
-        }
-        (_, _) => return Err(check.value("contact", "both", "in_contact or arrangements, not both")),
-    }
-    Ok(panels)
-}
-
-/// How many sets of `chosen` there are among `all`, at most `usize::MAX`.
-fn choices(all: usize, chosen: usize) -> usize {
-    (0..chosen.min(all.saturating_sub(chosen)))
-        .try_fold(1_usize, |count, i| Some(count.checked_mul(all - i)? / (i + 1)))
-        .unwrap_or(usize::MAX)
 }
 
 fn check_paper(check: &Check<'_>, paper: &Paper, oscillators: usize) -> Result<(), CaseError> {
@@ -271,7 +210,7 @@ fn check_paper(check: &Check<'_>, paper: &Paper, oscillators: usize) -> Result<(
     Ok(())
 }
 
-fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<SpeedRange>, CaseError> {
+fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<Vec<SpeedRange>, CaseError> {
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
@@ -285,7 +224,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::Speeds>) -> Result<Vec<Sp
             return Err(check.value(&format!("speeds \"{}\".to", range.name), range.to, &allowed));
         }
     }
-    Ok(speeds.into_iter().map(|schema::Speeds { name, from, to }| SpeedRange { name, from, to }).collect())
+    Ok(speeds.into_iter().map(|schema::SpeedsTable { name, from, to }| SpeedRange { name, from, to }).collect())
 }
 
 fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<FrictionDistributions, CaseError> {

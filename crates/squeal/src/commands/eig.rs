@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use cea::certified::{Certificate, Certified, ClusterKind, GeneralSpectrum, certify, solve};
+use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
 use cea::{Workspace, damping_ratio, frequency_hz};
 use linsys::{SecondOrder, read_market};
 use nalgebra::{DMatrix, DVector};
@@ -97,7 +97,7 @@ fn list<T>(items: impl IntoIterator<Item = T>, item: impl Fn(T) -> String) -> St
 
 fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool) -> String {
     let vector = |v: &DVector<Complex<f64>>| list(v.iter(), |z| format!("[{}, {}]", number(z.re), number(z.im)));
-    let finite = |e: &Certificate| {
+    let finite = |e: &CertifiedEigenvalue| {
         let l = e.lambda;
         let mut text = format!(
             "    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \

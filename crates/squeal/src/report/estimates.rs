@@ -105,10 +105,8 @@ impl Estimates {
             for (&member, (name, mode)) in
                 scene.members.iter().flat_map(|member| found.modes.iter().map(move |mode| (member, mode)))
             {
-                rows.push(vec![
-                    labels.constraints[scene.key.constraints].clone(),
-                    labels.laws[scene.key.law].name.clone(),
-                    labels.speed(scene.key.speed).to_owned(),
+                let mut row = labels.key_columns(scene.key).to_vec();
+                row.extend([
                     in_contact.to_string(),
                     arrangements[member].clone(),
                     name.to_string(),
@@ -119,6 +117,7 @@ impl Estimates {
                     found.evaluations.to_string(),
                     found.plain_evaluations.to_string(),
                 ]);
+                rows.push(row);
             }
         }
         write_csv(&dir.join("estimates.csv"), &header, rows)

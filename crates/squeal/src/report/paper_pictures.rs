@@ -7,7 +7,7 @@ use osc_model::Lean;
 use rayon::prelude::*;
 
 use super::Results;
-use super::paper::{CORNERS, FREE, SIX, most_robust, paper_mode, shape, title};
+use super::paper::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED, most_robust, paper_mode, shape, title};
 use super::pictures::occurrence;
 use crate::Error;
 use crate::brakes::LatticeBrake;
@@ -37,19 +37,19 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
     let laws: Vec<usize> = (0..case.laws.len()).collect();
     for (&law, stem) in laws.iter().zip(["fig04", "fig05", "fig06"]) {
         let heading = format!("{} friction", case.laws[law].title());
-        figures.push((occurrence_boxes(&occurrence(results, FREE, &[law], heading)?)?, stem));
+        figures.push((occurrence_boxes(&occurrence(results, UNCONSTRAINED, &[law], heading)?)?, stem));
     }
-    for (constraints, stem) in [(CORNERS, "fig08"), (SIX, "fig09")] {
+    for (constraints, stem) in [(CORNERS_HELD, "fig08"), (SIX_HELD, "fig09")] {
         if let Some(set) = case.constraints.get(constraints) {
             let held: Vec<String> = set.fixed.iter().map(ToString::to_string).collect();
             let heading = format!("Held: {}", held.join(", "));
             figures.push((occurrence_boxes(&occurrence(results, constraints, &laws, heading)?)?, stem));
         }
     }
-    let robust = most_robust(results, FREE)?.first().map(|&(name, _)| name);
+    let robust = most_robust(results, UNCONSTRAINED)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
     for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
-        if let Some(figure) = name.and_then(|name| mode_work(results, brake, FREE, name).transpose()) {
+        if let Some(figure) = name.and_then(|name| mode_work(results, brake, UNCONSTRAINED, name).transpose()) {
             figures.push((mode_and_work(&figure?)?, stem));
         }
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Results;
 use crate::Error;
 use crate::figures::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
-use crate::study::{Labels, PanelLabel, Plan};
+use crate::study::{ModeNaming, PanelLabel, Plan};
 
 /// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
 ///
@@ -63,9 +63,9 @@ pub(super) fn occurrence(
         rows.push(row);
     }
     let mode_axis = match results.labels {
-        Labels::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
-        Labels::Rank => "mode (frequency rank in its own sample)",
-        Labels::Pair => "mode (place among all 2n eigenvalues of its own sample)",
+        ModeNaming::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
+        ModeNaming::Rank => "mode (frequency rank in its own sample)",
+        ModeNaming::Pair => "mode (place among all 2n eigenvalues of its own sample)",
     };
     let modes = names.iter().map(ToString::to_string).collect();
     Ok(OccurrenceFigure { title, mode_axis: mode_axis.into(), modes, series, rows })

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::study::{Comparison, Labels, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{Comparison, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub struct Results<'a> {
     /// Its counts.
     pub summary: Summary<StudyTally>,
     /// How modes are named in the report.
-    pub labels: Labels,
+    pub labels: ModeNaming,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
 }
@@ -60,7 +60,7 @@ impl<'a> Results<'a> {
     }
 
     /// The same counts with modes named in another way.
-    pub fn labelled(&self, labels: Labels) -> Self {
+    pub fn labelled(&self, labels: ModeNaming) -> Self {
         Self {
             labels,
             summary: self.summary.clone(),
@@ -112,15 +112,15 @@ impl<'a> Results<'a> {
 
     fn counts(&self, scene: usize) -> &LabelTally<u16> {
         let tally = &self.summary.tally.scenes[scene];
-        if self.labels == Labels::Tracked { &tally.tracked } else { &tally.ranked }
+        if self.labels == ModeNaming::Tracked { &tally.tracked } else { &tally.ranked }
     }
 
     fn name(&self, key: u16) -> u16 {
-        if self.labels == Labels::Pair { 2 * key - 1 } else { key }
+        if self.labels == ModeNaming::Pair { 2 * key - 1 } else { key }
     }
 
     fn key(&self, name: u16) -> u16 {
-        if self.labels == Labels::Pair { name.div_ceil(2) } else { name }
+        if self.labels == ModeNaming::Pair { name.div_ceil(2) } else { name }
     }
 
     /// The frequency rank behind a mode's name, whichever way it is named.
@@ -131,7 +131,7 @@ impl<'a> Results<'a> {
     /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
     /// reference has no mode of this rank, or one whose name is open.
     pub fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
-        if self.labels == Labels::Tracked {
+        if self.labels == ModeNaming::Tracked {
             return Some(name);
         }
         let place = usize::from(self.key(name)).checked_sub(1)?;

@@ -7,7 +7,7 @@ use montecarlo::QuantileSketch;
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::{PanelLabel, Scene};
+use crate::study::PanelLabel;
 
 /// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
 ///
@@ -44,10 +44,8 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         for (name, occurrences) in results.occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
-                rows.push(vec![
-                    labels.constraints[key.constraints].clone(),
-                    labels.laws[key.law].name.clone(),
-                    labels.speed(key.speed).to_owned(),
+                let mut row = labels.key_columns(key).to_vec();
+                row.extend([
                     in_contact.to_string(),
                     arrangements[occurrence.arrangement].to_string(),
                     name.to_string(),
@@ -58,6 +56,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
                     estimate.lower.to_string(),
                     estimate.upper.to_string(),
                 ]);
+                rows.push(row);
             }
         }
     }
@@ -93,10 +92,8 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         let number = |of: fn(&super::Estimate) -> f64| {
             mean.as_ref().map(of).filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string())
         };
-        vec![
-            labels.constraints[key.constraints].clone(),
-            labels.laws[key.law].name.clone(),
-            labels.speed(key.speed).to_owned(),
+        let mut row = labels.key_columns(key).to_vec();
+        row.extend([
             labels.panels[key.panel].in_contact.to_string(),
             panel.arrangements.to_string(),
             sum(|t| t.solved).to_string(),
@@ -107,7 +104,8 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             sum(|t| t.ambiguous_modes).to_string(),
             sum(|t| t.undecided).to_string(),
             sum(|t| t.divergent).to_string(),
-        ]
+        ]);
+        row
     });
     write_csv(&dir.join("panels.csv"), &header, rows)
 }
@@ -119,7 +117,7 @@ fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     for (scene, tally) in results.plan().scenes.iter().zip(&results.summary.tally.scenes) {
         for (name, sketches) in &tally.net_work {
             for (body, sketch) in results.plan().brake(scene).bodies.iter().zip(sketches) {
-                let mut row = scene_columns(results, scene);
+                let mut row = results.plan().labels.key_columns(scene.key).to_vec();
                 row.extend([name.to_string(), body.name.clone()]);
                 row.extend(quartile_columns(sketch)?);
                 rows.push(row);
@@ -148,7 +146,7 @@ fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         for (name, families) in &tally.family_work {
             for (family, sketches) in brake.system.families().iter().zip(families) {
                 for (body, sketch) in brake.bodies.iter().zip(sketches) {
-                    let mut row = scene_columns(results, scene);
+                    let mut row = results.plan().labels.key_columns(scene.key).to_vec();
                     row.extend([name.to_string(), family.clone(), body.name.clone()]);
                     row.extend(quartile_columns(sketch)?);
                     rows.push(row);
@@ -157,16 +155,6 @@ fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         }
     }
     write_csv(&dir.join("family_work.csv"), &header, rows)
-}
-
-/// Constraints, law and speed of a scene.
-fn scene_columns(results: &Results<'_>, scene: &Scene) -> Vec<String> {
-    let (labels, key) = (&results.plan().labels, scene.key);
-    vec![
-        labels.constraints[key.constraints].clone(),
-        labels.laws[key.law].name.clone(),
-        labels.speed(key.speed).to_owned(),
-    ]
 }
 
 /// Count, lower quartile, median and upper quartile.

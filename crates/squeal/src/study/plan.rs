@@ -101,12 +101,18 @@ impl SceneLabels {
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
     }
+
+    /// Constraints, law and speed of a scene or panel, as tables have them in their first columns.
+    pub fn key_columns(&self, key: SceneKey) -> [String; 3] {
+        let (constraints, law) = (&self.constraints[key.constraints], &self.laws[key.law].name);
+        [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
+    }
 }
 
 /// How modes are named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Labels {
+pub enum ModeNaming {
     /// By shape: the frequency rank of the mode it continues, all in contact at median parameters.
     Tracked,
     /// By frequency rank in its own sample, 1 to n.
@@ -138,7 +144,7 @@ pub struct Plan {
     /// Seed of the random streams.
     pub seed: u64,
     /// How modes are named in reports.
-    pub mode_labels: Labels,
+    pub mode_labels: ModeNaming,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -168,7 +174,7 @@ impl Plan {
             identity,
             samples,
             seed,
-            mode_labels: Labels::Tracked,
+            mode_labels: ModeNaming::Tracked,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

@@ -24,7 +24,7 @@ fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
     let mut work = Workspace::default();
     let here = modes_on_paths(&[PathPoint { path, t: 0.0, lambda: mode.lambda }], &mut work).remove(0)?;
     let mut mode = Continuation::new(PathPoint { path, t: 0.0, lambda: mode.lambda }, false, here)?;
-    while let Progress::UnderWay = mode.advance(modes_on_paths(&[mode.predict()], &mut work).remove(0)) {}
+    while let Advance::UnderWay = mode.advance(modes_on_paths(&[mode.predict()], &mut work).remove(0)) {}
     (mode.steps.t == 1.0).then_some(mode.here.mode.lambda)
 }
 

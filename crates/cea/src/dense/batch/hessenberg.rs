@@ -20,7 +20,7 @@ pub(super) fn scratch_len(layout: Layout) -> usize {
 }
 
 /// The vectors of one step; those of length N that the pass reads at every row.
-struct Step<'a, V> {
+struct ReductionStep<'a, V> {
     v: &'a [V],
     y: &'a [V],
     next: &'a [V],
@@ -34,13 +34,13 @@ fn pass<S: Simd, const W: usize>(
     o: Ops<S>,
     cols: [&mut [S::f64s]; W],
     top: usize,
-    step: &Step<'_, S::f64s>,
+    step: &ReductionStep<'_, S::f64s>,
     p: &mut [S::f64s],
     w: &[S::f64s],
     first: usize,
 ) -> [S::f64s; W] {
     let n = p.len();
-    let Step { v, y, next } = *step;
+    let ReductionStep { v, y, next } = *step;
     let (v, y, next) = (&v[..n], &y[..n], &next[..n]);
     let mut wj = [o.splat(0.0); W];
     let (mut vj, mut nj, mut q) = (wj, wj, wj);
@@ -71,7 +71,7 @@ fn pass<S: Simd, const W: usize>(
 
 /// The change pending in one column.
 #[inline(always)]
-fn settle<S: Simd>(o: Ops<S>, column: &mut [S::f64s], v: &[S::f64s], y: &[S::f64s], w: S::f64s, vj: S::f64s) {
+fn finish_column<S: Simd>(o: Ops<S>, column: &mut [S::f64s], v: &[S::f64s], y: &[S::f64s], w: S::f64s, vj: S::f64s) {
     for ((x, &v), &y) in column.iter_mut().zip(v).zip(y) {
         *x = o.fnma(y, vj, o.fnma(v, w, *x));
     }
@@ -93,7 +93,7 @@ pub(super) fn reduce<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, scra
     let (p, w) = rest.split_at_mut(n);
     for k in 0..n - 2 {
         let column = &mut a[layout.at(0, k)..][..n];
-        settle(o, column, v, y, w[k], v[k]);
+        finish_column(o, column, v, y, w[k], v[k]);
 
         let alpha = column[k + 1];
         let mut sigma = zero;
@@ -114,7 +114,7 @@ pub(super) fn reduce<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, scra
         column[k + 1] = o.select(some, beta, alpha);
 
         p.fill(zero);
-        let step = Step { v, y, next };
+        let step = ReductionStep { v, y, next };
         let mut j = k + 1;
         while j + 4 <= n {
             let cols = columns::<_, 4>(&mut a[layout.column(j)..], stride, top, n);
@@ -142,6 +142,6 @@ pub(super) fn reduce<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, scra
         std::mem::swap(&mut v, &mut next);
     }
     for k in n - 2..n {
-        settle(o, &mut a[layout.at(0, k)..][..n], v, y, w[k], v[k]);
+        finish_column(o, &mut a[layout.at(0, k)..][..n], v, y, w[k], v[k]);
     }
 }

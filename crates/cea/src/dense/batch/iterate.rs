@@ -5,7 +5,7 @@ use pulp::{Simd, bytemuck};
 use super::layout::Layout;
 use super::reflector::Reflectors;
 use super::shifts::{ShiftPair, shift_pair};
-use super::sweep::{Block, Plan, sweep};
+use super::sweep::{Block, SweepInput, sweep};
 use crate::lanes::Ops;
 
 /// Sweeps allowed for one block before its lane is given up; a healthy matrix takes 2 to 4.
@@ -20,7 +20,7 @@ const SHIFT_CYCLE: (u32, u32) = (8, 6);
 
 /// How far a lane has come.
 #[derive(Debug, Clone, Copy)]
-struct Progress {
+struct LaneProgress {
     /// Rows `0..open` still hold undeflated blocks.
     open: usize,
     /// Sweeps of the lowest block since the last deflation.
@@ -47,7 +47,7 @@ impl Lane<'_> {
     }
 
     /// Takes off blocks of one or two rows from below; gives the block of three rows or more left there.
-    fn deflate(&self, progress: &mut Progress, splits: [usize; 2]) -> Option<(usize, usize)> {
+    fn deflate(&self, progress: &mut LaneProgress, splits: [usize; 2]) -> Option<(usize, usize)> {
         let [mut top, above] = splits;
         let mut above = Some(above);
         while progress.open - top < 3 {
@@ -105,7 +105,7 @@ fn split<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, rows: usize, ope
 }
 
 /// What the lanes ask for in one sweep, gathered lane by lane.
-struct Wanted<V> {
+struct SweepRequests<V> {
     tops: [V; 2],
     bottoms: [V; 2],
     corners: [[[V; 4]; 4]; 2],
@@ -114,7 +114,7 @@ struct Wanted<V> {
     exceptional: V,
 }
 
-impl<V: bytemuck::Pod> Wanted<V> {
+impl<V: bytemuck::Pod> SweepRequests<V> {
     fn nothing(zero: V, never: V, none: V) -> Self {
         Self { tops: [never; 2], bottoms: [none; 2], corners: [[[zero; 4]; 4]; 2], wide: [zero; 2], exceptional: zero }
     }
@@ -149,7 +149,7 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
     let lanes = S::F64_LANES;
     let n = layout.order;
     let (zero, never, none) = (o.splat(0.0), o.splat(f64::MAX), o.splat(-1.0));
-    let mut progress = vec![Progress { open: n, sweeps: 0, failed: false }; lanes];
+    let mut progress = vec![LaneProgress { open: n, sweeps: 0, failed: false }; lanes];
     // The last window of a sweep may look past the last row.
     let mut tops = vec![false; n + super::layout::REFLECTORS_PER_WINDOW];
     let mut open = o.splat(n as f64);
@@ -162,7 +162,7 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
         let [mut lowest, mut above] = split(o, a, layout, rows, open);
         let (lowest, above) = (floats(&mut lowest), floats(&mut above));
 
-        let mut wanted = Wanted::nothing(zero, never, none);
+        let mut requests = SweepRequests::nothing(zero, never, none);
         let (mut first, mut last) = (usize::MAX, 0);
         tops.fill(false);
         for (lane, progress) in progress.iter_mut().enumerate().filter(|(_, progress)| progress.open > 0) {
@@ -177,7 +177,7 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
             }
             last = last.max(block.1);
             for (slot, block) in [Some(block), view.next_above(block.0)].into_iter().flatten().enumerate() {
-                wanted.add(slot, block, &view, progress.sweeps);
+                requests.add(slot, block, &view, progress.sweeps);
                 tops[block.0] = true;
                 first = first.min(block.0);
             }
@@ -188,20 +188,24 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
         if first == usize::MAX {
             continue;
         }
-        let mut blocks = [block(o, &wanted, 0), block(o, &wanted, 1)];
-        let size = wanted.exceptional;
+        let mut blocks = [block(o, &requests, 0), block(o, &requests, 1)];
+        let size = requests.exceptional;
         let exceptional = o.lt(zero, size);
         let ShiftPair { mean, square } = &mut blocks[0].shifts;
-        *mean = o.select(exceptional, o.fma(o.splat(0.75), size, wanted.corners[0][3][3]), *mean);
+        *mean = o.select(exceptional, o.fma(o.splat(0.75), size, requests.corners[0][3][3]), *mean);
         *square = o.select(exceptional, o.mul(o.splat(-0.4375), o.mul(size, size)), *square);
 
-        sweep(o, a, layout, &Plan { first, last, blocks, tops: &tops }, &mut reflectors);
+        sweep(o, a, layout, &SweepInput { first, last, blocks, tops: &tops }, &mut reflectors);
     }
     progress.iter().map(|lane| lane.failed).collect()
 }
 
 #[inline(always)]
-fn block<S: Simd>(o: Ops<S>, wanted: &Wanted<S::f64s>, slot: usize) -> Block<S::f64s> {
-    let wide = o.lt(o.splat(0.0), wanted.wide[slot]);
-    Block { top: wanted.tops[slot], bottom: wanted.bottoms[slot], shifts: shift_pair(o, &wanted.corners[slot], wide) }
+fn block<S: Simd>(o: Ops<S>, requests: &SweepRequests<S::f64s>, slot: usize) -> Block<S::f64s> {
+    let wide = o.lt(o.splat(0.0), requests.wide[slot]);
+    Block {
+        top: requests.tops[slot],
+        bottom: requests.bottoms[slot],
+        shifts: shift_pair(o, &requests.corners[slot], wide),
+    }
 }

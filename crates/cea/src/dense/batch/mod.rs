@@ -30,7 +30,7 @@ use super::solver::EigenSolver;
 use crate::lanes::{Ops, narrow, registers, wide_part};
 use crate::{CeaError, Spectrum, Workspace, sort};
 use layout::Layout;
-use pack::Scale;
+use pack::FrequencyScale;
 
 /// All eigenvalues of many systems at once, for studies.
 ///
@@ -90,10 +90,10 @@ fn solve_on(arch: Arch, systems: &[SecondOrder], work: &mut Workspace, out: &mut
         let (wide, few) = group.split_at(wide_part(group.len()));
         let scratch = &mut work.scratch;
         if !wide.is_empty() {
-            arch.dispatch(Kernel { systems: wide, shape, scratch, found: &mut found });
+            arch.dispatch(EigenvaluesInLanes { systems: wide, shape, scratch, found: &mut found });
         }
         if !few.is_empty() {
-            narrow(arch, Kernel { systems: few, shape, scratch, found: &mut found });
+            narrow(arch, EigenvaluesInLanes { systems: few, shape, scratch, found: &mut found });
         }
     }
     for (system, spectrum) in systems.iter().zip(found) {
@@ -114,14 +114,14 @@ fn hand_back(system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, Cea
 }
 
 /// Solves samples of one shape (n, s), as many at a time as there are lanes; `None` for those handed back.
-struct Kernel<'a> {
+struct EigenvaluesInLanes<'a> {
     systems: &'a [SecondOrder],
     shape: (usize, usize),
     scratch: &'a mut Vec<f64>,
     found: &'a mut Vec<Option<Spectrum>>,
 }
 
-impl WithSimd for Kernel<'_> {
+impl WithSimd for EigenvaluesInLanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -143,7 +143,7 @@ impl WithSimd for Kernel<'_> {
 fn read_off<S: Simd>(
     a: &[S::f64s],
     layout: Layout,
-    scale: &mut Scale<S::f64s>,
+    scale: &mut FrequencyScale<S::f64s>,
     failed: &[bool],
     found: &mut Vec<Option<Spectrum>>,
 ) {

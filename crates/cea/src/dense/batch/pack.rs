@@ -23,7 +23,7 @@ pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {
 
 /// `lambda = gamma sigma`, and the size of the state matrix in the units of lambda.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale<V> {
+pub(super) struct FrequencyScale<V> {
     pub gamma: V,
     /// gamma times the Frobenius norm of the state matrix; not finite where the system is not, or where damping or states
     /// are too fast for a QR iteration.
@@ -40,7 +40,7 @@ pub(super) fn pack<S: Simd>(
     systems: &[SecondOrder],
     (n, s): (usize, usize),
     weights: &mut [S::f64s],
-) -> Scale<S::f64s> {
+) -> FrequencyScale<S::f64s> {
     let (zero, one) = (o.splat(0.0), o.splat(1.0));
     a.fill(zero);
     let weights = &mut weights[..n];
@@ -108,7 +108,7 @@ fn scale_lanes<S: Simd>(
     layout: Layout,
     (n, s): (usize, usize),
     weights: &[S::f64s],
-) -> Scale<S::f64s> {
+) -> FrequencyScale<S::f64s> {
     let (zero, one) = (o.splat(0.0), o.splat(1.0));
     let (mut stiffness, mut damping) = (zero, zero);
     for j in 0..n {
@@ -165,5 +165,5 @@ fn scale_lanes<S: Simd>(
         size = o.fma(decay, decay, size);
     }
     let size = o.select(is_steep, o.splat(f64::NAN), o.mul(gamma, o.sqrt(size)));
-    Scale { gamma, size }
+    FrequencyScale { gamma, size }
 }

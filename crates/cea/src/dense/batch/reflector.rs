@@ -7,7 +7,7 @@ use crate::lanes::Ops;
 
 /// `P = I - (t1, t2, t3)^T (1, v2, v3)`; all zero where a lane has nothing to reflect.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reflector<V> {
+pub(super) struct LaneReflector<V> {
     pub v2: V,
     pub v3: V,
     pub t1: V,
@@ -17,15 +17,15 @@ pub(super) struct Reflector<V> {
 
 /// The reflectors of a window. Aligned, because a register that straddles two cache lines is read twice.
 #[repr(align(64))]
-pub(super) struct Reflectors<V>(pub [Reflector<V>; REFLECTORS_PER_WINDOW]);
+pub(super) struct Reflectors<V>(pub [LaneReflector<V>; REFLECTORS_PER_WINDOW]);
 
 impl<V: Copy> Reflectors<V> {
     pub fn identities(zero: V) -> Self {
-        Self([Reflector { v2: zero, v3: zero, t1: zero, t2: zero, t3: zero }; REFLECTORS_PER_WINDOW])
+        Self([LaneReflector { v2: zero, v3: zero, t1: zero, t2: zero, t3: zero }; REFLECTORS_PER_WINDOW])
     }
 }
 
-impl<V: Copy> Reflector<V> {
+impl<V: Copy> LaneReflector<V> {
     /// Reflects (x, y, z).
     #[inline(always)]
     pub fn apply<S: Simd<f64s = V>>(&self, o: Ops<S>, x: &mut V, y: &mut V, z: &mut V) {

@@ -12,7 +12,7 @@ use pulp::Simd;
 
 use super::hessenberg::NEGLIGIBLE_COLUMN;
 use super::layout::{Layout, REFLECTORS_PER_WINDOW, columns};
-use super::reflector::{Reflector, Reflectors, from_left, from_right};
+use super::reflector::{LaneReflector, Reflectors, from_left, from_right};
 use super::shifts::ShiftPair;
 use crate::lanes::Ops;
 
@@ -25,8 +25,8 @@ pub(super) struct Block<V> {
     pub shifts: ShiftPair<V>,
 }
 
-/// What a sweep works on.
-pub(super) struct Plan<'a, V> {
+/// The blocks that a sweep works on, in all lanes.
+pub(super) struct SweepInput<'a, V> {
     /// First row of any block of any lane.
     pub first: usize,
     /// Last row of any block of any lane.
@@ -65,31 +65,31 @@ fn begin<S: Simd>(
     [o.select(here, x, column[0]), o.select(here, y, column[1]), o.select(here, z, column[2])]
 }
 
-/// One sweep of all blocks of the plan.
+/// One sweep of all blocks of the input.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     o: Ops<S>,
     a: &mut [S::f64s],
     layout: Layout,
-    plan: &Plan<'_, S::f64s>,
+    input: &SweepInput<'_, S::f64s>,
     r: &mut Reflectors<S::f64s>,
 ) {
     let stride = layout.stride;
-    let mut k = plan.first;
-    while k < plan.last {
+    let mut k = input.first;
+    while k < input.last {
         let row = layout.row(k);
         // Rows from k of the columns k - 1 ..= k + REFLECTORS_PER_WINDOW + 1.
         let mut diagonal = columns(&mut a[layout.column(k) - stride..], stride, row, REFLECTORS_PER_WINDOW + 3);
-        window(o, &mut diagonal, k, plan, r);
+        window(o, &mut diagonal, k, input, r);
 
         let mut j = k + REFLECTORS_PER_WINDOW + 2;
-        while j <= plan.last {
+        while j <= input.last {
             from_left(o, columns(&mut a[layout.column(j)..], stride, row, REFLECTORS_PER_WINDOW + 2), r);
             j += 4;
         }
 
         // Counted from below: the spare row groups are above the first row.
-        let rows = (k - plan.first).next_multiple_of(4);
+        let rows = (k - input.first).next_multiple_of(4);
         let mut above = columns(&mut a[layout.column(k)..], stride, row - rows, rows);
         for i in (0..rows).step_by(4) {
             from_right(o, &mut above, i, r);
@@ -104,11 +104,11 @@ fn window<S: Simd>(
     o: Ops<S>,
     c: &mut [&mut [S::f64s]; REFLECTORS_PER_WINDOW + 3],
     first: usize,
-    plan: &Plan<'_, S::f64s>,
+    input: &SweepInput<'_, S::f64s>,
     r: &mut Reflectors<S::f64s>,
 ) {
     let zero = o.splat(0.0);
-    let [p, q] = &plan.blocks;
+    let [p, q] = &input.blocks;
     for t in 0..REFLECTORS_PER_WINDOW {
         let row = o.splat((first + t) as f64);
         let next = o.splat((first + t + 1) as f64);
@@ -118,7 +118,7 @@ fn window<S: Simd>(
         let three = o.or(holds(o, p, row, after), holds(o, q, row, after));
 
         let mut column = [c[t][t], c[t][t + 1], c[t][t + 2]];
-        if plan.tops[first + t] {
+        if input.tops[first + t] {
             let h = [c[t + 1][t], c[t + 1][t + 1], c[t + 2][t], c[t + 2][t + 1], c[t + 2][t + 2]];
             column = begin(o, p, row, h, column);
             column = begin(o, q, row, h, column);
@@ -133,7 +133,7 @@ fn window<S: Simd>(
         let inverse = o.select(some, o.div(o.splat(1.0), o.sub(x, beta)), zero);
         let tau = o.select(some, o.div(o.sub(beta, x), beta), zero);
         let (v2, v3) = (o.mul(y, inverse), o.mul(z, inverse));
-        let g = Reflector { v2, v3, t1: tau, t2: o.mul(tau, v2), t3: o.mul(tau, v3) };
+        let g = LaneReflector { v2, v3, t1: tau, t2: o.mul(tau, v2), t3: o.mul(tau, v3) };
         r.0[t] = g;
 
         c[t][t] = o.select(o.or(begins, o.not(some)), c[t][t], beta);

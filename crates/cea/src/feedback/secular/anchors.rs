@@ -7,8 +7,8 @@ use super::response::characteristic;
 use super::{Gain, MIDDLE_FREQUENCY, Resolvent};
 use crate::{Spectrum, Workspace};
 
-/// Difference of gains, in spreads, from which derivatives are taken.
-const DIFFERENCE_STEP: f64 = 1e-4;
+/// Difference of gains, in spreads, from which derivatives are taken; chosen.
+const GAIN_DIFFERENCE: f64 = 1e-4;
 /// |Im| / |sigma| of a real eigenvalue in a cluster that rounding has spread.
 const NEARLY_REAL: f64 = 1e-4;
 /// Ratios of [`reach`] between which that of an anchor says something about another's.
@@ -103,7 +103,7 @@ impl Anchors {
 
     /// Finds how the eigenvalues of the anchors change with the gains.
     fn differentiate(&mut self, resolvent: &Resolvent, work: &mut Workspace) {
-        let steps = self.spread.map(|spread| DIFFERENCE_STEP * spread);
+        let steps = self.spread.map(|spread| GAIN_DIFFERENCE * spread);
         let mut values = Vec::new();
         for anchor in &mut self.anchors {
             let Gain { mu, velocity, .. } = anchor.gain;

@@ -80,7 +80,7 @@ impl GainPath<'_> {
             let resolvent = &group[0].0.secular.resolvent;
             let points: Vec<Point> =
                 group.iter().map(|(path, t, lambda)| path.at(*t, lambda / resolvent.unit)).collect();
-            let near = |found: &Shape| found.residual <= LARGEST_RESIDUAL_ON_PATH;
+            let near = |found: &ShapeWithResidual| found.residual <= LARGEST_RESIDUAL_ON_PATH;
             let shapes = responses(resolvent, &points, work).into_iter();
             found.extend(shapes.map(|found| found.filter(near).map(|found| found.shape)));
         }
@@ -89,20 +89,20 @@ impl GainPath<'_> {
 }
 
 /// The shape of a mode, up to a factor.
-struct Shape {
+struct ShapeWithResidual {
     shape: DVector<Complex<f64>>,
     /// The part of the forces on it that does not come back as feedback.
     residual: f64,
 }
 
 /// The shape of the mode at each point.
-fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<Shape>> {
+fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<ShapeWithResidual>> {
     let matrices = secular_matrices(resolvent, points, &mut work.scratch);
     work.counters.secular_values += points.len() as u64;
     let forces = null_vectors(&matrices, &start(resolvent.ports, 0), &mut work.scratch);
     let shape = |(forces, point): (Option<NullVector>, &Point)| {
         let NullVector { vector, residuals } = forces?;
-        Some(Shape { shape: resolvent.response(point.sigma, &vector), residual: residuals[1] })
+        Some(ShapeWithResidual { shape: resolvent.response(point.sigma, &vector), residual: residuals[1] })
     };
     forces.into_iter().zip(points).map(shape).collect()
 }
@@ -154,8 +154,8 @@ impl Secular {
         let is_close = |pair: &[Complex<f64>]| (pair[1] - pair[0]).norm() <= LEAST_SEPARATION * pair[0].norm();
         let modes = |&(_, lambdas): &(Gain, &[Complex<f64>])| {
             let shapes: Vec<_> = shapes.by_ref().take(lambdas.len()).collect();
-            let mode = |(shape, &lambda): (Option<Shape>, &Complex<f64>)| {
-                let Shape { shape, residual } = shape?;
+            let mode = |(shape, &lambda): (Option<ShapeWithResidual>, &Complex<f64>)| {
+                let ShapeWithResidual { shape, residual } = shape?;
                 (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(&self.structure, lambda, shape))
             };
             let modes: Option<Vec<Mode>> = shapes.into_iter().zip(lambdas).map(mode).collect();

@@ -131,7 +131,7 @@ impl Growing {
 }
 
 impl Secular {
-    /// The secular equation of a structure, or the reason for which spectra are the better way: many ports, or a response
+    /// The secular equation of a structure, or the reason to compute spectra instead: many ports, or a response
     /// that is not a sum over oscillating modes.
     ///
     /// # Errors
@@ -174,7 +174,7 @@ impl Secular {
     }
 
     /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
-    /// plain which are lower; or the reason for which a spectrum is the way to know.
+    /// plain which are lower; or the reason to compute a spectrum instead.
     ///
     /// What is found for a gain does not depend on the others, to the last bit.
     pub fn growing(
@@ -187,7 +187,7 @@ impl Secular {
     }
 
     /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
-    /// gains; or the reason for which a spectrum is the way to know.
+    /// gains; or the reason to compute a spectrum instead.
     pub fn near_axis(
         &self,
         anchors: &Anchors,

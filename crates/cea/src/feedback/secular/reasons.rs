@@ -55,7 +55,7 @@ pub enum LeftOpen {
     #[error("the bounds of the eigenvalues do not come apart")]
     NotSeparated,
     /// Corrections would go on.
-    #[error("the guesses have not settled after {rounds} rounds")]
+    #[error("the guesses have not converged after {rounds} rounds")]
     RoundsExhausted {
         /// How many were made.
         rounds: usize,

@@ -37,7 +37,7 @@ pub(crate) fn characteristic(
     out: &mut Vec<Complex<f64>>,
 ) {
     out.clear();
-    run(resolvent, points, scratch, &mut Results::Values(out));
+    run(resolvent, points, scratch, &mut ResponseOutput::Values(out));
 }
 
 /// `I + p G + sigma v H` at each point.
@@ -47,34 +47,34 @@ pub(crate) fn secular_matrices(
     scratch: &mut Vec<f64>,
 ) -> Vec<DMatrix<Complex<f64>>> {
     let mut matrices = Vec::with_capacity(points.len());
-    run(resolvent, points, scratch, &mut Results::Matrices(&mut matrices));
+    run(resolvent, points, scratch, &mut ResponseOutput::Matrices(&mut matrices));
     matrices
 }
 
-fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut Results<'_>) {
+fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut ResponseOutput<'_>) {
     let arch = Arch::new();
     let (wide, few) = points.split_at(wide_part(points.len()));
     if !wide.is_empty() {
-        arch.dispatch(Kernel { resolvent, points: wide, scratch, results });
+        arch.dispatch(ResponsesInLanes { resolvent, points: wide, scratch, results });
     }
     if !few.is_empty() {
-        narrow(arch, Kernel { resolvent, points: few, scratch, results });
+        narrow(arch, ResponsesInLanes { resolvent, points: few, scratch, results });
     }
 }
 
-enum Results<'a> {
+enum ResponseOutput<'a> {
     Values(&'a mut Vec<Complex<f64>>),
     Matrices(&'a mut Vec<DMatrix<Complex<f64>>>),
 }
 
-struct Kernel<'a, 'b> {
+struct ResponsesInLanes<'a, 'b> {
     resolvent: &'a Resolvent,
     points: &'a [Point],
     scratch: &'a mut Vec<f64>,
-    results: &'a mut Results<'b>,
+    results: &'a mut ResponseOutput<'b>,
 }
 
-impl WithSimd for Kernel<'_, '_> {
+impl WithSimd for ResponsesInLanes<'_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -112,14 +112,14 @@ impl WithSimd for Kernel<'_, '_> {
                 diagonal[0] = o.add(diagonal[0], o.splat(1.0));
             }
             match &mut *self.results {
-                Results::Values(values) => {
+                ResponseOutput::Values(values) => {
                     let value = times(o, determinant(o, matrix, m), product).registers();
                     let numbers: &[f64] = bytemuck::cast_slice(&value);
                     for lane in 0..points.len() {
                         values.push(Complex::new(numbers[lane], numbers[lanes + lane]));
                     }
                 }
-                Results::Matrices(matrices) => {
+                ResponseOutput::Matrices(matrices) => {
                     let numbers: &[f64] = bytemuck::cast_slice(matrix);
                     for lane in 0..points.len() {
                         let at = |i: usize, j: usize| 2 * (i * m + j) * lanes + lane;

@@ -17,7 +17,7 @@ const CONVERGED_CORRECTION: f64 = 1e-9;
 /// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
 const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
-/// One state on its way.
+/// The search at one gain.
 struct Search {
     wanted: Wanted,
     gain: Gain,
@@ -29,10 +29,10 @@ struct Search {
     corrections: Vec<Complex<f64>>,
     /// The corrections of internal states: where, and how large with all they stand for.
     internal: Vec<(Complex<f64>, f64)>,
-    stage: Stage,
+    stage: SearchStage,
 }
 
-enum Stage {
+enum SearchStage {
     /// Guesses of these modes are to be corrected.
     Enclose(Vec<usize>),
     /// All eigenvalues are enclosed; those wanted are refined in their discs.
@@ -87,7 +87,7 @@ impl Search {
     fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, approximations: Approximations) -> Self {
         let n = approximations.sigmas.len();
         let zeros = || vec![Complex::default(); n];
-        let stage = Stage::Enclose((0..n).collect());
+        let stage = SearchStage::Enclose((0..n).collect());
         let internal = Vec::new();
         Self {
             wanted,
@@ -105,12 +105,14 @@ impl Search {
     /// Where the polynomial is to be evaluated.
     fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
         match &self.stage {
-            Stage::Enclose(modes) => points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i]))),
-            Stage::Refine(_, secants) => {
+            SearchStage::Enclose(modes) => {
+                points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i])))
+            }
+            SearchStage::Refine(_, secants) => {
                 let open = secants.iter().filter(|secant| !secant.is_converged);
                 points.extend(open.map(|secant| self.gain.at(secant.here)));
             }
-            Stage::GivenUp => {}
+            SearchStage::GivenUp => {}
         }
         if let (true, Some(internal)) = (is_first, self.approximations.internal) {
             points.extend(internal.guesses(ports).map(|(z, _)| self.gain.at(z)));
@@ -119,7 +121,7 @@ impl Search {
 
     fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
         match &mut self.stage {
-            Stage::Enclose(modes) => {
+            SearchStage::Enclose(modes) => {
                 let modes = std::mem::take(modes);
                 for &i in &modes {
                     self.values[i] = values.next().unwrap_or_default();
@@ -134,7 +136,7 @@ impl Search {
                 }
                 self.enclose(ports);
             }
-            Stage::Refine(_, secants) => {
+            SearchStage::Refine(_, secants) => {
                 for secant in secants.iter_mut().filter(|secant| !secant.is_converged) {
                     let z = secant.here;
                     let factor = self.approximations.internal_factor(z, &self.gain, ports);
@@ -142,11 +144,11 @@ impl Search {
                     secant.go(value);
                 }
             }
-            Stage::GivenUp => {}
+            SearchStage::GivenUp => {}
         }
     }
 
-    /// Encloses the eigenvalues, or corrects those guesses that stand in the way.
+    /// Encloses the eigenvalues, or corrects those guesses that are not good enough for it.
     fn enclose(&mut self, ports: usize) {
         let sigmas = &self.approximations.sigmas;
         for (i, correction) in self.corrections.iter_mut().enumerate() {
@@ -159,19 +161,19 @@ impl Search {
                 self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
             };
             let secants = sigmas.iter().enumerate().filter_map(first).collect();
-            self.stage = Stage::Refine(found, secants);
+            self.stage = SearchStage::Refine(found, secants);
             return;
         }
         let small = CORRECTED_SHARE * LARGEST_TOTAL_SHARE / sigmas.len() as f64;
         let modes: Vec<usize> = (0..sigmas.len()).filter(|&i| found.shares[i] > small).collect();
         if modes.is_empty() || found.total.is_nan() {
-            self.stage = Stage::GivenUp;
+            self.stage = SearchStage::GivenUp;
             return;
         }
         for &i in &modes {
             self.correct(i);
         }
-        self.stage = Stage::Enclose(modes);
+        self.stage = SearchStage::Enclose(modes);
     }
 
     fn correct(&mut self, i: usize) {
@@ -187,9 +189,9 @@ impl Search {
 
     fn found(mut self, resolvent: &Resolvent) -> Result<Growing, LeftOpen> {
         let (enclosure, secants) = match self.stage {
-            Stage::Refine(enclosure, secants) => (enclosure, secants),
-            Stage::Enclose(_) => return Err(LeftOpen::RoundsExhausted { rounds: MOST_ROUNDS }),
-            Stage::GivenUp => return Err(LeftOpen::NotSeparated),
+            SearchStage::Refine(enclosure, secants) => (enclosure, secants),
+            SearchStage::Enclose(_) => return Err(LeftOpen::RoundsExhausted { rounds: MOST_ROUNDS }),
+            SearchStage::GivenUp => return Err(LeftOpen::NotSeparated),
         };
         let (sigmas, mut radii) = (&mut self.approximations.sigmas, enclosure.smallest().collect::<Vec<f64>>());
         for Secant { mode, here, is_converged, .. } in secants {

@@ -11,10 +11,10 @@ use super::ExpressionError;
 
 /// Longest expression, in characters: several times what a coefficient needs, and little enough that reading and
 /// evaluating it take milliseconds.
-pub(super) const LONGEST: usize = 1000;
+pub(super) const LONGEST_EXPRESSION: usize = 1000;
 
 /// Most parentheses open at one place; `exmex` recurses once for each.
-pub(super) const DEEPEST: usize = 32;
+pub(super) const DEEPEST_NESTING: usize = 32;
 
 /// What can stand where an operand is expected.
 const OPERAND: &str = "a number, a parameter, a function or \"(\"";
@@ -49,8 +49,8 @@ pub(super) struct Pass<'a> {
 /// # Errors
 /// The first thing in it that is not allowed, with its column.
 pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, ExpressionError> {
-    let length = text.chars().take(LONGEST + 1).count();
-    if length > LONGEST {
+    let length = text.chars().take(LONGEST_EXPRESSION + 1).count();
+    if length > LONGEST_EXPRESSION {
         return Err(ExpressionError::TooLong { text: shown(text) });
     }
     let mut pass = Pass {
@@ -72,10 +72,10 @@ pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, Expre
 /// The text for a message: its start where it is long.
 pub(super) fn shown(text: &str) -> String {
     /// Characters of an expression that a message shows.
-    const SHOWN: usize = 80;
+    const LONGEST_SHOWN: usize = 80;
     let clean = |c: char| if c.is_control() { ' ' } else { c };
-    let start: String = text.chars().take(SHOWN).map(clean).collect();
-    if text.chars().nth(SHOWN).is_some() { start + "..." } else { start }
+    let start: String = text.chars().take(LONGEST_SHOWN).map(clean).collect();
+    if text.chars().nth(LONGEST_SHOWN).is_some() { start + "..." } else { start }
 }
 
 /// Whether a character can begin a name.
@@ -205,11 +205,11 @@ impl Pass<'_> {
 
     /// An opening parenthesis.
     pub(super) fn open(&mut self) -> Result<(), Fault> {
-        if self.levels.len() > DEEPEST {
+        if self.levels.len() > DEEPEST_NESTING {
             return Err(Fault {
                 column: self.at + 1,
-                found: format!("more than {DEEPEST} parentheses open"),
-                allowed: format!("{DEEPEST} at most"),
+                found: format!("more than {DEEPEST_NESTING} parentheses open"),
+                allowed: format!("{DEEPEST_NESTING} at most"),
             });
         }
         self.level().begun = true;

@@ -32,7 +32,7 @@ pub enum ExpressionError {
         allowed: String,
     },
     /// Longer than any coefficient needs to be.
-    #[error("{text:?} is too long; allowed: {} characters at most", grammar::LONGEST)]
+    #[error("{text:?} is too long; allowed: {} characters at most", grammar::LONGEST_EXPRESSION)]
     TooLong {
         /// Its start.
         text: String,

@@ -101,11 +101,13 @@ impl Pass<'_> {
     }
 
     fn known_parameters(&self) -> String {
-        /// Parameters that a message lists.
-        const LISTED: usize = 12;
+        /// Most parameters that a message lists; chosen to keep it in a few lines.
+        const MOST_PARAMETERS_LISTED: usize = 12;
         match self.parameters {
             [] => "no parameter is declared".into(),
-            all if all.len() > LISTED => format!("the parameters {}, ...", all[..LISTED].join(", ")),
+            all if all.len() > MOST_PARAMETERS_LISTED => {
+                format!("the parameters {}, ...", all[..MOST_PARAMETERS_LISTED].join(", "))
+            }
             all => format!("the parameters {}", all.join(", ")),
         }
     }

@@ -11,19 +11,19 @@ use crate::case::CaseError;
 use crate::case::check::{Check, field};
 
 /// The family of a contact that names none.
-const FRICTION: &str = "friction";
+const FAMILY_OF_FRICTION: &str = "friction";
 
 /// The channels with the expressions of their gains.
 pub(super) fn channels_with_gains(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
     dofs: &DofNames<'_>,
-    given: Vec<schema::Contact>,
+    given: Vec<schema::ContactTable>,
 ) -> Result<(Vec<Channel>, Vec<GainExpressions>), CaseError> {
     check.names("contacts.name", given.iter().map(|contact| &contact.name))?;
     check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
     let (mut channels, mut gains) = (Vec::new(), Vec::new());
-    for schema::Contact { name, family, force, reading, mu, slope } in given {
+    for schema::ContactTable { name, family, force, reading, mu, slope } in given {
         let sparse = |key: &str, entries: &BTreeMap<String, f64>| {
             let at = |dof: &String| format!("{}.{dof}", field("contacts", &name, key));
             let entry =
@@ -52,7 +52,7 @@ pub(super) fn channels_with_gains(
             mu: formulas.expression(&field("contacts", &name, "mu"), mu, 0.0)?,
             slope: formulas.expression(&field("contacts", &name, "slope"), slope, 0.0)?,
         });
-        channels.push(Channel::new(name, family.unwrap_or_else(|| FRICTION.to_owned()), b, r));
+        channels.push(Channel::new(name, family.unwrap_or_else(|| FAMILY_OF_FRICTION.to_owned()), b, r));
     }
     Ok((channels, gains))
 }

@@ -4,8 +4,8 @@ use super::schema::Dofs;
 use crate::case::CaseError;
 use crate::case::check::Check;
 
-/// Names that a message lists.
-const LISTED: usize = 12;
+/// Most names that a message lists; chosen to keep it in a few lines.
+const MOST_NAMES_LISTED: usize = 12;
 
 /// The names of all degrees of freedom, in the order of rows and columns.
 pub(super) struct DofNames<'a> {
@@ -80,9 +80,12 @@ impl<'a> DofNames<'a> {
     }
 
     fn unknown(&self, field: &str, found: &str, also: &str) -> CaseError {
-        let listed = self.names[..self.order().min(LISTED)].join(", ");
-        let more =
-            if self.order() > LISTED { format!(", ..., {}", self.name(self.order() - 1)) } else { String::new() };
+        let listed = self.names[..self.order().min(MOST_NAMES_LISTED)].join(", ");
+        let more = if self.order() > MOST_NAMES_LISTED {
+            format!(", ..., {}", self.name(self.order() - 1))
+        } else {
+            String::new()
+        };
         self.check.value(field, format!("{found:?}"), &format!("the degrees of freedom {listed}{more}{also}"))
     }
 }

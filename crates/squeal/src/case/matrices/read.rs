@@ -8,7 +8,7 @@ use linsys::{AffineSystem, Term};
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::formulas::Formulas;
-use super::schema::{self, File};
+use super::schema::{self, MatricesFile};
 use super::terms::terms_with_coefficients;
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
@@ -20,9 +20,9 @@ impl MatricesCase {
     /// # Errors
     /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
-        let file: File = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let File { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
         check.samples(study.samples)?;
         let parameters = drawn(&check, parameters)?;
         let mut formulas = Formulas::new(&check, &parameters);
@@ -53,8 +53,8 @@ impl MatricesCase {
     }
 }
 
-fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::Parameter>) -> Result<Vec<Parameter>, CaseError> {
-    let checked = |(name, schema::Parameter { unit, distribution }): (String, schema::Parameter)| {
+fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::ParameterTable>) -> Result<Vec<Parameter>, CaseError> {
+    let checked = |(name, schema::ParameterTable { unit, distribution }): (String, schema::ParameterTable)| {
         if !is_parameter_name(&name) {
             let allowed = "a letter or _, then letters, digits and _, no function and not pi";
             return Err(check.value("parameters", format!("{name:?}"), allowed));
@@ -67,14 +67,14 @@ fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::Parameter>) -> Resul
     given.into_iter().map(checked).collect()
 }
 
-fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> Result<Vec<BodyDofs>, CaseError> {
+fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::BodyTable>) -> Result<Vec<BodyDofs>, CaseError> {
     if given.is_empty() {
         return Ok(vec![BodyDofs { name: "brake".into(), dofs: (0..dofs.order()).collect() }]);
     }
     check.names("bodies.name", given.iter().map(|body| &body.name))?;
     let mut owners: Vec<Option<usize>> = vec![None; dofs.order()];
     let mut bodies: Vec<BodyDofs> = Vec::new();
-    for schema::Body { name, dofs: listed } in given {
+    for schema::BodyTable { name, dofs: listed } in given {
         let field = field("bodies", &name, "dofs");
         let own = dofs.indices(&field, &listed)?;
         if own.is_empty() {
@@ -100,13 +100,13 @@ fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::Body>) -> R
 fn constraint_sets(
     check: &Check<'_>,
     dofs: &DofNames<'_>,
-    given: Vec<schema::Constraints>,
+    given: Vec<schema::ConstraintsTable>,
 ) -> Result<Vec<FixedDofs>, CaseError> {
     if given.is_empty() {
         return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
-    let checked = |schema::Constraints { name, fixed }: schema::Constraints| {
+    let checked = |schema::ConstraintsTable { name, fixed }: schema::ConstraintsTable| {
         check.plain_name("constraints.name", &name)?;
         let field = field("constraints", &name, "fixed");
         let fixed = dofs.indices(&field, &fixed)?;

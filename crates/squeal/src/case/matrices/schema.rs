@@ -10,24 +10,24 @@ use serde::Deserialize;
 use crate::case::check::Accuracy;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct File {
-    pub study: Study,
-    pub brake: Brake,
+pub(super) struct MatricesFile {
+    pub study: StudyTable,
+    pub brake: BrakeTable,
     #[serde(default)]
-    pub parameters: BTreeMap<String, Parameter>,
-    pub terms: Vec<Term>,
+    pub parameters: BTreeMap<String, ParameterTable>,
+    pub terms: Vec<TermTable>,
     #[serde(default)]
-    pub contacts: Vec<Contact>,
+    pub contacts: Vec<ContactTable>,
     #[serde(default)]
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<BodyTable>,
     #[serde(default)]
-    pub constraints: Vec<Constraints>,
+    pub constraints: Vec<ConstraintsTable>,
     pub accuracy: Option<Accuracy>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Study {
+pub(super) struct StudyTable {
     pub name: String,
     pub samples: u64,
     pub seed: u64,
@@ -35,21 +35,21 @@ pub(super) struct Study {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Brake {
+pub(super) struct BrakeTable {
     #[serde(rename = "kind")]
-    pub _kind: Kind,
+    pub _kind: MatricesKind,
     pub dofs: Option<Vec<String>>,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Kind {
+pub(super) enum MatricesKind {
     Matrices,
 }
 
 /// A unit for people and a distribution, whose own fields are in the same table.
 #[derive(Debug, Deserialize)]
-pub(super) struct Parameter {
+pub(super) struct ParameterTable {
     #[serde(default)]
     pub unit: String,
     #[serde(flatten)]
@@ -58,13 +58,13 @@ pub(super) struct Parameter {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Term {
+pub(super) struct TermTable {
     pub name: String,
     pub family: Option<String>,
     pub coefficient: Option<Formula>,
-    pub mass: Option<Matrix>,
-    pub damping: Option<Matrix>,
-    pub stiffness: Option<Matrix>,
+    pub mass: Option<MatrixEntry>,
+    pub damping: Option<MatrixEntry>,
+    pub stiffness: Option<MatrixEntry>,
 }
 
 /// A number, or an expression in the parameters.
@@ -78,14 +78,14 @@ pub(super) enum Formula {
 /// Rows, or a Matrix Market file.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected rows of numbers, as [[1.0, 0.0], [0.0, 1.0]], or the name of a file in quotes")]
-pub(super) enum Matrix {
+pub(super) enum MatrixEntry {
     Rows(Vec<Vec<f64>>),
     File(PathBuf),
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Contact {
+pub(super) struct ContactTable {
     pub name: String,
     pub family: Option<String>,
     pub force: BTreeMap<String, f64>,
@@ -97,14 +97,14 @@ pub(super) struct Contact {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Body {
+pub(super) struct BodyTable {
     pub name: String,
     pub dofs: Dofs,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Constraints {
+pub(super) struct ConstraintsTable {
     pub name: String,
     pub fixed: Dofs,
 }

@@ -14,16 +14,16 @@ use crate::case::{CaseError, Expression};
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
-    given: Vec<schema::Term>,
+    given: Vec<schema::TermTable>,
 ) -> Result<(Vec<Term>, Vec<Expression>), CaseError> {
     check.names("terms.name", given.iter().map(|term| &term.name))?;
     check.names_of_families("terms", given.iter().map(|term| (&term.name, &term.family)))?;
     let mut order = None;
     let mut has_mass = false;
     let (mut terms, mut coefficients) = (Vec::new(), Vec::new());
-    for schema::Term { name, family, coefficient, mass, damping, stiffness } in given {
+    for schema::TermTable { name, family, coefficient, mass, damping, stiffness } in given {
         has_mass |= mass.is_some();
-        let mut loaded = |key: &str, matrix: Option<schema::Matrix>| match matrix {
+        let mut loaded = |key: &str, matrix: Option<schema::MatrixEntry>| match matrix {
             None => Ok(None),
             Some(matrix) => load(check, &field("terms", &name, key), matrix, &mut order).map(Some),
         };
@@ -48,12 +48,12 @@ pub(super) fn terms_with_coefficients(
 fn load(
     check: &Check<'_>,
     field: &str,
-    matrix: schema::Matrix,
+    matrix: schema::MatrixEntry,
     order: &mut Option<usize>,
 ) -> Result<DMatrix<f64>, CaseError> {
     let matrix = match matrix {
-        schema::Matrix::Rows(rows) => from_rows(check, field, &rows)?,
-        schema::Matrix::File(file) => {
+        schema::MatrixEntry::Rows(rows) => from_rows(check, field, &rows)?,
+        schema::MatrixEntry::File(file) => {
             let (path, named) = (check.path.to_owned(), field.to_owned());
             match std::fs::read(check.path.parent().unwrap_or(Path::new("")).join(&file)) {
                 Err(source) => return Err(CaseError::MatrixRead { path, field: named, file, source }),

@@ -33,7 +33,12 @@ fn values(resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
 
 fn on<S: Simd>(simd: S, resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
     let mut out = Vec::new();
-    simd.vectorize(Kernel { resolvent, points, scratch: &mut Vec::new(), results: &mut Results::Values(&mut out) });
+    simd.vectorize(ResponsesInLanes {
+        resolvent,
+        points,
+        scratch: &mut Vec::new(),
+        results: &mut ResponseOutput::Values(&mut out),
+    });
     out
 }
 

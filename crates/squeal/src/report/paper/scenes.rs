@@ -1,0 +1,39 @@
+//! The panels and scenes of the paper's case, by what the paper calls them.
+
+use super::super::results::Results;
+use crate::study::{Panel, Reference, Scene};
+
+/// Index of the paper's constraint set without constraints, in its case.
+pub(in super::super) const UNCONSTRAINED: usize = 0;
+/// Index of the set that holds the corners in x.
+pub(in super::super) const CORNERS_HELD: usize = 1;
+/// Index of the set with six constraints: the corners and two more.
+pub(in super::super) const SIX_HELD: usize = 2;
+
+pub(super) fn number_in_contact(results: &Results<'_>, panel: &Panel) -> usize {
+    results.plan().labels.panels[panel.key.panel].in_contact
+}
+
+pub(super) fn law_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
+    &results.plan().labels.laws[panel.key.law].name
+}
+
+pub(super) fn speed_name<'a>(results: &'a Results<'_>, panel: &Panel) -> &'a str {
+    panel.key.speed.map_or("all speeds", |range| &results.plan().labels.speeds[range].name)
+}
+
+/// The name of the law of a scene.
+pub(super) fn law_of(results: &Results<'_>, scene: &Scene) -> String {
+    results.plan().labels.laws[scene.key.law].name.clone()
+}
+
+/// Scenes without constraints and with every oscillator in contact, with the reference mode of a tracked name.
+pub(super) fn full_contact<'a>(
+    results: &'a Results<'_>,
+    constraints: usize,
+) -> impl Iterator<Item = (usize, &'a Scene, &'a Reference)> {
+    let scenes = results.plan().scenes.iter().zip(results.references()).enumerate();
+    scenes
+        .filter(move |(_, (scene, _))| scene.wants_work && scene.key.constraints == constraints)
+        .map(|(at, (scene, reference))| (at, scene, reference))
+}
