@@ -13,6 +13,7 @@ use work::ModeWork;
 use crate::Error;
 use crate::brakes::{LatticeSample, lattice, sliding};
 use crate::case::{CaseFile, LatticeCase, Law, MatricesCase};
+use crate::report::hertz;
 use crate::study::mode_work;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
@@ -168,10 +169,10 @@ fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
     for row in rows {
         let (first, second) = pair_numbers(row.rank);
         text += &format!(
-            "{:>4}  {:>7}  {:>12.3}  {:>14.4}  {:>14.6}  {:>10}\n",
+            "{:>4}  {:>7}  {:>12}  {:>14.4}  {:>14.6}  {:>10}\n",
             row.rank,
             format!("{first}/{second}"),
-            frequency_hz(row.lambda),
+            hertz(frequency_hz(row.lambda)),
             row.lambda.re,
             damping_ratio(row.lambda),
             row.verdict.to_string()

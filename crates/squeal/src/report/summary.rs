@@ -34,7 +34,7 @@ impl<'a> Results<'a> {
             }
             for (name, of_mode) in occurrences {
                 let estimate = self.median(&of_mode)?;
-                let frequency = self.frequency(panel, name).map_or(String::new(), |hertz| format!(" at {hertz:.4} Hz"));
+                let frequency = self.frequency(panel, name).map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
                 let (value, limits) = (estimate.value, format!("{:.4} to {:.4}", estimate.lower, estimate.upper));
                 let _ =
                     writeln!(text, "  mode {name}{frequency}: unstable in {value:.4} of the samples (95 %: {limits})");
@@ -48,5 +48,26 @@ impl<'a> Results<'a> {
         let reference = &self.references()[*panel.scenes.first()?];
         let at = reference.names.iter().position(|names| *names == [name])?;
         Some(cea::frequency_hz(reference.modes[at].lambda))
+    }
+}
+
+/// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
+pub(crate) fn hertz(frequency: f64) -> String {
+    let below_one = -frequency.abs().log10().floor();
+    let decimals = if below_one.is_finite() { below_one.clamp(0.0, 9.0) as usize + 3 } else { 3 };
+    format!("{frequency:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hertz;
+
+    #[test]
+    fn small_frequencies_keep_four_digits() {
+        for (frequency, text) in
+            [(1015.9524, "1015.952"), (1.5, "1.500"), (0.2254613, "0.2255"), (1.1779e-4, "0.0001178"), (0.0, "0.000")]
+        {
+            assert_eq!(hertz(frequency), text);
+        }
     }
 }
