@@ -11,17 +11,18 @@ use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyTally {
-    /// One per scene.
+    /// By scene.
     pub scenes: Vec<SceneTally>,
-    /// Per panel, unstable modes summed over all arrangements, over samples solved in all of them.
+    /// By panel: the number of unstable modes in all arrangements together, over the samples solved in all of them.
     pub panels: Vec<IntegerMean>,
-    /// Per comparison, the difference of the two sums, each times the number of arrangements of the other panel.
+    /// By comparison: the difference of those numbers of its two panels, each times the number of arrangements of the other, so
+    /// that it is a whole number.
     pub comparisons: Vec<IntegerMean>,
     #[serde(skip)]
     layout: PanelLayout,
 }
 
-/// How scenes make up panels; a part of the plan, not of the counts.
+/// Which scenes make up which panel. It follows from the plan and is not stored with the counts.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct PanelLayout {
     panels: Vec<Panel>,
@@ -32,15 +33,15 @@ struct PanelLayout {
 /// Counts of one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SceneTally {
-    /// Samples solved, those proven to be stable among them.
+    /// Samples solved, those certified to be stable among them.
     pub solved: u64,
-    /// Samples proven to be stable without a spectrum.
+    /// Samples certified to be stable without a spectrum.
     pub certified: u64,
     /// Samples with any unstable mode or divergence.
     pub any_unstable: u64,
     /// Unstable modes in all samples.
     pub unstable_modes: u64,
-    /// Those among them whose name is open.
+    /// Those among them that have not one sure name: they pass near a coalescence, or began to oscillate on the path.
     pub ambiguous_modes: u64,
     /// Real eigenvalues of the structure above zero.
     pub divergent: u64,
