@@ -3,6 +3,18 @@
 //! [`Brake`] is what studies, certificates and figures work on, whoever made it: terms, channels, bodies and symmetry.
 //! [`LatticeModel`] is one maker of it.
 //!
+//! | module | what it holds |
+//! | --- | --- |
+//! | `brake` | [`Brake`] and [`Body`]: an affine system with constraints, bodies and symmetry |
+//! | `sectors` | [`Sectors`]: the smaller systems that a symmetric brake falls apart into |
+//! | `coupling` | what of a system is coupled with what |
+//! | `lattice` | [`LatticeModel`], the lattice before any arrangement is chosen |
+//! | `lattice::{parameters, readings, dof}` | what it is made of, how open questions are read, names of degrees of freedom |
+//! | `lattice::assembly` | its matrices without friction |
+//! | `lattice::{arrangement, symmetry, sectors}` | which oscillators are in contact, which arrangements are alike |
+//! | `lattice::prepared` | [`PreparedLattice`]: one arrangement as a [`Brake`], and the operating point of a [`Sliding`] state |
+//! | `lattice::preload` | normal loads, given or from static equilibrium |
+//!
 //! **The lattice.**
 //! Rows x columns of masses stand for the pad. Chains of springs and dashpots join them in x along the rows and in y
 //! along the columns, inclined springs hold them to a foundation, and contact springs press them on a plate that slides
@@ -63,3 +75,8 @@ pub use lattice::{
     Member, PlateParameters, Preload, PreparedLattice, Reversal, Sign, Sliding, SymmetryClass,
 };
 pub use sectors::{Sector, Sectors};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,9 +1,19 @@
 //! Which modes of a brake will squeal, how sure are we, and what stops them.
 //!
-//! This crate puts the stages together: a [`case`] file becomes a [`study`], its samples become a [`report`]. The
-//! stages themselves are crates of their own, re-exported here:
+//! This crate puts the stages together. Whoever makes a brake, a lattice or matrices of a [`case`] file or a type of one's own,
+//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become a [`report`]:
 //!
-//! parameters -> [`osc_model`] with [`friction`] -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> figures
+//! brake + draw -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> tables and figures
+//!
+//! | to | see |
+//! | --- | --- |
+//! | read a case, of either kind | [`case::CaseFile`] |
+//! | make it a brake | [`brakes::LatticeBrake`], [`brakes::MatricesBrake`] |
+//! | study a brake of one's own | [`study::UncertainBrake`], [`study::Plan`], and `examples/` |
+//! | run a study in memory | [`report::Results::sampled`] |
+//! | run one in a folder, with checkpoints and tables | [`run_study`] |
+//! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
+//! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
 //! # Features
 //!
@@ -77,6 +87,11 @@ pub use run::{DrawResults, estimate, fingerprint, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "case-files"))]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The example of this crate's own README.
+#[cfg(all(doctest, feature = "case-files"))]
+#[doc = include_str!("../README.md")]
+struct CrateReadme;

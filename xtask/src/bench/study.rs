@@ -18,7 +18,7 @@ pub struct StudyTimes {
     pub ceas: u64,
     /// Eigenvalue problems solved for them.
     pub solved: u64,
-    /// Those among them that were certified to be stable without a spectrum.
+    /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
     /// Samples of each scene.
     pub samples: u64,

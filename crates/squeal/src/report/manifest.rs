@@ -40,7 +40,7 @@ pub struct Manifest {
     /// Eigenvalue problems solved for them: one per symmetry class, and per law rather than per speed where no speed is
     /// in it.
     pub solved: u64,
-    /// Those among them that were certified to be stable without a spectrum.
+    /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
     /// Contact arrangements by number in contact.
     pub arrangements: Vec<(usize, usize)>,

@@ -20,9 +20,9 @@ use crate::Error;
 /// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The system.
+    /// The system: over the free degrees of freedom of the brake, or over the shapes of one sector.
     pub system: SecondOrder,
-    /// Its oscillating modes, ascending in frequency.
+    /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
     /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
     /// no oscillation at the beginning of the path.

@@ -11,7 +11,7 @@ use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyTally {
-    /// By scene.
+    /// One per scene.
     pub scenes: Vec<SceneTally>,
     /// By panel: the number of unstable modes in all arrangements together, over the samples solved in all of them.
     pub panels: Vec<IntegerMean>,
@@ -33,9 +33,9 @@ struct PanelLayout {
 /// Counts of one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SceneTally {
-    /// Samples solved, those certified to be stable among them.
+    /// Samples solved, those that a certificate covers among them.
     pub solved: u64,
-    /// Samples certified to be stable without a spectrum.
+    /// Samples that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
     /// Samples with any unstable mode or divergence.
     pub any_unstable: u64,
@@ -51,9 +51,10 @@ pub struct SceneTally {
     pub tracked: LabelTally<u16>,
     /// Samples in which the mode of a frequency rank is unstable.
     pub ranked: LabelTally<u16>,
-    /// Net work of each body, by name of the mode, over the samples in which it is unstable and known by name.
+    /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
+    /// unstable and known by name; one sketch for each body of the scene's brake.
     pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
-    /// The same of each family of forces.
+    /// The same told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
     pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
 }
 

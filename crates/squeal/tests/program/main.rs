@@ -6,6 +6,7 @@ mod bad_cases;
 mod bad_folders;
 mod cea;
 mod common;
+mod estimates;
 mod failures;
 mod memory;
 mod same_bytes;

@@ -15,7 +15,7 @@ use num_complex::Complex;
 
 use super::Gain;
 
-/// Largest sum of all `|w_i| / r_i`; below 1 it is a proof, the rest is kept for rounding errors of the sum.
+/// Largest sum of all `|w_i| / r_i`; below 1 the discs hold the zeros in exact arithmetic, the rest is kept for rounding errors of the sum.
 pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
 /// Bound of the rounding error of w, relative to z; next to another eigenvalue it is larger by `CLUSTER_DISTANCE` over the
 /// relative distance.
