@@ -4,9 +4,9 @@ use linsys::{AffineSystem, DofMap};
 
 use crate::Sectors;
 
-/// A brake with its contacts and constraints fixed: terms and friction channels, and what is known of them beyond numbers.
+/// A brake with its contacts and constraints fixed: the equations, and what the degrees of freedom in them stand for.
 ///
-/// Whoever makes one, the lattice of this crate, a case file with matrices or a user's own type, gets the same studies.
+/// The lattice of this crate makes one, a case file with matrices another, a user's own type a third; a study treats all alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Brake {
     /// The equations, affine in a few coefficients.
@@ -15,7 +15,8 @@ pub struct Brake {
     pub dofs: DofMap,
     /// The bodies whose net work is told apart.
     pub bodies: Vec<Body>,
-    /// The symmetry by which the system falls apart for alike contacts: one sector, the whole, where there is none.
+    /// The parts into which a symmetry divides the system where all contacts have the same friction: one, the whole, where there
+    /// is no symmetry.
     pub sectors: Sectors,
 }
 

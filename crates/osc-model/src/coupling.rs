@@ -1,10 +1,11 @@
-//! What of a system is coupled with what.
+//! Which degrees of freedom and internal states of a system are coupled.
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 
-/// For each degree of freedom, and after them for each internal state, the first one that a chain of entries other than
-/// zero leads to. An entry may be of any of the systems, which have one order and no or equally many states.
+/// For each degree of freedom, and after them for each internal state, the first one that it is coupled with, directly or through
+/// others. Two are coupled by an entry other than zero in any matrix of any of the systems; these have one order, and either
+/// the same number of states or none.
 pub(crate) fn first_coupled(systems: &[SecondOrder]) -> Vec<usize> {
     let order = systems.iter().map(SecondOrder::order).max().unwrap_or(0);
     let states = systems.iter().map(SecondOrder::states).max().unwrap_or(0);

@@ -63,7 +63,7 @@ pub struct Judgement {
     pub wrong_signs: usize,
     /// Modes called unstable that are stable or neutral.
     pub false_instabilities: usize,
-    /// Modes proven to be on the axis as far as doubles tell.
+    /// Modes that are on the axis as far as doubles tell.
     pub marginal: usize,
     /// Modes within the bound of their error.
     pub undecided: usize,

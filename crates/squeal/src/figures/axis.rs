@@ -2,7 +2,7 @@
 
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 
-/// Maps values onto an axis.
+/// How values are mapped onto an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum AxisScale {
     Linear {

@@ -13,15 +13,16 @@ use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
 pub struct StudyTally {
     /// One per scene.
     pub scenes: Vec<SceneTally>,
-    /// Per panel, unstable modes summed over all arrangements, over samples solved in all of them.
+    /// By panel: the number of unstable modes in all arrangements together, over the samples solved in all of them.
     pub panels: Vec<IntegerMean>,
-    /// Per comparison, the difference of the two sums, each times the number of arrangements of the other panel.
+    /// By comparison: the difference of those numbers of its two panels, each times the number of arrangements of the other, so
+    /// that it is a whole number.
     pub comparisons: Vec<IntegerMean>,
     #[serde(skip)]
     layout: PanelLayout,
 }
 
-/// How scenes make up panels; a part of the plan, not of the counts.
+/// Which scenes make up which panel. It follows from the plan and is not stored with the counts.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct PanelLayout {
     panels: Vec<Panel>,
@@ -40,7 +41,7 @@ pub struct SceneTally {
     pub any_unstable: u64,
     /// Unstable modes in all samples.
     pub unstable_modes: u64,
-    /// Those among them whose name is open.
+    /// Those among them that have not one sure name: they pass near a coalescence, or began to oscillate on the path.
     pub ambiguous_modes: u64,
     /// Real eigenvalues of the structure above zero.
     pub divergent: u64,

@@ -64,7 +64,7 @@ pub(in super::super) fn shape(
 }
 
 /// Median net work of each oscillator under a mode in one scene; `None` where the mode is never unstable.
-pub(in super::super) fn median_work(results: &Results<'_>, scene: usize, name: u16) -> Result<Option<Vec<f64>>, Error> {
+fn median_work(results: &Results<'_>, scene: usize, name: u16) -> Result<Option<Vec<f64>>, Error> {
     let tracked = results.tracked_name(scene, name);
     let Some(sketches) = tracked.and_then(|name| results.summary.tally.scenes[scene].net_work.get(&name)) else {
         return Ok(None);
@@ -72,6 +72,8 @@ pub(in super::super) fn median_work(results: &Results<'_>, scene: usize, name: u
     Ok(Some(sketches.iter().map(|sketch| sketch.median()).collect::<Result<_, _>>()?))
 }
 
+/// By how much the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of the
+/// largest, under each law.
 pub(super) fn work_dominance(
     results: &Results<'_>,
     constraints: usize,

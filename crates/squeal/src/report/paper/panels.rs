@@ -5,6 +5,7 @@ use super::super::results::Results;
 use super::scenes::{UNCONSTRAINED, law_name, number_in_contact, speed_name};
 use crate::study::ComparisonKind;
 
+/// C1: more oscillators in contact, more unstable modes.
 pub(super) fn contact_number(results: &Results<'_>) -> Claim {
     let steps =
         results.differences(ComparisonKind::Contact).filter(|(more, _, _)| more.key.constraints == UNCONSTRAINED);
@@ -16,6 +17,7 @@ pub(super) fn contact_number(results: &Results<'_>) -> Claim {
     )
 }
 
+/// C2: more unstable modes under the other laws than under Amontons-Coulomb.
 pub(super) fn laws(results: &Results<'_>) -> Claim {
     let pairs = results
         .differences(ComparisonKind::Law)
@@ -26,6 +28,7 @@ pub(super) fn laws(results: &Results<'_>) -> Claim {
     }))
 }
 
+/// C3: fewer unstable modes at higher speed.
 pub(super) fn speeds(results: &Results<'_>) -> Claim {
     let pairs = results.differences(ComparisonKind::Speed).filter(|(slow, _, _)| {
         slow.key.constraints == UNCONSTRAINED && Some(slow.key.law) != results.plan().labels.baseline_law

@@ -28,6 +28,7 @@ fn undamped(results: &Results<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
     Some((of_oscillators, of_plate))
 }
 
+/// C11: the natural frequencies.
 pub(super) fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim {
     let ([a, b], [c, d]) = (paper.natural_frequencies_oscillators, paper.natural_frequencies_plate);
     let statement = "lowest and highest natural frequencies of the oscillators and of the plate";
@@ -46,6 +47,7 @@ pub(super) fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim
     claim.exactly(worst, worst <= paper.frequency_tolerance, detail)
 }
 
+/// C12: the number of arrangements and of analyses.
 pub(super) fn counted(results: &Results<'_>, paper: &Paper) -> Claim {
     let said =
         format!("{} arrangements of six, {} CEAs each", paper.arrangements_of_six, paper.analyses_per_arrangement);

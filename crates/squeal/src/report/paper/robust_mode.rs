@@ -8,6 +8,7 @@ use crate::Error;
 use crate::case::Paper;
 use crate::study::{Reference, Scene};
 
+/// C4: one mode is unstable most often in every panel.
 pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(u16, Estimate)]) -> Claim {
     let statement = "one mode is consistently the most robustly unstable, whatever the contacts, law and speed";
     let claim = Claim::new("C4", statement, format!("mode {}", paper.mode));
@@ -41,6 +42,7 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
     least / rest
 }
 
+/// C5: the corners dominate its shape.
 pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Claim {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
     let Some(name) = mode else { return claim.undetermined("no mode is ever unstable") };
@@ -71,6 +73,7 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<u1
     claim.exactly(least, least > 1.0, detail)
 }
 
+/// C6: the corners dominate its net work.
 pub(super) fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Result<Claim, Error> {
     let claim = Claim::new("C6", "in its net work the four corners contribute most, whatever the law", "corners above");
     let Some(name) = mode else { return Ok(claim.undetermined("no mode is ever unstable")) };

@@ -27,7 +27,7 @@ pub(super) fn law_of(results: &Results<'_>, scene: &Scene) -> String {
     results.plan().labels.laws[scene.key.law].name.clone()
 }
 
-/// Scenes without constraints and with every oscillator in contact, with the reference mode of a tracked name.
+/// The scenes of a constraint set with every oscillator in contact, each with its index and its reference modes.
 pub(super) fn full_contact<'a>(
     results: &'a Results<'_>,
     constraints: usize,
