@@ -63,12 +63,12 @@ pub(super) fn occurrence(
         rows.push(row);
     }
     let mode_axis = match results.labels {
-        ModeNaming::Tracked => "tracked mode (frequency rank with all in contact, Amontons-Coulomb, median parameters)",
-        ModeNaming::Rank => "mode (frequency rank in its own sample)",
-        ModeNaming::Pair => "mode (place among all 2n eigenvalues of its own sample)",
+        ModeNaming::Tracked => format!("tracked mode (frequency rank {})", labels.named_at),
+        ModeNaming::Rank => "mode (frequency rank in its own sample)".into(),
+        ModeNaming::Pair => "mode (place among all 2n eigenvalues of its own sample)".into(),
     };
     let modes = names.iter().map(ToString::to_string).collect();
-    Ok(OccurrenceFigure { title, mode_axis: mode_axis.into(), modes, series, rows })
+    Ok(OccurrenceFigure { title, mode_axis, modes, series, rows })
 }
 
 fn letter(place: usize) -> char {

@@ -94,6 +94,8 @@ pub struct SceneLabels {
     pub speeds: Vec<SpeedLabel>,
     /// Numbers in contact; at least one.
     pub panels: Vec<PanelLabel>,
+    /// Where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
+    pub named_at: String,
 }
 
 impl SceneLabels {
@@ -190,6 +192,7 @@ impl Plan {
             let in_contact = brake.system.channels().len();
             self.labels.laws = vec![LawLabel { name: "given".into(), title: String::new() }];
             self.labels.panels = vec![PanelLabel { in_contact, arrangements: vec![contacts.clone()] }];
+            self.labels.named_at = "at median parameters".into();
         }
         let key = SceneKey { constraints: self.labels.constraints.len(), ..SceneKey::default() };
         let (origin, configuration) = (self.origins.len(), self.configurations.len());

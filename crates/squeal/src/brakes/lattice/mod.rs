@@ -265,5 +265,6 @@ fn labels(case: &LatticeCase) -> SceneLabels {
                 arrangements: list.iter().map(ToString::to_string).collect(),
             })
             .collect(),
+        named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
     }
 }
