@@ -4,10 +4,11 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::clusters::{Cluster, ClusterKind, groups, nearly_defective, semisimple};
+use super::clusters::{Cluster, ClusterKind, Enclosed, Semisimple, enclose, nearly_defective};
+use super::expansion::Disc;
 use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::solve::{GeneralSpectrum, extend};
-use super::verdict::{Group, decide, gap};
+use super::verdict::{decide, gap};
 use crate::{CeaError, Verdict, Workspace};
 
 /// One finite eigenvalue and what is known about its error.
@@ -32,6 +33,9 @@ pub struct CertifiedEigenvalue {
     /// psi, `psi^H Q(lambda) = 0`, as phi.
     pub left: DVector<Complex<f64>>,
 }
+
+/// Positions of the members of a group, and what it is.
+type Group = (Vec<usize>, ClusterKind);
 
 /// The certificates of a spectrum, and which of its eigenvalues belong together.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,12 +78,12 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
         };
         found.push(state);
     }
-    let mut groups = classify_groups(&problem, &mut found);
+    let (discs, mut groups) = enclose_groups(&problem, &mut found, &conjugates);
     groups.extend(nearly_defective_pairs(&found, &conjugates, &groups));
     for i in 0..found.len() {
         match conjugates[i] {
             Some(first) => found[i] = found[first].conjugate(),
-            None => decide(&problem, &mut found, i, &groups),
+            None => decide(&problem, &mut found, i, discs[i]),
         }
     }
     if spectrum.zeros > 1 {
@@ -106,32 +110,51 @@ fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
     partners
 }
 
-/// Finds groups and takes the members of semisimple ones from their common null space.
-fn classify_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
+/// Discs around the eigenvalues that are not simple, alone or as groups, and the groups, with those of the conjugates; members
+/// of semisimple ones are taken from their common null space.
+fn enclose_groups(
+    problem: &Measure,
+    found: &mut [State],
+    conjugates: &[Option<usize>],
+) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-    let shifts: Vec<_> = found.iter().map(State::shift).collect();
-    let mut classified = Vec::new();
-    for members in groups(&sigmas, &shifts) {
-        let own: Vec<_> = members.iter().map(|&i| sigmas[i]).collect();
-        let Some(space) = semisimple(&problem.scaled, &own) else {
-            classified.push((members, ClusterKind::Defective));
+    let (mut discs, mut groups) = (vec![None; found.len()], Vec::new());
+    for i in 0..found.len() {
+        if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
-        };
-        let mean = own.iter().sum::<Complex<f64>>() / own.len() as f64;
-        let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
-        for (at, &i) in members.iter().enumerate() {
-            let sigma = space.sigmas.as_ref().map_or(sigmas[i], |s| s[at]);
-            let (x, y) = (space.right[at].clone(), space.left[at].clone());
-            let member = problem.state(sigma, x, y);
-            // Members that are told apart have vectors of their own, and a wide group may be worse than they.
-            if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
-                found[i] = member;
-            }
-            (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
         }
-        classified.push((members, ClusterKind::Semisimple));
+        let Some(Enclosed { members, disc, space }) = enclose(&problem.scaled, &sigmas, i) else { continue };
+        for &j in members.iter().filter(|&&j| !found[j].is_simple) {
+            discs[j] = discs[j].or(Some(disc));
+        }
+        let kind = if space.is_some() { ClusterKind::Semisimple } else { ClusterKind::Defective };
+        if let Some(space) = space {
+            adopt(problem, found, &members, disc.centre, &space);
+        }
+        if members.len() > 1 {
+            groups.push((members, kind));
+        }
     }
-    classified
+    let mirrored = groups.iter().filter_map(|(members, kind)| {
+        let mirror = members.iter().map(|&i| conjugates.iter().position(|&first| first == Some(i)));
+        Some((mirror.collect::<Option<Vec<_>>>()?, *kind))
+    });
+    groups.extend(mirrored.collect::<Vec<_>>());
+    (discs, groups)
+}
+
+/// Gives the members of a semisimple group the vectors and eigenvalues of their common null space.
+fn adopt(problem: &Measure, found: &mut [State], members: &[usize], mean: Complex<f64>, space: &Semisimple) {
+    let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
+    for (at, &i) in members.iter().enumerate() {
+        let sigma = space.sigmas.as_ref().map_or(found[i].sigma, |s| s[at]);
+        let member = problem.state(sigma, space.right[at].clone(), space.left[at].clone());
+        // Members that are told apart have vectors of their own, and a wide group may be worse than they.
+        if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
+            found[i] = member;
+        }
+        (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
+    }
 }
 
 /// Pairs of the same half plane that belong to no group and have nearly parallel vectors.

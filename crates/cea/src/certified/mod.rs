@@ -32,6 +32,7 @@
 mod certify;
 mod clusters;
 mod dd;
+mod expansion;
 mod field;
 mod measure;
 mod pencil;

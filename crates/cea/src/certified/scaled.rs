@@ -51,6 +51,11 @@ impl Norms {
     pub(crate) fn size(&self, lambda: f64) -> f64 {
         (lambda * self.m + self.c) * lambda + self.k
     }
+
+    /// `2 |lambda| |M| + |C|`.
+    pub(crate) fn slope(&self, lambda: f64) -> f64 {
+        2.0 * lambda * self.m + self.c
+    }
 }
 
 /// The Frobenius norm without overflow of the squares.
@@ -124,6 +129,11 @@ impl Scaled {
     /// `Q~'(sigma) x`.
     pub(crate) fn derivative_times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         real_times_complex(&self.m, x) * (sigma * 2.0) + real_times_complex(&self.c, x)
+    }
+
+    /// `M~ x`.
+    pub(crate) fn mass_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        real_times_complex(&self.m, x)
     }
 }
 

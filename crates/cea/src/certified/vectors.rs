@@ -146,6 +146,14 @@ impl<'a> Factor<'a> {
         self.null_pairs(1).map_or(f64::INFINITY, |(x, _)| self.residual(&x[0]).norm())
     }
 
+    /// The inverse of Q(sigma) between the complements of y and x, its left and right null vectors, applied to g.
+    pub(crate) fn deflated_solve(&self, x: &Vector, y: &Vector, mut g: Vector) -> Vector {
+        g.axpy(-y.dotc(&g), y, Complex::from(1.0));
+        self.lu.solve(&mut g);
+        g.axpy(-x.dotc(&g), x, Complex::from(1.0));
+        g
+    }
+
     /// Without a symmetry to be orthogonal to the wanted vector by; real for a real sigma, as all that follows.
     fn start(&self, v: usize) -> Vector {
         DVector::from_fn(self.problem.order(), |i, _| {
@@ -159,6 +167,22 @@ impl<'a> Factor<'a> {
     pub(crate) fn residual(&self, x: &Vector) -> Vector {
         self.problem.times(self.sigma, x)
     }
+}
+
+/// The Frobenius norm of a linear map of n-vectors, from above: exactly from the unit vectors where these are no more than
+/// `probes`, else `safety` times what that many vectors of phases without a pattern give.
+pub(crate) fn frobenius_norm(n: usize, probes: usize, safety: f64, apply: impl Fn(Vector) -> Vector) -> f64 {
+    let squares = |count: usize, vector: &dyn Fn(usize) -> Vector| {
+        (0..count).map(|k| apply(vector(k)).norm_squared()).sum::<f64>()
+    };
+    if n <= probes {
+        return squares(n, &|k| Vector::from_fn(n, |i, _| Complex::from(f64::from(u8::from(i == k))))).sqrt();
+    }
+    // The golden angle times a polynomial of degree two, another one for each vector.
+    let phases = |k: usize| {
+        Vector::from_fn(n, |i, _| Complex::cis(2.399_963_229_728_653 * ((i + 1) * (i + 3 + 5 * k) + k * k) as f64))
+    };
+    safety * (squares(probes, &phases) / probes as f64).sqrt()
 }
 
 /// Gram and Schmidt, twice; nothing where a vector is not finite or depends on the others.

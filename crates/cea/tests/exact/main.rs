@@ -1,0 +1,130 @@
+//! Bounds and verdicts against problems whose eigenvalues are known exactly.
+//!
+//! `cargo test --release -p cea --test exact -- --include-ignored --nocapture` prints how many of each kind were tried and
+//! what came out.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod problems;
+
+use cea::{Verdict, Workspace, certified};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use problems::{Blocks, Count, Numbers, Problem, frank, reflected, unimodular};
+
+fn certify(system: &SecondOrder) -> Vec<(Complex<f64>, f64, Verdict)> {
+    let mut work = Workspace::default();
+    let spectrum = certified::solve(system, &mut work).unwrap();
+    let certified = certified::certify(system, &spectrum, &mut work).unwrap();
+    certified.eigenvalues.iter().map(|e| (e.lambda, e.bound, e.verdict)).collect()
+}
+
+fn judge(problems: impl Iterator<Item = Problem>) -> Count {
+    let mut count = Count::default();
+    for problem in problems {
+        count.enter(&problem.eigenvalues, &certify(&problem.system));
+    }
+    count
+}
+
+/// Blocks of length one: `n` different eigenvalues, or as many equal ones as a draw says.
+fn without_chains(n: usize, multiple: bool, numbers: &mut Numbers) -> Blocks {
+    let mut blocks = Blocks::new();
+    while blocks.len() < n {
+        let eigenvalue = numbers.integer(-3, 40);
+        let times = if multiple { numbers.integer(1, 4) as usize } else { 1 };
+        if eigenvalue != 0 && blocks.iter().all(|b| b.0 != eigenvalue) {
+            blocks.extend([(eigenvalue, 1)].repeat(times.min(n - blocks.len())));
+        }
+    }
+    blocks
+}
+
+/// A chain of length `m`, with other eigenvalues, and now and then a second chain of the same one, up to order 14.
+fn with_chain(m: usize, numbers: &mut Numbers) -> Blocks {
+    let rest = numbers.integer(0, (14 - m as i128).min(5)) as usize;
+    let eigenvalue = numbers.integer(1, 9);
+    let mut blocks = without_chains(rest, false, numbers);
+    blocks.retain(|b| b.0 != eigenvalue);
+    blocks.push((eigenvalue, m));
+    if numbers.integer(0, 3) == 0 {
+        let second = numbers.integer(1, 3).min(14 - blocks.iter().map(|b| b.1 as i128).sum::<i128>());
+        if second > 0 {
+            blocks.push((eigenvalue, second as usize));
+        }
+    }
+    blocks
+}
+
+/// A power of two from 2^-24 to 2.
+fn damping(numbers: &mut Numbers) -> f64 {
+    2_f64.powi(numbers.integer(-24, 1) as i32)
+}
+
+fn distinct(of: usize, multiple: bool) -> impl Iterator<Item = Problem> {
+    let mut numbers = Numbers(if multiple { 1 } else { 2 });
+    (0..of).filter_map(move |_| {
+        let n = numbers.integer(2, 14) as usize;
+        let blocks = without_chains(n, multiple, &mut numbers);
+        let c = damping(&mut numbers);
+        let steps = numbers.integer(n as i128, 4 * n as i128) as usize;
+        unimodular(&blocks, c, steps, &mut numbers)
+    })
+}
+
+fn chains(m: usize, of: usize) -> impl Iterator<Item = Problem> {
+    let mut numbers = Numbers(100 + m as u64);
+    (0..of).filter_map(move |_| {
+        let blocks = with_chain(m, &mut numbers);
+        let n: usize = blocks.iter().map(|b| b.1).sum();
+        let c = damping(&mut numbers);
+        let steps = numbers.integer(n as i128, 4 * n as i128) as usize;
+        unimodular(&blocks, c, steps, &mut numbers)
+    })
+}
+
+fn rounded_chains(m: usize, of: usize) -> impl Iterator<Item = Problem> {
+    let mut numbers = Numbers(200 + m as u64);
+    (0..of).map(move |_| {
+        let c = damping(&mut numbers);
+        reflected(&vec![(4, m)], c, &mut numbers)
+    })
+}
+
+fn check(name: &str, count: Count) -> Count {
+    println!("{name}: {count:?}");
+    assert_eq!((count.wrong, count.beyond), (0, 0), "{name}: {count:?}");
+    count
+}
+
+/// All kinds, `of` draws each.
+fn check_all(of: usize) {
+    check("distinct", judge(distinct(of, false)));
+    check("semisimple", judge(distinct(of, true)));
+    for m in 2..=8 {
+        check(&format!("chain of {m}"), judge(chains(m, of)));
+        check(&format!("rounded chain of {m}"), judge(rounded_chains(m, of)));
+    }
+}
+
+#[test]
+fn no_sign_is_wrong_and_no_bound_exceeded() {
+    check_all(30);
+}
+
+#[test]
+#[ignore = "thousands of problems"]
+fn no_sign_is_wrong_and_no_bound_exceeded_in_thousands() {
+    check_all(1_000);
+}
+
+#[test]
+fn an_eigenvalue_without_digits_is_never_called_unstable() {
+    for n in 12..=24 {
+        let found = certify(&frank(n, 0.5));
+        let decided = found.iter().filter(|f| f.2 == Verdict::Stable).count();
+        println!("Frank {n}: {decided} of {} stable", found.len());
+        assert!(found.iter().all(|f| f.2 != Verdict::Unstable), "order {n}");
+    }
+}
