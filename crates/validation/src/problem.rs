@@ -1,6 +1,6 @@
 //! A problem with reference eigenvalues, and how the eigenvalues and verdicts of a route compare with them.
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Spectrum, Verdict, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use serde::Serialize;
@@ -148,13 +148,13 @@ impl ReferenceProblem {
     }
 }
 
-/// QrSolver's eigenvalues of the structure with Im lambda >= 0, and the scale of their errors. Of two equal real ones that
+/// QrSolver's eigenvalues of the structure with Im lambda >= 0, and the spectrum that they are of. Of two equal real ones that
 /// rounding made a pair both are there.
-pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, f64), CeaError> {
+pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, Spectrum), CeaError> {
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(system, &mut work)?;
     let modes = Modes::classify(system, &spectrum, &mut work)?;
     let nearly_real = modes.oscillatory.iter().filter(|l| l.im <= NEARLY_REAL_RATIO * l.norm()).map(|l| l.conj());
     let real = modes.real.iter().map(|&l| Complex::from(l));
-    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum.scale))
+    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum))
 }

@@ -9,7 +9,7 @@ use super::expansion::Disc;
 use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::solve::{GeneralSpectrum, extend};
 use super::verdict::{decide, gap};
-use crate::{CeaError, Verdict, Workspace};
+use crate::{CeaError, JudgedEigenvalue, Verdict, Workspace};
 
 /// One finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,13 +68,7 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
             (None, true) => {
                 next_zero.next().cloned().ok_or(CeaError::NoEigenvector { lambda: sigma, residual: 1.0 })?
             }
-            (None, false) => {
-                work.counters.factorisations += 1;
-                work.counters.eigenvectors += 2;
-                // The norms of matrices extended by internal states hide what is wrong in their small entries.
-                let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
-                problem.first_look(sigma, gap(&sigmas, i), threshold)?
-            }
+            (None, false) => look(&problem, system, &sigmas, i, work)?,
         };
         found.push(state);
     }
@@ -83,7 +77,10 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
     for i in 0..found.len() {
         match conjugates[i] {
             Some(first) => found[i] = found[first].conjugate(),
-            None => decide(&problem, &mut found, i, discs[i]),
+            None => {
+                let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
+                found[i] = decide(&problem, found[i].clone(), gap(&sigmas, i), discs[i]);
+            }
         }
     }
     if spectrum.zeros > 1 {
@@ -93,6 +90,46 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
         groups.push((members, if complete { ClusterKind::Semisimple } else { ClusterKind::Defective }));
     }
     Ok(in_given_units(&problem, found, groups))
+}
+
+/// Bound and verdict of one eigenvalue, the `i`-th of all that were found by whatever route; the eigenvalue may be improved.
+///
+/// # Errors
+/// [`CeaError::NoEigenvector`] where it is none of this system.
+pub(crate) fn certify_one(
+    system: &SecondOrder,
+    eigenvalues: &[Complex<f64>],
+    i: usize,
+    work: &mut Workspace,
+) -> Result<JudgedEigenvalue, CeaError> {
+    let lambda = eigenvalues[i];
+    let unknown = Verdict::Undecided { bound: f64::INFINITY };
+    if lambda == Complex::default() {
+        return Ok(JudgedEigenvalue { lambda, bound: f64::INFINITY, verdict: unknown });
+    }
+    let problem = Measure::new(&extend(system));
+    let gamma = problem.scaled.gamma;
+    let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
+    let state = look(&problem, system, &sigmas, i, work)?;
+    sigmas[i] = state.sigma;
+    let disc = if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i).map(|group| group.disc) };
+    let decided = decide(&problem, state, gap(&sigmas, i), disc);
+    Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
+}
+
+/// The vectors of eigenvalue `i` and what they say of it.
+fn look(
+    problem: &Measure,
+    system: &SecondOrder,
+    sigmas: &[Complex<f64>],
+    i: usize,
+    work: &mut Workspace,
+) -> Result<State, CeaError> {
+    work.counters.factorisations += 1;
+    work.counters.eigenvectors += 2;
+    // The norms of matrices extended by internal states hide what is wrong in their small entries.
+    let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
+    problem.first_look(sigmas[i], gap(sigmas, i), threshold)
 }
 
 /// For each eigenvalue the earlier one that it is the conjugate of, if any.

@@ -27,14 +27,10 @@ use num_complex::Complex;
 
 use super::measure::{FIRST_ORDER_SAFETY, UNIT_ROUNDOFF};
 use super::scaled::Scaled;
-use super::vectors::{Factor, LEAST_PIVOT, Lu, Vector, frobenius_norm};
+use super::vectors::{Factor, LEAST_PIVOT, Lu, NORM_ESTIMATES, Vector, frobenius_norm};
 
 /// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
 const TERMS_BEYOND: usize = 4;
-/// Vectors for the norms of E Q', E M and E; up to this order all unit vectors, which give them exactly.
-const PROBES: usize = 16;
-/// How many times a norm may exceed what that many probes show: more with a chance of some 4e-6, if one vector has it all.
-const PROBES_SAFETY: f64 = 2.0;
 /// Ratio of the radii that are tried.
 const RADIUS_STEP: f64 = 1.25;
 /// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product.
@@ -56,12 +52,11 @@ pub(super) struct Expansion<'a> {
     /// Orthonormal right and left vectors, q each.
     pub(super) right: Vec<Vector>,
     pub(super) left: Vec<Vector>,
+    bordered: Bordered,
     /// S_0, S_1, ..., S_K.
     series: Vec<DMatrix<Complex<f64>>>,
     /// |W_0|, ..., |W_K|.
     sizes: Vec<f64>,
-    /// Norms of E Q', E M and E.
-    inner: [f64; 3],
     /// Norms of V Q', V M and V.
     outer: [f64; 3],
     /// What the solve for S_0 left of its equation.
@@ -97,11 +92,6 @@ impl<'a> Expansion<'a> {
             sizes.push(norm(&terms));
             series_of.push(columns(&mut series));
         }
-        let inner = [
-            frobenius_norm(n, PROBES, PROBES_SAFETY, |g| bordered.solve(problem.derivative_times(centre, &g)).0),
-            frobenius_norm(n, PROBES, PROBES_SAFETY, |g| bordered.solve(problem.mass_times(&g)).0),
-            frobenius_norm(n, PROBES, PROBES_SAFETY, |g| bordered.solve(g).0),
-        ];
         let rows = bordered.unit_rows();
         let (m, c) = (problem.m.transpose(), problem.c.transpose());
         let mass_adjoint = |v: &Vector| real_times_complex(&m, v);
@@ -111,7 +101,7 @@ impl<'a> Expansion<'a> {
             norm(&rows.iter().map(|v| mass_adjoint(v)).collect::<Vec<_>>()),
             norm(&rows),
         ];
-        Some(Self { problem, centre, count, right, left, series: series_of, sizes, inner, outer, residual })
+        Some(Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual })
     }
 
     /// Whether there are as many vectors as eigenvalues.
@@ -122,14 +112,27 @@ impl<'a> Expansion<'a> {
     /// The smallest disc found with a radius between `least` and `most` that holds `count` eigenvalues of every problem within
     /// rounding of this one.
     pub(super) fn disc(&self, least: f64, most: f64) -> Option<Disc> {
+        NORM_ESTIMATES.iter().find_map(|&estimate| self.disc_by(self.inner_norms(estimate), least, most))
+    }
+
+    /// Norms of E Q', E M and E.
+    fn inner_norms(&self, estimate: (usize, f64)) -> [f64; 3] {
+        let norm = |of: &dyn Fn(Vector) -> Vector| {
+            frobenius_norm(self.problem.order(), estimate, |g| self.bordered.solve(of(g)).0)
+        };
+        let slope = |g: Vector| self.problem.derivative_times(self.centre, &g);
+        [norm(&slope), norm(&|g| self.problem.mass_times(&g)), norm(&|g| g)]
+    }
+
+    fn disc_by(&self, inner: [f64; 3], least: f64, most: f64) -> Option<Disc> {
         let mut radius = least.max(UNIT_ROUNDOFF * self.centre.norm().max(UNIT_ROUNDOFF));
         while radius <= most {
             // Beyond this the series is not known to converge.
-            let contraction = (self.inner[0] + self.inner[1] * radius) * radius;
+            let contraction = (inner[0] + inner[1] * radius) * radius;
             if contraction > 0.5 {
                 return None;
             }
-            if let Some(error) = self.error(radius, contraction)
+            if let Some(error) = self.error(radius, contraction, inner[2])
                 && if self.is_semisimple() {
                     self.first_order_wins(radius, error)
                 } else {
@@ -144,8 +147,7 @@ impl<'a> Expansion<'a> {
     }
 
     /// By how much S of a perturbed problem may differ from the polynomial on the circle; none where E P may reach 1.
-    fn error(&self, radius: f64, contraction: f64) -> Option<f64> {
-        let [_, _, e] = self.inner;
+    fn error(&self, radius: f64, contraction: f64, e: f64) -> Option<f64> {
         let [v_slope, v_mass, v] = self.outer;
         let last = self.sizes.len() - 1;
         let term = |k: usize| self.sizes[k] * radius.powi(k as i32);

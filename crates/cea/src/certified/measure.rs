@@ -10,7 +10,7 @@ use super::real::reveal_rank;
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
-use super::vectors::{Factor, Vector, frobenius_norm, orthonormalise};
+use super::vectors::{Factor, NORM_ESTIMATES, Vector, frobenius_norm, orthonormalise};
 use crate::{CeaError, Verdict};
 
 /// Half the distance from 1 to the next double: the relative size of a rounding error.
@@ -20,9 +20,6 @@ pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
 /// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
 /// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
 pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
-/// Solves with vectors of phases for the norm of the inverse beside one eigenvalue, and how many times it may exceed what they
-/// show: more with a chance of some 1e-6 each, if one vector has it all. The second where the first leaves a doubt.
-const INVERSE_PROBES: [(usize, f64); 2] = [(1, 1e3), (4, 16.0)];
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
 const REFINED_PART: f64 = 1e-6;
 
@@ -135,9 +132,9 @@ impl Measure {
                 _ => {}
             }
         }
-        state.is_simple = INVERSE_PROBES.iter().any(|&(probes, safety)| {
+        state.is_simple = NORM_ESTIMATES.iter().any(|&estimate| {
             let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
-            self.second_order_is_small(&state, gap, frobenius_norm(self.scaled.order(), probes, safety, solve))
+            self.second_order_is_small(&state, gap, frobenius_norm(self.scaled.order(), estimate, solve))
         });
         Ok(state)
     }

@@ -169,9 +169,14 @@ impl<'a> Factor<'a> {
     }
 }
 
-/// The Frobenius norm of a linear map of n-vectors, from above: exactly from the unit vectors where these are no more than
-/// `probes`, else `safety` times what that many vectors of phases without a pattern give.
-pub(crate) fn frobenius_norm(n: usize, probes: usize, safety: f64, apply: impl Fn(Vector) -> Vector) -> f64 {
+/// Vectors for the norm of a linear map, and how many times it may exceed what they show. If their phases were random it would
+/// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
+/// the next line is for where the one before leaves a doubt.
+pub(crate) const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
+
+/// The Frobenius norm of a linear map of n-vectors, from above: `safety` times what `probes` vectors of phases without a pattern
+/// give, or exactly from the unit vectors where these are no more.
+pub(crate) fn frobenius_norm(n: usize, (probes, safety): (usize, f64), apply: impl Fn(Vector) -> Vector) -> f64 {
     let squares = |count: usize, vector: &dyn Fn(usize) -> Vector| {
         (0..count).map(|k| apply(vector(k)).norm_squared()).sum::<f64>()
     };

@@ -16,15 +16,15 @@ pub(super) fn gap(sigmas: &[Complex<f64>], i: usize) -> f64 {
     others.map(|(_, s)| (s - sigmas[i]).norm()).fold(f64::INFINITY, f64::min)
 }
 
-/// Bound and verdict of eigenvalue `i`: by its first-order bound where that holds, refined if need be; else by the disc around
-/// its group; undecided where there is neither.
-pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, disc: Option<Disc>) {
-    if found[i].sigma == Complex::default() {
-        return;
+/// Bound and verdict of an eigenvalue: by its first-order bound where that holds, refined if need be; else by the disc around
+/// its group; undecided where there is neither. `gap` is the distance to the nearest other eigenvalue.
+pub(super) fn decide(problem: &Measure, mut state: State, gap: f64, disc: Option<Disc>) -> State {
+    if state.sigma == Complex::default() {
+        return state;
     }
     let (bound, verdict) = match disc {
-        _ if found[i].is_simple => decide_simple(problem, found, i),
-        Some(disc) => ((found[i].sigma - disc.centre).norm() + disc.radius, by_disc(disc)),
+        _ if state.is_simple => decide_simple(problem, &mut state, gap),
+        Some(disc) => ((state.sigma - disc.centre).norm() + disc.radius, by_disc(disc)),
         None => (f64::INFINITY, Verdict::Undecided { bound: f64::INFINITY }),
     };
     let gamma = problem.scaled.gamma;
@@ -33,30 +33,28 @@ pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, disc: Opt
         Verdict::Undecided { bound } => Verdict::Undecided { bound: bound * gamma },
         decided => decided,
     };
-    (found[i].bound, found[i].verdict) = (bound, in_given_units);
+    State { bound, verdict: in_given_units, ..state }
 }
 
 /// An eigenvalue that the first-order bound holds for; the verdict in scaled units.
-fn decide_simple(problem: &Measure, found: &mut [State], i: usize) -> (f64, Verdict) {
-    let (bound, mut tolerance) = (found[i].first_order(), FIRST_ORDER_SAFETY * found[i].data_shift());
-    let sigma = found[i].sigma;
+fn decide_simple(problem: &Measure, state: &mut State, gap: f64) -> (f64, Verdict) {
+    let (bound, mut tolerance) = (state.first_order(), FIRST_ORDER_SAFETY * state.data_shift());
     // Re sigma is known to this; sharp where that is no more than rounded data allow.
     let (mut known_to, mut is_sharp) = (bound, false);
-    if sigma.re.abs() <= bound {
-        let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
+    if state.sigma.re.abs() <= bound {
         // Within the bound there is one eigenvalue.
-        if let Some((refined, left)) = problem.refine(&found[i], bound.min(0.45 * gap(&sigmas, i))) {
+        if let Some((refined, left)) = problem.refine(state, bound.min(0.45 * gap)) {
             (known_to, is_sharp) = (left, true);
-            found[i] = refined;
+            *state = refined;
         }
-        let size = found[i].sigma.norm();
+        let size = state.sigma.norm();
         if size <= tolerance {
             // Rounded data do not tell it from zero: so much for its real part.
             tolerance += size;
             (known_to, is_sharp) = (tolerance, true);
         }
     }
-    (bound, of_real_part(found[i].sigma, known_to, tolerance, is_sharp))
+    (bound, of_real_part(state.sigma, known_to, tolerance, is_sharp))
 }
 
 /// The members of a disc, whichever they are.

@@ -133,7 +133,7 @@ pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<
 }
 
 /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share, the size of a perturbation of order one.
-pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
     let l = lambda.norm();
     let states = (0..system.states()).map(|s| {
         let gain = (lambda / (lambda + system.internal.decay[s])).norm();

@@ -157,7 +157,7 @@ impl ModesWithVerdicts {
         let modes = Modes::classify(system, spectrum, work)?;
         let (mut unstable, mut undecided) = (Vec::new(), 0);
         for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-            match verdict(system, lambda, spectrum.scale, work)? {
+            match verdict(system, lambda, spectrum, work)? {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
                 Verdict::Stable => {}
