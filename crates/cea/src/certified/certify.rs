@@ -112,7 +112,11 @@ pub(crate) fn certify_one(
     let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
     let state = look(&problem, system, &sigmas, i, work)?;
     sigmas[i] = state.sigma;
-    let disc = if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i).map(|group| group.disc) };
+    let disc = if state.is_simple {
+        None
+    } else {
+        enclose(&problem.scaled, &sigmas, i, state.first_order()).map(|group| group.disc)
+    };
     let decided = decide(&problem, state, gap(&sigmas, i), disc);
     Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
 }
@@ -160,7 +164,10 @@ fn enclose_groups(
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
         }
-        let Some(Enclosed { members, disc, space }) = enclose(&problem.scaled, &sigmas, i) else { continue };
+        let Some(Enclosed { members, disc, space }) = enclose(&problem.scaled, &sigmas, i, found[i].first_order())
+        else {
+            continue;
+        };
         for &j in members.iter().filter(|&&j| !found[j].is_simple) {
             discs[j] = discs[j].or(Some(disc));
         }

@@ -63,8 +63,9 @@ pub(super) struct Enclosed {
     pub(super) space: Option<Semisimple>,
 }
 
-/// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many.
-pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize) -> Option<Enclosed> {
+/// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many; not it
+/// alone where others are as near as its `first_order` bound.
+pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize, first_order: f64) -> Option<Enclosed> {
     let mut nearest: Vec<usize> = (0..eigenvalues.len()).collect();
     let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
     nearest.sort_by(|&a, &b| distance(a, eigenvalues[i]).total_cmp(&distance(b, eigenvalues[i])));
@@ -74,7 +75,7 @@ pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize) -> Opt
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
         let next = others.iter().map(|&j| distance(j, mean)).fold(f64::INFINITY, f64::min);
-        if next < CLEARANCE * spread || next == 0.0 {
+        if next < CLEARANCE * spread || next == 0.0 || (count == 1 && next < first_order) {
             continue;
         }
         if tried == MOST_EXPANSIONS {

@@ -67,7 +67,7 @@ impl<'a> Expansion<'a> {
     /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow or too many of them have chains.
     pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
         let n = problem.order();
-        let factor = Factor::new(problem, centre);
+        let factor = Factor::for_several(problem, centre);
         let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
         let size = problem.norms.size(centre.norm());
         let singular: Vec<f64> = right.iter().map(|x| factor.residual(x).norm()).collect();
@@ -112,6 +112,10 @@ impl<'a> Expansion<'a> {
     /// The smallest disc found with a radius between `least` and `most` that holds `count` eigenvalues of every problem within
     /// rounding of this one.
     pub(super) fn disc(&self, least: f64, most: f64) -> Option<Disc> {
+        // A larger disc says nothing.
+        let most = most.min(self.centre.norm().max(1.0));
+        // Without a solve where no norms would do.
+        self.disc_by([0.0; 3], least, most)?;
         NORM_ESTIMATES.iter().find_map(|&estimate| self.disc_by(self.inner_norms(estimate), least, most))
     }
 

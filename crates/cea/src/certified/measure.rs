@@ -132,10 +132,12 @@ impl Measure {
                 _ => {}
             }
         }
-        state.is_simple = NORM_ESTIMATES.iter().any(|&estimate| {
-            let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
-            self.second_order_is_small(&state, gap, frobenius_norm(self.scaled.order(), estimate, solve))
-        });
+        let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
+        // Without a solve where no norm would do.
+        state.is_simple = self.second_order_is_small(&state, gap, 0.0)
+            && NORM_ESTIMATES.iter().any(|&estimate| {
+                self.second_order_is_small(&state, gap, frobenius_norm(self.scaled.order(), estimate, solve))
+            });
         Ok(state)
     }
 

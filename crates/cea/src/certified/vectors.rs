@@ -1,5 +1,7 @@
 //! One factorisation of the scaled Q(sigma) near an eigenvalue, and the null vectors it gives from both sides.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -76,29 +78,39 @@ impl Lu {
             x.swap_rows(k, pivot);
         }
         for k in 0..n {
-            let head = x[k];
-            for i in k + 1..n {
-                x[i] -= self.at(i, k) * head;
-            }
+            self.subtract_column(k, k + 1..n, x[k], x);
         }
         for k in (0..n).rev() {
             x[k] /= self.at(k, k);
-            let head = x[k];
-            for i in 0..k {
-                x[i] -= self.at(i, k) * head;
-            }
+            self.subtract_column(k, 0..k, x[k], x);
         }
+    }
+
+    /// x -= column k times `head`, in some rows.
+    fn subtract_column(&self, k: usize, rows: Range<usize>, head: Complex<f64>, x: &mut Vector) {
+        let (re, im) = (self.re.column(k), self.im.column(k));
+        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
+        for (z, (&re, &im)) in x.as_mut_slice()[rows].iter_mut().zip(factors) {
+            *z -= Complex::new(re, im) * head;
+        }
+    }
+
+    /// The sum of conjugate entries of column k times x, in some rows.
+    fn column_dot(&self, k: usize, rows: Range<usize>, x: &Vector) -> Complex<f64> {
+        let (re, im) = (self.re.column(k), self.im.column(k));
+        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
+        x.as_slice()[rows].iter().zip(factors).map(|(z, (&re, &im))| Complex::new(re, -im) * z).sum()
     }
 
     /// x := A^-H x.
     pub(crate) fn solve_adjoint(&self, x: &mut Vector) {
         let n = x.len();
         for k in 0..n {
-            let sum: Complex<f64> = (0..k).map(|i| self.at(i, k).conj() * x[i]).sum();
+            let sum = self.column_dot(k, 0..k, x);
             x[k] = (x[k] - sum) / self.at(k, k).conj();
         }
         for k in (0..n).rev() {
-            let sum: Complex<f64> = (k + 1..n).map(|i| self.at(i, k).conj() * x[i]).sum();
+            let sum = self.column_dot(k, k + 1..n, x);
             x[k] -= sum;
         }
         for (k, &pivot) in self.swaps.iter().enumerate().rev() {
@@ -117,7 +129,16 @@ pub(crate) struct Factor<'a> {
 
 impl<'a> Factor<'a> {
     pub(crate) fn new(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
-        let least = f64::EPSILON * f64::EPSILON * problem.norms.size(sigma.norm());
+        Self::with_least_pivot(problem, sigma, f64::EPSILON * f64::EPSILON)
+    }
+
+    /// For several null vectors: no pivot is below a rounding error, or the first vector drowns the others.
+    pub(crate) fn for_several(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
+        Self::with_least_pivot(problem, sigma, f64::EPSILON)
+    }
+
+    fn with_least_pivot(problem: &'a Scaled, sigma: Complex<f64>, relative: f64) -> Self {
+        let least = relative * problem.norms.size(sigma.norm());
         let lu = Lu::new(&problem.polynomial(sigma), least.max(LEAST_PIVOT));
         Self { problem, sigma, lu }
     }

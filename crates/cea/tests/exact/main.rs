@@ -97,13 +97,15 @@ fn rounded_chain_problems(m: usize, of: usize, c: Option<f64>) -> impl Iterator<
 }
 
 fn check(name: &str, count: Count) -> Count {
-    println!("{name}: {count:?}");
+    println!("| {name} | {count} |");
     assert_eq!((count.wrong, count.beyond), (0, 0), "{name}: {count:?}");
     count
 }
 
 /// All kinds, `of` draws each, with floors for what must be decided or bounded where the similarity is mild.
 fn check_all(of: usize) {
+    println!("| problems | number | eigenvalues | decided | without a bound | wrong | beyond | error / bound |");
+    println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     for multiple in [false, true] {
         let name = if multiple { "multiple, semisimple" } else { "distinct" };
         let mild = check(name, judge(without_chain_problems(of, multiple, MILD)));
@@ -112,7 +114,7 @@ fn check_all(of: usize) {
     }
     for m in 2..=8 {
         let mild = check(&format!("chain of {m}"), judge(chain_problems(m, of, MILD)));
-        assert!(m > 3 || mild.unbounded * 100 <= mild.eigenvalues, "chain of {m}: {mild:?}");
+        assert!(m > 3 || mild.unbounded * 20 <= mild.eigenvalues, "chain of {m}: {mild:?}");
         check(&format!("chain of {m}, harsh"), judge(chain_problems(m, of, HARSH)));
         let rounded = check(&format!("rounded chain of {m}"), judge(rounded_chain_problems(m, of, None)));
         assert!(rounded.unbounded * 100 <= rounded.eigenvalues, "rounded chain of {m}: {rounded:?}");
@@ -125,7 +127,7 @@ fn no_sign_is_wrong_and_no_bound_exceeded() {
 }
 
 #[test]
-#[ignore = "twenty thousand problems"]
+#[ignore = "twenty-five thousand problems"]
 fn no_sign_is_wrong_and_no_bound_exceeded_in_thousands() {
     check_all(1_000);
 }

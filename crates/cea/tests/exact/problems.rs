@@ -1,5 +1,7 @@
 //! Problems whose eigenvalues are known exactly: `lambda^2 + c lambda + K` with an integer K of chosen Jordan form.
 
+use std::fmt;
+
 use cea::Verdict;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
@@ -133,6 +135,13 @@ pub struct Count {
     pub beyond: usize,
     /// Largest error / bound.
     pub worst: f64,
+}
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { problems, eigenvalues, decided, unbounded, wrong, beyond, worst } = self;
+        write!(f, "{problems} | {eigenvalues} | {decided} | {unbounded} | {wrong} | {beyond} | {worst:.2}")
+    }
 }
 
 impl Count {
