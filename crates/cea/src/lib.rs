@@ -62,7 +62,7 @@ pub use feedback::{
     Secular, h_infinity_norm_bound,
 };
 pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};
-pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict};
+pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict, verdicts};
 pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};
 

@@ -23,8 +23,8 @@ pub struct CertifiedEigenvalue {
     /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
     /// semisimple multiple eigenvalue.
     pub condition: f64,
-    /// What |lambda - exact| is estimated not to exceed, rad/s, for the matrices as given and for any that differ from
-    /// them by a rounding error.
+    /// What |lambda - exact| does not exceed, rad/s, for the matrices as given and for any that differ from them by a rounding
+    /// error: certified up to rounding, docs/error-bounds.md, sections 3 and 7. Infinite where nothing encloses lambda.
     pub bound: f64,
     /// Whether the motion grows.
     pub verdict: Verdict,
@@ -48,8 +48,9 @@ pub struct Certified {
 
 /// Backward errors, condition numbers and verdicts of all finite eigenvalues of `spectrum`.
 ///
-/// Costs one factorisation of Q(lambda) for each conjugate pair, and a second one with residuals in double-double where
-/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states.
+/// Costs one factorisation of Q(lambda) for each conjugate pair, a second one with residuals in double-double where
+/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states, and two
+/// for each group that is tried for an eigenvalue whose first-order bound does not hold.
 ///
 /// # Errors
 /// [`CeaError::NoEigenvector`] where an eigenvalue is none of this system.
@@ -92,33 +93,41 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
     Ok(in_given_units(&problem, found, groups))
 }
 
-/// Bound and verdict of one eigenvalue, the `i`-th of all that were found by whatever route; the eigenvalue may be improved.
-///
-/// # Errors
-/// [`CeaError::NoEigenvector`] where it is none of this system.
-pub(crate) fn certify_one(
-    system: &SecondOrder,
-    eigenvalues: &[Complex<f64>],
-    i: usize,
-    work: &mut Workspace,
-) -> Result<JudgedEigenvalue, CeaError> {
-    let lambda = eigenvalues[i];
-    let unknown = Verdict::Undecided { bound: f64::INFINITY };
-    if lambda == Complex::default() {
-        return Ok(JudgedEigenvalue { lambda, bound: f64::INFINITY, verdict: unknown });
+/// Bounds and verdicts of single eigenvalues of one system, found by whatever route.
+pub(crate) struct SingleCertifier<'a> {
+    system: &'a SecondOrder,
+    problem: Measure,
+}
+
+impl<'a> SingleCertifier<'a> {
+    pub(crate) fn new(system: &'a SecondOrder) -> Self {
+        Self { system, problem: Measure::new(&extend(system)) }
     }
-    let problem = Measure::new(&extend(system));
-    let gamma = problem.scaled.gamma;
-    let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
-    let state = look(&problem, system, &sigmas, i, work)?;
-    sigmas[i] = state.sigma;
-    let disc = if state.is_simple {
-        None
-    } else {
-        enclose(&problem.scaled, &sigmas, i, state.first_order()).map(|group| group.disc)
-    };
-    let decided = decide(&problem, state, gap(&sigmas, i), disc);
-    Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
+
+    /// Bound and verdict of the `i`-th of all eigenvalues; it may be improved.
+    ///
+    /// # Errors
+    /// [`CeaError::NoEigenvector`] where it is none of this system.
+    pub(crate) fn certify(
+        &self,
+        eigenvalues: &[Complex<f64>],
+        i: usize,
+        work: &mut Workspace,
+    ) -> Result<JudgedEigenvalue, CeaError> {
+        let (problem, lambda) = (&self.problem, eigenvalues[i]);
+        if lambda == Complex::default() {
+            let verdict = Verdict::Undecided { bound: f64::INFINITY };
+            return Ok(JudgedEigenvalue { lambda, bound: f64::INFINITY, verdict });
+        }
+        let gamma = problem.scaled.gamma;
+        let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
+        let state = look(problem, self.system, &sigmas, i, work)?;
+        sigmas[i] = state.sigma;
+        let first_order = state.first_order();
+        let enclosed = if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, first_order) };
+        let decided = decide(problem, state, gap(&sigmas, i), enclosed.map(|group| group.disc));
+        Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
+    }
 }
 
 /// The vectors of eigenvalue `i` and what they say of it.

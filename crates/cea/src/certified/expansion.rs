@@ -21,7 +21,6 @@
 
 use std::f64::consts::TAU;
 
-use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -93,12 +92,9 @@ impl<'a> Expansion<'a> {
             series_of.push(columns(&mut series));
         }
         let rows = bordered.unit_rows();
-        let (m, c) = (problem.m.transpose(), problem.c.transpose());
-        let mass_adjoint = |v: &Vector| real_times_complex(&m, v);
-        let slope_adjoint = |v: &Vector| mass_adjoint(v) * (centre.conj() * 2.0) + real_times_complex(&c, v);
         let outer = [
-            norm(&rows.iter().map(|v| slope_adjoint(v)).collect::<Vec<_>>()),
-            norm(&rows.iter().map(|v| mass_adjoint(v)).collect::<Vec<_>>()),
+            norm(&rows.iter().map(|v| problem.derivative_adjoint_times(centre, v)).collect::<Vec<_>>()),
+            norm(&rows.iter().map(|v| problem.mass_adjoint_times(v)).collect::<Vec<_>>()),
             norm(&rows),
         ];
         Some(Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual })

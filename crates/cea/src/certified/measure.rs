@@ -133,10 +133,15 @@ impl Measure {
             }
         }
         let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
+        let couplings = [
+            self.scaled.derivative_times(state.sigma, &state.x).norm(),
+            self.scaled.derivative_adjoint_times(state.sigma, &state.y).norm(),
+        ];
         // Without a solve where no norm would do.
-        state.is_simple = self.second_order_is_small(&state, gap, 0.0)
+        state.is_simple = self.second_order_is_small(&state, gap, couplings, 0.0)
             && NORM_ESTIMATES.iter().any(|&estimate| {
-                self.second_order_is_small(&state, gap, frobenius_norm(self.scaled.order(), estimate, solve))
+                let inverse = frobenius_norm(self.scaled.order(), estimate, solve);
+                self.second_order_is_small(&state, gap, couplings, inverse)
             });
         Ok(state)
     }
@@ -144,15 +149,16 @@ impl Measure {
     /// Whether exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.
     ///
     /// With unit null vectors x and y and D for Q between their complements, Q(z) is singular at z = sigma + d only where
-    /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| and |c| are at most `beta = r |Q'| + r^2 |M| + eps s`, and `inverse`
-    /// is the norm of D^-1 at sigma. On the circle |d| = r the second term is `eps s = 4 max(eta, u) s` by definition of r. It
+    /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| is at most `r |y^H Q'| + r^2 |M| + eps s`, |c| likewise with Q' x, D
+    /// changes by at most `beta = r |Q'| + r^2 |M| + eps s`, and `inverse` is the norm of D^-1 at sigma. On the circle |d| = r the second term is `eps s = 4 max(eta, u) s` by definition of r. It
     /// outweighs the others (Rouché's theorem), since the first is eta s, its perturbation 1.5 u s and the last two eps s / 4 at most.
-    fn second_order_is_small(&self, state: &State, gap: f64, inverse: f64) -> bool {
+    fn second_order_is_small(&self, state: &State, gap: f64, couplings: [f64; 2], inverse: f64) -> bool {
         let (norms, size, radius) = (&self.scaled.norms, state.sigma.norm(), state.first_order());
         let (here, on_circle) = (norms.size(size), norms.size(size + radius));
         let noise = FIRST_ORDER_SAFETY * state.scaled_error.max(UNIT_ROUNDOFF) * here;
-        let beta = radius * norms.slope(size) + radius * radius * norms.m + 1.5 * noise;
-        let second = radius * radius * norms.m + beta * beta * inverse / (1.0 - beta * inverse);
+        let changed = |slope: f64| radius * slope + radius * radius * norms.m + 1.5 * noise;
+        let ([c, b], beta) = (couplings.map(changed), changed(norms.slope(size)));
+        let second = radius * radius * norms.m + b * c * inverse / (1.0 - beta * inverse);
         2.0 * radius < gap && on_circle <= 1.5 * here && beta * inverse < 0.5 && second <= 0.25 * noise
     }
 

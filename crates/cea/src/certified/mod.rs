@@ -45,7 +45,7 @@ mod structure;
 mod vectors;
 mod verdict;
 
-pub(crate) use certify::certify_one;
+pub(crate) use certify::SingleCertifier;
 pub use certify::{Certified, CertifiedEigenvalue, certify};
 pub use clusters::{Cluster, ClusterKind};
 pub use solve::{GeneralSpectrum, Route, solve};

@@ -3,7 +3,7 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::screen::{bounded, is_clear};
+use super::screen::{Judge, is_clear};
 use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 
 /// One eigenvalue, what its error is at most, and whether its motion grows.
@@ -11,7 +11,7 @@ use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 pub struct JudgedEigenvalue {
     /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
     pub lambda: Complex<f64>,
-    /// What |lambda - exact| is estimated not to exceed, rad/s.
+    /// What |lambda - exact| does not exceed, rad/s, certified up to rounding; infinite where nothing encloses it.
     pub bound: f64,
     /// Whether its motion grows.
     pub verdict: Verdict,
@@ -101,13 +101,13 @@ pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<St
 /// `None` as soon as one eigenvalue is left undecided.
 fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
     let spectrum = QrSolver.eigenvalues(system, work)?;
-    let mut census = StabilityCensus::default();
+    let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, &spectrum));
     for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
         if lambda.re < 0.0 && is_clear(lambda, &spectrum) {
             census.damped += 1;
             continue;
         }
-        let judged = bounded(system, lambda, &spectrum, work)?;
+        let judged = judge.bounded(lambda, work)?;
         match judged.verdict {
             Verdict::Stable | Verdict::Unstable => census.enter(judged),
             _ => return Ok(None),

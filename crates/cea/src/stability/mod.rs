@@ -4,4 +4,4 @@ mod census;
 mod screen;
 
 pub use census::{JudgedEigenvalue, StabilityCensus, stability_census};
-pub use screen::verdict;
+pub use screen::{verdict, verdicts};

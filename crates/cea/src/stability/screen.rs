@@ -4,64 +4,98 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::census::JudgedEigenvalue;
-use crate::certified::certify_one;
+use crate::certified::SingleCertifier;
 use crate::{CeaError, Spectrum, Verdict, Workspace};
 
-/// Real parts up to this part of the problem's scale are near the axis. A backward stable solver errs by some 1e-14 of the scale
-/// in the matrices; a simple eigenvalue of condition up to 1e8 moves by less than this.
+/// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
+const SOLVER_ERROR: f64 = 1e-12;
+/// Real parts up to this part of the problem's scale are near the axis: two eigenvalues that meet in one vector move by the root
+/// of SOLVER_ERROR, and a simple one of condition 1e6 by as much.
 const NEAR_AXIS: f64 = 1e-6;
-/// Eigenvalues that meet in one, with one vector, move by this root of a perturbation; more than so many are not looked for.
-/// On a lattice two parameters must be hit for three eigenvalues to meet, and four for five.
+/// No more eigenvalues than so many are expected to meet in one vector: that takes as many parameters less two.
 const MOST_COALESCING: usize = 4;
 
-/// Whether the motion of eigenvalue `lambda` of `spectrum` grows.
-///
-/// The sign of Re lambda decides where it is beyond what the solver's errors may do to it: NEAR_AXIS of
-/// [`Spectrum::scale`](crate::Spectrum::scale), and for each m up to MOST_COALESCING the root `NEAR_AXIS^(2/m)` of it if m eigenvalues are as near
-/// to each other as that, which a perturbation of NEAR_AXIS^2 may then move so far. Elsewhere the bound and the verdict are those of
-/// [`certified::certify`](crate::certified::certify), of this eigenvalue alone.
-///
-/// [`stability_census`](crate::stability_census) asks this of a whole system, and has an answer where this has none.
+/// Whether the motion of eigenvalue `lambda` of `spectrum` grows: [`verdicts`] of one.
 ///
 /// # Errors
-/// [`CeaError::NoEigenvector`] where `lambda` is none of this system to working precision.
+/// Those of [`verdicts`].
 pub fn verdict(
     system: &SecondOrder,
     lambda: Complex<f64>,
     spectrum: &Spectrum,
     work: &mut Workspace,
 ) -> Result<Verdict, CeaError> {
-    if is_clear(lambda, spectrum) {
-        return Ok(Verdict::of(lambda, 0.0));
-    }
-    Ok(bounded(system, lambda, spectrum, work)?.verdict)
+    verdicts(system, &[lambda], spectrum, work).map(|verdicts| verdicts[0])
+}
+
+/// Whether the motions of some eigenvalues of `spectrum` grow.
+///
+/// The sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
+/// of [`Spectrum::scale`](crate::Spectrum::scale), and the product of the distances from i Im lambda to the m nearest eigenvalues, m = 3 and 4, is more than
+/// 1e-12 times the m-th power of the scale. With m eigenvalues that meet in one vector a perturbation of 1e-12 could
+/// otherwise put one on the axis. Elsewhere bound and verdict are those of [`certified::certify`](crate::certified::certify).
+///
+/// [`stability_census`](crate::stability_census) asks this of a whole system, and has an answer where this has none.
+///
+/// # Errors
+/// [`CeaError::NoEigenvector`] where an eigenvalue near the axis is none of this system to working precision.
+pub fn verdicts(
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    spectrum: &Spectrum,
+    work: &mut Workspace,
+) -> Result<Vec<Verdict>, CeaError> {
+    let mut judge = Judge::new(system, spectrum);
+    let one = |&lambda: &Complex<f64>| {
+        if is_clear(lambda, spectrum) {
+            return Ok(Verdict::of(lambda, 0.0));
+        }
+        Ok(judge.bounded(lambda, work)?.verdict)
+    };
+    lambdas.iter().map(one).collect()
 }
 
 /// Whether the sign of Re lambda is beyond doubt.
 pub(crate) fn is_clear(lambda: Complex<f64>, spectrum: &Spectrum) -> bool {
-    let reach = |m: usize| NEAR_AXIS.powf(2.0 / m as f64) * spectrum.scale;
-    (2..=MOST_COALESCING).all(|m| {
-        let reach = reach(m);
-        // Itself among them.
-        let near = || spectrum.eigenvalues.iter().filter(|other| (*other - lambda).norm() <= 2.0 * reach).count();
-        lambda.re.abs() > reach || (m > 2 && near() < m)
-    })
+    if lambda.re.abs() <= NEAR_AXIS * spectrum.scale {
+        return false;
+    }
+    let on_axis = Complex::new(0.0, lambda.im);
+    let mut nearest = [f64::INFINITY; MOST_COALESCING];
+    for other in &spectrum.eigenvalues {
+        let mut distance = (other - on_axis).norm() / spectrum.scale;
+        for place in &mut nearest {
+            if distance < *place {
+                std::mem::swap(place, &mut distance);
+            }
+        }
+    }
+    (3..=MOST_COALESCING).all(|m| nearest[..m].iter().product::<f64>() > SOLVER_ERROR)
 }
 
-/// The eigenvalue with a bound, as improved.
-pub(crate) fn bounded(
-    system: &SecondOrder,
-    lambda: Complex<f64>,
-    spectrum: &Spectrum,
-    work: &mut Workspace,
-) -> Result<JudgedEigenvalue, CeaError> {
-    let mut all = spectrum.eigenvalues.clone();
-    let distance = |i: &usize| (all[*i] - lambda).norm();
-    let Some(nearest) = (0..all.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
-        return Err(CeaError::NoEigenvector { lambda, residual: 1.0 });
-    };
-    all[nearest] = lambda;
-    certify_one(system, &all, nearest, work)
+/// Bounds of single eigenvalues, made ready when the first is asked for.
+pub(crate) struct Judge<'a> {
+    system: &'a SecondOrder,
+    spectrum: &'a Spectrum,
+    certifier: Option<SingleCertifier<'a>>,
+}
+
+impl<'a> Judge<'a> {
+    pub(crate) fn new(system: &'a SecondOrder, spectrum: &'a Spectrum) -> Self {
+        Self { system, spectrum, certifier: None }
+    }
+
+    /// The eigenvalue with a bound, as improved.
+    pub(crate) fn bounded(&mut self, lambda: Complex<f64>, work: &mut Workspace) -> Result<JudgedEigenvalue, CeaError> {
+        let mut all = self.spectrum.eigenvalues.clone();
+        let distance = |i: &usize| (all[*i] - lambda).norm();
+        let Some(nearest) = (0..all.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+            return Err(CeaError::NoEigenvector { lambda, residual: 1.0 });
+        };
+        all[nearest] = lambda;
+        let certifier = self.certifier.get_or_insert_with(|| SingleCertifier::new(self.system));
+        certifier.certify(&all, nearest, work)
+    }
 }
 
 #[cfg(test)]

