@@ -57,7 +57,7 @@ fn full(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Verd
 }
 
 fn of_study(outcome: &Outcome) -> Verdicts {
-    let ranks = outcome.unstable.iter().map(|mode| usize::from(mode.rank)).collect();
+    let ranks = outcome.unstable.iter().map(|mode| usize::from(mode.rank.number())).collect();
     (ranks, outcome.divergent as usize, outcome.undecided as usize)
 }
 

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::Alternative;
 use super::schema::{Draws, Law};
-use crate::study::ModeNaming;
+use crate::study::{ModeLabel, ModeNaming};
 
 /// A study, checked.
 #[derive(Debug, Clone)]
@@ -117,7 +117,7 @@ pub struct Paper {
     /// Which publication.
     pub source: String,
     /// The mode it finds most robustly unstable, in its own numbering.
-    pub mode: u16,
+    pub mode: ModeLabel,
     /// Lowest and highest natural frequency of the oscillators, Hz.
     pub natural_frequencies_oscillators: [f64; 2],
     /// Lowest and highest natural frequency of the plate, Hz.

@@ -7,7 +7,7 @@ use cea::QrSolver;
 use serde::{Deserialize, Serialize};
 
 use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Standard normal deviate of 95 %.
 const Z95: f64 = 1.96;
@@ -55,7 +55,7 @@ pub struct SceneOccurrences {
     /// How they were found.
     pub estimator: Estimator,
     /// By name of the mode; modes that are surely never unstable are not listed.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// The largest half width, without what open names leave open.
     pub half_width: f64,
     /// Systems solved, all of them.
@@ -167,7 +167,7 @@ fn by_sampling<B: UncertainBrake>(
 impl SceneOccurrences {
     fn new(
         estimator: Estimator,
-        modes: BTreeMap<u16, Estimated>,
+        modes: BTreeMap<ModeLabel, Estimated>,
         reached: f64,
         evaluations: u64,
         half_width: f64,

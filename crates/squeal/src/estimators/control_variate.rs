@@ -24,7 +24,7 @@ use super::interval::{INTERIM_LOOKS, PredictionMeans, intervals, tails};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
-use crate::study::{Scratch, Study, UncertainBrake, unstable_names};
+use crate::study::{Scratch, Study, UncertainBrake};
 
 /// Half width that the first look is sized for, as a part of the one asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
@@ -157,7 +157,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
-                stratum.enter(&self.surrogate.named(predicted), &unstable_names(&outcome?.unstable));
+                stratum.enter(&self.surrogate.named(predicted), &outcome?.unstable_names());
             }
         }
         Ok(())

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
-use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
+use crate::study::{ModeLabel, Outcome, Study, UncertainBrake};
 
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
@@ -34,7 +34,7 @@ impl Estimated {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
     /// By name of the tracked mode.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// What was computed.
     pub counters: Counters,
 }
@@ -51,7 +51,7 @@ pub fn monte_carlo<B: UncertainBrake>(
 ) -> Result<Estimates, EstimatorError> {
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let (hits, counters) = count(study, scene, draws)?;
-    let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
+    let estimated = |(name, [sure, open]): (ModeLabel, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
         let of = |hits: u64| hits as f64 / samples as f64;
@@ -81,7 +81,7 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         return Err(EstimatorError::Points { points, scramblings });
     }
     let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
-    let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
+    let mut runs: Vec<BTreeMap<ModeLabel, [u64; 2]>> = Vec::new();
     let mut counters = Counters::default();
     for scrambling in 0..scramblings {
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
@@ -89,10 +89,10 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         counters = sum(counters, computed);
         runs.push(hits);
     }
-    let names: std::collections::BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
+    let names: std::collections::BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let t = Confidence::P95.t(u64::from(scramblings - 1));
-    let estimated = |name: u16| {
-        let share = |run: &BTreeMap<u16, [u64; 2]>, open: usize| {
+    let estimated = |name: ModeLabel| {
+        let share = |run: &BTreeMap<ModeLabel, [u64; 2]>, open: usize| {
             let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
             (sure + open as u64 * maybe) as f64 / f64::from(points)
         };
@@ -108,7 +108,7 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
 }
 
 /// Sure and open hits by name.
-type HitCounts = BTreeMap<u16, [u64; 2]>;
+type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
@@ -124,7 +124,7 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in unstable_names(&outcome?.unstable) {
+            for (name, is_sure) in outcome?.unstable_names() {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }
