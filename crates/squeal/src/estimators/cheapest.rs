@@ -15,7 +15,7 @@ const Z95: f64 = 1.96;
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Samples that say how many plain ones are needed, and count for nothing else; chosen.
-const PLAIN_PILOTS: u64 = 400;
+const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
@@ -143,14 +143,14 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilots.
+/// By plain samples, as many as the occurrence nearest to one half needs by some pilot samples.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
-    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let nearest = |estimated: &Estimated| {
         let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
         0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
@@ -161,7 +161,7 @@ fn by_sampling<B: UncertainBrake>(
     // A mode that was never unstable has half of Wilson's interval for no hit.
     let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
     let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
 }
 
 impl SceneOccurrences {

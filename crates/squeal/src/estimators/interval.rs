@@ -118,7 +118,7 @@ pub(super) fn intervals(
     let [clear, uncertain] = strata;
     let names: BTreeSet<ModeLabel> =
         means.modes.keys().chain(strata.iter().flat_map(|stratum| stratum.differences.keys())).copied().collect();
-    let look = Look { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
+    let look = InterimLook { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
     ControlVariateEstimate {
         modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
         unseen: look.limits(None)[1] + look.by_student(None, 0.0, 0.0),
@@ -129,7 +129,7 @@ pub(super) fn intervals(
 }
 
 /// What one look at the counts sees.
-struct Look<'a> {
+struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
     uncertain: &'a Stratum,
@@ -138,7 +138,7 @@ struct Look<'a> {
     is_first: bool,
 }
 
-impl Look<'_> {
+impl InterimLook<'_> {
     fn estimate(&self, name: ModeLabel) -> Estimated {
         let share = self.means.uncertain.0;
         let [lower, upper] = self.means.modes.get(&name).copied().unwrap_or_default();

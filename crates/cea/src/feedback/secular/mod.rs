@@ -48,8 +48,8 @@ const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
 pub struct Gain {
     /// mu, the proportional gain; p in the equations.
     pub mu: f64,
-    /// v, what is proportional to the velocity, Ns/m.
-    pub velocity: f64,
+    /// Slope of the feedback force over the velocity, Ns/m; v in the equations.
+    pub slope: f64,
     /// What an internal state adds, N/m; 0 for none.
     pub lag: f64,
     /// Its decay rate, 1/s.
@@ -58,13 +58,13 @@ pub struct Gain {
 
 impl Gain {
     /// `v + lag / (lambda + decay)`.
-    fn slope(&self, lambda: Complex<f64>) -> Complex<f64> {
-        if self.lag == 0.0 { Complex::from(self.velocity) } else { self.velocity + self.lag / (lambda + self.decay) }
+    fn complex_slope(&self, lambda: Complex<f64>) -> Complex<f64> {
+        if self.lag == 0.0 { Complex::from(self.slope) } else { self.slope + self.lag / (lambda + self.decay) }
     }
 
     /// The feedback at an eigenvalue.
     fn at(&self, sigma: Complex<f64>) -> Point {
-        Point { sigma, mu: self.mu, slope: self.slope(sigma) }
+        Point { sigma, mu: self.mu, slope: self.complex_slope(sigma) }
     }
 
     fn in_units(&self, unit: f64) -> Self {
@@ -160,7 +160,7 @@ impl Secular {
     pub fn system(&self, gain: &Gain) -> SecondOrder {
         let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
         system.k += gain.mu * force * reading;
-        system.c += gain.velocity * force * force.transpose();
+        system.c += gain.slope * force * force.transpose();
         if gain.lag != 0.0 {
             let decay = DVector::from_element(force.ncols(), gain.decay);
             system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
