@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
 use super::enclosure::{Approximations, InternalCluster, LARGEST_TOTAL_SHARE, Wanted, enclosure};
-use super::response::characteristic;
+use super::response::{Point, characteristic};
 use super::*;
 use crate::{EigenSolver, QrSolver};
 
