@@ -48,7 +48,7 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
         for crossing in &exact.onsets.onsets {
             assert!(crossing.error < 1e-11);
             let mut real = |mu: f64| {
-                let system = family.system(mu).clone();
+                let system = family.system(mu);
                 let guess = Complex::new(0.0, crossing.omega);
                 let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
                 let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
@@ -67,7 +67,7 @@ fn derivatives_are_the_limits_of_differences() {
     let (mu, h) = (0.4, 1e-4);
     // Modes keep their order by frequency over so small a step.
     let at = |family: &mut OneParameterFamily<'_>, mu: f64| {
-        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu).clone());
+        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu));
         refine_all(&system, &lambdas).unwrap()
     };
     let (all_below, all_above) = (at(&mut family, mu - h), at(&mut family, mu + h));
