@@ -60,13 +60,8 @@ mod tests {
 
     #[test]
     fn every_count_is_summed() {
-        let one = Counters {
-            eigenvalue_solves: 1,
-            factorisations: 2,
-            eigenvectors: 3,
-            secular_values: 4,
-            continuations: 5,
-        };
+        let one =
+            Counters { eigenvalue_solves: 1, factorisations: 2, eigenvectors: 3, secular_values: 4, continuations: 5 };
         let three = Counters {
             eigenvalue_solves: 3,
             factorisations: 6,

@@ -18,6 +18,10 @@ use crate::study::{Scene, UncertainBrake};
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
+/// Probabilities of the values between the ends of the distribution at which matrices are compared with affine ones: two
+/// that no formula has in common; chosen.
+const LOWER_PROBE: f64 = 0.318_309_886;
+const UPPER_PROBE: f64 = 0.718_281_828;
 
 /// `Q_0(lambda) + mu Q_1(lambda)`, with the spectra computed so far.
 pub struct OneParameterFamily<'a> {
@@ -36,8 +40,8 @@ impl<'a> OneParameterFamily<'a> {
     /// The family of a scene.
     ///
     /// # Errors
-    /// [`EstimatorError::NotOneParameter`] for a scene whose operating points are no affine function of one parameter, or
-    /// have internal states.
+    /// [`EstimatorError::NotOneParameter`] for a scene whose systems are no affine function of one parameter, have internal
+    /// states, or do not exist at 0, 1, 2 or somewhere in the distribution.
     pub fn new<B: UncertainBrake>(
         brake: &B,
         scene: &Scene,
@@ -48,27 +52,32 @@ impl<'a> OneParameterFamily<'a> {
             return Err(EstimatorError::NotOneParameter { needed: "one uncertain parameter", found });
         };
         let of_scene = &brake.plan().brake(scene).system;
-        let at = |value: f64| -> Result<SecondOrder, EstimatorError> {
-            let point = brake.operating_point(scene, &brake.with_parameter(scene, value))?;
-            Ok(of_scene.assemble(&point).map_err(crate::Error::from)?)
+        let assembled = |value: f64| -> Result<SecondOrder, crate::Error> {
+            Ok(of_scene.assemble(&brake.operating_point(scene, &brake.with_parameter(scene, value))?)?)
+        };
+        // Some of the values lie outside of the distribution, where the brake need not exist.
+        let at = |value: f64| {
+            assembled(value).map_err(|error| EstimatorError::NotOneParameter {
+                needed: "a system at every value of the parameter",
+                found: format!("none at {value}: {error}"),
+            })
         };
         let (constant, mut linear) = (at(0.0)?, at(1.0)?);
-        let bent = at(2.0)?;
-        if constant.states() + linear.states() + bent.states() > 0 {
-            let found = "internal states".into();
-            return Err(EstimatorError::NotOneParameter { needed: "friction without internal states", found });
-        }
         linear.m -= &constant.m;
         linear.c -= &constant.c;
         linear.k -= &constant.k;
-        let pairs =
-            [(&bent.m, &constant.m, &linear.m), (&bent.c, &constant.c, &linear.c), (&bent.k, &constant.k, &linear.k)];
-        let is_affine = pairs.into_iter().all(|(bent, constant, linear)| {
-            (bent - constant - linear * 2.0).amax() <= AFFINE_ROUNDING * bent.amax().max(constant.amax())
-        });
-        if !is_affine {
-            let found = "a nonlinear dependence".into();
-            return Err(EstimatorError::NotOneParameter { needed: "matrices affine in the parameter", found });
+        let (from, to) = distribution.support();
+        // Not at whole numbers alone: a sine may vanish at all of them.
+        for value in [2.0, from, distribution.quantile(LOWER_PROBE), distribution.quantile(UPPER_PROBE), to] {
+            let found = at(value)?;
+            if constant.states() + linear.states() + found.states() > 0 {
+                let found = "internal states".into();
+                return Err(EstimatorError::NotOneParameter { needed: "friction without internal states", found });
+            }
+            if !is_affine(&constant, &linear, value, &found) {
+                let found = "a nonlinear dependence".into();
+                return Err(EstimatorError::NotOneParameter { needed: "matrices affine in the parameter", found });
+            }
         }
         let distribution = distribution.clone();
         let (order, constant, change) = (constant.order(), Arc::new(constant), Arc::new(SystemChange::linear(linear)));
@@ -109,6 +118,18 @@ impl<'a> OneParameterFamily<'a> {
     pub fn onsets(&mut self, from: f64, to: f64) -> Result<Onsets, EstimatorError> {
         find_onsets(&mut self.spectra, from, to, SMALLEST_STEP)
     }
+}
+
+/// Whether the matrices at a value are `constant + value linear`, but for rounding: that of a difference of two systems grows
+/// with the value by which it is multiplied.
+fn is_affine(constant: &SecondOrder, linear: &SecondOrder, value: f64, found: &SecondOrder) -> bool {
+    let expected = affine(constant, linear, value);
+    let parts =
+        [(&found.m, &constant.m, expected.m), (&found.c, &constant.c, expected.c), (&found.k, &constant.k, expected.k)];
+    let growth = AFFINE_ROUNDING * value.abs().max(1.0);
+    parts
+        .into_iter()
+        .all(|(found, constant, expected)| (found - expected).amax() <= growth * found.amax().max(constant.amax()))
 }
 
 /// `constant + mu linear`.

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
 };
-use crate::output::{write, write_csv};
+use crate::output::{write_csv, write_json};
 use crate::study::{PanelLabel, SceneKey, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
@@ -63,7 +63,7 @@ impl Estimates {
                 estimates.scenes[at] = Some(found);
             }
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
-                write(&dir.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
+                write_json(&dir.join(STATE), &estimates)?;
                 saved = Instant::now();
             }
         }
