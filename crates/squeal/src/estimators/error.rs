@@ -54,3 +54,17 @@ impl From<tracking::TrackingError> for EstimatorError {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracking::TrackingError;
+
+    #[test]
+    fn an_error_of_a_solver_is_none_of_tracking() {
+        let of_solver = cea::CeaError::from(linsys::LinsysError::Empty);
+        assert!(matches!(TrackingError::from(of_solver).into(), EstimatorError::Study(crate::Error::Cea(_))));
+        let unresolved = TrackingError::Unresolved { at: 0.5, spectra: 7 };
+        assert!(matches!(unresolved.into(), EstimatorError::Tracking(TrackingError::Unresolved { .. })));
+    }
+}

@@ -10,3 +10,5 @@ mod estimates;
 mod failures;
 mod memory;
 mod same_bytes;
+#[path = "../common/tables.rs"]
+mod tables;
