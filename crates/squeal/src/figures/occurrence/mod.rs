@@ -32,11 +32,11 @@ pub struct OccurrenceFigure {
 pub struct OccurrenceRow {
     /// Above the panels; may be empty.
     pub law: String,
-    /// One per number of oscillators in contact.
+    /// One per number of contacts closed.
     pub panels: Vec<OccurrencePanel>,
 }
 
-/// One number of oscillators in contact.
+/// One number of contacts closed, or a brake that has none.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrencePanel {
     /// For example "(a) nine in contact".
