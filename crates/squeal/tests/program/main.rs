@@ -12,3 +12,4 @@ mod memory;
 mod same_bytes;
 #[path = "../common/tables.rs"]
 mod tables;
+mod words;
