@@ -18,10 +18,9 @@ use crate::study::{Scene, UncertainBrake};
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
 /// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
-/// Probabilities of the values between the ends of the distribution at which matrices are compared with affine ones: two
-/// that no formula has in common; chosen.
-const LOWER_PROBE: f64 = 0.318_309_886;
-const UPPER_PROBE: f64 = 0.718_281_828;
+/// Probabilities of the values within the distribution at which matrices are compared with affine ones; chosen, so that what
+/// repeats itself over whole parts of it is seen.
+const PROBES: [f64; 2] = [0.3137, 0.7291];
 
 /// `Q_0(lambda) + mu Q_1(lambda)`, with the spectra computed so far.
 pub struct OneParameterFamily<'a> {
@@ -68,7 +67,7 @@ impl<'a> OneParameterFamily<'a> {
         linear.k -= &constant.k;
         let (from, to) = distribution.support();
         // Not at whole numbers alone: a sine may vanish at all of them.
-        for value in [2.0, from, distribution.quantile(LOWER_PROBE), distribution.quantile(UPPER_PROBE), to] {
+        for value in [2.0, from, to].into_iter().chain(PROBES.map(|u| distribution.quantile(u))) {
             let found = at(value)?;
             if constant.states() + linear.states() + found.states() > 0 {
                 let found = "internal states".into();
