@@ -25,10 +25,10 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
     for scene in 0..brake.plan.scenes.len() {
         let exact = exact_of(&study, scene);
         assert!(exact.onsets.onsets.len() >= 4 && exact.onsets.unresolved.is_empty());
-        let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[scene], &QrSolver).unwrap();
+        let family = OneParameterFamily::new(&brake, &brake.plan.scenes[scene], &QrSolver).unwrap();
         for crossing in &exact.onsets.onsets {
             assert!(crossing.error < 1e-11);
-            let mut real = |mu: f64| {
+            let real = |mu: f64| {
                 let system = family.system(mu);
                 let guess = Complex::new(0.0, crossing.omega);
                 let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
