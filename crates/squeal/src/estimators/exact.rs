@@ -1,8 +1,8 @@
 //! The exact integral: occurrences without sampling.
 //!
-//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable
-//! is the probability of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of what the root search leaves open, of the steps it could not resolve
-//! and of the tails that were cut off.
+//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable is the probability
+//! of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of
+//! what the root search leaves open, of the steps it could not resolve and of the tails that were cut off.
 
 use cea::Counters;
 use num_complex::Complex;

@@ -173,13 +173,16 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// What a panel is called in tables and claims.
+    /// What a panel is called in claims and summaries; of a brake without contacts their number is left out.
     pub fn describe(&self, panel: &Panel) -> String {
         let labels = &self.plan.labels;
         let speed = panel.key.speed.map_or("all speeds", |range| &labels.speeds[range].name);
-        let number = labels.panels[panel.key.panel].in_contact;
+        let contacts = match labels.panels[panel.key.panel].in_contact {
+            0 => String::new(),
+            number => format!("{number} in contact, "),
+        };
         let (constraints, law) = (&labels.constraints[panel.key.constraints], &labels.laws[panel.key.law].name);
-        format!("{constraints}, {law}, {number} in contact, {speed}")
+        format!("{constraints}, {law}, {contacts}{speed}")
     }
 }
 

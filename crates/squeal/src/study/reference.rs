@@ -1,6 +1,6 @@
 //! Reference modes: what a mode is called in each scene.
 //!
-//! A tracked mode is named by its frequency rank at the [`Origin`] of its configuration: for a lattice every oscillator in
+//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
 //! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
 //! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
@@ -8,8 +8,9 @@
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
+use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, identify};
@@ -61,9 +62,9 @@ impl Reference {
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
-        let mut all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
-        all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
-        let (modes, names) = all.into_iter().unzip();
+        let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
+        let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
+        let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
         Self { system, modes, names }
     }
 
