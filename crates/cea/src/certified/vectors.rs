@@ -166,15 +166,15 @@ fn update<const COLUMNS: usize, S: Simd>(
         return;
     }
     let mut upper = [[[0.0; 2]; COLUMNS]; PANEL];
-    for column in 0..COLUMNS {
-        let first = column * n;
+    for (column, (re, im)) in re.chunks_exact_mut(n).zip(im.chunks_exact_mut(n)).enumerate() {
         for p in start..end {
-            let (ur, ui) = (re[first + p], im[first + p]);
+            let (ur, ui) = (re[p], im[p]);
             upper[p - start][column] = [ur, ui];
+            let left = (p - start) * n;
             for i in p + 1..end {
-                let (lr, li) = (panel_re[(p - start) * n + i], panel_im[(p - start) * n + i]);
-                re[first + i] -= lr * ur - li * ui;
-                im[first + i] -= lr * ui + li * ur;
+                let (lr, li) = (panel_re[left + i], panel_im[left + i]);
+                re[i] -= lr * ur - li * ui;
+                im[i] -= lr * ui + li * ur;
             }
         }
     }
