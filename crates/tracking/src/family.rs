@@ -1,4 +1,4 @@
-//! Systems over one real parameter that a function makes: their onsets and their root locus.
+//! Onsets and root locus of the systems that a function makes from one real parameter.
 
 use std::collections::BTreeMap;
 
@@ -11,21 +11,22 @@ use crate::branch::{BranchPoint, Branches, RefinedPoint};
 use crate::locus::{RootLocus, root_locus};
 use crate::onset::{Onsets, find_onsets};
 
-/// Spectra after which branches count as unresolvable; chosen.
+/// Most spectra computed on one interval; chosen.
 const MOST_SPECTRA: usize = 20_000;
-/// Half of the difference from which derivatives by the parameter are taken, as a part of the interval: squared it is near
-/// machine epsilon over itself.
+/// Step h of the central difference (Q(p + h) - Q(p - h)) / 2 h, as a part of the interval; chosen near the cube root of machine
+/// epsilon, where the truncation error h^2 and the rounding error epsilon / h are about equal.
 const PARAMETER_DIFFERENCE: f64 = 1e-5;
-/// Shortest step, as a part of the interval; chosen: derivatives by differences tell branches apart down to there.
+/// Shortest step, as a part of the interval; chosen: with derivatives by differences, shorter steps tell no more branches apart.
 const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
+/// Bound of the rounding error of one evaluation of `Q(lambda) phi`, in units of epsilon times the norms of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
-/// Every onset from one parameter to another: where, how fast and which way an eigenvalue of `system` crosses the imaginary
-/// axis. Steps of 1e-9 of the interval in which a mode only touches the axis are listed as unresolved.
+/// Every onset between two values of the parameter: the parameter, the frequency and the direction in which an eigenvalue of
+/// `system` crosses the imaginary axis. Steps of 1e-9 of the interval in which a mode only touches the axis are listed as
+/// unresolved.
 ///
-/// All modes must oscillate in all of the interval, and those that do not grow must decay: on the axis, as those of undamped
-/// systems, there is no onset to find.
+/// All modes must oscillate in the whole interval. An eigenvalue must not stay on the imaginary axis, as those of undamped
+/// systems do: it has no onset.
 ///
 /// ```
 /// use linsys::SecondOrder;
@@ -54,10 +55,10 @@ pub fn onsets<E: From<TrackingError>>(
     find_onsets(&mut family, from, to, SHORTEST_PARAMETER_STEP * (to - from))
 }
 
-/// The root locus of `system` from one parameter to another: each branch as far as it is known to be one, and where branches
-/// may have been exchanged.
+/// The root locus of `system` between two values of the parameter: branches as far as their links are clear, and the steps in
+/// which branches may have been exchanged.
 ///
-/// All modes must oscillate in all of the interval.
+/// All modes must oscillate in the whole interval.
 ///
 /// # Errors
 /// As [`onsets`].
@@ -75,7 +76,7 @@ struct SystemFamily<F> {
     system: F,
     interval: [f64; 2],
     spectra: BTreeMap<OrderedParameter, SpectrumOfFamily>,
-    /// Oscillating modes at the first parameter asked for.
+    /// Number of oscillating modes at the first parameter asked for.
     modes: Option<usize>,
     work: Workspace,
 }
@@ -83,13 +84,13 @@ struct SystemFamily<F> {
 /// All modes at one parameter.
 struct SpectrumOfFamily {
     system: SecondOrder,
-    /// The systems a little below and above, and their distance.
+    /// The systems at the two parameters of the central difference, and the distance of these parameters.
     neighbours: ([SecondOrder; 2], f64),
     lambdas: Vec<Complex<f64>>,
     rates: Vec<Option<Complex<f64>>>,
 }
 
-/// Parameters, which are never NaN, in their order.
+/// A parameter, never NaN, as an ordered key of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct OrderedParameter(f64);
 
@@ -112,7 +113,7 @@ impl<F> SystemFamily<F> {
         Self { system, interval: [from, to], spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
     }
 
-    /// The spectrum at a parameter, computed where it is asked for the first time.
+    /// The spectrum at a parameter, computed when it is asked for the first time.
     fn spectrum<E>(&mut self, at: f64) -> Result<&mut SpectrumOfFamily, E>
     where
         F: FnMut(f64) -> Result<SecondOrder, E>,
@@ -129,7 +130,7 @@ impl<F> SystemFamily<F> {
             if lambdas.len() != expected {
                 return Err(TrackingError::ModeCount { at, found: lambdas.len(), expected }.into());
             }
-            // The function need not be defined outside of the interval.
+            // The function need not be defined outside the interval.
             let [from, to] = self.interval;
             let step = PARAMETER_DIFFERENCE * (to - from);
             let (below, above) = ((at - step).max(from), (at + step).min(to));
@@ -147,7 +148,8 @@ fn oscillatory(system: &SecondOrder, work: &mut Workspace) -> Result<Vec<Complex
 }
 
 impl SpectrumOfFamily {
-    /// An eigenvalue refined by its vectors, with `lambda' = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964).
+    /// An eigenvalue refined by its vectors x and y, and `d lambda / d p = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer.
+    /// Math. 6, 1964).
     fn refined(&self, lambda: Complex<f64>, work: &mut Workspace) -> Result<RefinedPoint, CeaError> {
         let system = &self.system;
         let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);

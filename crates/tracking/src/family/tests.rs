@@ -1,4 +1,5 @@
-//! Against closed forms: a flutter oscillator with two degrees of freedom, and modes that cross without coalescing.
+//! Onsets and branches against closed forms: a flutter oscillator with two degrees of freedom, and modes that cross without
+//! coalescing.
 
 use super::*;
 use crate::branch::follow_branch;
@@ -85,7 +86,7 @@ fn a_branch_is_followed_to_one_end_and_past_a_coalescence_to_both() {
     let follow = |family: &mut dyn Branches<Error = TrackingError>, index: usize, [a, b]: [f64; 2]| {
         follow_branch(family, a, index, b, 1e-9).unwrap().into_iter().collect::<Vec<_>>()
     };
-    // The two change their order by frequency.
+    // The two modes change their order by frequency.
     let mut family = SystemFamily::new(crossing, -1.0, 1.0);
     for ends in [[-1.0, 1.0], [1.0, -1.0]] {
         assert_eq!([0, 1].map(|index| follow(&mut family, index, ends)), [[1], [0]]);
