@@ -1,6 +1,6 @@
-//! What belongs to one thread of work, and the count of what it computed.
+//! Scratch memory and counters of one thread.
 
-/// Counts what was computed, so that a test can pin the price of a scene.
+/// Numbers of computations, so that a test can fix the cost of an analysis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Whole spectra computed.
@@ -11,14 +11,14 @@ pub struct Counters {
     pub eigenvectors: u64,
     /// Values of secular equations.
     pub secular_values: u64,
-    /// Modes that had to be followed by continuation, because MAC alone left a doubt.
+    /// Modes that were followed by continuation, because MAC left a doubt.
     pub continuations: u64,
 }
 
-/// What belongs to one thread of work: counters now, scratch memory where a solver wants it.
+/// Counters and scratch memory of one thread.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    /// What was computed so far.
+    /// Computations so far.
     pub counters: Counters,
     /// Memory of the batched solver, kept between batches.
     pub(crate) scratch: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The search itself: from guesses of all modes to bounds that say which of them grow, certified up to rounding.
+//! The search: from guesses of all eigenvalues to error bounds that tell which modes grow, certified up to rounding.
 
 use num_complex::Complex;
 
@@ -7,14 +7,14 @@ use super::response::{Point, characteristic};
 use super::{Anchors, Gain, Growing, LeftOpen, Resolvent};
 use crate::{Workspace, by_frequency};
 
-/// Rounds of corrections before a search is given up.
+/// Most rounds of corrections; chosen.
 const MOST_ROUNDS: usize = 24;
-/// A mode is corrected while its share of the bound is larger than this part of an even one.
+/// A guess is corrected while its share of the total is larger than this part of the mean share; chosen.
 const CORRECTED_SHARE: f64 = 0.2;
-/// Relative correction of a mode that is looked for, below which it counts as converged: the next one of a secant method is
-/// rounding.
+/// Relative correction of a wanted mode at or below which it counts as converged; chosen: the next correction of the secant
+/// method would be rounding.
 const CONVERGED_CORRECTION: f64 = 1e-9;
-/// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
+/// Distance from the axis, in the resolvent's unit, at or below which rounding errors leave an eigenvalue's side open; chosen.
 const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
 /// The search at one gain.
@@ -23,24 +23,24 @@ struct Search {
     gain: Gain,
     apart_from: Vec<f64>,
     approximations: Approximations,
-    /// The characteristic polynomial at each guess, and the product of its distances from the others.
+    /// The characteristic polynomial at each guess, and the product of the differences from all other guesses.
     values: Vec<Complex<f64>>,
     others: Vec<Complex<f64>>,
     corrections: Vec<Complex<f64>>,
-    /// The corrections of internal states: where, and how large with all they stand for.
+    /// Guesses of internal states with Im >= 0, each with the size of its correction times the number of guesses it stands for.
     internal: Vec<(Complex<f64>, f64)>,
     stage: SearchStage,
 }
 
 enum SearchStage {
-    /// Guesses of these modes are to be corrected.
+    /// The polynomial is to be evaluated at the guesses of these modes.
     Enclose(Vec<usize>),
-    /// All eigenvalues are enclosed; those wanted are refined in their discs.
+    /// All eigenvalues are enclosed; the wanted ones are refined within their discs.
     Refine(Enclosure, Vec<Secant>),
     GivenUp,
 }
 
-/// The zero of a function next to two points.
+/// The secant method for one wanted mode: the last point with the function there, and the next point.
 struct Secant {
     mode: usize,
     before: (Complex<f64>, Complex<f64>),
@@ -48,7 +48,8 @@ struct Secant {
     is_converged: bool,
 }
 
-/// The modes with each of the gains, those wanted found and the others apart from some frequencies, rad/s.
+/// The modes with each of the gains: the wanted modes to rounding accuracy, the others with error bounds that exclude the
+/// frequencies, rad/s, given with the gain.
 pub(super) fn search(
     resolvent: &Resolvent,
     anchors: &Anchors,
@@ -69,7 +70,7 @@ pub(super) fn search(
         for search in searches.iter().flatten() {
             search.ask(round == 0, resolvent.ports, &mut points);
         }
-        // Without modes that feedback moves there is nothing to ask.
+        // A first round without points happens where feedback moves no mode; it still encloses.
         if points.is_empty() && round > 0 {
             break;
         }
@@ -102,7 +103,7 @@ impl Search {
         }
     }
 
-    /// Where the polynomial is to be evaluated.
+    /// Appends the points at which this search needs the polynomial.
     fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
         match &self.stage {
             SearchStage::Enclose(modes) => {
@@ -119,6 +120,7 @@ impl Search {
         }
     }
 
+    /// Takes the values at the points that [`Search::ask`] appended.
     fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
         match &mut self.stage {
             SearchStage::Enclose(modes) => {
@@ -148,7 +150,7 @@ impl Search {
         }
     }
 
-    /// Encloses the eigenvalues, or corrects those guesses that are not good enough for it.
+    /// Goes on to refinement where the eigenvalues are enclosed; otherwise corrects the guesses with large shares.
     fn enclose(&mut self, ports: usize) {
         let sigmas = &self.approximations.sigmas;
         for (i, correction) in self.corrections.iter_mut().enumerate() {
