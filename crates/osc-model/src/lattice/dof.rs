@@ -21,7 +21,7 @@ impl Axis {
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 }
 
-/// What moves.
+/// A body of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LatticeBody {
     /// An oscillator by its index, from 0.
@@ -44,17 +44,17 @@ pub enum LatticeBody {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Dof {
-    /// Its direction.
+    /// The direction.
     pub axis: Axis,
-    /// Whose it is.
+    /// The body that moves.
     pub body: LatticeBody,
 }
 
 impl Dof {
-    /// Its place in `u = [x1 y1 z1 x2 ... xp yp zp]` of a lattice with `oscillators` oscillators, from 0.
+    /// Index, from 0, in `u = [x1 y1 z1 x2 ... xp yp zp]` of a lattice with `oscillators` oscillators.
     ///
     /// # Errors
-    /// An oscillator that is not there.
+    /// An oscillator that does not exist.
     pub fn index(self, oscillators: usize) -> Result<usize, OscModelError> {
         let body = match self.body {
             LatticeBody::Oscillator(i) if i < oscillators => i,
@@ -64,7 +64,7 @@ impl Dof {
         Ok(3 * body + self.axis as usize)
     }
 
-    /// The degree of freedom at a place in u of a lattice with `oscillators` oscillators; `None` past the last.
+    /// The degree of freedom with this index in u of a lattice with `oscillators` oscillators; `None` past the last.
     pub fn at(index: usize, oscillators: usize) -> Option<Self> {
         let body = match index / 3 {
             i if i < oscillators => LatticeBody::Oscillator(i),
@@ -108,7 +108,7 @@ impl FromStr for Dof {
         };
         let body = match characters.as_str() {
             "p" => LatticeBody::Plate,
-            // `parse` alone would take a sign.
+            // `parse` alone would accept a sign.
             digits if digits.starts_with(|c: char| c.is_ascii_digit()) => {
                 let number: usize = digits.parse().map_err(|_| refused())?;
                 LatticeBody::Oscillator(number.checked_sub(1).ok_or_else(refused)?)
