@@ -7,6 +7,9 @@
 
 use std::collections::BTreeSet;
 
+use cea::{CeaError, Workspace, left_vector, right_vector};
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use crate::step_control::PredictorErrors;
@@ -20,6 +23,8 @@ const CLEAR_LINK_ERROR: f64 = 0.25;
 const COMPARED_EIGENVALUES: usize = 4;
 /// Number of steps that an interval is divided into before any step is halved; chosen.
 const FIRST_STEPS: usize = 16;
+/// Bound of the rounding error of one evaluation of `Q(lambda) x`, in units of epsilon times the norms of its terms; chosen.
+const ROUNDINGS: f64 = 8.0;
 
 /// An eigenvalue and its derivative by the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +44,51 @@ pub struct RefinedPoint {
     pub rate: Complex<f64>,
     /// Bound of the error of lambda by rounding, rad/s.
     pub bound: f64,
+}
+
+impl RefinedPoint {
+    /// The eigenvalue of `system` next to `lambda`, refined by its vectors x and y, with
+    /// `d lambda / d p = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964); `derivative` is d Q / d p at `lambda`,
+    /// n x n.
+    ///
+    /// # Errors
+    /// Those of [`right_vector`].
+    pub fn new(
+        system: &SecondOrder,
+        derivative: &DMatrix<Complex<f64>>,
+        lambda: Complex<f64>,
+        work: &mut Workspace,
+    ) -> Result<Self, CeaError> {
+        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
+        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
+        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
+        let (l, internal) = (lambda.norm(), &system.internal);
+        let states = internal.drive.norm() * internal.force.norm();
+        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
+        Ok(Self {
+            lambda: lambda - residual / slope,
+            rate: -left.dotc(&(derivative * &right)) / slope,
+            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
+        })
+    }
+}
+
+/// A parameter, never NaN, as an ordered key of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrderedParameter(pub f64);
+
+impl Eq for OrderedParameter {}
+
+impl PartialOrd for OrderedParameter {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for OrderedParameter {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
 }
 
 /// The eigenvalues of systems with one real parameter, computed where they are asked for and kept.

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Workspace, left_vector, right_vector};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint};
+use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 use crate::locus::{RootLocus, root_locus};
 use crate::onset::{Onsets, find_onsets};
 
@@ -18,8 +18,6 @@ const MOST_SPECTRA: usize = 20_000;
 const PARAMETER_DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a part of the interval; chosen: with derivatives by differences, shorter steps tell no more branches apart.
 const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
-/// Bound of the rounding error of one evaluation of `Q(lambda) phi`, in units of epsilon times the norms of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
 
 /// Every onset between two values of the parameter: the parameter, the frequency and the direction in which an eigenvalue of
 /// `system` crosses the imaginary axis. Steps of 1e-9 of the interval in which a mode only touches the axis are listed as
@@ -90,24 +88,6 @@ struct SpectrumOfFamily {
     rates: Vec<Option<Complex<f64>>>,
 }
 
-/// A parameter, never NaN, as an ordered key of a map.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OrderedParameter(f64);
-
-impl Eq for OrderedParameter {}
-
-impl PartialOrd for OrderedParameter {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for OrderedParameter {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
 impl<F> SystemFamily<F> {
     fn new(system: F, from: f64, to: f64) -> Self {
         Self { system, interval: [from, to], spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
@@ -148,24 +128,10 @@ fn oscillatory(system: &SecondOrder, work: &mut Workspace) -> Result<Vec<Complex
 }
 
 impl SpectrumOfFamily {
-    /// An eigenvalue refined by its vectors x and y, and `d lambda / d p = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer.
-    /// Math. 6, 1964).
     fn refined(&self, lambda: Complex<f64>, work: &mut Workspace) -> Result<RefinedPoint, CeaError> {
-        let system = &self.system;
-        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
-        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
-        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
         let ([below, above], distance) = &self.neighbours;
-        let change = (above.dynamic_stiffness(lambda) - below.dynamic_stiffness(lambda)) * &right;
-        let by_parameter = left.dotc(&change) / *distance;
-        let (l, internal) = (lambda.norm(), &system.internal);
-        let states = internal.drive.norm() * internal.force.norm();
-        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
-        Ok(RefinedPoint {
-            lambda: lambda - residual / slope,
-            rate: -by_parameter / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
+        let change = above.dynamic_stiffness(lambda) - below.dynamic_stiffness(lambda);
+        RefinedPoint::new(&self.system, &change.unscale(*distance), lambda, work)
     }
 }
 

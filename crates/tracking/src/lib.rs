@@ -74,7 +74,7 @@ mod path;
 mod step_control;
 mod subdivision;
 
-pub use branch::{BranchLink, BranchPoint, Branches, RefinedPoint, follow_branch, link, link_error};
+pub use branch::{BranchLink, BranchPoint, Branches, OrderedParameter, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;
 pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};

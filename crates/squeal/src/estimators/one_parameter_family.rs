@@ -1,29 +1,25 @@
 //! A family of systems with one parameter, such as shared Coulomb friction with its coefficient mu.
 //!
 //! Where all matrices are affine in the parameter, `Q(lambda) = Q_0(lambda) + mu Q_1(lambda)`, the eigenvalues are analytic
-//! functions of mu but where two of them coalesce. The derivative of an eigenvalue,
-//! `lambda' = -(psi^H Q_1 phi) / (psi^H Q'(lambda) phi)` (Lancaster, Numer. Math. 6, 1964), is computed where it is asked
-//! for.
+//! functions of mu except where two of them coalesce.
 
 use std::collections::BTreeMap;
 
-use cea::{Counters, EigenSolver, Workspace, left_vector, right_vector};
+use cea::{Counters, EigenSolver, Workspace};
 use linsys::SecondOrder;
 use montecarlo::Distribution;
 use num_complex::Complex;
-use tracking::{BranchPoint, Branches, Onsets, RefinedPoint, find_onsets};
+use tracking::{BranchPoint, Branches, Onsets, OrderedParameter, RefinedPoint, TrackingError, find_onsets};
 
 use super::EstimatorError;
 use crate::study::{Scene, UncertainBrake};
 
-/// Spectra after which branches count as unresolvable; chosen.
+/// Most spectra computed for one family; chosen.
 const MOST_SPECTRA: usize = 20_000;
-/// Shortest step in mu: what is still open there stays open; chosen.
+/// Shortest step in mu; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
-
-/// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
+/// Largest deviation of matrices from an affine function of the parameter, relative to their largest entry; chosen: rounding
+/// errors of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
 
 /// `Q_0(lambda) + mu Q_1(lambda)`.
@@ -33,7 +29,7 @@ pub struct OneParameterFamily<'a> {
     distribution: Distribution,
     constant: SecondOrder,
     linear: SecondOrder,
-    spectra: BTreeMap<Coefficient, BranchSpectrum>,
+    spectra: BTreeMap<OrderedParameter, BranchSpectrum>,
     work: Workspace,
 }
 
@@ -44,30 +40,12 @@ struct BranchSpectrum {
     rates: Vec<Option<Complex<f64>>>,
 }
 
-/// Friction coefficients, which are never NaN, in their order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Coefficient(f64);
-
-impl Eq for Coefficient {}
-
-impl PartialOrd for Coefficient {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Coefficient {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
 impl<'a> OneParameterFamily<'a> {
     /// The family of a scene.
     ///
     /// # Errors
-    /// [`EstimatorError::NotOneParameter`] for a scene whose operating points are no affine function of one parameter, or
-    /// have internal states.
+    /// [`EstimatorError::NotOneParameter`] for a scene whose operating points have internal states or are not an affine function
+    /// of one parameter.
     pub fn new<B: UncertainBrake>(
         brake: &B,
         scene: &Scene,
@@ -124,7 +102,7 @@ impl<'a> OneParameterFamily<'a> {
         &self.linear
     }
 
-    /// What was computed so far.
+    /// Numbers of computations so far.
     pub fn counters(&self) -> Counters {
         self.work.counters
     }
@@ -132,17 +110,17 @@ impl<'a> OneParameterFamily<'a> {
     /// Every onset between two coefficients.
     ///
     /// # Errors
-    /// Those of the spectra; [`EstimatorError::Unresolved`], and [`TrackingError`](tracking::TrackingError) where the onsets
-    /// contradict the spectra.
+    /// Those of [`Branches::lambdas`], and [`TrackingError`] where the onsets contradict the spectra.
     pub fn onsets(&mut self, from: f64, to: f64) -> Result<Onsets, EstimatorError> {
         find_onsets(self, from, to, SMALLEST_STEP)
     }
 
-    /// The spectrum at `mu`, computed where it is asked for the first time.
-    fn spectrum(&mut self, mu: f64) -> Result<&BranchSpectrum, EstimatorError> {
-        if !self.spectra.contains_key(&Coefficient(mu)) {
+    /// The spectrum at `mu`, computed when it is asked for the first time.
+    fn spectrum(&mut self, mu: f64) -> Result<&mut BranchSpectrum, EstimatorError> {
+        let unresolved = TrackingError::Unresolved { at: mu, spectra: self.spectra.len() };
+        if !self.spectra.contains_key(&OrderedParameter(mu)) {
             if self.spectra.len() >= MOST_SPECTRA {
-                return Err(EstimatorError::Unresolved { mu, spectra: self.spectra.len() });
+                return Err(unresolved.into());
             }
             self.system(mu);
             let spectrum = self.solver.eigenvalues(&self.system, &mut self.work)?;
@@ -151,9 +129,9 @@ impl<'a> OneParameterFamily<'a> {
                 return Err(EstimatorError::NotOscillating { mu, real: spectrum.real().count() });
             }
             let rates = vec![None; lambdas.len()];
-            self.spectra.insert(Coefficient(mu), BranchSpectrum { lambdas, rates });
+            self.spectra.insert(OrderedParameter(mu), BranchSpectrum { lambdas, rates });
         }
-        self.spectra.get(&Coefficient(mu)).ok_or(EstimatorError::Unresolved { mu, spectra: self.spectra.len() })
+        Ok(self.spectra.get_mut(&OrderedParameter(mu)).ok_or(unresolved)?)
     }
 }
 
@@ -161,7 +139,7 @@ impl Branches for OneParameterFamily<'_> {
     type Error = EstimatorError;
 
     /// # Errors
-    /// Those of the solver; [`EstimatorError::NotOscillating`], [`EstimatorError::Unresolved`].
+    /// Those of the solver; [`EstimatorError::NotOscillating`], [`TrackingError::Unresolved`].
     fn lambdas(&mut self, mu: f64) -> Result<&[Complex<f64>], EstimatorError> {
         Ok(&self.spectrum(mu)?.lambdas)
     }
@@ -173,29 +151,16 @@ impl Branches for OneParameterFamily<'_> {
             return Ok(BranchPoint { lambda, rate });
         }
         let rate = self.refined(mu, lambda)?.rate;
-        if let Some(spectrum) = self.spectra.get_mut(&Coefficient(mu)) {
-            spectrum.rates[index] = Some(rate);
-        }
+        self.spectrum(mu)?.rates[index] = Some(rate);
         Ok(BranchPoint { lambda, rate })
     }
 
     fn refined(&mut self, mu: f64, lambda: Complex<f64>) -> Result<RefinedPoint, EstimatorError> {
         self.system(mu);
-        let right = right_vector(&self.system, lambda, &mut self.work)?;
-        let left = left_vector(&self.system, lambda, &mut self.work)?;
-        let slope = left.dotc(&(self.system.dynamic_stiffness_derivative(lambda) * &right));
-        let by_mu = left.dotc(&(self.linear.dynamic_stiffness(lambda) * &right));
-        let residual = left.dotc(&(self.system.dynamic_stiffness(lambda) * &right));
-        let l = lambda.norm();
-        let size = l * l * self.system.m.norm() + l * self.system.c.norm() + self.system.k.norm();
-        Ok(RefinedPoint {
-            lambda: lambda - residual / slope,
-            rate: -by_mu / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
+        Ok(RefinedPoint::new(&self.system, &self.linear.dynamic_stiffness(lambda), lambda, &mut self.work)?)
     }
 
     fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
+        self.spectra.range(OrderedParameter(from)..=OrderedParameter(to)).map(|(mu, _)| mu.0).collect()
     }
 }

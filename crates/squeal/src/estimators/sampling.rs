@@ -6,24 +6,24 @@ use cea::Counters;
 use montecarlo::{Confidence, Experiment as _, wilson};
 use serde::{Deserialize, Serialize};
 
-use super::friction_points::sobol_sample;
+use super::friction_points::{check_points, sobol_sample};
 use super::{EstimatorError, OccurrenceBounds};
-use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
+use crate::study::{Outcome, Scratch, Study, UncertainBrake, unstable_names};
 
-/// Samples handed to the solver together: some times its eight lanes; chosen.
+/// Number of samples solved together; chosen, eight times the number of lanes of the batched solver.
 const SAMPLES_PER_BLOCK: usize = 64;
 
-/// An occurrence with what its estimator knows of its error.
+/// An estimated occurrence with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
     /// The estimate.
     pub occurrence: OccurrenceBounds,
-    /// Half width of its 95 % confidence interval, with what open names leave open.
+    /// Half width of the 95 % confidence interval, including the part that is due to open names.
     pub half_width: f64,
 }
 
 impl Estimated {
-    /// The half width without what open names leave open: more samples do not close that.
+    /// The half width without the part that is due to open names: more samples do not reduce that.
     #[must_use]
     pub fn closed_half_width(&self) -> f64 {
         self.half_width - 0.5 * (self.occurrence.upper - self.occurrence.lower)
@@ -33,13 +33,13 @@ impl Estimated {
 /// Estimates for the modes that were unstable in any sample, by name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
-    /// By name of the tracked mode.
+    /// Occurrences by name of the tracked mode.
     pub modes: BTreeMap<u16, Estimated>,
-    /// What was computed.
+    /// Numbers of computations.
     pub counters: Counters,
 }
 
-/// Plain Monte Carlo: the study's own samples, with Wilson's interval.
+/// Plain Monte Carlo with the samples of the study, and Wilson's interval.
 ///
 /// # Errors
 /// A sample that cannot be solved.
@@ -50,7 +50,8 @@ pub fn monte_carlo<B: UncertainBrake>(
     samples: u64,
 ) -> Result<Estimates, EstimatorError> {
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
-    let (hits, counters) = count(study, scene, draws)?;
+    let mut scratch = Scratch::default();
+    let hits = count(study, scene, draws, &mut scratch)?;
     let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
@@ -59,14 +60,14 @@ pub fn monte_carlo<B: UncertainBrake>(
         Ok((name, Estimated { occurrence, half_width: 0.5 * (upper - lower) }))
     };
     let modes = hits.into_iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
-    Ok(Estimates { modes, counters })
+    Ok(Estimates { modes, counters: scratch.counters() })
 }
 
 /// Quasi-Monte Carlo: the first `points` of the Sobol sequence under each of `scramblings` independent Owen scramblings,
 /// through the quantile functions of the parameters (Owen, J. Complexity 14, 1998; Burley, J. Comput. Graph. Tech. 9,
-/// 2020). The scatter of the scramblings, with Student's t, is the error estimate; it takes two or more.
+/// 2020). The interval follows from the scatter of the scramblings, at least two, by Student's t.
 ///
-/// The sequence has 2^16 points; take a power of two. One draw is shared by all contacts.
+/// `points` is at most 2^16 and should be a power of two. One draw must be shared by all contacts.
 ///
 /// # Errors
 /// Separate draws, no points or too many of them, fewer than two scramblings; a sample that cannot be solved.
@@ -77,22 +78,18 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
     points: u32,
     scramblings: u32,
 ) -> Result<Estimates, EstimatorError> {
-    if points == 0 || points > 1 << 16 || scramblings < 2 {
-        return Err(EstimatorError::Points { points, scramblings });
-    }
+    check_points(points, scramblings)?;
     let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
-    let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
-    let mut counters = Counters::default();
+    let mut runs: Vec<HitCounts> = Vec::new();
+    let mut scratch = Scratch::default();
     for scrambling in 0..scramblings {
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
-        let (hits, computed) = count(study, scene, samples)?;
-        counters = sum(counters, computed);
-        runs.push(hits);
+        runs.push(count(study, scene, samples, &mut scratch)?);
     }
     let names: std::collections::BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let t = Confidence::P95.t(u64::from(scramblings - 1));
     let estimated = |name: u16| {
-        let share = |run: &BTreeMap<u16, [u64; 2]>, open: usize| {
+        let share = |run: &HitCounts, open: usize| {
             let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
             (sure + open as u64 * maybe) as f64 / f64::from(points)
         };
@@ -104,40 +101,30 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         let half_width = t * (variance / f64::from(scramblings)).sqrt() + 0.5 * (occurrence.upper - occurrence.lower);
         (name, Estimated { occurrence, half_width })
     };
-    Ok(Estimates { modes: names.into_iter().map(estimated).collect(), counters })
+    Ok(Estimates { modes: names.into_iter().map(estimated).collect(), counters: scratch.counters() })
 }
 
-/// Sure and open hits by name.
+/// Numbers of certain and of ambiguous hits by name.
 type HitCounts = BTreeMap<u16, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     samples: impl Iterator<Item = Result<B::Sample, EstimatorError>>,
-) -> Result<(HitCounts, Counters), EstimatorError> {
+    scratch: &mut Scratch,
+) -> Result<HitCounts, EstimatorError> {
     let mut hits = HitCounts::new();
-    let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
     while samples.peek().is_some() {
         let block: Vec<B::Sample> = samples.by_ref().take(SAMPLES_PER_BLOCK).collect::<Result<_, _>>()?;
         outcomes.clear();
-        study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
+        study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
             for (name, is_sure) in unstable_names(&outcome?.unstable) {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }
     }
-    Ok((hits, scratch.counters()))
-}
-
-fn sum(a: Counters, b: Counters) -> Counters {
-    Counters {
-        eigenvalue_solves: a.eigenvalue_solves + b.eigenvalue_solves,
-        factorisations: a.factorisations + b.factorisations,
-        eigenvectors: a.eigenvectors + b.eigenvectors,
-        secular_values: a.secular_values + b.secular_values,
-        continuations: a.continuations + b.continuations,
-    }
+    Ok(hits)
 }
