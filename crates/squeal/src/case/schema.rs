@@ -1,4 +1,4 @@
-//! The fields of a case file, as they stand in it. docs/case-files.md is their description for people.
+//! The fields of a case file with a lattice. docs/case-files.md describes them.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +31,7 @@ pub(super) struct BrakeTable {
     pub _kind: Option<LatticeKind>,
 }
 
-/// `kind = "lattice"`, which needs not be said.
+/// `kind = "lattice"`, which may be left out.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LatticeKind {
@@ -58,7 +58,7 @@ pub enum Law {
     /// Bristles: one internal state per contact.
     #[serde(rename = "lugre")]
     LuGre,
-    /// LuGre's steady curve without its bristles.
+    /// The steady curve of LuGre without bristles.
     Stribeck,
 }
 
@@ -66,7 +66,7 @@ impl Law {
     /// All laws.
     pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
 
-    /// Its name, as in a case file.
+    /// Name of the law in a case file.
     pub fn name(self) -> &'static str {
         match self {
             Self::AmontonsCoulomb => "amontons-coulomb",
@@ -76,7 +76,7 @@ impl Law {
         }
     }
 
-    /// Its name, as in a heading.
+    /// Name of the law in a heading.
     pub fn title(self) -> &'static str {
         match self {
             Self::AmontonsCoulomb => "Amontons-Coulomb",
@@ -93,7 +93,7 @@ impl std::fmt::Display for Law {
     }
 }
 
-/// One value for all, a value each, or walls and inner springs of each chain.
+/// One value for all, one value for each, or the values of outer and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {
@@ -186,11 +186,11 @@ pub(super) enum LateralEntry {
     Vector,
 }
 
-/// Friction parameters of the oscillators in one sample.
+/// How the friction parameters of a sample are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Draws {
-    /// One draw, the same for all: the lattice keeps its symmetry.
+    /// One draw for all oscillators, so that the lattice keeps its symmetry.
     Shared,
     /// A draw for each oscillator.
     Each,
