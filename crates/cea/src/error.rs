@@ -59,12 +59,4 @@ pub enum CeaError {
         /// Its internal states.
         states: usize,
     },
-    /// Two sets of modes that should correspond differ in number.
-    #[error("{left} modes cannot be matched to {right}")]
-    ModeCount {
-        /// Modes on one side.
-        left: usize,
-        /// Modes on the other.
-        right: usize,
-    },
 }

@@ -93,15 +93,4 @@ impl Tangent {
             Some(state) => self.slope + state.force * state.drive / (lambda + state.decay),
         }
     }
-
-    /// `h` at infinity and at 0, s/m: the ends of a diameter of the disc in which `h(lambda)` lies for every
-    /// `Re lambda >= 0`.
-    ///
-    /// `1 / (lambda + decay)` maps that half plane to the disc with the diameter from 0 to `1 / decay`. Not finite for a
-    /// state that does not decay.
-    #[must_use]
-    pub fn slope_extremes(&self) -> [f64; 2] {
-        let lag = self.internal.map_or(0.0, |state| state.force * state.drive / state.decay);
-        [self.slope, self.slope + lag]
-    }
 }

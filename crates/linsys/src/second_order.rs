@@ -88,12 +88,6 @@ impl SecondOrder {
         }
     }
 
-    /// C alone, with M = K = 0 and no internal states: the forces of the dashpots.
-    #[must_use]
-    pub fn damping_alone(&self) -> Self {
-        Self { c: self.c.clone(), ..Self::zeros(self.order(), 0) }
-    }
-
     /// n, the number of degrees of freedom.
     #[must_use]
     pub fn order(&self) -> usize {

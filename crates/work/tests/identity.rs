@@ -56,7 +56,7 @@ fn two_families(
     phi: &DVector<Complex<f64>>,
     bodies: &[Vec<usize>],
 ) -> Result<ModeWork, WorkError> {
-    let damping = structure.damping_alone();
+    let damping = SecondOrder { c: structure.c.clone(), ..SecondOrder::zeros(structure.order(), 0) };
     let families = [Family { name: "friction", system: friction }, Family { name: "damping", system: &damping }];
     family_work(&structure.m, &families, lambda, phi, bodies)
 }

@@ -48,7 +48,8 @@ impl ChannelGain {
     }
 
     /// s at infinity and at 0, Ns/m: the ends of a diameter of the disc in which `s(lambda)` lies for every
-    /// `Re lambda >= 0`. Not finite for a state that does not decay.
+    /// `Re lambda >= 0`, because `1 / (lambda + decay)` maps that half plane to the disc with the diameter from 0 to
+    /// `1 / decay`. Not finite for a state that does not decay.
     pub fn slope_extremes(&self) -> [f64; 2] {
         let lag = self.lag.map_or(0.0, |lag| lag.force * lag.drive / lag.decay);
         [self.slope, self.slope + lag]

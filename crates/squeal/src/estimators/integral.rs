@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::Distribution;
+use montecarlo::{Distribution, Trial, occurring_labels};
 
 use super::EstimatorError;
-use crate::study::{UnstableMode, unstable_names};
 
 /// An occurrence: the probability that a mode is unstable, between two limits where a coalescence leaves its name open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -54,11 +53,10 @@ pub fn integrate(
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
-        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
-        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
+        for (name, trial) in occurring_labels(&names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
-            occurrence.lower += if is_sure { part } else { 0.0 };
+            occurrence.lower += if trial == Trial::Yes { part } else { 0.0 };
         }
         integral.any += if names.is_empty() { 0.0 } else { part };
         integral.expected_modes += part * names.len() as f64;
