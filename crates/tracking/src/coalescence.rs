@@ -121,17 +121,17 @@ impl<'a> PairContinuation<'a> {
 }
 
 /// The square root of the function `square` at the end of an interval, continued from `root` at the beginning; `None` where
-/// the function, known up to an error of `miss`, is too near to 0.
+/// the function, known up to the absolute `error`, is too near to 0.
 fn turn(
     square: &dyn Fn(f64) -> Complex<f64>,
     [from, to]: [f64; 2],
     root: Complex<f64>,
-    miss: f64,
+    error: f64,
     halvings: u32,
 ) -> Option<Complex<f64>> {
     let middle = 0.5 * (from + to);
     let [first, half, last] = [from, middle, to].map(square);
-    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * miss) {
+    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * error) {
         return None;
     }
     let is_straight = |a: Complex<f64>, b: Complex<f64>| (b / a).re > 0.5 * (b / a).norm();
@@ -140,8 +140,8 @@ fn turn(
         return Some(if (end - root).norm_sqr() <= (end + root).norm_sqr() { end } else { -end });
     }
     let halvings = halvings.checked_sub(1)?;
-    let root = turn(square, [from, middle], root, miss, halvings)?;
-    turn(square, [middle, to], root, miss, halvings)
+    let root = turn(square, [from, middle], root, error, halvings)?;
+    turn(square, [middle, to], root, error, halvings)
 }
 
 #[cfg(test)]

@@ -135,8 +135,8 @@ fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
 impl<'a> Continuation<'a> {
     /// A continuation that begins at a point where the corrector found `here`; `None` where that is another mode.
     fn new(PathPoint { path, t, lambda }: PathPoint<'a>, near: bool, here: ModeOnPath) -> Option<Self> {
-        let is_it = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
-        is_it.then_some(Self {
+        let is_same = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
+        is_same.then_some(Self {
             path,
             near,
             steps: StepControl::new(t, FIRST_MODE_STEP),
@@ -190,9 +190,9 @@ impl<'a> Continuation<'a> {
     fn past(&self, past: PastCoalescence, found: [Option<ModeOnPath>; 2]) -> Option<PathPoint<'a>> {
         let PastCoalescence { t, lambdas } = past;
         let radius = ACCEPTANCE_RADIUS * (lambdas[1] - lambdas[0]).norm();
-        let is_it = |point: &ModeOnPath, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= radius;
+        let is_same = |point: &ModeOnPath, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= radius;
         let [Some(first), Some(second)] = found else { return None };
-        if !is_it(&first, lambdas[0]) || !is_it(&second, lambdas[1]) {
+        if !is_same(&first, lambdas[0]) || !is_same(&second, lambdas[1]) {
             return None;
         }
         let both = [first.mode, second.mode];

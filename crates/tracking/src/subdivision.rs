@@ -33,7 +33,7 @@ pub(crate) struct Subdivision<'a> {
     /// For each mode at the beginning, positions in `modes`.
     candidates: Vec<BTreeSet<usize>>,
     /// Where on the path systems are to be solved next.
-    asked: Vec<f64>,
+    requested: Vec<f64>,
     /// Sample points ahead, the next one last. The end of the path is not among them.
     sample_points: Vec<SamplePoint>,
 }
@@ -58,7 +58,7 @@ impl<'a> Subdivision<'a> {
             indices: (0..start.len()).collect(),
             candidates: (0..start.len()).map(|i| BTreeSet::from([i])).collect(),
             modes: start,
-            asked: (0..sample_points).rev().map(place).collect(),
+            requested: (0..sample_points).rev().map(place).collect(),
             sample_points: Vec::new(),
         }
     }
@@ -94,25 +94,25 @@ impl<'a> Subdivision<'a> {
         let next = self.sample_points.pop();
         let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
         let last_try = place - self.at <= SHORTEST_SUBDIVISION;
-        let is_there = match &next {
-            Some(sample_point) => self.go_over(&sample_point.modes_near(&self.modes), last_try),
-            None => self.go_over(self.path.end.modes, last_try),
+        let is_taken = match &next {
+            Some(sample_point) => self.step_to(&sample_point.modes_near(&self.modes), last_try),
+            None => self.step_to(self.path.end.modes, last_try),
         };
-        if is_there {
+        if is_taken {
             self.at = place;
         } else {
             let mut part = place - self.at;
             for _ in 0..CUTS_AT_ONCE {
                 part *= CUT_FRACTION;
-                self.asked.push(self.at + part);
+                self.requested.push(self.at + part);
             }
             self.sample_points.extend(next);
         }
         true
     }
 
-    /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
-    fn go_over(&mut self, new: &[Mode], last_try: bool) -> bool {
+    /// Steps to the modes `new` if every match is clear, or cannot become clear: at the last try, or in a multiple eigenvalue.
+    fn step_to(&mut self, new: &[Mode], last_try: bool) -> bool {
         let matches = match_modes(&self.modes, new, &self.path.inertia().m);
         // Two modes with equal eigenvalues before and after the step; modes that only cross are told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
@@ -184,7 +184,7 @@ fn solve_sample_points(
     let (mut places, mut systems) = (Vec::new(), Vec::new());
     for (i, of_path) in paths.iter_mut().enumerate() {
         let Ok(of_path) = of_path else { continue };
-        for at in of_path.asked.drain(..) {
+        for at in of_path.requested.drain(..) {
             places.push((i, at));
             systems.push(of_path.path.system_at(at));
         }

@@ -72,9 +72,9 @@ pub fn control_variate<B: UncertainBrake>(
     let mut strata = <[Stratum; 2]>::default();
     let mut look = 0;
     loop {
-        let (tail, longer) = INTERIM_LOOKS[look];
+        let (tail, size_factor) = INTERIM_LOOKS[look];
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
-            samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
+            samples.solve(kind, (size as f64 * size_factor).ceil() as u64, stratum)?;
         }
         let evaluations = Evaluations {
             sample_points: surrogate.sample_points(),

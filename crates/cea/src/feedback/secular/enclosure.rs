@@ -134,14 +134,14 @@ impl Wanted {
 }
 
 /// The discs with the largest radii such that those of wanted modes meet no other disc, and those of other modes stay left of
-/// the axis and exclude the frequencies `apart_from`. `internal` are guesses of internal states with their corrections; their
-/// discs stay left of the axis and meet no disc of a mode.
+/// the axis and contain none of the excluded frequencies. `internal` are guesses of internal states with their corrections;
+/// their discs stay left of the axis and meet no disc of a mode.
 pub(super) fn enclosure(
     wanted: Wanted,
     sigmas: &[Complex<f64>],
     corrections: &[Complex<f64>],
     internal: &[(Complex<f64>, f64)],
-    apart_from: &[f64],
+    excluded_frequencies: &[f64],
 ) -> Enclosure {
     let found: Vec<usize> = (0..sigmas.len()).filter(|&i| wanted.is_found(sigmas[i])).collect();
     let apart = |i: usize, j: usize| match wanted {
@@ -161,7 +161,7 @@ pub(super) fn enclosure(
                 // Within the disc |z| is larger than at its centre by the radius at most.
                 Wanted::Near(part) => (-z.re - part * size(z)) / (1.0 + part),
             };
-            (side, apart_from.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
+            (side, excluded_frequencies.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
         };
         side.min(z.im).min(apart).max(0.0)
     };

@@ -130,10 +130,10 @@ impl Secular {
         characteristic(resolvent, &points, &mut work.scratch, &mut values);
         work.counters.secular_values += values.len() as u64;
         let rates = |((_, lambda), value): (&(Gain, Complex<f64>), &[Complex<f64>; 4])| {
-            let is_it = |uncontrollable: &Complex<f64>| {
+            let is_uncontrollable = |uncontrollable: &Complex<f64>| {
                 (lambda / unit - uncontrollable).norm() <= UNCONTROLLABLE_DISTANCE * uncontrollable.norm()
             };
-            if resolvent.uncontrollable.iter().any(is_it) {
+            if resolvent.uncontrollable.iter().any(is_uncontrollable) {
                 return [Complex::default(); 2];
             }
             let slope = (value[1] - value[0]) / (lambda * DIFFERENCE_STEP);

@@ -49,12 +49,12 @@ pub(crate) struct Resolvent {
     /// U_k and V_k of `unit B^T Q_0^-1 B`: the same for its upper triangle by rows.
     pub mobility: Vec<[f64; 2]>,
     /// The modes, whose `shape drive^T / (lambda - pole)` and conjugates add up to `Q_0^-1 B`.
-    modes: Vec<Driven>,
+    modes: Vec<DrivenMode>,
 }
 
 /// A mode of the structure and its response to the forces.
 #[derive(Debug, Clone, PartialEq)]
-struct Driven {
+struct DrivenMode {
     pole: Complex<f64>,
     /// Length n.
     shape: DVector<Complex<f64>>,
@@ -92,9 +92,9 @@ impl Resolvent {
             (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut first = 0;
         while first < n {
-            let is_one =
+            let is_member =
                 |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= MULTIPLE_SEPARATION * lambdas[first].norm();
-            let group = first..first + lambdas[first..].iter().take_while(is_one).count();
+            let group = first..first + lambdas[first..].iter().take_while(is_member).count();
             let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
             let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
@@ -102,7 +102,7 @@ impl Resolvent {
                 return Ok(Err(NoSecular::Defective { lambda: pole }));
             };
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
-                modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
+                modes.push(DrivenMode { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
             // The SVD of a matrix without columns is undefined.
             let seen = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &x).singular_values() };
@@ -170,7 +170,7 @@ impl Resolvent {
     /// `Q_0^-1 B w` at `sigma`, up to a factor.
     pub fn response(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let mut response = DVector::zeros(self.modes.len());
-        for Driven { pole, shape, drive } in &self.modes {
+        for DrivenMode { pole, shape, drive } in &self.modes {
             let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
             for (d, w) in drive.iter().zip(w) {
                 plain += d * w;

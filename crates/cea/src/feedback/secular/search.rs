@@ -21,7 +21,7 @@ const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 struct Search {
     wanted: Wanted,
     gain: Gain,
-    apart_from: Vec<f64>,
+    excluded_frequencies: Vec<f64>,
     approximations: Approximations,
     /// The characteristic polynomial at each guess, and the product of the differences from all other guesses.
     values: Vec<Complex<f64>>,
@@ -57,18 +57,18 @@ pub(super) fn search(
     gains: &[(Gain, &[f64])],
     work: &mut Workspace,
 ) -> Vec<Result<Growing, LeftOpen>> {
-    let start = |(gain, apart_from): &(Gain, &[f64])| {
+    let start = |(gain, excluded_frequencies): &(Gain, &[f64])| {
         let gain = gain.in_units(resolvent.unit);
-        let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
+        let excluded_frequencies = excluded_frequencies.iter().map(|im| im / resolvent.unit).collect();
         let guess = anchors.guess(&gain).ok_or(LeftOpen::NoAnchor)?;
-        Ok(Search::new(wanted, gain, apart_from, guess))
+        Ok(Search::new(wanted, gain, excluded_frequencies, guess))
     };
     let mut searches: Vec<Result<Search, LeftOpen>> = gains.iter().map(start).collect();
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for round in 0..MOST_ROUNDS {
         points.clear();
         for search in searches.iter().flatten() {
-            search.ask(round == 0, resolvent.ports, &mut points);
+            search.request_points(round == 0, resolvent.ports, &mut points);
         }
         // A first round without points happens where feedback moves no mode; it still encloses.
         if points.is_empty() && round > 0 {
@@ -78,14 +78,14 @@ pub(super) fn search(
         work.counters.secular_values += values.len() as u64;
         let mut values = values.iter().copied();
         for search in searches.iter_mut().flatten() {
-            search.hear(round == 0, resolvent.ports, &mut values);
+            search.receive_values(round == 0, resolvent.ports, &mut values);
         }
     }
     searches.into_iter().map(|search| search?.found(resolvent)).collect()
 }
 
 impl Search {
-    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, approximations: Approximations) -> Self {
+    fn new(wanted: Wanted, gain: Gain, excluded_frequencies: Vec<f64>, approximations: Approximations) -> Self {
         let n = approximations.sigmas.len();
         let zeros = || vec![Complex::default(); n];
         let stage = SearchStage::Enclose((0..n).collect());
@@ -93,7 +93,7 @@ impl Search {
         Self {
             wanted,
             gain,
-            apart_from,
+            excluded_frequencies,
             values: zeros(),
             others: zeros(),
             corrections: zeros(),
@@ -104,7 +104,7 @@ impl Search {
     }
 
     /// Appends the points at which this search needs the polynomial.
-    fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
+    fn request_points(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
         match &self.stage {
             SearchStage::Enclose(modes) => {
                 points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i])))
@@ -120,8 +120,8 @@ impl Search {
         }
     }
 
-    /// Takes the values at the points that [`Search::ask`] appended.
-    fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
+    /// Takes the values at the points that [`Search::request_points`] appended.
+    fn receive_values(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
         match &mut self.stage {
             SearchStage::Enclose(modes) => {
                 let modes = std::mem::take(modes);
@@ -143,7 +143,7 @@ impl Search {
                     let z = secant.here;
                     let factor = self.approximations.internal_factor(z, &self.gain, ports);
                     let value = values.next().unwrap_or_default() * factor / self.approximations.others(secant.mode, z);
-                    secant.go(value);
+                    secant.step(value);
                 }
             }
             SearchStage::GivenUp => {}
@@ -157,7 +157,7 @@ impl Search {
             let factor = self.approximations.internal_factor(sigmas[i], &self.gain, ports);
             *correction = self.values[i] / self.others[i] * factor;
         }
-        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.apart_from);
+        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.excluded_frequencies);
         if found.total <= LARGEST_TOTAL_SHARE {
             let first = |(i, sigma): (usize, &Complex<f64>)| {
                 self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
@@ -221,7 +221,7 @@ impl Secant {
         Self { mode, before: (at, correction), here: at - correction, is_converged: false }
     }
 
-    fn go(&mut self, value: Complex<f64>) {
+    fn step(&mut self, value: Complex<f64>) {
         let (at, before) = self.before;
         let slope = (value - before) / (self.here - at);
         let step = value / slope;
