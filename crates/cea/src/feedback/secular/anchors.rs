@@ -111,8 +111,7 @@ impl Anchors {
                 [Gain { mu: mu + steps[0], ..anchor.gain }, Gain { velocity: velocity + steps[1], ..anchor.gain }];
             let points: Vec<_> =
                 gains.iter().flat_map(|&gain| anchor.sigmas.iter().map(move |&sigma| gain.at(sigma))).collect();
-            characteristic(resolvent, &points, &mut work.scratch, &mut values);
-            work.counters.secular_values += values.len() as u64;
+            characteristic(resolvent, &points, work, &mut values);
             let approximations = anchor.guess(&anchor.gain);
             let n = anchor.sigmas.len();
             for (k, (&sigma, rates)) in anchor.sigmas.iter().zip(&mut anchor.rates).enumerate() {

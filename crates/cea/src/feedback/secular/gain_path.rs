@@ -62,8 +62,7 @@ impl GainPath<'_> {
                 [path.at(*t, sigma), path.at(*t, sigma * (1.0 + DIFFERENCE_STEP)), path.at(t + DIFFERENCE_STEP, sigma)]
             };
             let points: Vec<Point> = group.iter().flat_map(three).collect();
-            characteristic(resolvent, &points, &mut work.scratch, &mut values);
-            work.counters.secular_values += values.len() as u64;
+            characteristic(resolvent, &points, work, &mut values);
             for ((_, _, guess), value) in group.iter().zip(values.as_chunks::<3>().0) {
                 let slope = (value[1] - value[0]) / (guess * DIFFERENCE_STEP);
                 let rate = (value[0] - value[2]) / (slope * DIFFERENCE_STEP);
@@ -98,8 +97,7 @@ struct ShapeWithResidual {
 
 /// The shape of the mode at each point.
 fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<ShapeWithResidual>> {
-    let matrices = secular_matrices(resolvent, points, &mut work.scratch);
-    work.counters.secular_values += points.len() as u64;
+    let matrices = secular_matrices(resolvent, points, work);
     let forces = null_vectors(&matrices, &start(resolvent.ports, 0), &mut work.scratch);
     let shape = |(forces, point): (Option<NullVector>, &Point)| {
         let NullVector { vector, residuals } = forces?;
@@ -127,8 +125,7 @@ impl Secular {
             ]
         };
         let points: Vec<Point> = of.iter().flat_map(four).collect();
-        characteristic(resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(resolvent, &points, work, &mut values);
         let rates = |((_, lambda), value): (&(Gain, Complex<f64>), &[Complex<f64>; 4])| {
             let is_uncontrollable = |uncontrollable: &Complex<f64>| {
                 (lambda / unit - uncontrollable).norm() <= UNCONTROLLABLE_DISTANCE * uncontrollable.norm()

@@ -103,8 +103,7 @@ fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) 
                 points.extend((0..CIRCLE_VALUES).map(|k| path.at(t, (guess.mean + turn(k) * guess.radius()) / unit)));
             }
         }
-        characteristic(&group[0].0.secular.resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(&group[0].0.secular.resolvent, &points, work, &mut values);
         for ((.., guess), values) in group.iter().zip(values.chunks_exact(2 * CIRCLE_VALUES)) {
             let [here, ahead] = [&values[..CIRCLE_VALUES], &values[CIRCLE_VALUES..]].map(taylor);
             let radius = guess.radius();

@@ -9,6 +9,7 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::resolvent::Resolvent;
+use crate::Workspace;
 use crate::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
 
 #[cfg(test)]
@@ -35,26 +36,27 @@ pub(crate) struct Point {
 pub(crate) fn characteristic(
     resolvent: &Resolvent,
     points: &[Point],
-    scratch: &mut Vec<f64>,
+    work: &mut Workspace,
     out: &mut Vec<Complex<f64>>,
 ) {
     out.clear();
-    run(resolvent, points, scratch, &mut ResponseOutput::Values(out));
+    run(resolvent, points, work, &mut ResponseOutput::Values(out));
 }
 
 /// `I + p G + sigma v H` at each point.
 pub(crate) fn secular_matrices(
     resolvent: &Resolvent,
     points: &[Point],
-    scratch: &mut Vec<f64>,
+    work: &mut Workspace,
 ) -> Vec<DMatrix<Complex<f64>>> {
     let mut matrices = Vec::with_capacity(points.len());
-    run(resolvent, points, scratch, &mut ResponseOutput::Matrices(&mut matrices));
+    run(resolvent, points, work, &mut ResponseOutput::Matrices(&mut matrices));
     matrices
 }
 
-fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut ResponseOutput<'_>) {
-    let arch = Arch::new();
+fn run(resolvent: &Resolvent, points: &[Point], work: &mut Workspace, results: &mut ResponseOutput<'_>) {
+    let (arch, scratch) = (Arch::new(), &mut work.scratch);
+    work.counters.secular_values += points.len() as u64;
     let (wide, few) = points.split_at(wide_part(points.len()));
     if !wide.is_empty() {
         arch.dispatch(ResponsesInLanes { resolvent, points: wide, scratch, results });

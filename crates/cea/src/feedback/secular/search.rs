@@ -74,8 +74,7 @@ pub(super) fn search(
         if points.is_empty() && round > 0 {
             break;
         }
-        characteristic(resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(resolvent, &points, work, &mut values);
         let mut values = values.iter().copied();
         for search in searches.iter_mut().flatten() {
             search.receive_values(round == 0, resolvent.ports, &mut values);

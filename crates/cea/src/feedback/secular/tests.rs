@@ -73,7 +73,7 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
         noise(23, 2, 7).row_iter().map(|row| Complex::new(0.3 * row[0], 1.0 + row[1])).collect();
     let points: Vec<_> = sigmas.iter().map(|&sigma| gain.in_units(resolvent.unit).at(sigma)).collect();
     let mut found = Vec::new();
-    characteristic(&resolvent, &points, &mut Vec::new(), &mut found);
+    characteristic(&resolvent, &points, &mut Workspace::default(), &mut found);
     let size = structure.m.determinant() * resolvent.unit.powi(2 * structure.order() as i32);
     let error = |(sigma, found): (&Complex<f64>, Complex<f64>)| {
         let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;

@@ -27,7 +27,7 @@ fn bits(values: &[Complex<f64>]) -> Vec<[u64; 2]> {
 
 fn values(resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
     let mut out = vec![Complex::from(f64::NAN); 3];
-    characteristic(resolvent, points, &mut Vec::new(), &mut out);
+    characteristic(resolvent, points, &mut Workspace::default(), &mut out);
     out
 }
 
