@@ -9,7 +9,7 @@
 //! | `sectors` | [`Sectors`]: the smaller systems into which a symmetric brake divides |
 //! | `coupling` | which degrees of freedom and internal states are coupled |
 //! | `lattice` | [`LatticeModel`], the lattice before an arrangement is chosen |
-//! | `lattice::{parameters, readings, dof}` | parameters, choices where the published description is open, names of degrees of freedom |
+//! | `lattice::{parameters, readings, dof}` | parameters, readings of open points, names of degrees of freedom |
 //! | `lattice::assembly` | matrices of the lattice without friction |
 //! | `lattice::{arrangement, symmetry, sectors}` | which oscillators are in contact, which arrangements are alike |
 //! | `lattice::prepared` | [`PreparedLattice`]: one arrangement as a [`Brake`], and the operating point of a [`Sliding`] state |
