@@ -16,7 +16,7 @@ use osc_model::{
     PreparedLattice, Sign, Sliding,
 };
 use serde::Deserialize;
-use work::{Family, ModeWork, family_work};
+use work::{ForceFamily, ModeWork, family_work};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -179,7 +179,8 @@ fn work_of(golden: &Golden, lambda: Complex<f64>) -> ModeWork {
     let phi = right_vector(&system, lambda, &mut Workspace::default()).unwrap();
     let structure = lattice.structural();
     let damping = SecondOrder { c: structure.c.clone(), ..SecondOrder::zeros(structure.order(), 0) };
-    let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
+    let families =
+        [ForceFamily { name: "friction", system: &friction }, ForceFamily { name: "damping", system: &damping }];
     family_work(&system.m, &families, lambda, &phi, &brake.bodies).unwrap()
 }
 

@@ -168,7 +168,7 @@ fn the_prediction_is_right_for_nearly_every_sample() {
 /// `cargo test --release -p squeal --test estimators -- --ignored --nocapture`: some minutes.
 #[test]
 #[ignore = "solves 800,000 samples"]
-fn occurrences_to_a_tenth_agree_with_many_plain_samples() {
+fn occurrences_to_a_tolerance_agree_with_many_plain_samples() {
     for law in ["velocity-dependent", "lugre"] {
         let brake = brake("[[1,3,4,5,6,8]]", law, &[]);
         let study = Study::new(&brake, &BatchSolver).unwrap();

@@ -10,7 +10,7 @@ use num_complex::Complex;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{Exact, OneParameterFamily, exact};
-use squeal::study::Study;
+use squeal::study::{ModeLabel, Study};
 use squeal::tracking::Branches;
 use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
@@ -105,9 +105,8 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
         let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).unwrap();
         let found = perturbation(&study.references()[0], &mut family, order).unwrap().occurrences;
         let names = exact.keys().chain(found.keys());
-        let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::OccurrenceBounds>, name: &u16| {
-            all.get(name).map_or(0.0, |o| o.lower)
-        };
+        let of = |all: &std::collections::BTreeMap<ModeLabel, squeal::estimators::OccurrenceBounds>,
+                  name: &ModeLabel| { all.get(name).map_or(0.0, |o| o.lower) };
         names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)
     };
     let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));

@@ -27,7 +27,7 @@ use python::Python;
 use rounds::{RouteTime, measure};
 use study::StudyTimes;
 
-/// Time: eigenvalue routes against their peers, the stages of the study, the whole of it
+/// Time: eigenvalue routes against library baselines, the stages of the study, the whole of it
 ///
 /// numpy and scipy take part where python3 has them, faer and LAPACK's dgeev with --features lapack,faer. dgeev is the
 /// system's OpenBLAS (libopenblas-dev).

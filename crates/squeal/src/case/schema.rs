@@ -1,8 +1,8 @@
 //! The fields of a case file with a lattice. docs/case-files.md describes them.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::FrictionDistributions;
+use super::{Draws, FrictionDistributions, Law};
 use crate::study::ModeNaming;
 
 #[derive(Debug, Deserialize)]
@@ -45,52 +45,6 @@ pub(super) struct StudyTable {
     pub laws: Vec<Law>,
     pub samples: u64,
     pub seed: u64,
-}
-
-/// A friction law by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// Constant coefficient.
-    AmontonsCoulomb,
-    /// Coefficient that falls exponentially with speed.
-    VelocityDependent,
-    /// Bristles: one internal state per contact.
-    #[serde(rename = "lugre")]
-    LuGre,
-    /// The steady curve of LuGre without bristles.
-    Stribeck,
-}
-
-impl Law {
-    /// All laws.
-    pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
-
-    /// Name of the law in a case file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AmontonsCoulomb => "amontons-coulomb",
-            Self::VelocityDependent => "velocity-dependent",
-            Self::LuGre => "lugre",
-            Self::Stribeck => "stribeck",
-        }
-    }
-
-    /// Name of the law in a heading.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::AmontonsCoulomb => "Amontons-Coulomb",
-            Self::VelocityDependent => "Velocity-dependent",
-            Self::LuGre => "LuGre",
-            Self::Stribeck => "Stribeck",
-        }
-    }
-}
-
-impl std::fmt::Display for Law {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.name())
-    }
 }
 
 /// One value for all, one value for each, or the values of outer and inner springs of each chain.
@@ -184,16 +138,6 @@ pub(super) enum LateralEntry {
     Coupled,
     CoupledMinus,
     Vector,
-}
-
-/// How the friction parameters of a sample are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Draws {
-    /// One draw for all oscillators, so that the lattice keeps its symmetry.
-    Shared,
-    /// A draw for each oscillator.
-    Each,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]

@@ -7,7 +7,7 @@ use cea::QrSolver;
 use serde::{Deserialize, Serialize};
 
 use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Standard normal deviate of a 95 % interval.
 const Z95: f64 = 1.96;
@@ -15,7 +15,7 @@ const Z95: f64 = 1.96;
 /// is cheaper than a surrogate of 1,000 to 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Number of pilot samples, which only determine the number of plain samples; chosen.
-const PLAIN_PILOTS: u64 = 400;
+const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
@@ -55,7 +55,7 @@ pub struct SceneOccurrences {
     /// The estimator used.
     pub estimator: Estimator,
     /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// The largest half width, without the part that is due to open names.
     pub half_width: f64,
     /// Number of all systems solved.
@@ -142,14 +142,14 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// The occurrences by plain samples; their number follows from the pilots and the occurrence nearest to one half.
+/// The occurrences by plain samples; their number follows from pilot samples and the occurrence nearest to one half.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
-    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let nearest = |estimated: &Estimated| {
         let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
         0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
@@ -160,13 +160,13 @@ fn by_sampling<B: UncertainBrake>(
     // For a mode that was never unstable, half of Wilson's interval without hits.
     let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
     let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
 }
 
 impl SceneOccurrences {
     fn new(
         estimator: Estimator,
-        modes: BTreeMap<u16, Estimated>,
+        modes: BTreeMap<ModeLabel, Estimated>,
         reached: f64,
         evaluations: u64,
         half_width: f64,

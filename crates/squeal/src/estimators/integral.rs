@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Distribution, Trial, occurring_labels};
 
 use super::EstimatorError;
+use crate::study::ModeLabel;
 
 /// An occurrence: the probability that a mode is unstable, between two limits where a coalescence leaves its name open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -23,14 +24,14 @@ pub struct Piece {
     /// Upper end.
     pub to: f64,
     /// For each unstable mode its candidate names, one where the name is certain.
-    pub unstable: Vec<Vec<u16>>,
+    pub unstable: Vec<Vec<ModeLabel>>,
 }
 
 /// Occurrences from the pieces of the parameter's interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
     /// By name of the tracked mode; modes that are never unstable are not listed.
-    pub occurrences: BTreeMap<u16, OccurrenceBounds>,
+    pub occurrences: BTreeMap<ModeLabel, OccurrenceBounds>,
     /// Probability of any unstable mode.
     pub any: f64,
     /// Expected number of unstable modes.
@@ -47,7 +48,7 @@ pub struct Integral {
 pub fn integrate(
     distribution: &Distribution,
     ends: &[f64],
-    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
+    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<ModeLabel>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
     for step in ends.windows(2) {

@@ -8,7 +8,7 @@ use tracking::{Path, PathEnd, PathStart, identify_all};
 
 use super::EstimatorError;
 use super::friction_points::LeadingFriction;
-use crate::study::{NearAxis, Scratch, Study, UncertainBrake};
+use crate::study::{ModeLabel, NearAxis, Scratch, Study, UncertainBrake};
 
 /// Largest decay rate, as a part of |lambda|, of an eigenvalue that counts as near the axis; chosen.
 const LARGEST_DECAY: f64 = 0.025;
@@ -25,7 +25,7 @@ pub(super) struct SampledMode {
     /// d lambda / d s at constant mu.
     pub by_slope: Complex<f64>,
     /// The names that an unstable mode may have; empty for a stable one.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 impl SampledMode {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::friction_points::{check_points, sobol_sample};
 use super::{EstimatorError, OccurrenceBounds};
-use crate::study::{Outcome, Scratch, Study, UncertainBrake, unstable_names};
+use crate::study::{ModeLabel, Outcome, Scratch, Study, UncertainBrake};
 
 /// Number of samples solved together; chosen, eight times the number of lanes of the batched solver.
 const SAMPLES_PER_BLOCK: usize = 64;
@@ -34,7 +34,7 @@ impl Estimated {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
     /// Occurrences by name of the tracked mode.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Numbers of computations.
     pub counters: Counters,
 }
@@ -52,7 +52,7 @@ pub fn monte_carlo<B: UncertainBrake>(
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let mut scratch = Scratch::default();
     let hits = count(study, scene, draws, &mut scratch)?;
-    let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
+    let estimated = |(name, [sure, open]): (ModeLabel, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
         let of = |hits: u64| hits as f64 / samples as f64;
@@ -86,9 +86,9 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
         runs.push(count(study, scene, samples, &mut scratch)?);
     }
-    let names: std::collections::BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
+    let names: std::collections::BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let t = Confidence::P95.t(u64::from(scramblings - 1));
-    let estimated = |name: u16| {
+    let estimated = |name: ModeLabel| {
         let share = |run: &HitCounts, open: usize| {
             let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
             (sure + open as u64 * maybe) as f64 / f64::from(points)
@@ -105,7 +105,7 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
 }
 
 /// Numbers of certain and of ambiguous hits by name.
-type HitCounts = BTreeMap<u16, [u64; 2]>;
+type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
@@ -121,7 +121,7 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in unstable_names(&outcome?.unstable) {
+            for (name, is_sure) in outcome?.unstable_names() {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }

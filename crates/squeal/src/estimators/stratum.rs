@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::{exact_lower_limit, exact_upper_limit};
 
+use crate::study::ModeLabel;
+
 /// Part of an error probability that belongs to the upper two of four limits; chosen. The lower limits matter only where
 /// prediction and reference differ often.
 const UPPER_LIMITS_PART: f64 = 0.9;
@@ -26,15 +28,15 @@ pub(super) struct Differences {
 pub(super) struct Stratum {
     pub samples: u64,
     /// Differences by name.
-    pub differences: BTreeMap<u16, Differences>,
+    pub differences: BTreeMap<ModeLabel, Differences>,
     /// Number of samples in which the prediction was wrong about any mode.
     pub wrong: u64,
 }
 
 impl Stratum {
     /// Enters one sample. Both maps have the unstable modes by name, with `true` where the name is certain.
-    pub fn enter(&mut self, predicted: &BTreeMap<u16, bool>, reference: &BTreeMap<u16, bool>) {
-        let names: BTreeSet<u16> = predicted
+    pub fn enter(&mut self, predicted: &BTreeMap<ModeLabel, bool>, reference: &BTreeMap<ModeLabel, bool>) {
+        let names: BTreeSet<ModeLabel> = predicted
             .keys()
             .chain(reference.keys())
             .copied()
@@ -51,9 +53,14 @@ impl Stratum {
         self.wrong += u64::from(!names.is_empty());
     }
 
+    /// The differences of a mode; none without a name, which a mode that was never seen has not.
+    fn of(&self, name: Option<ModeLabel>) -> Differences {
+        name.and_then(|name| self.differences.get(&name)).copied().unwrap_or_default()
+    }
+
     /// Limits of the amounts by which the probability of a mode in this stratum is below and above that of the prediction.
-    pub fn limits(&self, name: u16, tail: f64, is_joint: bool) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
+    pub fn limits(&self, name: Option<ModeLabel>, tail: f64, is_joint: bool) -> [f64; 2] {
+        let d = self.of(name);
         if is_joint {
             // One limit of the probability that prediction and reference differ in either direction.
             return [exact_upper_limit(d.any, self.samples, tail); 2];
@@ -71,15 +78,15 @@ impl Stratum {
 
     /// Standard error of [`Stratum::shift`]. [`UNSEEN_DIFFERENCES`] are added to those counted, so that the error is not 0 where
     /// no difference was seen.
-    pub fn deviation(&self, name: u16) -> f64 {
-        let any = self.differences.get(&name).map_or(0, |d| d.any);
+    pub fn deviation(&self, name: Option<ModeLabel>) -> f64 {
+        let any = self.of(name).any;
         let samples = self.samples.max(1) as f64;
         ((any as f64 + UNSEEN_DIFFERENCES) / (samples + UNSEEN_DIFFERENCES) / samples).sqrt()
     }
 
     /// Estimates of the amounts by which the probabilities of a certainly, and a possibly, unstable mode exceed the prediction.
-    pub fn shift(&self, name: u16) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
+    pub fn shift(&self, name: Option<ModeLabel>) -> [f64; 2] {
+        let d = self.of(name);
         [d.sure, d.perhaps].map(|[more, less]| (more as f64 - less as f64) / self.samples.max(1) as f64)
     }
 }

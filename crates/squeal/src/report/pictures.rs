@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Results;
 use crate::Error;
 use crate::figures::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
-use crate::study::{ModeNaming, PanelLabel, Plan};
+use crate::study::{ModeLabel, ModeNaming, PanelLabel, Plan};
 
 /// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
 ///
@@ -33,8 +33,8 @@ pub(super) fn occurrence(
     let mut series: Vec<String> = labels.speeds.iter().map(|speed| speed.description.clone()).collect();
     series.push("all speeds".into());
     let panels: Vec<_> = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).collect();
-    let names: BTreeSet<u16> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
-    let names: Vec<u16> = names.into_iter().collect();
+    let names: BTreeSet<ModeLabel> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
+    let names: Vec<ModeLabel> = names.into_iter().collect();
 
     let mut rows = Vec::new();
     for &law in laws {

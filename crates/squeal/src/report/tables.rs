@@ -7,7 +7,7 @@ use montecarlo::QuantileSketch;
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::PanelLabel;
+use crate::study::{PanelLabel, Plan};
 
 /// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
 ///
@@ -168,21 +168,21 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
 }
 
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let describe = |scene: Option<usize>| match scene {
-        None => "every scene: the draw failed".to_owned(),
-        Some(at) => {
-            let scene = &results.plan().scenes[at];
-            let labels = &results.plan().labels;
-            format!(
-                "{}, {}, contact {}, {}",
-                labels.constraints[scene.key.constraints],
-                labels.laws[scene.key.law].name,
-                results.plan().configuration(scene).contacts,
-                scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
-            )
-        }
-    };
-    let rows = results.summary.failures.listed().iter();
-    let rows = rows.map(|failure| vec![failure.index.to_string(), describe(failure.scene), failure.message.clone()]);
+    let rows = results.summary.failures.listed().iter().map(|failure| {
+        let scene =
+            failure.scene.map_or("every scene: the draw failed".into(), |at| scene_in_words(results.plan(), at));
+        vec![failure.index.to_string(), scene, failure.message.clone()]
+    });
     write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
+}
+
+fn scene_in_words(plan: &Plan, at: usize) -> String {
+    let (scene, labels) = (&plan.scenes[at], &plan.labels);
+    format!(
+        "{}, {}, contact {}, {}",
+        labels.constraints[scene.key.constraints],
+        labels.laws[scene.key.law].name,
+        plan.configuration(scene).contacts,
+        scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
+    )
 }

@@ -24,13 +24,8 @@ pub(super) fn channels_with_gains(
     check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
     let (mut channels, mut gains) = (Vec::new(), Vec::new());
     for schema::ContactTable { name, family, force, reading, mu, slope } in given {
-        let sparse = |key: &str, entries: &BTreeMap<String, f64>| {
-            let at = |dof: &String| format!("{}.{dof}", field("contacts", &name, key));
-            let entry =
-                |(dof, &value): (&String, &f64)| Ok((dofs.index(&at(dof), dof)?, check.finite(&at(dof), value)?));
-            entries.iter().map(entry).collect::<Result<Vec<_>, CaseError>>()
-        };
-        let (b, r) = (sparse("force", &force)?, sparse("reading", &reading)?);
+        let b = sparse_vector(check, dofs, &field("contacts", &name, "force"), &force)?;
+        let r = sparse_vector(check, dofs, &field("contacts", &name, "reading"), &reading)?;
         if b.is_empty() {
             return Err(check.value(&field("contacts", &name, "force"), "{}", "one degree of freedom or more"));
         }
@@ -55,4 +50,19 @@ pub(super) fn channels_with_gains(
         channels.push(Channel::new(name, family.unwrap_or_else(|| FAMILY_OF_FRICTION.to_owned()), b, r));
     }
     Ok((channels, gains))
+}
+
+/// The entries of a vector by their degrees of freedom, as indices and finite numbers; `field` names the table in messages.
+fn sparse_vector(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    field: &str,
+    entries: &BTreeMap<String, f64>,
+) -> Result<Vec<(usize, f64)>, CaseError> {
+    let mut vector = Vec::with_capacity(entries.len());
+    for (dof, &value) in entries {
+        let entry = format!("{field}.{dof}");
+        vector.push((dofs.index(&entry, dof)?, check.finite(&entry, value)?));
+    }
+    Ok(vector)
 }
