@@ -22,7 +22,7 @@ impl Progress for Bar {
         let bar = self.bar.get_or_init(|| ProgressBar::with_draw_target(None, target).with_style(style));
         bar.set_length(total);
         bar.set_position(done);
-        // The time left must not count what an earlier run did as done just now.
+        // The estimate of the time left must not include the evaluations of an earlier run.
         bar.reset_eta();
     }
 

@@ -1,4 +1,4 @@
-//! What a checkpoint survives, and what it refuses.
+//! Checkpoints that are continued, and checkpoints that are refused.
 
 mod common;
 
@@ -185,7 +185,7 @@ fn a_full_disk_is_an_error_and_leaves_the_previous_checkpoint() {
     assert_eq!(bytes(&resumed), bytes(&walk(&sampling(80, 1), None).unwrap()));
 }
 
-/// JSON has no infinity: it would be written as null, which is no float.
+/// JSON has no infinity; it is written as null, which cannot be read as a float.
 #[derive(Debug, Serialize, Deserialize)]
 struct Largest(f64);
 impl Merge for Largest {

@@ -70,34 +70,38 @@ fn problem(blocks: &Blocks, m: DMatrix<f64>, c: f64, k: DMatrix<f64>) -> Problem
     Problem { system, eigenvalues: blocks.iter().flat_map(each).collect() }
 }
 
+/// Two rows and a factor.
+fn elementary(n: usize, numbers: &mut Numbers) -> (usize, usize, i128) {
+    let mut row = || numbers.integer(0, n as i128 - 1) as usize;
+    (row(), row(), numbers.integer(-2, 2))
+}
+
+/// Row i plus `factor` rows j, another one.
+fn add_row(matrix: &mut Integers, i: usize, j: usize, factor: i128) {
+    if i != j {
+        let other = matrix[j].clone();
+        matrix[i].iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
+    }
+}
+
 /// M = L, C = c L and K = `L P J P^-1` of the given Jordan form, with P a product of `steps` elementary unimodular matrices and L the
 /// identity or another one of n: integers throughout, so all three are exact. Nothing where an entry exceeds 2^53.
 pub fn unimodular(blocks: &Blocks, c: f64, steps: usize, numbers: &mut Numbers) -> Option<Problem> {
     let mut k = jordan_form(blocks);
     let n = k.len();
     for _ in 0..steps {
-        let (i, j) = (numbers.integer(0, n as i128 - 1) as usize, numbers.integer(0, n as i128 - 1) as usize);
-        let factor = numbers.integer(-2, 2);
-        if i == j {
-            continue;
-        }
+        let (i, j, factor) = elementary(n, numbers);
         // Row i plus `factor` rows j, and the inverse from the right.
-        for column in 0..n {
-            k[i][column] += factor * k[j][column];
-        }
-        for row in &mut k {
+        add_row(&mut k, i, j, factor);
+        for row in k.iter_mut().filter(|_| i != j) {
             row[j] -= factor * row[i];
         }
     }
     let mut m: Integers = (0..n).map(|i| (0..n).map(|j| i128::from(i == j)).collect()).collect();
     for _ in 0..if numbers.integer(0, 1) == 0 { 0 } else { n } {
-        let (i, j) = (numbers.integer(0, n as i128 - 1) as usize, numbers.integer(0, n as i128 - 1) as usize);
-        let factor = numbers.integer(-2, 2);
-        for matrix in [&mut m, &mut k].into_iter().filter(|_| i != j) {
-            for column in 0..n {
-                matrix[i][column] += factor * matrix[j][column];
-            }
-        }
+        let (i, j, factor) = elementary(n, numbers);
+        add_row(&mut m, i, j, factor);
+        add_row(&mut k, i, j, factor);
     }
     let exact = m.iter().chain(&k).flatten().all(|x| x.unsigned_abs() <= 1 << 53);
     let double = |a: &Integers| DMatrix::from_fn(n, n, |i, j| a[i][j] as f64);
