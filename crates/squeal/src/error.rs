@@ -67,8 +67,20 @@ pub enum Error {
         wanted: String,
     },
     /// A folder that another run writes to.
-    #[error("{}: another run is writing there; allowed: another folder, or wait until it has ended", path.display())]
+    #[error("{}: {by} is writing there; allowed: another folder, or wait until it has ended", path.display())]
     InUse {
+        /// The folder.
+        path: PathBuf,
+        /// The other run, with its process and age where they are known.
+        by: String,
+    },
+    /// A folder that was removed or taken by another run while this one worked.
+    #[error(
+        "{}: is no longer the folder of this run: it was removed or made anew meanwhile; allowed: another folder, or the same \
+         again, when nobody works there",
+        path.display()
+    )]
+    FolderLost {
         /// The folder.
         path: PathBuf,
     },

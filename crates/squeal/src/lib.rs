@@ -77,6 +77,7 @@ mod error;
 pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
+mod folder;
 pub mod output;
 pub mod report;
 mod run;

@@ -20,7 +20,12 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     name.push(".partial");
     let temporary = path.with_file_name(name);
     let written = (|| {
-        let mut file = fs::File::create(&temporary)?;
+        // What a killed run left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
+        match fs::remove_file(&temporary) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut file = fs::File::create_new(&temporary)?;
         file.write_all(contents)?;
         file.sync_all()?;
         fs::rename(&temporary, path)
@@ -35,6 +40,16 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
 /// [`Error::Write`].
 pub fn make_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// A time in words, to two digits at most: it is an estimate.
+pub(crate) fn in_words(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.5 => "a second".into(),
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }
 
 /// Writes a table as CSV.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::run::override_run;
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, Draws};
+use crate::output::in_words;
 use crate::study::{Plan, UncertainBrake};
 use crate::{Error, estimate};
 
@@ -94,13 +95,4 @@ fn listed(items: impl Iterator<Item = String>) -> String {
 fn time<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
     let seconds = estimate(brake)?.as_secs_f64();
     Ok(line("time", &format!("roughly {} on this machine", in_words(seconds))))
-}
-
-fn in_words(seconds: f64) -> String {
-    match seconds {
-        s if s < 1.0 => "a second".into(),
-        s if s < 100.0 => format!("{s:.0} s"),
-        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    }
 }

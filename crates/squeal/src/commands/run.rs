@@ -99,7 +99,7 @@ impl RunArgs {
             draw_occurrence(results, dir)?;
             scorecard = claims(results)?;
             if let Some(half_width) = half_width {
-                estimates = Estimates::run(study, half_width, dir)?.text();
+                estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;

@@ -32,13 +32,18 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. What `dir` holds
-    /// of the same estimates already is not computed again.
+    /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. The state is kept
+    /// in the folder `kept_in`: what it holds of the same estimates already is not computed again.
     ///
     /// # Errors
     /// A sample that cannot be solved; a folder that cannot be written.
-    pub fn run<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Result<Self, Error> {
-        let mut estimates = Self::kept(study, half_width, dir);
+    pub fn run<B: UncertainBrake>(
+        study: &Study<'_, B>,
+        half_width: f64,
+        kept_in: &Path,
+        dir: &Path,
+    ) -> Result<Self, Error> {
+        let mut estimates = Self::kept(study, half_width, kept_in);
         let (scenes, mut saved) = (&study.plan().scenes, Instant::now());
         let mut open: Vec<usize> = (0..scenes.len()).filter(|&at| estimates.scenes[at].is_none()).collect();
         // Scenes of one law and speed range share their friction, mostly.
@@ -63,7 +68,7 @@ impl Estimates {
                 estimates.scenes[at] = Some(found);
             }
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
-                write(&dir.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
+                write(&kept_in.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
                 saved = Instant::now();
             }
         }
@@ -72,10 +77,10 @@ impl Estimates {
     }
 
     /// What a folder holds, if it is of the same study and half width; else nothing.
-    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Self {
+    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, kept_in: &Path) -> Self {
         let (plan, count) = (study.plan(), study.plan().scenes.len());
         let identity = format!("{} seed {}", plan.identity, plan.seed);
-        let text = std::fs::read_to_string(dir.join(STATE)).unwrap_or_default();
+        let text = std::fs::read_to_string(kept_in.join(STATE)).unwrap_or_default();
         let kept = serde_json::from_str::<Self>(&text).ok();
         let is_same =
             |kept: &Self| kept.identity == identity && kept.half_width == half_width && kept.scenes.len() == count;

@@ -10,3 +10,4 @@ mod estimates;
 mod failures;
 mod memory;
 mod same_bytes;
+mod two_runs;
