@@ -78,8 +78,14 @@ impl Modes {
     }
 }
 
+/// Largest difference of two frequencies, as a part of |lambda|, that counts as none: which of two such modes is the higher one
+/// is a matter of rounding. Chosen, far above the rounding of a semisimple eigenvalue (1e-15 times its condition number) and far
+/// below any difference that is meant.
+pub const EQUAL_FREQUENCIES: f64 = 1e-10;
+
 /// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
-/// its order. As [`Modes::rank`] of the one; equal eigenvalues rank in the order of their systems.
+/// its order. As [`Modes::rank`] of the one; of frequencies that are equal within [`EQUAL_FREQUENCIES`] those of a system with fewer
+/// modes rank first, else that of the first system: not the last bit decides.
 #[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
@@ -88,6 +94,13 @@ pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let mut order: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
     let lambda = |(system, index): (usize, usize)| &systems[system].oscillatory[index];
     order.sort_by(|&a, &b| by_frequency(lambda(a), lambda(b)));
+    let is_equal = |&a: &(usize, usize), &b: &(usize, usize)| {
+        let (a, b) = (lambda(a), lambda(b));
+        b.im - a.im <= EQUAL_FREQUENCIES * b.norm()
+    };
+    // The order of each system stays as it is.
+    let size_and_place = |&(system, index): &(usize, usize)| (systems[system].oscillatory.len(), system, index);
+    order.chunk_by_mut(is_equal).for_each(|equal| equal.sort_by_key(size_and_place));
     for (place, (system, index)) in order.into_iter().enumerate() {
         ranks[system][index] = overdamped + place + 1;
     }
@@ -175,6 +188,13 @@ mod tests {
         // Of the three real eigenvalues two are an overdamped mode, whichever system they are of.
         let systems = [modes(&[2.0, 5.0], &[-1.0]), modes(&[], &[-3.0]), modes(&[1.0, 2.0, 7.0], &[-4.0])];
         assert_eq!(ranks_together(&systems.each_ref()), [vec![3, 5], vec![], vec![2, 4, 6]]);
+        // Nor does it hang on rounding which of two equal frequencies is the lower one.
+        for rounding in [-4e-16, 0.0, 4e-16] {
+            let nearly = [modes(&[2.0 * (1.0 + rounding), 5.0], &[]), modes(&[1.0, 2.0], &[])];
+            assert_eq!(ranks_together(&nearly.each_ref()), [vec![2, 4], vec![1, 3]]);
+            let small_last = [modes(&[1.0, 2.0 * (1.0 + rounding)], &[]), modes(&[2.0], &[])];
+            assert_eq!(ranks_together(&small_last.each_ref()), [vec![1, 3], vec![2]]);
+        }
         let one = modes(&[1.0, 2.0, 2.0, 5.0, 7.0], &[-4.0, -3.0, -1.0]);
         assert_eq!(ranks_together(&[&one])[0], [0, 1, 2, 3, 4].map(|index| one.rank(index)));
     }

@@ -7,8 +7,10 @@
 //! then matched to the modes of their scene.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
+//! Of equal frequencies of different sectors that of the smaller sector ranks first; names of equal modes of one sector are
+//! open between them.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{EQUAL_FREQUENCIES, EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
@@ -24,8 +26,8 @@ pub struct Reference {
     pub system: SecondOrder,
     /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
-    /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
-    /// no oscillation at the beginning of the path.
+    /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
+    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path.
     pub names: Vec<Vec<u16>>,
 }
 
@@ -53,6 +55,19 @@ impl Reference {
         names.sort_unstable();
         names.dedup();
         names
+    }
+
+    /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
+    /// and which of them is which has no answer. Each gets the names of all.
+    fn open_equal_modes(&mut self) {
+        let is_equal = |a: &Mode, b: &Mode| (a.lambda - b.lambda).norm() <= EQUAL_FREQUENCIES * b.lambda.norm();
+        let sizes: Vec<usize> = self.modes.chunk_by(is_equal).map(<[Mode]>::len).collect();
+        let mut first = 0;
+        for size in sizes {
+            let together = self.names_of(first..first + size);
+            self.names[first..first + size].fill(together);
+            first += size;
+        }
     }
 
     /// The modes of the whole brake, from those of all its sectors.
@@ -99,10 +114,7 @@ impl Reference {
                 next.names[to].extend(names);
             }
         }
-        for names in &mut next.names {
-            names.sort_unstable();
-            names.dedup();
-        }
+        next.open_equal_modes();
         Ok(next)
     }
 }
@@ -136,6 +148,7 @@ fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Err
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
         part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
+        part.open_equal_modes();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
 }

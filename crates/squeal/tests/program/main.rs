@@ -9,5 +9,6 @@ mod common;
 mod estimates;
 mod failures;
 mod memory;
+mod names;
 mod same_bytes;
 mod two_runs;
