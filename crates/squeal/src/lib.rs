@@ -78,6 +78,8 @@ pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
 mod folder;
+#[cfg(feature = "case-files")]
+mod input;
 pub mod output;
 pub mod report;
 mod run;

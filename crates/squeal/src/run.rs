@@ -16,11 +16,18 @@ const TALLY_VERSION: u32 = 4;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
-/// Who is told how far a run has come: a bar on the terminal where the program is compiled, else nobody.
+/// Who is told how far some work has come: a bar on the terminal where the program is compiled, else nobody.
 #[cfg(feature = "program")]
-type RunProgress = montecarlo::Bar;
+pub(crate) fn bar(of: &'static str) -> montecarlo::Bar {
+    montecarlo::Bar::of(of)
+}
 #[cfg(not(feature = "program"))]
-type RunProgress = ();
+pub(crate) fn bar(_: &'static str) {}
+
+/// What is counted while a study is prepared.
+const PREPARED: &str = "steps of preparation";
+/// What is counted while it is sampled.
+const EVALUATED: &str = "evaluations";
 
 /// SHA-256 of a text, hexadecimal.
 pub fn fingerprint(text: &str) -> String {
@@ -52,8 +59,8 @@ pub fn run_study<B: UncertainBrake>(
 
     let start = Instant::now();
     let solver = cea::BatchSolver;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let study = install(pool.as_ref().ok(), || Study::new(brake, &solver))?;
+    let pool = workers(threads)?;
+    let study = pool.install(|| Study::with_progress(brake, &solver, &bar(PREPARED)))?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
@@ -63,14 +70,14 @@ pub fn run_study<B: UncertainBrake>(
     sampling.threads = threads;
     sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &RunProgress::default())?;
+    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &bar(EVALUATED))?;
     seconds.samples = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     let results = Results::new(&study, summary);
     folder.publish(|stage| {
         write_tables(&results, stage)?;
-        install(pool.as_ref().ok(), || draw(&study, &results, stage))
+        pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();
     let manifest = Manifest::new(&results, threads, seconds);
@@ -78,12 +85,10 @@ pub fn run_study<B: UncertainBrake>(
     Ok(manifest)
 }
 
-/// Work on the threads of a pool, or of the program where there is none.
-fn install<T: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
-    }
+/// The threads for so much of a study as is not sampling.
+fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
 
 /// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many threads.
@@ -97,11 +102,17 @@ fn block(samples: u64) -> u64 {
 /// Those of the study.
 pub fn estimate<B: UncertainBrake>(brake: &B) -> Result<Duration, Error> {
     let (plan, start) = (brake.plan(), Instant::now());
-    let study = Study::new(brake, &cea::BatchSolver)?;
+    let study = workers(None)?.install(|| Study::with_progress(brake, &cea::BatchSolver, &bar(PREPARED)))?;
     let references = start.elapsed();
     let few = 2 * 8;
     let samples = few.min(plan.samples);
     let start = Instant::now();
-    run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || StudyTally::empty(plan), None, &())?;
+    run_with(
+        &study,
+        &montecarlo::Sampling::new(plan.seed, samples),
+        || StudyTally::empty(plan),
+        None,
+        &bar(EVALUATED),
+    )?;
     Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
 }

@@ -135,6 +135,7 @@ fn count<B: UncertainBrake>(
 fn sum(a: Counters, b: Counters) -> Counters {
     Counters {
         eigenvalue_solves: a.eigenvalue_solves + b.eigenvalue_solves,
+        certified_solves: a.certified_solves + b.certified_solves,
         factorisations: a.factorisations + b.factorisations,
         eigenvectors: a.eigenvectors + b.eigenvectors,
         secular_values: a.secular_values + b.secular_values,

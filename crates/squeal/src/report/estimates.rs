@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use montecarlo::Progress;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
 };
 use crate::output::{write, write_csv};
+use crate::run::bar;
 use crate::study::{PanelLabel, SceneKey, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
@@ -49,6 +51,8 @@ impl Estimates {
         // Scenes of one law and speed range share their friction, mostly.
         open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
         let mut points: Option<FrictionPoints> = None;
+        let progress = bar("scenes estimated");
+        progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
             let is_served = match &points {
                 Some(points) => points.serves(study.brake(), &scenes[first]).map_err(inner)?,
@@ -67,11 +71,13 @@ impl Estimates {
             for (at, found) in batch.into_iter().zip(found) {
                 estimates.scenes[at] = Some(found);
             }
+            progress.advance(count as u64);
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
                 write(&kept_in.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
                 saved = Instant::now();
             }
         }
+        progress.end();
         estimates.write_table(study, dir)?;
         Ok(estimates)
     }

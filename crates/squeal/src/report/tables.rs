@@ -170,17 +170,7 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let describe = |scene: Option<usize>| match scene {
         None => "every scene: the draw failed".to_owned(),
-        Some(at) => {
-            let scene = &results.plan().scenes[at];
-            let labels = &results.plan().labels;
-            format!(
-                "{}, {}, contact {}, {}",
-                labels.constraints[scene.key.constraints],
-                labels.laws[scene.key.law].name,
-                results.plan().configuration(scene).contacts,
-                scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
-            )
-        }
+        Some(at) => results.plan().describe(&results.plan().scenes[at]),
     };
     let rows = results.summary.failures.listed().iter();
     let rows = rows.map(|failure| vec![failure.index.to_string(), describe(failure.scene), failure.message.clone()]);

@@ -12,12 +12,21 @@
 
 use cea::{EQUAL_FREQUENCIES, EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::Progress;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, identify};
 
 use super::{Configuration, Origin, Plan, Scene};
 use crate::Error;
+
+/// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
+/// than a double's are computed. Where no system is stiff there are none; where some are, each step of a mode that has to be
+/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: two seconds of them, and 16 in any case.
+pub(super) fn bounded_workspace(order: usize) -> Workspace {
+    let most = 4e6 / (order as f64).powi(3);
+    Workspace::with_most_certified_solves((most as u64).max(16))
+}
 
 /// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
@@ -119,29 +128,39 @@ impl Reference {
     }
 }
 
-/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters.
+/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters. Progress
+/// advances by one for each configuration and each scene.
 ///
 /// # Errors
-/// Those of the model and of the solver.
+/// Those of the model and of the solver; [`Error::Scene`] names the scene.
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<Vec<SectoredReference>, Error> {
     let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
-    let of_configuration =
-        |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
+    let of_configuration = |configuration: &Configuration| {
+        let found = of_configuration(configuration, &origins[configuration.origin], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene {
+            scene: format!("contact {}", configuration.contacts),
+            source: source.into(),
+        })
+    };
     let configurations =
         plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
-        of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver)
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
     plan.scenes.par_iter().zip(points).map(of_scene).collect()
 }
 
 /// The modes of an origin, each named by its frequency rank.
 fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
-    let (brake, mut work) = (&origin.brake, Workspace::default());
+    let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
     let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
@@ -191,7 +210,7 @@ impl SectoredReference {
         system: SecondOrder,
         near: bool,
     ) -> Result<Self, Error> {
-        let mut work = Workspace::default();
+        let mut work = bounded_workspace(system.order());
         let of_sector =
             |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, near, &mut work);
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;

@@ -11,4 +11,5 @@ mod failures;
 mod memory;
 mod names;
 mod same_bytes;
+mod sizes;
 mod two_runs;

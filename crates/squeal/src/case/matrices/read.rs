@@ -23,6 +23,7 @@ impl MatricesCase {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
         let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters = drawn(&check, parameters)?;
         let mut formulas = Formulas::new(&check, &parameters);
@@ -59,6 +60,7 @@ fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::ParameterTable>) -> 
             let allowed = "a letter or _, then letters, digits and _, no function and not pi";
             return Err(check.value("parameters", format!("{name:?}"), allowed));
         }
+        check.line(&format!("parameters.{name}.unit"), &unit)?;
         distribution
             .check()
             .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
