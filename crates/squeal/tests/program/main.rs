@@ -12,4 +12,5 @@ mod memory;
 mod names;
 mod same_bytes;
 mod sizes;
+mod terminal;
 mod two_runs;
