@@ -51,9 +51,8 @@ pub use nalgebra;
 pub use num_complex;
 
 pub use dense::{
-    BatchSolver, EQUAL_FREQUENCIES, EigenSolver, Mode, Modes, QrSolver, StandardForm, backward_error, left_vector,
-    mass_norm_squared, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all,
-    singular_vectors,
+    BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, backward_error, left_vector, mass_norm_squared,
+    pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
 };
 #[cfg(feature = "lapack")]
 pub use dense::{LapackSolver, dgeev, dggev};
@@ -62,7 +61,7 @@ pub use feedback::{
     Anchors, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
     Secular, h_infinity_norm_bound,
 };
-pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};
+pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
 pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict};
 pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};

@@ -47,6 +47,17 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
     }
 }
 
+/// Trials for a half width h of the interval of a proportion p that is neither 0 nor 1, nearly: `p (1 - p) (z / h)^2`.
+///
+/// ```
+/// use montecarlo::{Confidence, trials_for_half_width};
+/// assert_eq!(trials_for_half_width(0.5, 0.01, Confidence::P95).ceil(), 9_604.0);
+/// ```
+#[must_use]
+pub fn trials_for_half_width(p: f64, half_width: f64, confidence: Confidence) -> f64 {
+    p * (1.0 - p) * (confidence.z() / half_width).powi(2)
+}
+
 /// Whether something occurred in one trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trial {

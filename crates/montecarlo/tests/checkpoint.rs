@@ -1,5 +1,7 @@
 //! What a checkpoint survives, and what it refuses.
 
+#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
+
 mod common;
 
 use std::fs;

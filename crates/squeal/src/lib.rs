@@ -77,6 +77,7 @@ mod error;
 pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
+mod fingerprint;
 mod folder;
 #[cfg(feature = "case-files")]
 mod input;
@@ -86,7 +87,8 @@ mod run;
 pub mod study;
 
 pub use error::Error;
-pub use run::{DrawResults, estimate, fingerprint, run_study};
+pub use fingerprint::fingerprint;
+pub use run::{DrawResults, estimate, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use montecarlo::{Checkpoint, run_with};
-use sha2::{Digest, Sha256};
 
 use crate::Error;
 use crate::folder::RunFolder;
@@ -28,11 +27,6 @@ pub(crate) fn bar(_: &'static str) {}
 const PREPARED: &str = "steps of preparation";
 /// What is counted while it is sampled.
 const EVALUATED: &str = "evaluations";
-
-/// SHA-256 of a text, hexadecimal.
-pub fn fingerprint(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 /// What adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from
 /// which they are published in the folder of the run when all are whole.

@@ -1,13 +1,14 @@
 //! Time to +-0.1 percentage points of every occurrence, against plain Monte Carlo with LAPACK.
 //!
 //! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs
-//! `p (1 - p) (1.96 / 0.001)^2` samples for its occurrence nearest to one half, an estimator all the systems that it solves.
+//! `p (1 - p) (z / 0.001)^2` samples, z = 1.96, for its occurrence nearest to one half, an estimator all the systems that it solves.
 //! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
 //! per evaluation, vectors, names, and all its overhead included. Times are processor times of one thread, measured next to
 //! each other. Without the feature `lapack` the second is not measured.
 
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ThreadTime;
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
@@ -92,12 +93,12 @@ struct OneScene {
 }
 
 impl OneScene {
-    fn plain_samples(&self) -> f64 {
-        plain_samples(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
+    fn samples_to_tolerance(&self) -> f64 {
+        samples_to_tolerance(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
     }
 
     fn fewer(&self) -> f64 {
-        self.plain_samples() / self.evaluations as f64
+        self.samples_to_tolerance() / self.evaluations as f64
     }
 
     fn cheaper(&self) -> Option<f64> {
@@ -153,7 +154,7 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
     let range = key.speed.map_or(String::new(), |speed| format!(", {} speed", plan.labels.speeds[speed].name));
     let dgeev: Option<f64> = found.iter().map(|one| one.dgeev_seconds).sum();
     // A scene whose modes are never or always unstable needs no sampling.
-    let sampled = found.iter().filter(|one| one.plain_samples() > 0.0);
+    let sampled = found.iter().filter(|one| one.samples_to_tolerance() > 0.0);
     Ok(TimeToTolerance {
         scenes_of: format!("{}{range}", plan.labels.laws[key.law].title),
         scenes: found.len(),
@@ -165,8 +166,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
         evaluations: found.iter().map(|one| one.evaluations).sum(),
         most_evaluations: found.iter().map(|one| one.evaluations).max().unwrap_or(0),
         kinds: found.iter().filter_map(|one| one.kinds).reduce(|sum, kinds| sum + kinds),
-        plain_samples: found.iter().map(OneScene::plain_samples).sum(),
-        plain_seconds: found.iter().map(|one| Some(one.plain_samples() * one.dgeev_seconds?)).sum(),
+        plain_samples: found.iter().map(OneScene::samples_to_tolerance).sum(),
+        plain_seconds: found.iter().map(|one| Some(one.samples_to_tolerance() * one.dgeev_seconds?)).sum(),
         least_fewer: sampled.clone().map(OneScene::fewer).fold(f64::INFINITY, f64::min),
         least_cheaper: sampled.filter_map(OneScene::cheaper).reduce(f64::min),
         dgeev_us: dgeev.map(|sum| 1e6 * sum / found.len().max(1) as f64),
@@ -174,8 +175,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
 }
 
 /// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence nearest to one half.
-pub(crate) fn plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
-    occurrences.map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
+pub(crate) fn samples_to_tolerance(occurrences: impl Iterator<Item = f64>) -> f64 {
+    occurrences.map(|p| trials_for_half_width(p, HALF_WIDTH, Confidence::P95)).fold(0.0, f64::max)
 }
 
 fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {

@@ -16,7 +16,7 @@ pub use batch::BatchSolver;
 #[cfg(feature = "lapack")]
 pub use lapack::{LapackSolver, dgeev, dggev};
 pub use mode::Mode;
-pub use modes::{EQUAL_FREQUENCIES, Modes, mass_norm_squared, pair_numbers, ranks_together};
+pub use modes::{Modes, mass_norm_squared, pair_numbers, ranks_together};
 pub(crate) use null_vectors::{NullVector, null_vectors};
 pub(crate) use qr::MOST_QR_STEPS;
 pub use qr::QrSolver;

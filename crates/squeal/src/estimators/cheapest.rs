@@ -4,18 +4,17 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use cea::QrSolver;
+use montecarlo::{Confidence, trials_for_half_width, wilson};
 use serde::{Deserialize, Serialize};
 
 use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
-/// Standard normal deviate of 95 %.
-const Z95: f64 = 1.96;
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Samples that say how many plain ones are needed, and count for nothing else; chosen.
-const PLAIN_PILOTS: u64 = 400;
+const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
@@ -55,10 +54,10 @@ pub struct SceneOccurrences {
     /// How they were found.
     pub estimator: Estimator,
     /// By name of the mode; modes that are surely never unstable are not listed.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// The largest half width, without what open names leave open.
     pub half_width: f64,
-    /// Systems solved, all of them.
+    /// Systems solved, all of them: also those of an estimator that was tried and turned out not to apply.
     pub evaluations: u64,
     /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
     /// half needs.
@@ -69,20 +68,29 @@ pub struct SceneOccurrences {
 /// scene, where [`friction_points`] found some.
 ///
 /// # Errors
-/// A sample that cannot be solved.
+/// A sample or a spectrum that cannot be solved.
 pub fn scene_occurrences<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
     points: Option<&FrictionPoints>,
 ) -> Result<SceneOccurrences, EstimatorError> {
-    if let Some(found) = by_integral(study, scene, half_width)? {
-        return Ok(found);
-    }
-    match points {
-        Some(points) => by_control_variate(study, scene, half_width, points),
-        None => by_sampling(study, scene, half_width),
-    }
+    let attempt = match by_integral(study, scene, half_width)? {
+        Ok(found) => return Ok(found),
+        Err(DoesNotApply { evaluations }) => evaluations,
+    };
+    let mut found = match points {
+        Some(points) => by_control_variate(study, scene, half_width, points)?,
+        None => by_sampling(study, scene, half_width)?,
+    };
+    found.evaluations += attempt;
+    Ok(found)
+}
+
+/// An estimator that does not apply to a scene.
+struct DoesNotApply {
+    /// Systems solved until that was known.
+    evaluations: u64,
 }
 
 /// Points of the friction of a scene for [`scene_occurrences`]; `None` where a control variate does not apply, or plain
@@ -110,18 +118,24 @@ pub fn friction_points<B: UncertainBrake>(
     }
 }
 
-/// By the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
+/// By the exact integral; it does not apply where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
-) -> Result<Option<SceneOccurrences>, EstimatorError> {
-    let found = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)
-        .and_then(|mut family| exact(&study.references()[scene], &mut family));
-    let found = match found {
+) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
+    let mut family = match OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver) {
+        Ok(family) => family,
+        Err(EstimatorError::NotOneParameter { .. }) => return Ok(Err(DoesNotApply { evaluations: 0 })),
+        Err(error) => return Err(error),
+    };
+    let found = match exact(&study.references()[scene], &mut family) {
         Ok(found) => found,
-        Err(EstimatorError::Study(error)) => return Err(error.into()),
-        Err(_) => return Ok(None),
+        // Solver errors are none of tracking: see `EstimatorError`.
+        Err(EstimatorError::Tracking(_)) => {
+            return Ok(Err(DoesNotApply { evaluations: family.counters().eigenvalue_solves }));
+        }
+        Err(error) => return Err(error),
     };
     let mut modes = BTreeMap::new();
     for (name, occurrence) in found.integral.occurrences {
@@ -129,7 +143,7 @@ fn by_integral<B: UncertainBrake>(
         modes.insert(name, Estimated { occurrence, half_width });
     }
     let evaluations = found.counters.eigenvalue_solves;
-    Ok(Some(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
+    Ok(Ok(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
 }
 
 fn by_control_variate<B: UncertainBrake>(
@@ -143,14 +157,14 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilots.
+/// By plain samples, as many as the occurrence nearest to one half needs by some pilot samples.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
-    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let nearest = |estimated: &Estimated| {
         let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
         0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
@@ -159,15 +173,15 @@ fn by_sampling<B: UncertainBrake>(
     let samples = pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64;
     let found = monte_carlo(study, scene, seed, samples)?;
     // A mode that was never unstable has half of Wilson's interval for no hit.
-    let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
+    let unseen = 0.5 * wilson(0, samples, Confidence::P95).map_err(crate::Error::from)?.upper;
     let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
 }
 
 impl SceneOccurrences {
     fn new(
         estimator: Estimator,
-        modes: BTreeMap<u16, Estimated>,
+        modes: BTreeMap<ModeLabel, Estimated>,
         reached: f64,
         evaluations: u64,
         half_width: f64,
@@ -178,9 +192,9 @@ impl SceneOccurrences {
     }
 }
 
-/// Samples for a half width of Wilson's 95 % interval of a proportion p, nearly: `p (1 - p) (z / h)^2`, and for p = 0 and 1
-/// those with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
+/// Samples for a half width of Wilson's 95 % interval of a proportion p: [`trials_for_half_width`], and for p = 0 and 1 those
+/// with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
 fn plain_samples(p: f64, half_width: f64) -> f64 {
-    let at_the_edge = Z95 * Z95 * (0.5 / half_width - 1.0);
-    (p * (1.0 - p) * (Z95 / half_width).powi(2)).max(at_the_edge)
+    let at_the_edge = Confidence::P95.z().powi(2) * (0.5 / half_width - 1.0);
+    trials_for_half_width(p, half_width, Confidence::P95).max(at_the_edge)
 }

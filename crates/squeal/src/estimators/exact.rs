@@ -1,8 +1,8 @@
 //! The exact integral: occurrences without sampling.
 //!
-//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable
-//! is the probability of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of what the root search leaves open, of the steps it could not resolve
-//! and of the tails that were cut off.
+//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable is the probability
+//! of mu lying in certain intervals: differences of its distribution function at the onsets. The error is the probability of
+//! what the root search leaves open, of the steps it could not resolve and of the tails that were cut off.
 
 use cea::Counters;
 use num_complex::Complex;
@@ -11,7 +11,7 @@ use tracking::{Branches, Onsets, follow_branch};
 use super::integral::{Integral, integrate};
 use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
-use crate::study::Reference;
+use crate::study::{ModeLabel, Reference};
 
 /// Relative distance up to which eigenvalues of two solvers at one parameter are the same: far above rounding, far below
 /// the distance of modes; chosen.
@@ -59,7 +59,7 @@ fn named(
     mu: f64,
     median: f64,
     reference: &Reference,
-) -> Result<Vec<Vec<u16>>, EstimatorError> {
+) -> Result<Vec<Vec<ModeLabel>>, EstimatorError> {
     let at_median = family.lambdas(median)?.to_vec();
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();

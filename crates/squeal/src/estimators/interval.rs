@@ -9,6 +9,7 @@ use super::evaluations::Evaluations;
 use super::friction_points::FrictionPoints;
 use super::stratum::Stratum;
 use super::{Estimated, OccurrenceBounds, Surrogate};
+use crate::study::ModeLabel;
 
 /// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
@@ -23,7 +24,7 @@ const CLEAR_TAIL_PART: f64 = 0.7;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlVariateEstimate {
     /// By name, with the half width of the 95 % interval.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit of the occurrence of any mode that is not listed.
     pub unseen: f64,
     /// Systems solved.
@@ -44,7 +45,7 @@ impl ControlVariateEstimate {
 /// Means over Sobol points, each with its standard error.
 pub(super) struct PredictionMeans {
     /// Of the prediction that a mode is surely and perhaps unstable, by name.
-    pub modes: BTreeMap<u16, [(f64, f64); 2]>,
+    pub modes: BTreeMap<ModeLabel, [(f64, f64); 2]>,
     /// Of the prediction being uncertain.
     pub uncertain: (f64, f64),
     /// Number of scramblings, whose scatter these errors are.
@@ -115,12 +116,12 @@ pub(super) fn intervals(
     evaluations: Evaluations,
 ) -> ControlVariateEstimate {
     let [clear, uncertain] = strata;
-    let names: BTreeSet<u16> =
+    let names: BTreeSet<ModeLabel> =
         means.modes.keys().chain(strata.iter().flat_map(|stratum| stratum.differences.keys())).copied().collect();
-    let look = Look { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
+    let look = InterimLook { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
     ControlVariateEstimate {
         modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
-        unseen: look.limits(0)[1] + look.by_student(0, 0.0, 0.0),
+        unseen: look.limits(None)[1] + look.by_student(None, 0.0, 0.0),
         evaluations,
         wrong: [clear.wrong, uncertain.wrong],
         uncertain: means.uncertain.0,
@@ -128,7 +129,7 @@ pub(super) fn intervals(
 }
 
 /// What one look at the counts sees.
-struct Look<'a> {
+struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
     uncertain: &'a Stratum,
@@ -137,15 +138,15 @@ struct Look<'a> {
     is_first: bool,
 }
 
-impl Look<'_> {
-    fn estimate(&self, name: u16) -> Estimated {
+impl InterimLook<'_> {
+    fn estimate(&self, name: ModeLabel) -> Estimated {
         let share = self.means.uncertain.0;
         let [lower, upper] = self.means.modes.get(&name).copied().unwrap_or_default();
-        let [down, up] = self.limits(name);
-        let (in_clear, in_uncertain) = (self.clear.shift(name), self.uncertain.shift(name));
+        let [down, up] = self.limits(Some(name));
+        let (in_clear, in_uncertain) = (self.clear.shift(Some(name)), self.uncertain.shift(Some(name)));
         let (least, greatest) = (lower.0 + share * in_uncertain[0], upper.0 + share * in_uncertain[1]);
-        let lowest = least - self.by_student(name, lower.1, in_uncertain[0]) - down;
-        let highest = greatest + self.by_student(name, upper.1, in_uncertain[1]) + up;
+        let lowest = least - self.by_student(Some(name), lower.1, in_uncertain[0]) - down;
+        let highest = greatest + self.by_student(Some(name), upper.1, in_uncertain[1]) + up;
         let [lower, upper] = [least + (1.0 - share) * in_clear[0], greatest + (1.0 - share) * in_clear[1]]
             .map(|end| end.clamp(0.0, 1.0));
         let half_width = 0.5 * (highest.min(1.0) - lowest.max(0.0));
@@ -153,14 +154,14 @@ impl Look<'_> {
     }
 
     /// Half the width by Student's t of one end of an occurrence: the mean of the prediction, whose standard error is
-    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share.
-    fn by_student(&self, name: u16, of_mean: f64, shift: f64) -> f64 {
+    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share. No name: a mode never seen.
+    fn by_student(&self, name: Option<ModeLabel>, of_mean: f64, shift: f64) -> f64 {
         let variance = (self.largest_shares[1] * self.uncertain.deviation(name)).powi(2) + of_mean.powi(2);
         self.means.t(self.tails[1]) * variance.sqrt() + shift.abs() * self.means.uncertain_error()
     }
 
-    /// By how much clear samples may move the ends of an occurrence down and up.
-    fn limits(&self, name: u16) -> [f64; 2] {
+    /// By how much clear samples may move the ends of an occurrence down and up; no name: of a mode never seen.
+    fn limits(&self, name: Option<ModeLabel>) -> [f64; 2] {
         self.clear.limits(name, self.tails[0], self.is_first).map(|limit| self.weighted(limit))
     }
 
@@ -180,15 +181,18 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
+    const MODE: ModeLabel = ModeLabel::new(7);
+
     /// The intervals of a prediction that is always `predicted`, in one stratum.
     fn found(predicted: bool, references: impl Iterator<Item = Option<bool>>) -> ControlVariateEstimate {
-        let predicted = if predicted { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let predicted = if predicted { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let mut clear = Stratum::default();
         references.for_each(|reference| {
-            clear.enter(&predicted, &reference.map(|is_sure| (7, is_sure)).into_iter().collect())
+            clear.enter(&predicted, &reference.map(|is_sure| (MODE, is_sure)).into_iter().collect())
         });
         let mean = (predicted.len() as f64, 0.0);
-        let means = PredictionMeans { modes: BTreeMap::from([(7, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
+        let means =
+            PredictionMeans { modes: BTreeMap::from([(MODE, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
         intervals(
             &means,
             &[clear, Stratum { samples: 1, ..Stratum::default() }],
@@ -202,7 +206,7 @@ mod tests {
     fn a_bad_prediction_makes_the_interval_wide_and_not_wrong() {
         // Predicted in every sample, true in three of ten.
         let found = found(true, (0..10_000).map(|i| (i % 10 < 3).then_some(true)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((found.wrong, mode.occurrence.lower, mode.occurrence.upper), ([7_000, 0], 1.0 - 0.7, 1.0 - 0.7));
         // Plain Monte Carlo: 1.96 sqrt(0.21 / 10000) = 0.0090.
         assert!(mode.half_width > 0.0090 && mode.half_width < 0.014, "{}", mode.half_width);
@@ -210,14 +214,14 @@ mod tests {
 
     #[test]
     fn an_open_name_widens_the_occurrence() {
-        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&7].occurrence;
+        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&MODE].occurrence;
         assert_eq!((occurrence.lower, occurrence.upper), (0.99, 1.0));
     }
 
     #[test]
     fn what_is_open_is_no_error_of_the_estimator() {
         let found = found(false, (0..10_000).map(|i| (i % 100 == 0).then_some(false)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((mode.occurrence.lower, mode.occurrence.upper), (0.0, 0.01));
         assert!(found.half_width() < mode.half_width - 0.0049, "{found:?}");
     }
@@ -226,13 +230,13 @@ mod tests {
     fn few_uncertain_samples_weigh_little() {
         // One sample in a hundred is uncertain, and the prediction is wrong in a third of them.
         let predicted = BTreeMap::new();
-        let reference = |wrong: bool| if wrong { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let reference = |wrong: bool| if wrong { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let (mut clear, mut uncertain) = (Stratum::default(), Stratum::default());
         (0..5_000).for_each(|_| clear.enter(&predicted, &reference(false)));
         (0..300).for_each(|i| uncertain.enter(&predicted, &reference(i % 3 == 0)));
         let means = PredictionMeans { modes: BTreeMap::new(), uncertain: (0.01, 0.0), scramblings: 32 };
         let found = intervals(&means, &[clear, uncertain], tails(INTERIM_LOOKS[0].0), true, Evaluations::default());
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
         assert!(mode.half_width < 0.0018 && found.wrong == [0, 100], "{found:?}");
     }
@@ -251,9 +255,9 @@ mod tests {
                 let one = |_| (0..500).filter(|_| rng.random_bool(p)).count() as f64 / 500.0;
                 mean((0..32).map(one).collect::<Vec<_>>().into_iter())
             };
-            let (modes, uncertain) = (BTreeMap::from([(7, [share(predicted); 2])]), share(uncertain));
+            let (modes, uncertain) = (BTreeMap::from([(MODE, [share(predicted); 2])]), share(uncertain));
             let means = PredictionMeans { modes, uncertain, scramblings: 32 };
-            let named = |is_unstable: bool| is_unstable.then_some((7, true)).into_iter().collect();
+            let named = |is_unstable: bool| is_unstable.then_some((MODE, true)).into_iter().collect();
             let mut stratum = |count: usize, wrong: f64| {
                 let mut stratum = Stratum::default();
                 for _ in 0..count {
@@ -264,7 +268,8 @@ mod tests {
             };
             let known = Stratum { samples: 1_000_000, ..Stratum::default() };
             let strata = [if slip > 0.0 { stratum(2_000, slip) } else { known }, stratum(200, wrong)];
-            let found = intervals(&means, &strata, tails(INTERIM_LOOKS[0].0), true, Evaluations::default()).modes[&7];
+            let found =
+                intervals(&means, &strata, tails(INTERIM_LOOKS[0].0), true, Evaluations::default()).modes[&MODE];
             let centre = 0.5 * (found.occurrence.lower + found.occurrence.upper);
             missed += u32::from((centre - reference).abs() > found.half_width);
             width += found.half_width / f64::from(runs);

@@ -13,6 +13,7 @@ mod comparison;
 mod cost;
 mod evaluate;
 mod memory;
+mod mode_label;
 mod near_axis;
 mod net_work;
 mod plan;
@@ -27,6 +28,7 @@ pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use cost::Cost;
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use memory::{Scratch, Spent, timed};
+pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{

@@ -1,23 +1,24 @@
 //! Reference modes: what a mode is called in each scene.
 //!
-//! A tracked mode is named by its frequency rank at the [`Origin`] of its configuration: for a lattice every oscillator in
+//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
 //! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
 //! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
 //! then matched to the modes of their scene.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
-//! Of equal frequencies of different sectors that of the smaller sector ranks first; names of equal modes of one sector are
-//! open between them.
+//! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
+//! between them.
 
-use cea::{EQUAL_FREQUENCIES, EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::Progress;
+use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, identify};
 
-use super::{Configuration, Origin, Plan, Scene};
+use super::{Configuration, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
 
 /// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
@@ -37,7 +38,7 @@ pub struct Reference {
     pub modes: Vec<Mode>,
     /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
     /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path.
-    pub names: Vec<Vec<u16>>,
+    pub names: Vec<Vec<ModeLabel>>,
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -59,8 +60,8 @@ impl Reference {
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
-    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<u16> {
-        let mut names: Vec<u16> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
+    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<ModeLabel> {
+        let mut names: Vec<ModeLabel> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
         names.sort_unstable();
         names.dedup();
         names
@@ -69,7 +70,7 @@ impl Reference {
     /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
     /// and which of them is which has no answer. Each gets the names of all.
     fn open_equal_modes(&mut self) {
-        let is_equal = |a: &Mode, b: &Mode| (a.lambda - b.lambda).norm() <= EQUAL_FREQUENCIES * b.lambda.norm();
+        let is_equal = |a: &Mode, b: &Mode| (a.lambda - b.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * b.lambda.norm();
         let sizes: Vec<usize> = self.modes.chunk_by(is_equal).map(<[Mode]>::len).collect();
         let mut first = 0;
         for size in sizes {
@@ -85,9 +86,9 @@ impl Reference {
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
-        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
-        all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
-        let (modes, names) = all.into_iter().unzip();
+        let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
+        let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
+        let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
         Self { system, modes, names }
     }
 
@@ -166,7 +167,7 @@ fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Err
     let (mut parts, found): (Vec<_>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
-        part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
+        part.names = ranks.into_iter().map(|rank| vec![ModeLabel::of_rank(rank)]).collect();
         part.open_equal_modes();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))

@@ -6,7 +6,7 @@ use montecarlo::{Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs,
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
-use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
+use super::{ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,14 +48,14 @@ pub struct SceneTally {
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another.
-    pub tracked: LabelTally<u16>,
+    pub tracked: LabelTally<ModeLabel>,
     /// Samples in which the mode of a frequency rank is unstable.
-    pub ranked: LabelTally<u16>,
+    pub ranked: LabelTally<ModeLabel>,
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
-    pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
+    pub net_work: BTreeMap<ModeLabel, Vec<QuantileSketch>>,
     /// The same told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
-    pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
+    pub family_work: BTreeMap<ModeLabel, Vec<Vec<QuantileSketch>>>,
 }
 
 impl StudyTally {
@@ -121,13 +121,20 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
-/// Names of the unstable modes of one sample, and whether each is sure.
-pub(crate) fn unstable_names(modes: &[UnstableMode]) -> BTreeMap<u16, bool> {
-    let names = occurring_labels(&candidate_names(modes)).into_iter();
+/// Names of unstable modes, from the names that each may have, and whether each is sure.
+pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>]) -> BTreeMap<ModeLabel, bool> {
+    let names = occurring_labels(candidates).into_iter();
     names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
 }
 
-fn candidate_names(modes: &[UnstableMode]) -> Vec<&[u16]> {
+impl Outcome {
+    /// Names of the unstable modes, and whether each is sure.
+    pub(crate) fn unstable_names(&self) -> BTreeMap<ModeLabel, bool> {
+        unstable_names(&candidate_names(&self.unstable))
+    }
+}
+
+fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 

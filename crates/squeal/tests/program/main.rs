@@ -12,5 +12,8 @@ mod memory;
 mod names;
 mod same_bytes;
 mod sizes;
+#[path = "../common/tables.rs"]
+mod tables;
 mod terminal;
 mod two_runs;
+mod words;
