@@ -34,7 +34,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let own = ["samples", "unstable", "open", "occurrence", "lower", "upper"];
     let mut rows = Vec::new();
     for panel in results.panels() {
-        for (name, occurrences) in results.occurrences(panel) {
+        for (name, occurrences) in results.all_occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
                 let mut row = labels.mode_columns(panel.key, occurrence.arrangement, name);

@@ -10,6 +10,7 @@ mod estimates;
 mod failures;
 mod memory;
 mod same_bytes;
+mod study_tables;
 #[path = "../common/tables.rs"]
 mod tables;
 mod words;
