@@ -4,6 +4,7 @@
 mod claims;
 mod estimates;
 mod manifest;
+mod modes;
 #[cfg(feature = "case-files")]
 mod paper;
 #[cfg(all(feature = "case-files", feature = "figures"))]
@@ -12,12 +13,14 @@ mod paper_pictures;
 mod pictures;
 mod results;
 mod summary;
+mod summary_page;
 mod tables;
 
 #[cfg(feature = "case-files")]
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
+pub use modes::set_letter;
 #[cfg(feature = "case-files")]
 pub use paper::claims;
 #[cfg(all(feature = "case-files", feature = "figures"))]

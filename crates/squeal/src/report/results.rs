@@ -1,6 +1,6 @@
 //! Counts turned into occurrences, means and intervals.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
@@ -41,6 +41,7 @@ impl ArrangementOccurrence {
 /// The results of a study.
 pub struct Results<'a> {
     plan: &'a Plan,
+    origins: &'a [Reference],
     references: &'a [Reference],
     /// Its counts.
     pub summary: Summary<StudyTally>,
@@ -53,10 +54,10 @@ pub struct Results<'a> {
 impl<'a> Results<'a> {
     /// The results of a finished run.
     pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<StudyTally>) -> Self {
-        let (plan, references) = (study.plan(), study.references());
+        let (plan, origins, references) = (study.plan(), study.origin_references(), study.references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
-        Self { labels: plan.mode_labels, plan, references, summary, panels, comparisons }
+        Self { labels: plan.mode_labels, plan, origins, references, summary, panels, comparisons }
     }
 
     /// The same counts with modes named in another way.
@@ -73,6 +74,11 @@ impl<'a> Results<'a> {
     /// The plan.
     pub fn plan(&self) -> &'a Plan {
         self.plan
+    }
+
+    /// The modes of each origin of the plan.
+    pub(super) fn origins(&self) -> &'a [Reference] {
+        self.origins
     }
 
     /// The reference modes of each scene.
@@ -92,22 +98,30 @@ impl<'a> Results<'a> {
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
-        let mut names: BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> = BTreeMap::new();
+        let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
+        let names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
+        names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
+    }
+
+    /// As [`occurrences`](Self::occurrences), of every mode, whether it is ever unstable or not.
+    pub fn all_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
+        let mut all = self.occurrences(panel);
+        for (name, _) in self.modes_of_set(panel.key.constraints) {
+            all.entry(name).or_insert_with(|| self.occurrences_of(panel, name));
+        }
+        all
+    }
+
+    /// Occurrences of one mode in a panel, whether it ever is unstable there or not, one entry per arrangement.
+    pub fn occurrences_of(&self, panel: &Panel, name: ModeLabel) -> Vec<ArrangementOccurrence> {
+        let mut list = Vec::with_capacity(panel.arrangements);
         for &scene in &panel.scenes {
-            for (&name, _) in self.counts(scene).proportions() {
-                names.entry(self.name(name)).or_default();
-            }
+            let proportion = self.counts(scene).proportion(&self.key(name));
+            let members = self.plan().scenes[scene].members.iter();
+            list.extend(members.map(|&arrangement| ArrangementOccurrence { arrangement, proportion }));
         }
-        for (&name, list) in &mut names {
-            for &scene in &panel.scenes {
-                let proportion = self.counts(scene).proportion(&self.key(name));
-                for &arrangement in &self.plan().scenes[scene].members {
-                    list.push(ArrangementOccurrence { arrangement, proportion });
-                }
-            }
-            list.sort_by_key(|occurrence| occurrence.arrangement);
-        }
-        names
+        list.sort_by_key(|occurrence| occurrence.arrangement);
+        list
     }
 
     fn counts(&self, scene: usize) -> &LabelTally<ModeLabel> {
@@ -115,7 +129,7 @@ impl<'a> Results<'a> {
         if self.labels == ModeNaming::Tracked { &tally.tracked } else { &tally.ranked }
     }
 
-    fn name(&self, key: ModeLabel) -> ModeLabel {
+    pub(super) fn name(&self, key: ModeLabel) -> ModeLabel {
         if self.labels == ModeNaming::Pair { ModeLabel::new(2 * key.number() - 1) } else { key }
     }
 

@@ -20,6 +20,7 @@ mod plan;
 mod reference;
 mod sector_modes;
 mod secular_equations;
+mod set_links;
 mod tally;
 
 pub use brake::UncertainBrake;
@@ -37,4 +38,5 @@ pub use plan::{
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
+pub use set_links::{SetLinks, origin_of_set, set_links};
 pub use tally::{SceneTally, StudyTally};

@@ -98,12 +98,19 @@ pub struct SceneLabels {
     pub panels: Vec<PanelLabel>,
     /// Where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
     pub named_at: String,
+    /// The degrees of freedom, held ones too; those without a name are called by their number, from 1.
+    pub dofs: Vec<String>,
 }
 
 impl SceneLabels {
     /// What a speed is called in tables; "all" where a scene stands for all ranges.
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
+    }
+
+    /// What a degree of freedom is called.
+    pub fn dof(&self, index: usize) -> String {
+        self.dofs.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }
 
     /// Constraints, law and speed of a scene or panel, as tables have them in their first columns.

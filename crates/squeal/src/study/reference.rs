@@ -52,7 +52,11 @@ pub struct SectoredReference {
 
 impl Reference {
     /// The modes of `system`, without names.
-    fn unnamed(solver: &dyn EigenSolver, system: SecondOrder, work: &mut Workspace) -> Result<(Self, Modes), Error> {
+    pub(super) fn unnamed(
+        solver: &dyn EigenSolver,
+        system: SecondOrder,
+        work: &mut Workspace,
+    ) -> Result<(Self, Modes), Error> {
         let spectrum = solver.eigenvalues(&system, work)?;
         let found = Modes::classify(&system, &spectrum, work)?;
         let modes = Mode::at(&system, &found.oscillatory, work)?;
@@ -129,7 +133,13 @@ impl Reference {
     }
 }
 
-/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters. Progress
+/// The references of the origins and of the scenes of a plan, each in their order.
+pub(super) struct References {
+    pub origins: Vec<Reference>,
+    pub scenes: Vec<SectoredReference>,
+}
+
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters. Progress
 /// advances by one for each configuration and each scene.
 ///
 /// # Errors
@@ -139,7 +149,7 @@ pub(super) fn references(
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
-) -> Result<Vec<SectoredReference>, Error> {
+) -> Result<References, Error> {
     let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |configuration: &Configuration| {
         let found = of_configuration(configuration, &origins[configuration.origin], solver);
@@ -156,7 +166,8 @@ pub(super) fn references(
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
-    plan.scenes.par_iter().zip(points).map(of_scene).collect()
+    let scenes = plan.scenes.par_iter().zip(points).map(of_scene).collect::<Result<_, Error>>()?;
+    Ok(References { origins, scenes })
 }
 
 /// The modes of an origin, each named by its frequency rank.

@@ -8,8 +8,8 @@ pub use draw::{FrictionDraw, LatticeSample};
 use linsys::OperatingPoint;
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    ContactArrangement, ContactPoint, Lateral, LatticeModel, Member, Preload, PreparedLattice, Reversal, Sliding,
-    SymmetryClass,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Member, Preload, PreparedLattice,
+    Reversal, Sliding, SymmetryClass,
 };
 
 use crate::Error;
@@ -280,5 +280,12 @@ fn labels(case: &LatticeCase) -> SceneLabels {
             })
             .collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
+        dofs: dof_names(case.lattice.grid.oscillators()),
     }
+}
+
+/// `x1` to `zp`.
+fn dof_names(oscillators: usize) -> Vec<String> {
+    let bodies = (0..oscillators).map(LatticeBody::Oscillator).chain([LatticeBody::Plate]);
+    bodies.flat_map(|body| Axis::ALL.map(|axis| Dof { axis, body }.to_string())).collect()
 }

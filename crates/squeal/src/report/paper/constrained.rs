@@ -2,7 +2,7 @@
 
 use super::super::claims::{Claim, Holds};
 use super::super::results::{Estimate, Results};
-use super::modes::{title, work_dominance};
+use super::modes::{title_in, work_dominance};
 use super::scenes::{CORNERS_HELD, SIX_HELD, law_name, number_in_contact, speed_name};
 use crate::Error;
 use crate::case::Paper;
@@ -60,7 +60,7 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper) -> Result<Clai
     let high: Vec<String> = order
         .iter()
         .filter(|(_, list)| mean(list) > 0.5)
-        .map(|(n, list)| format!("{n} at {:.3}", mean(list)))
+        .map(|(n, list)| format!("{} at {:.3}", results.mode_label(CORNERS_HELD, **n), mean(list)))
         .collect();
     let margins = work_dominance(results, CORNERS_HELD, name, &paper.after_corners_dominant)?;
     let dominates = !margins.is_empty() && margins.iter().all(|(_, margin)| *margin > 0.0);
@@ -70,7 +70,7 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper) -> Result<Clai
     let by_law: Vec<String> = list.iter().map(|(law, e)| format!("{law} {:.3}", e.value)).collect();
     let detail = format!(
         "occurrence of {}, mean over laws and speeds; {}; modes above 0.5: {}; 4 and 6 dominate its net work: {}",
-        title(results, name),
+        title_in(results, CORNERS_HELD, name),
         by_law.join("; "),
         high.join(", "),
         if dominates { "yes" } else { "no" }
@@ -114,7 +114,7 @@ pub(super) fn after_six(results: &Results<'_>, paper: &Paper) -> Result<Claim, E
         for (name, occurrences) in results.occurrences(panel) {
             let median = results.median(&occurrences)?;
             if worst.as_ref().is_none_or(|(_, w)| median.value > w.value) {
-                worst = Some((format!("{}, {}", title(results, name), results.describe(panel)), median));
+                worst = Some((format!("{}, {}", title_in(results, SIX_HELD, name), results.describe(panel)), median));
             }
         }
     }

@@ -3,7 +3,7 @@
 use num_complex::Complex;
 
 use super::super::results::{Estimate, Results};
-use super::scenes::{full_contact, law_of};
+use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
 use crate::study::{ModeLabel, ModeNaming, Reference, Scene};
@@ -36,13 +36,19 @@ pub(in super::super) fn most_robust(
     Ok(robust)
 }
 
-/// A mode's name with its place among all 2 n eigenvalues, as the paper may count.
+/// The label of a mode without constraints, with its place among all 2 n eigenvalues, as the paper may count.
 pub(in super::super) fn title(results: &Results<'_>, name: ModeLabel) -> String {
+    title_in(results, UNCONSTRAINED, name)
+}
+
+/// The label of a mode of a set of constraints, with its place among all 2 n eigenvalues.
+pub(in super::super) fn title_in(results: &Results<'_>, constraints: usize, name: ModeLabel) -> String {
     let (first, second) = cea::pair_numbers(results.rank_of(name));
+    let label = results.mode_label(constraints, name);
     match results.labels {
-        ModeNaming::Tracked => format!("tracked mode {name} ({first}/{second} of all eigenvalues)"),
-        ModeNaming::Rank => format!("rank {name} ({first}/{second} of all eigenvalues)"),
-        ModeNaming::Pair => format!("mode {name}"),
+        ModeNaming::Tracked => format!("tracked mode {label} ({first}/{second} of all eigenvalues)"),
+        ModeNaming::Rank => format!("rank {label} ({first}/{second} of all eigenvalues)"),
+        ModeNaming::Pair => format!("mode {label}"),
     }
 }
 
