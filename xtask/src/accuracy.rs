@@ -1,4 +1,4 @@
-//! How right the answers are, and at what price.
+//! `cargo xtask accuracy`: accuracy and cost of solvers and estimators.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub struct AccuracyArgs {
     /// Build with these features first: lapack
     #[arg(long, value_name = "LIST")]
     features: Option<String>,
-    /// A minute instead of some
+    /// Measure less, in about a minute
     #[arg(long)]
     quick: bool,
     /// Folder for the results [default: target/accuracy]
@@ -27,7 +27,7 @@ pub struct AccuracyArgs {
 }
 
 impl AccuracyArgs {
-    /// The task and its options but `--features`.
+    /// The task and its options, without `--features`.
     fn words(&self) -> Vec<OsString> {
         let mut words = vec!["accuracy".into()];
         words.extend(self.quick.then(|| "--quick".into()));

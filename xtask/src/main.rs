@@ -1,4 +1,4 @@
-//! The project's own tasks: `cargo xtask reproduce`, `accuracy` and `bench`.
+//! The tasks of this project: `cargo xtask reproduce`, `accuracy` and `bench`.
 
 mod accuracy;
 mod again;

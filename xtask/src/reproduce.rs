@@ -9,13 +9,13 @@ use squeal::commands::override_run;
 use squeal::output::{note, say, write};
 use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
 
-/// Samples of a smoke run.
+/// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
 
 /// Reproduce the paper: its real study, figures 4 to 9 with their data, and a scorecard of its claims
 #[derive(Debug, clap::Args)]
 pub struct ReproduceArgs {
-    /// A few samples only, within 30 s: does everything work?
+    /// A few samples only, within 30 s, to check that everything works
     #[arg(long)]
     smoke: bool,
     /// Samples per arrangement, law and speed range [default: the case's, 1000]
@@ -58,7 +58,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
-        // Other names of modes need no other run.
+        // An alternative that only renames modes needs no further run.
         for alternative in &case.alternatives {
             if let Alternative::ModeNaming(labels) = alternative {
                 let claims = claims(&results.labelled(*labels), &brake)?;
@@ -116,7 +116,7 @@ fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {
     ))
 }
 
-/// Claims in rows, readings in columns of yes, no and not determined.
+/// The table of the scorecards: a row for each choice of a reading, and a column for each claim with whether it holds.
 fn readings_markdown(cards: &[Scorecard]) -> String {
     let mut text = String::from("| reading | choice |");
     for claim in &cards[0].claims {

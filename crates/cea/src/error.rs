@@ -1,4 +1,4 @@
-//! What can go wrong in an eigenvalue analysis.
+//! Errors of an eigenvalue analysis.
 
 use linsys::LinsysError;
 use num_complex::Complex;
@@ -16,10 +16,10 @@ pub enum CeaError {
         /// The row, from 1, where this shows first.
         row: usize,
     },
-    /// The QR iteration stopped at its cap.
+    /// The QR iteration reached its largest number of steps.
     #[error("the QR iteration did not converge to an eigenvalue within {iterations} steps ({dimension} eigenvalues)")]
     NoConvergence {
-        /// The cap, per eigenvalue.
+        /// Largest number of steps per eigenvalue.
         iterations: usize,
         /// Size of the state matrix.
         dimension: usize,
@@ -53,7 +53,7 @@ pub enum CeaError {
                 one, which has no spectrum" }
     )]
     SingularPencil {
-        /// For the matrices as given; otherwise for a perturbation of the size of a rounding error.
+        /// Whether the given matrices are singular; otherwise a perturbation of them of the size of a rounding error is.
         exactly: bool,
     },
     /// Inverse iteration found no vector with a small residual: `lambda` is not an eigenvalue.
@@ -64,20 +64,12 @@ pub enum CeaError {
         /// Smallest normwise backward error reached.
         residual: f64,
     },
-    /// Channels of a change that do not fit the system, or a system that cannot have any.
+    /// Channels whose shapes do not fit the system, or a system with internal states, for which channels are not supported.
     #[error("the channels do not fit a system of order {order} with {states} internal states, which must be none")]
     Channels {
         /// Degrees of freedom of the system.
         order: usize,
         /// Its internal states.
         states: usize,
-    },
-    /// Two sets of modes that should correspond do not have the same number of members.
-    #[error("{left} modes cannot be matched to {right}")]
-    ModeCount {
-        /// Modes on one side.
-        left: usize,
-        /// Modes on the other.
-        right: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Eigenvalues and what engineers read off them.
+//! Spectra, frequencies and damping ratios.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! What belongs to one thread of work, and the count of what it computed.
+//! Scratch memory and counters of one thread.
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign};
@@ -16,7 +16,7 @@ pub struct Counters {
     pub eigenvectors: u64,
     /// Values of secular equations.
     pub secular_values: u64,
-    /// Modes that had to be followed by continuation, because MAC alone left a doubt.
+    /// Modes that were followed by continuation, because MAC left a doubt.
     pub continuations: u64,
 }
 
@@ -52,7 +52,7 @@ impl Sum for Counters {
 /// What belongs to one thread of work: counters now, scratch memory where a solver wants it.
 #[derive(Debug, Default)]
 pub struct Workspace {
-    /// What was computed so far.
+    /// Computations so far.
     pub counters: Counters,
     /// How many `certified_solves` a solver may come to before it gives up; `None` is any number.
     pub most_certified_solves: Option<u64>,

@@ -40,7 +40,7 @@ impl Progress for Bar {
         bar.enable_steady_tick(std::time::Duration::from_millis(500));
         bar.set_length(total);
         bar.set_position(done);
-        // The time left must not count what an earlier run did as done just now.
+        // The estimate of the time left must not include the evaluations of an earlier run.
         bar.reset_eta();
     }
 

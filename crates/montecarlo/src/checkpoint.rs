@@ -6,9 +6,9 @@
 //! {"seed": ..., "samples": ..., ...}         its summary so far
 //! ```
 //!
-//! JSON with exact floats rather than a format without field names: a tally whose type has changed is then refused, not
-//! misread. A new checkpoint is written beside the old one, forced to disk and renamed over it, so a file with this name
-//! is complete whenever the process or the machine stops.
+//! The format is JSON with exact floats because JSON has field names: a tally whose type has changed is refused, not misread.
+//! A new checkpoint is written beside the old one, forced to disk and renamed over it, so that a file with the name of the
+//! checkpoint is complete whenever the process or the machine stops.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -34,12 +34,12 @@ pub struct Checkpoint {
     pub path: PathBuf,
     /// Time between two writes; zero writes after every block.
     pub every: Duration,
-    /// Whatever tells this experiment from others, and this version of its tally from others: a hash of the case, say.
+    /// Identifies the experiment and the version of its tally, for example by a hash of the case.
     pub fingerprint: String,
 }
 
-/// What must agree before a checkpoint is continued. The number of samples is not among it, so that a run can be extended,
-/// nor their number per block, on which no result depends.
+/// The properties of a run that must agree with those of a checkpoint. They do not include the number of samples, so that a
+/// run can be extended, nor the number of samples per block, on which no result depends.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Identity {
     fingerprint: String,
@@ -52,7 +52,7 @@ struct Identity {
 pub(crate) struct Store<'a> {
     checkpoint: &'a Checkpoint,
     identity: Identity,
-    /// How many samples the run shall have at its end.
+    /// Number of samples of the complete run.
     samples: u64,
     saved: Instant,
 }
@@ -129,7 +129,7 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// Saves a state that is complete or whose turn has come.
+    /// Saves a state that is complete, or if the time between two writes has passed.
     pub(crate) fn save_when_due<T: Serialize + DeserializeOwned>(
         &mut self,
         state: &Summary<T>,
@@ -159,7 +159,7 @@ impl<'a> Store<'a> {
         let written = write_to_disk(&partial, &body).map_err(|source| (partial.clone(), source));
         let replaced = written.and_then(|()| replace(&partial, path).map_err(|source| (path.clone(), source)));
         if let Err((path, source)) = replaced {
-            // The run ends with the first error; that the leftover cannot be removed either adds nothing.
+            // The run ends with the first error; a second one, in removing the temporary file, is ignored.
             let _ = fs::remove_file(&partial);
             return Err(MonteCarloError::CheckpointIo { action: "write", path, source });
         }
@@ -182,7 +182,7 @@ fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
 
 fn replace(partial: &Path, path: &Path) -> io::Result<()> {
     fs::rename(partial, path)?;
-    // The new name is on disk only once its folder is. Folders can be opened as files on Unix alone.
+    // The new name is on disk only when its folder is. Folders can be opened as files on Unix only.
     #[cfg(unix)]
     {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -191,7 +191,7 @@ fn replace(partial: &Path, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// What follows the header, if it is what the header announces.
+/// The bytes after the header, if they have the length and the checksum that the header announces.
 fn intact_body(bytes: &[u8]) -> Result<&[u8], Damage> {
     let cut = bytes.iter().position(|&byte| byte == b'\n').ok_or(Damage::Header)?;
     let header = str::from_utf8(&bytes[..cut]).map_err(|_| Damage::Header)?;

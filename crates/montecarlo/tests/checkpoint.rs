@@ -1,4 +1,4 @@
-//! What a checkpoint survives, and what it refuses.
+//! Checkpoints that are continued, and checkpoints that are refused.
 
 #![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
 

@@ -1,4 +1,4 @@
-//! Sliding states: refilling in place, the parts of a system, preloads, contacts that fade, and what is refused.
+//! Sliding states: refilling in place, the parts of a system, preloads, contacts of vanishing load, and refused states.
 
 #![allow(clippy::unwrap_used)]
 
@@ -80,7 +80,7 @@ fn a_contact_enters_the_matrices_as_its_equations_say() {
         }
         assert!((k - &friction.k).amax() < 1e-14 * friction.k.amax());
         assert!((c - &friction.c).amax() < 1e-14 * friction.c.amax());
-        // The relative velocity is v + x_p' - x_i'; its friction drags the oscillator along.
+        // The relative velocity is v + x_p' - x_i'; friction drags the oscillator along with the plate.
         let internal = &friction.internal;
         assert_eq!((internal.drive[(0, x)], internal.drive[(0, xp)]), (-bristle.drive, bristle.drive));
         assert_eq!((internal.force[(x, 0)], internal.force[(xp, 0)]), (n * bristle.force, -n * bristle.force));
@@ -173,7 +173,7 @@ fn names_what_it_refuses_in_a_lattice() {
     assert_eq!(other, "the contact arrangement is for 4 oscillators, the lattice has 9");
 }
 
-/// `h(lambda) - h(0)` is of order |lambda| / a: a hundred times stiffer bristles, a hundred times closer spectra.
+/// `h(lambda) - h(0)` is of order |lambda| / a: with bristles a hundred times stiffer, the spectra are a hundred times closer.
 #[test]
 fn stiff_bristles_follow_the_stribeck_curve() {
     let curve = StribeckParameters { mu_s: 0.55, mu_k: 0.45, v_s: 0.6, sigma2: 0.004 };

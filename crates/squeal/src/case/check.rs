@@ -1,4 +1,4 @@
-//! Errors that name the file, and the checks that all kinds of case files share.
+//! Errors that name the file, and the checks that are common to all kinds of case files.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
 
-/// Half widths of occurrences that can be asked for: below, a control variate takes millions of samples for each scene;
-/// above, an interval says nothing.
+/// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
+/// larger ones an interval has no information.
 pub const HALF_WIDTHS: &str = "0.00001 to 0.25";
 
 /// Whether a half width lies in [`HALF_WIDTHS`].
@@ -16,7 +16,7 @@ pub fn is_half_width(half_width: f64) -> bool {
     (1e-5..=0.25).contains(&half_width)
 }
 
-/// What is asked of the estimates of occurrences, as it stands in a case file of any kind.
+/// The table `[accuracy]` of a case file of any kind.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Accuracy {
@@ -78,7 +78,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// A name that can stand in a table and in the name of a file.
+    /// An error unless a name can be used in a table and in the name of a file.
     pub fn plain_name(&self, field: &str, name: &str) -> Result<(), CaseError> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(is_plain) {
@@ -99,7 +99,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// The half width that a case asks for, if it does.
+    /// The half width that a case asks for; `None` where it asks for none.
     pub fn half_width(&self, accuracy: Option<Accuracy>) -> Result<Option<f64>, CaseError> {
         let given = accuracy.map(|accuracy| accuracy.half_width);
         match given.filter(|half_width| !is_half_width(*half_width)) {
@@ -108,7 +108,7 @@ impl Check<'_> {
         }
     }
 
-    /// The number of samples of a study.
+    /// An error unless the number of samples of a study is allowed.
     pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
         if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
             return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
@@ -116,18 +116,18 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// The matrices of a table that make no system.
+    /// The error for the matrices of a table that make no system.
     pub fn system(&self, field: &str) -> impl Fn(linsys::LinsysError) -> CaseError + use<> {
         let (path, field) = (self.path.to_owned(), field.to_owned());
         move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
-    /// A number that is neither infinite nor NaN.
+    /// The number, if it is neither infinite nor NaN.
     pub fn finite(&self, field: &str, value: f64) -> Result<f64, CaseError> {
         if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }
     }
 
-    /// Names of tables: each once, and such that they can stand in a message and a column's head.
+    /// An error unless names of tables differ and can be used in messages and column heads.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
         let allowed = format!("1 to {LONGEST_NAME} characters without control characters");
         for name in names.clone() {
@@ -138,7 +138,7 @@ impl Check<'_> {
         self.no_repeats(field, names.cloned())
     }
 
-    /// Families of force that are named: as names of tables, but shared.
+    /// As [`Check::names`] for the names of force families, of which tables may share one.
     pub fn names_of_families<'n>(
         &self,
         table: &str,
@@ -151,7 +151,7 @@ impl Check<'_> {
     }
 }
 
-/// A field of a table that has a name, as messages print it.
+/// The name of a field of a named table in messages.
 pub(super) fn field(table: &str, name: &str, key: &str) -> String {
     format!("{table} {name:?}.{key}")
 }
@@ -195,7 +195,7 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
     CaseError::Syntax { path: path.to_owned(), line, message }
 }
 
-/// A message that calls a table a table, where the parser names the type that it reads it into.
+/// The message with "a table" in place of the name of the Rust struct that the parser reads the table into.
 fn without_struct_name(message: String) -> String {
     const EXPECTED: &str = "expected struct ";
     let Some(start) = message.find(EXPECTED) else { return message };

@@ -1,4 +1,4 @@
-//! The fields of a case file, as they stand in it. docs/case-files.md is their description for people.
+//! The fields of a case file with a lattice. docs/case-files.md describes them.
 
 use serde::Deserialize;
 
@@ -31,7 +31,7 @@ pub(super) struct BrakeTable {
     pub _kind: Option<LatticeKind>,
 }
 
-/// `kind = "lattice"`, which needs not be said.
+/// `kind = "lattice"`, which may be left out.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LatticeKind {
@@ -47,7 +47,7 @@ pub(super) struct StudyTable {
     pub seed: u64,
 }
 
-/// One value for all, a value each, or walls and inner springs of each chain.
+/// One value for all, one value for each, or the values of outer and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {

@@ -1,4 +1,4 @@
-//! From the fields of a file to a case that can run: every value checked, every list complete.
+//! From the fields of a case file with a lattice to a checked case.
 
 use std::path::Path;
 
@@ -14,13 +14,13 @@ use super::{
 use crate::input::{LARGEST_CASE, read_text};
 
 impl LatticeCase {
-    /// The most samples of a study; with them every count of it fits in 64 bits.
+    /// Most samples of a study; chosen, so that every count of a study fits in 64 bits.
     pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
 
     /// Reads and checks a case file.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
@@ -254,7 +254,7 @@ fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<F
         distribution
             .check()
             .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
-        // None: all of its values are > 0.
+        // `None` means that all values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };

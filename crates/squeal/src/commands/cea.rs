@@ -158,7 +158,7 @@ fn analyse(brake: &Brake, at: &OperatingPoint, wants_shapes: bool) -> Result<(Ve
         } else {
             None
         };
-        let verdict = verdict(&system, lambda, spectrum.scale, &mut work)?;
+        let verdict = verdict(&system, lambda, &spectrum, &mut work)?;
         rows.push(Row { lambda, rank: modes.rank(index), verdict, shape });
     }
     Ok((rows, modes))

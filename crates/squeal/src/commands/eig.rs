@@ -29,7 +29,8 @@ const ANNOUNCED: f64 = 1.0;
 ///
 /// The matrices may be singular, unsymmetric and in any units. Infinite eigenvalues (of a singular M) are listed but
 /// never count as unstable. A verdict "marginal" means that Re lambda is zero to within what rounding the matrices to
-/// doubles may move it by; "undecided" that its sign could not be settled.
+/// doubles may move it by; "undecided" that its sign could not be settled. A bound is certified up to rounding and holds for
+/// every problem that rounds to the given matrices; JSON has null where there is none, as for eigenvalues without a digit.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EigArgs {
     /// M, a Matrix Market file (real or integer; coordinate or array)

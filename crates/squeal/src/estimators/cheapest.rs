@@ -1,4 +1,4 @@
-//! The occurrences of a scene to a half width, by the cheapest estimator that applies to it.
+//! The occurrences of a scene to a given half width, by the cheapest estimator that applies.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,14 +13,14 @@ use crate::study::{ModeLabel, Study, UncertainBrake};
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
-/// Samples that say how many plain ones are needed, and count for nothing else; chosen.
+/// Number of pilot samples, which only determine the number of plain samples; chosen.
 const PLAIN_PILOT_SAMPLES: u64 = 400;
-/// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
+/// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
-/// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
+/// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
-/// Sobol points of each scrambling at most and at least, and scramblings: with the most, the mean of a prediction is known
-/// to some 1e-4.
+/// Largest and least number of Sobol points per scrambling, and number of scramblings; chosen: with the largest number, the
+/// standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
 const COARSEST_POINTS: f64 = 1_024.0;
 const SCRAMBLINGS: u32 = 32;
@@ -30,11 +30,11 @@ const SCRAMBLINGS: u32 = 32;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Estimator {
-    /// The distribution function of the one uncertain parameter at the onsets.
+    /// Differences of the distribution function of the one uncertain parameter between onsets.
     ExactIntegral,
-    /// A prediction from response surfaces, corrected by samples.
+    /// The mean of a prediction from response surfaces, corrected by samples.
     ControlVariate,
-    /// Samples alone.
+    /// Plain Monte Carlo.
     PlainSampling,
 }
 
@@ -51,21 +51,20 @@ impl fmt::Display for Estimator {
 /// The occurrences of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneOccurrences {
-    /// How they were found.
+    /// The estimator used.
     pub estimator: Estimator,
-    /// By name of the mode; modes that are surely never unstable are not listed.
+    /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
     pub modes: BTreeMap<ModeLabel, Estimated>,
-    /// The largest half width, without what open names leave open.
+    /// The largest half width, without the part that is due to open names.
     pub half_width: f64,
-    /// Systems solved, all of them: also those of an estimator that was tried and turned out not to apply.
+    /// Number of all systems solved.
     pub evaluations: u64,
-    /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
-    /// half needs.
+    /// Number of systems that plain sampling would solve for the same half width of the occurrence nearest to one half.
     pub plain_evaluations: u64,
 }
 
-/// The occurrences of a scene to `half_width` at 95 %, or as near as its estimator gets. `points` are points that serve the
-/// scene, where [`friction_points`] found some.
+/// The occurrences of a scene to `half_width` at 95 %, or to the half width that the estimator reaches. `points` are friction
+/// points of the scene, where [`friction_points`] returned some.
 ///
 /// # Errors
 /// A sample or a spectrum that cannot be solved.
@@ -118,7 +117,7 @@ pub fn friction_points<B: UncertainBrake>(
     }
 }
 
-/// By the exact integral; it does not apply where the scene has no single parameter, or its branches are not resolved.
+/// The occurrences by the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -157,7 +156,7 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilot samples.
+/// The occurrences by plain samples; their number follows from pilot samples and the occurrence nearest to one half.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -192,8 +191,8 @@ impl SceneOccurrences {
     }
 }
 
-/// Samples for a half width of Wilson's 95 % interval of a proportion p: [`trials_for_half_width`], and for p = 0 and 1 those
-/// with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
+/// Approximate number of samples for the half width h of Wilson's 95 % interval of a proportion p: `p (1 - p) (z / h)^2`, but at
+/// least the number n for which the interval `[0, z^2 / (n + z^2)]` of p = 0 has this half width.
 fn plain_samples(p: f64, half_width: f64) -> f64 {
     let at_the_edge = Confidence::P95.z().powi(2) * (0.5 / half_width - 1.0);
     trials_for_half_width(p, half_width, Confidence::P95).max(at_the_edge)

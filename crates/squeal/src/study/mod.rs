@@ -37,5 +37,4 @@ pub use plan::{
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
-pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally};

@@ -121,16 +121,11 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
-/// Names of unstable modes, from the names that each may have, and whether each is sure.
-pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>]) -> BTreeMap<ModeLabel, bool> {
-    let names = occurring_labels(candidates).into_iter();
-    names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
-}
-
 impl Outcome {
     /// Names of the unstable modes, and whether each is sure.
     pub(crate) fn unstable_names(&self) -> BTreeMap<ModeLabel, bool> {
-        unstable_names(&candidate_names(&self.unstable))
+        let names = occurring_labels(&candidate_names(&self.unstable)).into_iter();
+        names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
     }
 }
 

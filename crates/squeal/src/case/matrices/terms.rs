@@ -11,7 +11,7 @@ use crate::case::check::{Check, field};
 use crate::case::{CaseError, Expression};
 use crate::input::{LARGEST_MATRIX, read};
 
-/// The terms with their coefficients; all of one order, at least one of them with a mass.
+/// The terms with their coefficients. All terms must have the same order, and at least one a mass.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
@@ -45,7 +45,7 @@ pub(super) fn terms_with_coefficients(
     }
 }
 
-/// A square matrix of the order of those before it.
+/// Reads a square matrix of the same order as the matrices before it.
 fn load(
     check: &Check<'_>,
     field: &str,
