@@ -51,7 +51,7 @@ impl Estimates {
         // Scenes of one law and speed range share their friction, mostly.
         open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
         let mut points: Option<FrictionPoints> = None;
-        let progress = bar("scenes estimated");
+        let progress: &dyn Progress = &bar("scenes estimated");
         progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
             let is_served = match &points {
