@@ -13,12 +13,12 @@ use crate::study::{ModeLabel, SetLinks, origin_of_set};
 const LEAST_LISTED_MAC: f64 = 0.1;
 
 impl<'a> Results<'a> {
-    /// The modes of a set of constraints at its origin, by name, ascending in frequency.
+    /// The modes of a set of constraints at its origin, by name, ascending in frequency: there a name is a rank. Which of some
+    /// equal modes has which of their names is open, as it is in samples; here each has one of its own.
     pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &'a Mode)> {
         let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
-        let reference = &self.origins()[origin];
-        let names = reference.names.iter().flatten().map(|&rank| self.name(rank));
-        names.zip(&reference.modes).collect()
+        let named = |(index, mode)| (self.name(ModeLabel::of_rank(index + 1)), mode);
+        self.origins()[origin].modes.iter().enumerate().map(named).collect()
     }
 
     /// The frequency of a mode of a set of constraints where it has its name, Hz.
