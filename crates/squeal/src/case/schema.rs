@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::FrictionDistributions;
-use crate::study::ModeNaming;
+use crate::study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -166,6 +166,8 @@ pub(super) struct ReadingsTable {
     pub lateral: LateralEntry,
     pub draws: Draws,
     pub labels: ModeNaming,
+    #[serde(default)]
+    pub identity: ModeIdentity,
     pub preload: PreloadEntry,
     pub bristle_damping: BristleDampingEntry,
 }

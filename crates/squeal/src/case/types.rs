@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use super::Alternative;
 use super::schema::{Draws, Law};
-use crate::study::ModeNaming;
+use crate::study::{ModeIdentity, ModeNaming};
 
 /// A study, checked.
 #[derive(Debug, Clone)]
@@ -55,6 +55,8 @@ pub struct LatticeReadings {
     pub draws: Draws,
     /// How modes are named.
     pub labels: ModeNaming,
+    /// How a tracked mode is known again.
+    pub identity: ModeIdentity,
     /// What presses the oscillators on the plate.
     pub preload: Preload,
     /// LuGre's sigma1 over speed; `None` sets it to 0.

@@ -19,7 +19,7 @@ pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
 #[cfg(feature = "case-files")]
-pub use paper::claims;
+pub use paper::{Judgement, claims, claims_judged};
 #[cfg(all(feature = "case-files", feature = "figures"))]
 pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]

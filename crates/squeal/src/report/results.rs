@@ -1,11 +1,11 @@
 //! Counts turned into occurrences, means and intervals.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::study::{Comparison, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{Comparison, ComparisonKind, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,22 +92,21 @@ impl<'a> Results<'a> {
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<ArrangementOccurrence>> {
-        let mut names: BTreeMap<u16, Vec<ArrangementOccurrence>> = BTreeMap::new();
+        let names = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
+        let names: BTreeSet<u16> = names.map(|(&key, _)| self.name(key)).collect();
+        names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
+    }
+
+    /// Occurrences of one mode in a panel, whether it ever is unstable there or not, one entry per arrangement.
+    pub fn occurrences_of(&self, panel: &Panel, name: u16) -> Vec<ArrangementOccurrence> {
+        let mut list = Vec::with_capacity(panel.arrangements);
         for &scene in &panel.scenes {
-            for (&name, _) in self.counts(scene).proportions() {
-                names.entry(self.name(name)).or_default();
-            }
+            let proportion = self.counts(scene).proportion(&self.key(name));
+            let members = self.plan().scenes[scene].members.iter();
+            list.extend(members.map(|&arrangement| ArrangementOccurrence { arrangement, proportion }));
         }
-        for (&name, list) in &mut names {
-            for &scene in &panel.scenes {
-                let proportion = self.counts(scene).proportion(&self.key(name));
-                for &arrangement in &self.plan().scenes[scene].members {
-                    list.push(ArrangementOccurrence { arrangement, proportion });
-                }
-            }
-            list.sort_by_key(|occurrence| occurrence.arrangement);
-        }
-        names
+        list.sort_by_key(|occurrence| occurrence.arrangement);
+        list
     }
 
     fn counts(&self, scene: usize) -> &LabelTally<u16> {
@@ -158,18 +157,19 @@ impl<'a> Results<'a> {
     /// Mean number of unstable modes in one CEA of a panel.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
-        scaled(&self.summary.tally.panels[at], panel.arrangements as f64)
+        scaled(&self.summary.tally.panels[at], panel.arrangements as f64, Confidence::P95)
     }
 
-    /// Comparisons of one kind with the difference of the two means: positive where it is as expected.
+    /// Comparisons of one kind with the difference of the two means and its interval: positive where it is as expected.
     pub fn differences(
         &self,
-        kind: crate::study::ComparisonKind,
+        kind: ComparisonKind,
+        confidence: Confidence,
     ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
         let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
-        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(|(comparison, mean)| {
+        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(move |(comparison, mean)| {
             let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
-            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64))
+            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64, confidence))
         })
     }
 
@@ -183,9 +183,9 @@ impl<'a> Results<'a> {
     }
 }
 
-fn scaled(mean: &IntegerMean, by: f64) -> Option<Estimate> {
+fn scaled(mean: &IntegerMean, by: f64, confidence: Confidence) -> Option<Estimate> {
     let value = mean.mean()? / by;
     // One sample has a mean and no interval: then anything is possible.
-    let interval = mean.interval(Confidence::P95).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
+    let interval = mean.interval(confidence).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
     Some(Estimate { value, lower: interval.lower / by, upper: interval.upper / by })
 }

@@ -28,7 +28,7 @@ pub use memory::{Scratch, Spent, timed};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
     StudySource,
 };
 pub use reference::Reference;

@@ -6,15 +6,18 @@
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
 //! then matched to the modes of their scene.
 //!
+//! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it looks like.
+//!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{CeaError, EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, RowDVector};
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
-use tracking::{Path, PathEnd, PathStart, follow, identify};
+use tracking::{Links, Path, PathEnd, PathStart, follow, identify, identify_all, mac};
 
-use super::{Configuration, Origin, Plan, Scene};
+use super::{Configuration, ModeIdentity, Origin, Plan, Scene};
 use crate::Error;
 
 /// The modes of one system, or of one sector of it, at median parameters.
@@ -27,6 +30,29 @@ pub struct Reference {
     /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
     /// no oscillation at the beginning of the path.
     pub names: Vec<Vec<u16>>,
+    /// The modes of the origin, where all others are named by their likeness to these.
+    shapes: Option<NamedShapes>,
+}
+
+/// Modes that give their names to all modes that look like them.
+#[derive(Debug, Clone)]
+struct NamedShapes {
+    modes: Vec<Mode>,
+    names: Vec<Vec<u16>>,
+}
+
+impl NamedShapes {
+    /// The names of some modes of a system with this mass matrix: that of the mode with the largest MAC, if it exceeds one
+    /// half, else none. Of shapes that are orthogonal in M no two can share a mode so.
+    fn names_of(&self, modes: &[Mode], mass: &DMatrix<f64>) -> Vec<Vec<u16>> {
+        const LEAST_MAC: f64 = 0.5;
+        let mac = mac(modes, &self.modes, mass);
+        let like = |of_mode: RowDVector<f64>| {
+            let best = (0..of_mode.len()).max_by(|&i, &j| of_mode[i].total_cmp(&of_mode[j]))?;
+            (of_mode[best] > LEAST_MAC).then(|| self.names[best].clone())
+        };
+        mac.row_iter().map(|row| like(row.into_owned()).unwrap_or_default()).collect()
+    }
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -44,7 +70,27 @@ impl Reference {
         let spectrum = solver.eigenvalues(&system, work)?;
         let found = Modes::classify(&system, &spectrum, work)?;
         let modes = Mode::at(&system, &found.oscillatory, work)?;
-        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system }, found))
+        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None }, found))
+    }
+
+    /// This reference, by whose modes all others are named that look like them.
+    fn naming_by_likeness(mut self) -> Self {
+        self.shapes = Some(NamedShapes { modes: self.modes.clone(), names: self.names.clone() });
+        self
+    }
+
+    /// The names of the modes at the beginning of each path, which ends at this reference.
+    pub(crate) fn names_of_all(
+        &self,
+        solver: &dyn EigenSolver,
+        paths: &[Path<'_>],
+        work: &mut Workspace,
+    ) -> Vec<Result<Vec<Vec<u16>>, CeaError>> {
+        if let Some(shapes) = &self.shapes {
+            return paths.iter().map(|path| Ok(shapes.names_of(path.start_modes, &self.system.m))).collect();
+        }
+        let names = |links: Links| links.into_iter().map(|link| self.names_of(link)).collect();
+        identify_all(solver, paths, work).into_iter().map(|links| links.map(names)).collect()
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
@@ -64,12 +110,23 @@ impl Reference {
         let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
         all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
         let (modes, names) = all.into_iter().unzip();
-        Self { system, modes, names }
+        let shapes = |(sector, part): (&Sector, &Self)| {
+            let NamedShapes { modes, names } = part.shapes.as_ref()?;
+            let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
+            Some((modes.iter().map(whole).collect::<Vec<_>>(), names.clone()))
+        };
+        let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>();
+        let joined = |of_sectors: Vec<(Vec<Mode>, Vec<Vec<u16>>)>| {
+            let (modes, names): (Vec<_>, Vec<_>) = of_sectors.into_iter().unzip();
+            NamedShapes { modes: modes.concat(), names: names.concat() }
+        };
+        Self { shapes: shapes.map(joined), system, modes, names }
     }
 
     /// Of the modes of a whole brake those that lie in one sector: with more than half of their squared norm.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
-        let mut part = Self { system: sector.reduced(&self.system)?, modes: Vec::new(), names: Vec::new() };
+        let system = sector.reduced(&self.system)?;
+        let mut part = Self { system, modes: Vec::new(), names: Vec::new(), shapes: None };
         for (mode, names) in self.modes.iter().zip(&self.names) {
             let shape = sector.project(&mode.shape);
             if shape.norm_squared() > 0.5 * mode.shape.norm_squared() {
@@ -77,10 +134,10 @@ impl Reference {
                 part.names.push(names.clone());
             }
         }
-        Ok(part)
+        Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference. A `near` system is compared by MAC, with continuation where that
+    /// The modes of `system`, with names from this reference: by likeness to the shapes that it has, or else a `near` system is compared by MAC, with continuation where that
     /// leaves a doubt; to any other every mode is continued.
     fn linked(
         &self,
@@ -90,6 +147,11 @@ impl Reference {
         work: &mut Workspace,
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
+        if let Some(shapes) = &self.shapes {
+            next.names = shapes.names_of(&next.modes, &next.system.m);
+            next.shapes = Some(shapes.clone());
+            return Ok(next);
+        }
         let link = if near { identify } else { follow };
         let end = PathEnd { system: &next.system, modes: &next.modes };
         let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
@@ -116,7 +178,14 @@ pub(super) fn references(
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
 ) -> Result<Vec<SectoredReference>, Error> {
-    let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
+    let origin = |origin: &Origin| {
+        let named = of_origin(origin, solver)?;
+        Ok(match plan.mode_identity {
+            ModeIdentity::Continuation => named,
+            ModeIdentity::Mac => named.naming_by_likeness(),
+        })
+    };
+    let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration =
         |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
     let configurations =

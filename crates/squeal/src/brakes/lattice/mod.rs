@@ -15,7 +15,7 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+    Configuration, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
     UncertainBrake,
 };
 
@@ -49,6 +49,7 @@ impl LatticeBrake {
             samples: case.samples,
             seed: case.seed,
             mode_labels: case.readings.labels,
+            mode_identity: case.readings.identity,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -142,11 +143,13 @@ impl UncertainBrake for LatticeBrake {
         is_shared.then(|| sobol::sample(&self.case, self.law(scene.key), uniform))
     }
 
-    /// Shared Coulomb friction whose load no sample can lose is a function of mu alone.
+    /// Shared Coulomb friction whose load no sample can lose is a function of mu alone. What is computed from that knows modes by
+    /// continuation in mu.
     fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
         let readings = &self.case.readings;
         let is_single = self.law(scene.key) == Law::AmontonsCoulomb
             && readings.draws == Draws::Shared
+            && readings.identity == ModeIdentity::Continuation
             && readings.lateral != Lateral::Vector
             && !matches!(readings.preload, Preload::Equilibrium(_));
         is_single.then_some(&self.case.friction.mu)
