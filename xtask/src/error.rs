@@ -21,6 +21,9 @@ pub enum TaskError {
     /// This program, with other features or one thread of OpenBLAS.
     #[error("the task cannot be started again: {0}")]
     Start(std::io::Error),
+    /// The paper's case as tables.
+    #[error("cases/paper.toml: {0}")]
+    Toml(String),
     /// The folder of the study's results.
     #[error("{}: cannot be removed: {source}", path.display())]
     Remove {

@@ -28,8 +28,8 @@ pub use memory::{Scratch, Spent, timed};
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
-    StudySource,
+    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
+    SpeedLabel, StudySource,
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};

@@ -15,8 +15,8 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
-    Configuration, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
-    UncertainBrake,
+    Configuration, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    StudySource, UncertainBrake,
 };
 
 /// Speed at which laws without any speed in them are evaluated, m/s; it does not matter.

@@ -36,11 +36,7 @@ pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>,
 ///
 /// # Errors
 /// As [`claims`].
-pub fn claims_judged(
-    results: &Results<'_>,
-    brake: &LatticeBrake,
-    judgement: Judgement,
-) -> Result<Vec<Claim>, Error> {
+pub fn claims_judged(results: &Results<'_>, brake: &LatticeBrake, judgement: Judgement) -> Result<Vec<Claim>, Error> {
     let Some(paper) = &brake.case.paper else { return Ok(Vec::new()) };
     let robust = most_robust(results, UNCONSTRAINED, judgement)?;
     Ok(vec![

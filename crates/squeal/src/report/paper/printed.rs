@@ -56,5 +56,9 @@ pub(super) fn counted(results: &Results<'_>, paper: &Paper) -> Claim {
     let samples = results.summary.samples;
     let holds = six == paper.arrangements_of_six && samples == paper.analyses_per_arrangement;
     let detail = format!("arrangements with six in contact; {samples} samples of each in every law and speed range");
-    Claim::new("C12", "84 arrangements with six in contact, 1,000 CEAs each", said).exactly(six as f64, holds.into(), detail)
+    Claim::new("C12", "84 arrangements with six in contact, 1,000 CEAs each", said).exactly(
+        six as f64,
+        holds.into(),
+        detail,
+    )
 }

@@ -70,8 +70,7 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<
     let Some(ours) = ratios(name) else {
         return claim.undetermined("the mode has no sure name at median parameters");
     };
-    let verdict =
-        |&name: &u16| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
+    let verdict = |&name: &u16| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
     let holds = agreed(&candidates.iter().map(verdict).collect::<Vec<_>>());
     let theirs = paper_mode(results, paper);
     let of_theirs = ratios(theirs).map_or("no sure name".into(), |ratios| format!("{:.3}", least(&ratios)));
@@ -114,8 +113,7 @@ pub(super) fn robust_work(
     };
     let holds = agreed(&of_each.iter().map(verdict).collect::<Vec<_>>());
     let of_theirs = margins(theirs)?;
-    let of_theirs =
-        if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&of_theirs).value) };
+    let of_theirs = if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&of_theirs).value) };
     let list: Vec<String> = ours.iter().map(|(law, margin)| format!("{law} {:+.3}", margin.value)).collect();
     let detail = format!(
         "{}: smallest median net work of a corner less the largest of another oscillator, in units of the largest, \
