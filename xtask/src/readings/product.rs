@@ -30,13 +30,13 @@ pub struct Axis {
     pub choices: &'static [Choice],
     /// The place of the answer that the paper's words give.
     pub literal: usize,
-    /// Whether the combinations that depart here are run after all others: it acts on one law alone, or costs four times as
-    /// much.
-    is_late: bool,
+    /// What a departure here counts in the order of the run: more where the answer acts on one law alone, or where a study takes
+    /// four times as long.
+    weight: usize,
 }
 
 const fn axis(name: &'static str, choices: &'static [Choice]) -> Axis {
-    Axis { name, choices, literal: 0, is_late: false }
+    Axis { name, choices, literal: 0, weight: 1 }
 }
 
 /// All questions.
@@ -81,7 +81,7 @@ pub const AXES: [Axis; 10] = [
     ),
     axis("identity", &[choice("continuation", &[]), choice("MAC", &[("readings.identity", "\"mac\"")])]),
     Axis {
-        is_late: true,
+        weight: 2,
         ..axis(
             "R9 sigma1",
             &[
@@ -91,10 +91,7 @@ pub const AXES: [Axis; 10] = [
             ],
         )
     },
-    Axis {
-        is_late: true,
-        ..axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])])
-    },
+    Axis { weight: 2, ..axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]) },
 ];
 
 /// One answer to each question, by place.
@@ -157,7 +154,7 @@ impl Combination {
     }
 }
 
-/// All combinations: those without late departures first, then by the number of departures from the case.
+/// All combinations, those with the fewest departures from the case first, by their weights.
 pub fn product() -> Vec<Combination> {
     let mut all = vec![Combination::own()];
     for (i, axis) in AXES.iter().enumerate() {
@@ -171,7 +168,7 @@ pub fn product() -> Vec<Combination> {
         all = all.iter().flat_map(with).collect();
     }
     let own = Combination::own();
-    all.sort_by_key(|c| (c.differences(own).filter(|&i| AXES[i].is_late).count(), c.differences(own).count()));
+    all.sort_by_key(|combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>());
     all
 }
 
