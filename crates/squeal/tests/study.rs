@@ -172,7 +172,10 @@ fn identity_by_mac_names_each_mode_after_the_origin_that_it_looks_like() {
         for (row, found) in expected.row_iter().zip(&outcome.unstable) {
             let alike: Vec<u16> = (1..).zip(row.iter()).filter(|(_, mac)| **mac > 0.5).map(|(rank, _)| rank).collect();
             // Below and above the flutter a pair has shapes alike: the more alike one gives the name.
-            assert!(found.names.len() <= 1 && found.names.iter().all(|name| alike.contains(name)), "{alike:?} {found:?}");
+            assert!(
+                found.names.len() <= 1 && found.names.iter().all(|name| alike.contains(name)),
+                "{alike:?} {found:?}"
+            );
             assert_eq!(found.names.is_empty(), alike.is_empty());
             *(if alike.is_empty() { &mut nameless } else { &mut named }) += 1;
         }

@@ -64,6 +64,7 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
     };
 
     let all = product();
+    let paper = product::mode_numbers(&path, &case)?;
     let coarse = run_all(&store, &all, |combination| of(combination, args.samples), deadline)?;
     let best = selected(&coarse, args.best);
     eprintln!("{} combinations with {} draws", best.len(), args.full);
@@ -72,8 +73,8 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
 
     let coarse = entries(&coarse);
     let full = entries(&full);
-    table::write_all(&out.join("readings.csv"), &coarse, &full)?;
-    let text = table::markdown(&coarse, &full, all.len());
+    table::write_all(&out.join("readings.csv"), &coarse, &full, paper)?;
+    let text = table::markdown(&coarse, &full, all.len(), paper);
     write(&out.join("readings.md"), text.as_bytes())?;
     println!("{text}\nThe whole table: {}", out.join("readings.csv").display());
     Ok(())
@@ -156,4 +157,34 @@ fn save_cases(out: &Path, full: &[(Combination, Row)], case: &Table) -> Result<(
         write(&folder.join(format!("{digits}.toml")), combination.text(case)?.as_bytes())?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use row::{Card, Cell};
+
+    /// A row of which the first claims hold by value.
+    fn row(held: usize) -> Row {
+        let cell = |i: usize| Cell {
+            id: format!("C{}", i + 1),
+            holds: "?".into(),
+            by_value: if i < held { "yes" } else { "no" }.into(),
+            value: None,
+            limits: None,
+            mode: None,
+        };
+        let cards = vec![Card { naming: "tracked".into(), claims: (0..12).map(cell).collect() }];
+        Row { samples: 64, failures: 0, seconds: 1.0, refused: None, cards }
+    }
+
+    #[test]
+    fn the_best_of_those_that_come_near_the_case_are_selected() {
+        let (own, literal) = (Combination::own(), Combination::literal());
+        let others: Vec<_> = product().into_iter().filter(|c| ![own, literal].contains(c)).take(4).collect();
+        let held = [7, 5, 5, 6, 8, 7];
+        let all: Vec<_> = [own, literal].iter().chain(&others).zip(held).map(|(c, held)| (*c, row(held))).collect();
+        assert_eq!(selected(&all, 12), [literal, own, others[2], others[3], others[1]]);
+        assert_eq!(selected(&all, 1), [literal, own, others[2]]);
+    }
 }

@@ -14,7 +14,7 @@ use squeal::nalgebra::{DMatrix, DVector};
 use squeal::study::{Scratch, Study, UncertainBrake as _};
 use toml::Table;
 
-use super::product::{AXES, Combination};
+use super::product::{AXES, Combination, mode_numbers, product};
 use crate::error::TaskError;
 
 /// The largest coefficient tried.
@@ -26,8 +26,6 @@ const COARSE_STEP: f64 = 0.01;
 const STRUCTURE: [usize; 5] = [0, 1, 2, 4, 5];
 /// The place of friction in y among the questions.
 const LATERAL: usize = 2;
-/// The paper's mode number under each set of constraints.
-const PAPER: [u16; 3] = [29, 26, 18];
 
 /// Onsets of one structure.
 struct Onsets {
@@ -164,33 +162,57 @@ fn patterns(path: &Path, case: &Table) -> Result<String, TaskError> {
 
 /// Every structure: which modes can be unstable at all, and whether the paper's are among them.
 fn structures(path: &Path, case: &Table) -> Result<String, TaskError> {
-    let mut combinations = super::product::product();
+    let paper = mode_numbers(path, case)?;
+    let mut combinations = product();
     combinations.retain(|combination| (0..AXES.len()).all(|i| STRUCTURE.contains(&i) || combination.0[i] == 0));
     let mut text = format!(
         "Modes that are unstable at any mu up to {MOST_MU}, in steps of {COARSE_STEP}: frequency rank and onset, by onset. Last \
-         column: which of the paper's numbers (29 of 30 without constraints, 26 of 26 with the corners held, 18 of 24 with 4 \
-         and 6 as well) are among them, as ranks; and as numbers among all eigenvalues (ranks 15, 13, 9).\n\n\
-         | structure | free | corners held | six held | as ranks | among all |\n| --- | --- | --- | --- | --- | --- |\n"
+         columns: which of the paper's numbers ({}, {} and {}, of 30, 26 and 24 degrees of freedom) are among them, counted \
+         as frequency ranks and among all eigenvalues.\n\n\
+         | structure | free | corners held | six held | as ranks | among all |\n| --- | --- | --- | --- | --- | --- |\n",
+        paper[0], paper[1], paper[2]
     );
-    for combination in combinations {
+    let (mut highest, mut quiet, mut with_all) = ([0; 3], [0; 3], [0; 2]);
+    for combination in &combinations {
         let onsets = Onsets::new(combination.case(path, case)?, COARSE_STEP)?;
         let _ = write!(text, "| {} |", combination.describe());
-        for of_set in &onsets.of_sets {
+        for (place, of_set) in onsets.of_sets.iter().enumerate() {
             let mut list: Vec<_> = of_set.iter().collect();
             list.sort_by(|a, b| a.1.total_cmp(b.1));
             let list: Vec<String> = list.iter().map(|(rank, mu)| format!("{rank} {mu:.2}")).collect();
-            let _ = write!(text, " {} |", if list.is_empty() { "none".into() } else { list.join(", ") });
+            let _ = write!(text, " {} |", or_none(list.join(", ")));
+            highest[place] = of_set.keys().copied().max().unwrap_or(0).max(highest[place]);
+            quiet[place] += usize::from(of_set.is_empty());
         }
-        for number in [|paper: u16| paper, |paper: u16| paper.div_ceil(2)] {
+        for (counted, rank) in [|number: u16| number, |number: u16| number.div_ceil(2)].into_iter().enumerate() {
             let agree =
-                PAPER.iter().zip(&onsets.of_sets).filter(|(paper, of_set)| of_set.contains_key(&number(**paper)));
-            let list: Vec<String> = agree.map(|(paper, _)| paper.to_string()).collect();
-            let _ = write!(text, " {} |", if list.is_empty() { "-".into() } else { list.join(" ") });
+                paper.iter().zip(&onsets.of_sets).filter(|(number, of_set)| of_set.contains_key(&rank(**number)));
+            let list: Vec<String> = agree.map(|(number, _)| number.to_string()).collect();
+            with_all[counted] += usize::from(list.len() == paper.len());
+            let _ = write!(text, " {} |", or_none(list.join(" ")));
         }
         text += "\n";
-        eprintln!("{}", combination.describe());
     }
+    let _ = writeln!(
+        text,
+        "\nOf {} structures {} have all three numbers as frequency ranks, {} among all eigenvalues. The highest rank of an \
+         unstable mode is {} free, {} with the corners held and {} with six held. No mode is ever unstable in {} structures \
+         free, in {} with the corners held and in {} with six held.",
+        combinations.len(),
+        with_all[0],
+        with_all[1],
+        highest[0],
+        highest[1],
+        highest[2],
+        quiet[0],
+        quiet[1],
+        quiet[2]
+    );
     Ok(text)
+}
+
+fn or_none(text: String) -> String {
+    if text.is_empty() { "none".into() } else { text }
 }
 
 #[cfg(test)]

@@ -182,6 +182,15 @@ pub fn read_tables(path: &Path) -> Result<Table, TaskError> {
     toml::from_str(&text).map_err(|error| TaskError::Toml(error.to_string()))
 }
 
+/// The paper's numbers of the modes without constraints, with the corners held and with six held.
+///
+/// # Errors
+/// A case without a table of what the paper prints.
+pub fn mode_numbers(path: &Path, case: &Table) -> Result<[u16; 3], TaskError> {
+    let paper = Combination::own().case(path, case)?.paper.ok_or(TaskError::Toml("has no table [paper]".into()))?;
+    Ok([paper.mode, paper.after_corners_mode, paper.after_six_mode])
+}
+
 /// Puts a value, given as TOML, in a field of nested tables.
 fn set(tables: &mut Table, field: &str, value: &str) -> Result<(), TaskError> {
     let missing = || TaskError::Toml(format!("the case has no table for {field}"));

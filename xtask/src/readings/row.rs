@@ -153,3 +153,29 @@ fn run(case: LatticeCase) -> Result<Row, Error> {
     let (samples, failures) = (results.summary.samples, results.summary.failures.total());
     Ok(Row { samples, failures, seconds: 0.0, refused: None, cards })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_run_once_and_a_damaged_one_again() {
+        let mut case =
+            LatticeCase::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/two-by-two.toml")).unwrap();
+        case.samples = 8;
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path()).unwrap();
+        assert_eq!(store.known(&case), None);
+        let row = store.row(case.clone()).unwrap();
+        assert_eq!((row.samples, row.refused.as_deref(), row.cards.len()), (8, None, 3));
+        assert_eq!(Store::new(folder.path()).unwrap().known(&case), Some(row));
+
+        let other = LatticeCase { samples: 9, ..case.clone() };
+        assert_eq!(store.known(&other), None);
+        let path = store.path(&case);
+        let text = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &text[..text.len() / 2]).unwrap();
+        assert_eq!(store.known(&case), None);
+        assert_eq!(store.row(case).unwrap().samples, 8);
+    }
+}

@@ -10,8 +10,8 @@ use super::product::{AXES, Combination};
 use super::row::{Card, Row};
 use crate::error::TaskError;
 
-/// The paper's mode numbers, and the claims whose mode bears them: of 30, 26 and 24 degrees of freedom.
-const MODE_NUMBERS: [(&str, u16); 3] = [("C4", 29), ("C8", 26), ("C10", 18)];
+/// The claims whose modes the paper numbers.
+const NUMBERED: [&str; 3] = ["C4", "C8", "C10"];
 /// Rows of the coarse product in the digest.
 const SHOWN: usize = 20;
 
@@ -45,20 +45,26 @@ impl<'a> Entry<'a> {
         self.card.map_or("", |card| &card.naming)
     }
 
-    /// How many of the paper's mode numbers it has: counted as frequency ranks, and among all eigenvalues.
-    fn numbers(&self) -> [usize; 2] {
-        let agrees = |number: fn(u16) -> u16| {
-            let modes = MODE_NUMBERS.iter().filter(|(id, paper)| {
-                self.card.and_then(|card| card.mode(id)).is_some_and(|rank| rank == number(*paper))
-            });
-            modes.count()
-        };
-        [agrees(|paper| paper), agrees(|paper| paper.div_ceil(2))]
+    /// In how many answers it departs from the paper's words.
+    fn departures(&self) -> usize {
+        self.combination.departures() + usize::from(self.card.is_some_and(|card| card.naming != "tracked"))
     }
 
     /// Ranks of the modes of C4, C8 and C10.
+    fn ranks(&self) -> [Option<u16>; 3] {
+        NUMBERED.map(|id| self.card.and_then(|card| card.mode(id)))
+    }
+
     fn modes(&self) -> [String; 3] {
-        MODE_NUMBERS.map(|(id, _)| self.card.and_then(|card| card.mode(id)).map_or("-".into(), |rank| rank.to_string()))
+        self.ranks().map(|rank| rank.map_or("-".into(), |rank| rank.to_string()))
+    }
+
+    /// How many of the paper's mode numbers it has: counted as frequency ranks, and among all eigenvalues.
+    fn numbers(&self, paper: [u16; 3]) -> [usize; 2] {
+        let agree = |rank: fn(u16) -> u16| {
+            self.ranks().iter().zip(paper).filter(|(found, number)| **found == Some(rank(*number))).count()
+        };
+        [agree(|number| number), agree(|number| number.div_ceil(2))]
     }
 }
 
@@ -66,7 +72,7 @@ impl<'a> Entry<'a> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>]) -> Result<(), TaskError> {
+pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [u16; 3]) -> Result<(), TaskError> {
     let mut header: Vec<String> = AXES.iter().map(|axis| axis.name.to_string()).collect();
     header.extend(["R7 naming", "departures", "samples", "failures", "refused"].map(String::from));
     header.extend(["held", "not held", "held by value"].map(String::from));
@@ -79,12 +85,12 @@ pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>]) -> Resul
     let row = |entry: &Entry<'_>| {
         let mut row: Vec<String> = entry.combination.labels().map(String::from).to_vec();
         let refused = entry.row.refused.clone().unwrap_or_default();
-        row.extend([entry.naming().to_owned(), entry.combination.departures().to_string()]);
+        row.extend([entry.naming().to_owned(), entry.departures().to_string()]);
         row.extend([entry.row.samples.to_string(), entry.row.failures.to_string(), refused]);
         let not_held = entry.card.map_or(0, |card| card.count("no"));
         row.extend([entry.held(), not_held, entry.held_by_value()].map(|n| n.to_string()));
         row.extend(entry.modes());
-        row.extend(entry.numbers().map(|n| n.to_string()));
+        row.extend(entry.numbers(paper).map(|n| n.to_string()));
         for place in 0..claims.len() {
             let cell = entry.card.map(|card| &card.claims[place]);
             let limits = cell.and_then(|cell| cell.limits);
@@ -103,11 +109,11 @@ pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>]) -> Resul
 }
 
 /// The rule, the combinations with all draws, and a digest of the others.
-pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize) -> String {
+pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize, paper: [u16; 3]) -> String {
     let mut text = String::from(HEAD);
     text += &verdict(full);
     text += "\n## With all draws\n\n";
-    text += &rows(full, |cell| &cell.holds);
+    text += &rows(full, paper, |cell| &cell.holds);
     let run = coarse.iter().map(|entry| entry.combination.0).collect::<std::collections::BTreeSet<_>>().len();
     let samples = coarse.first().map_or(0, |entry| entry.row.samples);
     let _ = writeln!(
@@ -118,12 +124,12 @@ pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize) -> Str
         coarse.len()
     );
     let mut best = coarse.to_vec();
-    best.sort_by_key(|entry| (std::cmp::Reverse(entry.held_by_value()), entry.combination.departures()));
+    best.sort_by_key(|entry| (std::cmp::Reverse(entry.held_by_value()), entry.departures()));
     best.truncate(SHOWN);
-    text += &rows(&best, |cell| &cell.by_value);
+    text += &rows(&best, paper, |cell| &cell.by_value);
     text += &tried(coarse);
     text += &discrimination(coarse);
-    text += &mode_numbers(coarse);
+    text += &mode_numbers(coarse, paper);
     text
 }
 
@@ -152,7 +158,7 @@ fn verdict(full: &[Entry<'_>]) -> String {
             .max()
     };
     let (literal, own) = (of(Combination::literal()).unwrap_or(0), of(Combination::own()).unwrap_or(0));
-    let rank = |entry: &&Entry<'_>| (entry.held(), std::cmp::Reverse(entry.combination.departures()));
+    let rank = |entry: &&Entry<'_>| (entry.held(), std::cmp::Reverse(entry.departures()));
     let Some(best) = full.iter().max_by_key(rank) else { return String::new() };
     let stands = if best.held() > literal {
         format!("the rule chooses: {}, modes {}, with {}", best.combination.describe(), best.naming(), best.held())
@@ -162,26 +168,20 @@ fn verdict(full: &[Entry<'_>]) -> String {
     format!("The literal text holds {literal} claims, the case's own {own}; {stands}.\n")
 }
 
-fn rows(entries: &[Entry<'_>], verdict: impl Fn(&super::row::Cell) -> &String) -> String {
+fn rows(entries: &[Entry<'_>], paper: [u16; 3], verdict: impl Fn(&super::row::Cell) -> &String) -> String {
     let mut text = String::from("| reading, where it departs from the case | R7 | departures |");
     let claims = entries.iter().find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     claims.iter().for_each(|cell| text += &format!(" {} |", cell.id));
     text += " held | modes | numbers |\n| --- | --- | --- |";
     text += &" --- |".repeat(claims.len() + 3);
     for entry in entries {
-        let _ = write!(
-            text,
-            "\n| {} | {} | {} |",
-            entry.combination.describe(),
-            entry.naming(),
-            entry.combination.departures()
-        );
+        let _ = write!(text, "\n| {} | {} | {} |", entry.combination.describe(), entry.naming(), entry.departures());
         for cell in entry.card.iter().flat_map(|card| &card.claims) {
             let value = cell.value.map_or(String::new(), |value| format!(" ({value:.3})"));
             text += &format!(" {}{value} |", verdict(cell));
         }
         let held = entry.card.map_or(0, |card| card.claims.iter().filter(|cell| verdict(cell) == "yes").count());
-        let [by_rank, by_pair] = entry.numbers();
+        let [by_rank, by_pair] = entry.numbers(paper);
         let _ = write!(text, " {held} | {} | {by_rank}, {by_pair} |", entry.modes().join(" "));
     }
     text + "\n"
@@ -229,14 +229,14 @@ fn discrimination(coarse: &[Entry<'_>]) -> String {
 }
 
 /// How many scorecards have the paper's mode numbers.
-fn mode_numbers(coarse: &[Entry<'_>]) -> String {
+fn mode_numbers(coarse: &[Entry<'_>], paper: [u16; 3]) -> String {
     let mut text = String::from(
         "\n## The paper's mode numbers\n\nScorecards by how many of 29, 26 and 18 they have.\n\n\
          | counted | none | one | two | three |\n| --- | --- | --- | --- | --- |\n",
     );
     for (place, counted) in ["as frequency ranks", "among all eigenvalues"].into_iter().enumerate() {
         let mut counts = [0; 4];
-        coarse.iter().filter(|entry| entry.card.is_some()).for_each(|entry| counts[entry.numbers()[place]] += 1);
+        coarse.iter().filter(|entry| entry.card.is_some()).for_each(|entry| counts[entry.numbers(paper)[place]] += 1);
         let _ = writeln!(text, "| {counted} | {} |", counts.map(|n| n.to_string()).join(" | "));
     }
     text

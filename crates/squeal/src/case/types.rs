@@ -130,8 +130,12 @@ pub struct Paper {
     pub corners: Vec<usize>,
     /// Oscillators that dominate what is left with the second constraint set, from 1.
     pub after_corners_dominant: Vec<usize>,
+    /// The mode that is left with the second constraint set, in its own numbering.
+    pub after_corners_mode: u16,
     /// Median occurrence of that with every oscillator in contact.
     pub after_corners_occurrence: f64,
+    /// The mode that is left with the third constraint set, in its own numbering.
+    pub after_six_mode: u16,
     /// Largest median occurrence with the third constraint set.
     pub after_six_occurrence: f64,
     /// The bound on it that the conclusions state.

@@ -131,10 +131,7 @@ impl SectorSolver<'_> {
         let paths: Vec<Path<'_>> =
             starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
         let names = timed(&mut spent.names, || self.reference.names_of_all(self.eigen_solver, &paths, work));
-        let named = |(modes, names): (Result<Vec<Mode>, CeaError>, Result<Vec<Vec<u16>>, CeaError>)| {
-            Ok(modes?.into_iter().zip(names?).collect())
-        };
-        shaped.into_iter().zip(names).map(named).collect()
+        shaped.into_iter().zip(names).map(|(modes, names)| Ok(modes?.into_iter().zip(names?).collect())).collect()
     }
 }
 

@@ -43,7 +43,11 @@ pub(super) fn corners_reduce(results: &Results<'_>, judgement: Judgement) -> Cla
 /// C8: with the corners held one mode is left, and which oscillators do its work.
 pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
     let statement = "after it one mode has a high probability, and oscillators 4 and 6 dominate its net work";
-    let claim = Claim::new("C8", statement, format!("median {} with nine in contact", paper.after_corners_occurrence));
+    let claim = Claim::new(
+        "C8",
+        statement,
+        format!("mode {}, median {} with nine in contact", paper.after_corners_mode, paper.after_corners_occurrence),
+    );
     let most = results.plan().labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
     let is_meant = |p: &&Panel| p.key.constraints == CORNERS_HELD && number_in_contact(results, p) == most;
     let panels: Vec<_> = results.panels().iter().filter(is_meant).collect();
@@ -113,7 +117,10 @@ pub(super) fn none_at_six(results: &Results<'_>, judgement: Judgement) -> Claim 
 pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
     let statement = "six constraints, more in contact: one mode is unstable for all laws, and the largest median \
                      occurrence stays below the bound";
-    let said = format!("{} (LuGre), bound {}", paper.after_six_occurrence, paper.after_six_bound);
+    let said = format!(
+        "mode {}, {} (LuGre), bound {}",
+        paper.after_six_mode, paper.after_six_occurrence, paper.after_six_bound
+    );
     let claim = Claim::new("C10", statement, said);
     let is_meant = |p: &&Panel| p.key.constraints == SIX_HELD && number_in_contact(results, p) > 6;
     let panels: Vec<_> = results.panels().iter().filter(is_meant).collect();
