@@ -1,4 +1,4 @@
-//! The project's own tasks: `cargo xtask reproduce`, `readings`, `accuracy` and `bench`.
+//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy` and `bench`.
 
 mod accuracy;
 mod again;
@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", about = "The project's own tasks")]
+#[command(name = "cargo xtask", version, about = "The project's own tasks")]
 struct Cli {
     #[command(subcommand)]
     task: Task,
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            squeal::output::note(&format!("error: {error}"));
             ExitCode::from(2)
         }
     }

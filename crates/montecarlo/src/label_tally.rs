@@ -1,4 +1,4 @@
-//! How often things occur that bear a label, where a label may be uncertain.
+//! How often labels occur, where the label of a thing may be uncertain.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,11 @@ use crate::confidence::{Confidence, Interval};
 use crate::experiment::{Experiment, Merge, Runs, Tally};
 use crate::proportion::{Proportion, Trial};
 
-/// The labels that occur in one trial, from the candidate labels of each thing found in it: [`Trial::Yes`] where a label
-/// occurs for certain, [`Trial::Ambiguous`] where it may be another's.
+/// The labels that occur in one trial, from the candidate labels of each thing found in the trial: [`Trial::Yes`] for a label
+/// that occurs for certain, [`Trial::Ambiguous`] for one that may not.
 ///
-/// A thing with a single candidate bears that label. If k things share the same k candidates, all k labels occur, whichever
-/// thing bears which. A thing without candidates counts for no label. Candidates of one thing differ from each other; their
-/// order does not matter.
+/// A thing with a single candidate has that label. If k things have the same k candidates, all k labels occur for certain. A
+/// thing without candidates counts for no label. The candidates of one thing must differ; their order does not matter.
 ///
 /// ```
 /// use montecarlo::{Trial, occurring_labels};
@@ -43,12 +42,12 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
     a.len() == b.len() && a.iter().all(|label| b.contains(label))
 }
 
-/// In how many trials each label occurs. Its size is that of the labels that ever occur.
+/// The number of trials in which each label occurs. The tally has one entry for each label that has occurred.
 ///
 /// ```
 /// use montecarlo::{Confidence, LabelTally};
 ///
-/// // Which modes of a brake squeal in each of four trials; in the last it is one of two.
+/// // The modes of a brake that squeal in each of four trials; in the last trial it is one of two modes.
 /// let mut squeal = LabelTally::default();
 /// squeal.record(&[vec!["bell"]]);
 /// squeal.record(&[vec!["bell"], vec!["rotor"]]);
@@ -84,7 +83,7 @@ impl<L: Ord> Default for LabelTally<L> {
 }
 
 impl<L: Ord + Clone> LabelTally<L> {
-    /// Enters one trial, from the candidate labels of each thing that was found in it; see [`occurring_labels`].
+    /// Enters one trial, from the candidate labels of each thing found in the trial; see [`occurring_labels`].
     pub fn record<C: AsRef<[L]>>(&mut self, candidates: &[C]) {
         self.trials += 1;
         for (label, trial) in occurring_labels(candidates) {
@@ -99,19 +98,19 @@ impl<L: Ord + Clone> LabelTally<L> {
 }
 
 impl<L: Ord> LabelTally<L> {
-    /// All trials.
+    /// Number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
         self.trials
     }
 
-    /// Of one label; a label that never occurs has no hits.
+    /// The proportion of trials with a label; a label that never occurred has no hits.
     #[must_use]
     pub fn proportion(&self, label: &L) -> Proportion {
         self.of_hits(self.labels.get(label).copied().unwrap_or_default())
     }
 
-    /// Of every label that ever occurs, ascending.
+    /// Every label that has occurred, ascending, with its proportion.
     pub fn proportions(&self) -> impl Iterator<Item = (&L, Proportion)> {
         self.labels.iter().map(|(label, &hits)| (label, self.of_hits(hits)))
     }
@@ -127,7 +126,7 @@ impl<L: Ord> LabelTally<L> {
     }
 }
 
-/// One tally per scene, of experiments whose outcome is the candidate labels of each thing that was found.
+/// One tally per scene, for experiments whose outcome is the candidate labels of each thing found.
 impl<L, E> Tally<E> for Vec<LabelTally<L>>
 where
     L: Ord + Clone + Serialize + DeserializeOwned + Send,
@@ -183,7 +182,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
     }
 
-    /// Trials with up to three things of up to three candidates among five labels.
+    /// Trials with up to three things, each with up to three candidates of five labels.
     fn trials() -> impl Strategy<Value = Vec<Vec<Vec<u8>>>> {
         let thing = prop::collection::btree_set(0_u8..5, 0..4).prop_map(|set| set.into_iter().collect());
         prop::collection::vec(prop::collection::vec(thing, 0..4), 0..30)

@@ -40,7 +40,7 @@
 //! let system = SecondOrder::new(dmatrix![0.4, 0.0; 0.0, 0.4], dmatrix![100.0, 0.0; 0.0, 100.0], k)?;
 //! let mut work = Workspace::default();
 //! let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
-//! let verdicts = spectrum.oscillatory().map(|lambda| verdict(&system, lambda, spectrum.scale, &mut work));
+//! let verdicts = spectrum.oscillatory().map(|lambda| verdict(&system, lambda, &spectrum, &mut work));
 //! assert_eq!(verdicts.collect::<Result<Vec<_>, _>>()?, [Verdict::Unstable, Verdict::Stable]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -77,13 +77,18 @@ mod error;
 pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
+mod fingerprint;
+mod folder;
+#[cfg(feature = "case-files")]
+mod input;
 pub mod output;
 pub mod report;
 mod run;
 pub mod study;
 
 pub use error::Error;
-pub use run::{DrawResults, estimate, fingerprint, run_study};
+pub use fingerprint::fingerprint;
+pub use run::{DrawResults, estimate, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -9,7 +9,7 @@ use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
 use squeal::brakes::{LatticeBrake, LatticeSample, sliding};
 use squeal::case::{LatticeCase, Law};
-use squeal::study::{Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
+use squeal::study::{ModeLabel, Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
 
 /// The paper's case with some of its text replaced.
 fn case(changes: &[(&str, &str)]) -> LatticeCase {
@@ -170,12 +170,10 @@ fn identity_by_mac_names_each_mode_after_the_origin_that_it_looks_like() {
         let outcome = study.evaluate(index, &sample, &mut Default::default()).unwrap();
         let expected = tracking::mac(&unstable, &shapes, &system.m);
         for (row, found) in expected.row_iter().zip(&outcome.unstable) {
-            let alike: Vec<u16> = (1..).zip(row.iter()).filter(|(_, mac)| **mac > 0.5).map(|(rank, _)| rank).collect();
-            // Below and above the flutter a pair has shapes alike: the more alike one gives the name.
-            assert!(
-                found.names.len() <= 1 && found.names.iter().all(|name| alike.contains(name)),
-                "{alike:?} {found:?}"
-            );
+            let alike = (1..).zip(row.iter()).filter(|(_, mac)| **mac > 0.5);
+            let alike: Vec<ModeLabel> = alike.map(|(rank, _)| ModeLabel::new(rank)).collect();
+            // A pair that flutters has shapes alike: the more alike one gives the name.
+            assert!(alike.is_empty() || found.names.iter().any(|name| alike.contains(name)), "{alike:?} {found:?}");
             assert_eq!(found.names.is_empty(), alike.is_empty());
             *(if alike.is_empty() { &mut nameless } else { &mut named }) += 1;
         }

@@ -1,13 +1,14 @@
 //! Time to +-0.1 percentage points of every occurrence, against plain Monte Carlo with LAPACK.
 //!
-//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs
-//! `p (1 - p) (1.96 / 0.001)^2` samples for its occurrence nearest to one half, an estimator all the systems that it solves.
-//! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
-//! per evaluation, vectors, names, and all its overhead included. Times are processor times of one thread, measured next to
-//! each other. Without the feature `lapack` the second is not measured.
+//! The gain of an estimator is given by two factors. *Fewer* evaluations: the `p (1 - p) (1.96 / 0.001)^2` samples that plain
+//! sampling needs for its occurrence nearest to one half, over the number of systems that the estimator solves.
+//! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the time of the estimator
+//! per evaluation, with vectors, names, and all its overhead. Times are processor times of one thread, measured one after the
+//! other. The second factor is measured only with the feature `lapack`.
 
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ThreadTime;
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
@@ -18,86 +19,86 @@ use crate::ValidationError;
 
 /// The tolerance, a tenth of a percentage point.
 const HALF_WIDTH: f64 = 1e-3;
-/// Sobol points of each scrambling; chosen.
+/// Number of Sobol points per scrambling; chosen.
 const POINTS: u32 = 1 << 15;
-/// Scramblings; chosen.
+/// Number of scramblings; chosen.
 const SCRAMBLINGS: u32 = 32;
 /// Seed of the samples solved in full.
 const SEED: u64 = 1;
-/// Samples that `dgeev` is timed on; chosen.
+/// Number of samples on which `dgeev` is timed; chosen.
 #[cfg(feature = "lapack")]
 const DGEEV_SAMPLES: u64 = 16;
-/// Times that it solves them; the shortest counts. Chosen.
+/// Number of times that `dgeev` solves these samples, of which the shortest time is reported; chosen.
 #[cfg(feature = "lapack")]
 const DGEEV_REPEATS: usize = 3;
 
-/// What it took for the scenes of a law and speed range.
+/// The cost of the scenes of a law and speed range.
 #[derive(Debug, Clone, Serialize)]
 pub struct TimeToTolerance {
     /// Law and speed range.
     pub scenes_of: String,
-    /// Scenes, one for each class of arrangements.
+    /// Number of scenes, one for each class of arrangements.
     pub scenes: usize,
-    /// Occurrences in them.
+    /// Number of occurrences in these scenes.
     pub occurrences: usize,
-    /// Scenes in which every half width is at most 0.1 percentage points.
+    /// Number of scenes in which every half width is at most 0.1 percentage points.
     pub reached: usize,
-    /// Largest half width of a 95 % interval; of the exact integral its error bound. What open names leave open is not
-    /// in it, since it is no error of the estimator.
+    /// Largest half width of a 95 % interval, or largest error bound of the exact integral. The part that is due to open names
+    /// is left out, because it is no error of the estimator.
     pub largest_half_width: f64,
-    /// Largest part of an occurrence that open names leave open.
+    /// Largest part of an occurrence that is due to open names.
     pub largest_open: f64,
-    /// Seconds for all scenes.
+    /// Time for all scenes, seconds.
     pub seconds: f64,
-    /// Systems solved for all scenes; of the exact integral its spectra.
+    /// Number of systems solved for all scenes; for the exact integral its number of spectra.
     pub evaluations: u64,
-    /// Largest number of a scene.
+    /// Largest number of evaluations of a scene.
     pub most_evaluations: u64,
-    /// What the control variate solved them for.
+    /// The evaluations of the control variate by their purpose.
     pub kinds: Option<Evaluations>,
-    /// Samples that plain Monte Carlo needs for all scenes.
+    /// Number of samples that plain Monte Carlo needs for all scenes.
     pub plain_samples: f64,
-    /// Seconds that they take with dgeev.
+    /// Time of these samples with dgeev, seconds.
     pub plain_seconds: Option<f64>,
     /// Smallest [`TimeToTolerance::fewer`] of a scene.
     pub least_fewer: f64,
     /// Smallest [`TimeToTolerance::cheaper`] of a scene.
     pub least_cheaper: Option<f64>,
-    /// Mean of dgeev's time, microseconds.
+    /// Mean time of dgeev, microseconds.
     pub dgeev_us: Option<f64>,
 }
 
 impl TimeToTolerance {
-    /// Samples of plain Monte Carlo for each evaluation.
+    /// Number of samples of plain Monte Carlo over the number of evaluations.
     pub fn fewer(&self) -> f64 {
         self.plain_samples / self.evaluations as f64
     }
 
-    /// The time of a sample with dgeev over that of an evaluation.
+    /// The time of a sample with dgeev over the time of an evaluation.
     pub fn cheaper(&self) -> Option<f64> {
         let by_dgeev = self.plain_seconds? / self.plain_samples;
         Some(by_dgeev / (self.seconds / self.evaluations as f64))
     }
 }
 
-/// What it took for one scene.
+/// The cost of one scene.
 struct OneScene {
     half_width: f64,
     occurrences: Vec<OccurrenceBounds>,
     seconds: f64,
     evaluations: u64,
     kinds: Option<Evaluations>,
-    /// Of one dgeev on one sample.
+    /// Time of dgeev for one sample.
     dgeev_seconds: Option<f64>,
 }
 
 impl OneScene {
-    fn plain_samples(&self) -> f64 {
-        plain_samples(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
+    fn samples_to_tolerance(&self) -> f64 {
+        samples_to_tolerance(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
     }
 
     fn fewer(&self) -> f64 {
-        self.plain_samples() / self.evaluations as f64
+        self.samples_to_tolerance() / self.evaluations as f64
     }
 
     fn cheaper(&self) -> Option<f64> {
@@ -105,7 +106,8 @@ impl OneScene {
     }
 }
 
-/// Every `every`-th class of unconstrained arrangements, from the last on, under each law of `case` and each speed range.
+/// The cost for every `every`-th class of unconstrained arrangements, beginning at the last, with each law of `case` and each speed
+/// range.
 ///
 /// # Errors
 /// Those of the estimators.
@@ -116,7 +118,7 @@ pub fn time_to_tolerance(case: &LatticeCase, every: usize) -> Result<Vec<TimeToT
         one.laws = vec![law];
         one.constraints.truncate(1);
         let mut brake = LatticeBrake::new(one)?;
-        // Net work is no part of an occurrence.
+        // Net work is not needed for occurrences.
         brake.plan.scenes.iter_mut().for_each(|scene| scene.wants_work = false);
         let (study, plan) = (Study::new(&brake, &BatchSolver)?, &brake.plan);
         let mut keys: Vec<SceneKey> = plan.scenes.iter().map(|scene| SceneKey { panel: 0, ..scene.key }).collect();
@@ -153,7 +155,7 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
     let range = key.speed.map_or(String::new(), |speed| format!(", {} speed", plan.labels.speeds[speed].name));
     let dgeev: Option<f64> = found.iter().map(|one| one.dgeev_seconds).sum();
     // A scene whose modes are never or always unstable needs no sampling.
-    let sampled = found.iter().filter(|one| one.plain_samples() > 0.0);
+    let sampled = found.iter().filter(|one| one.samples_to_tolerance() > 0.0);
     Ok(TimeToTolerance {
         scenes_of: format!("{}{range}", plan.labels.laws[key.law].title),
         scenes: found.len(),
@@ -165,8 +167,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
         evaluations: found.iter().map(|one| one.evaluations).sum(),
         most_evaluations: found.iter().map(|one| one.evaluations).max().unwrap_or(0),
         kinds: found.iter().filter_map(|one| one.kinds).reduce(|sum, kinds| sum + kinds),
-        plain_samples: found.iter().map(OneScene::plain_samples).sum(),
-        plain_seconds: found.iter().map(|one| Some(one.plain_samples() * one.dgeev_seconds?)).sum(),
+        plain_samples: found.iter().map(OneScene::samples_to_tolerance).sum(),
+        plain_seconds: found.iter().map(|one| Some(one.samples_to_tolerance() * one.dgeev_seconds?)).sum(),
         least_fewer: sampled.clone().map(OneScene::fewer).fold(f64::INFINITY, f64::min),
         least_cheaper: sampled.filter_map(OneScene::cheaper).reduce(f64::min),
         dgeev_us: dgeev.map(|sum| 1e6 * sum / found.len().max(1) as f64),
@@ -174,8 +176,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
 }
 
 /// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence nearest to one half.
-pub(crate) fn plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
-    occurrences.map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
+pub(crate) fn samples_to_tolerance(occurrences: impl Iterator<Item = f64>) -> f64 {
+    occurrences.map(|p| trials_for_half_width(p, HALF_WIDTH, Confidence::P95)).fold(0.0, f64::max)
 }
 
 fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {
@@ -209,13 +211,13 @@ fn by_control_variate(
     })
 }
 
-/// Im lambda of the mode nearest to growing at median parameters in any of the scenes, rad/s.
+/// Im lambda, rad/s, of the mode with the largest Re lambda at median parameters, over all of the scenes.
 fn least_stable_frequency(study: &Study<'_, LatticeBrake>, scenes: &[usize]) -> f64 {
     let modes = scenes.iter().flat_map(|&scene| &study.references()[scene].modes).map(|mode| mode.lambda);
     modes.max_by(|a, b| a.re.total_cmp(&b.re)).map_or(0.0, |lambda| lambda.im)
 }
 
-/// Seconds of one `dgeev` on samples of a scene.
+/// Time of one `dgeev` on samples of a scene, seconds.
 #[cfg(feature = "lapack")]
 fn dgeev_seconds(brake: &LatticeBrake, scene: usize) -> Result<Option<f64>, ValidationError> {
     use cea::{EigenSolver, LapackSolver, Workspace};

@@ -31,7 +31,7 @@ const LATERAL: usize = 2;
 struct Onsets {
     /// By constraint set: the smallest coefficient, of those tried, at which a mode is unstable, by its frequency rank at the
     /// naming point.
-    of_sets: Vec<BTreeMap<u16, f64>>,
+    of_sets: Vec<BTreeMap<usize, f64>>,
     /// Row and column shape of each mode without constraints, by rank from 1.
     patterns: Vec<String>,
 }
@@ -56,7 +56,7 @@ impl Onsets {
             for (&mu, outcome) in mus.iter().zip(outcomes) {
                 for mode in outcome?.unstable {
                     if let [name] = mode.names[..] {
-                        onsets.entry(name).or_insert(mu);
+                        onsets.entry(usize::from(name.number())).or_insert(mu);
                     }
                 }
             }
@@ -132,20 +132,20 @@ fn patterns(path: &Path, case: &Table) -> Result<String, TaskError> {
     text += "\n| --- | --- |";
     text += &" --- | --- |".repeat(answers);
     // A pattern has three modes, of which friction couples two: the one that grows is the pattern's.
-    let by_pattern = |onsets: &Onsets| -> BTreeMap<String, (u16, f64)> {
-        let mut found: BTreeMap<String, (u16, f64)> = BTreeMap::new();
+    let by_pattern = |onsets: &Onsets| -> BTreeMap<String, (usize, f64)> {
+        let mut found: BTreeMap<String, (usize, f64)> = BTreeMap::new();
         for (&rank, &mu) in &onsets.of_sets[0] {
-            let first = found.entry(onsets.patterns[usize::from(rank) - 1].clone()).or_insert((rank, mu));
+            let first = found.entry(onsets.patterns[rank - 1].clone()).or_insert((rank, mu));
             *first = if mu < first.1 { (rank, mu) } else { *first };
         }
         found
     };
-    let columns: Vec<BTreeMap<String, (u16, f64)>> = of_lateral.iter().map(by_pattern).collect();
+    let columns: Vec<BTreeMap<String, (usize, f64)>> = of_lateral.iter().map(by_pattern).collect();
     let mut names: Vec<&String> = columns.iter().flat_map(BTreeMap::keys).collect();
     names.sort();
     names.dedup();
     let onset =
-        |column: &BTreeMap<String, (u16, f64)>, name: &str| column.get(name).map_or(f64::INFINITY, |&(_, mu)| mu);
+        |column: &BTreeMap<String, (usize, f64)>, name: &str| column.get(name).map_or(f64::INFINITY, |&(_, mu)| mu);
     names.sort_by(|a, b| onset(&columns[0], a).total_cmp(&onset(&columns[0], b)));
     for name in names {
         let mode = columns[0].get(name).map_or("-".into(), |(rank, _)| rank.to_string());
@@ -184,7 +184,7 @@ fn structures(path: &Path, case: &Table) -> Result<String, TaskError> {
             highest[place] = of_set.keys().copied().max().unwrap_or(0).max(highest[place]);
             quiet[place] += usize::from(of_set.is_empty());
         }
-        for (counted, rank) in [|number: u16| number, |number: u16| number.div_ceil(2)].into_iter().enumerate() {
+        for (counted, rank) in [|number: usize| number, |number: usize| number.div_ceil(2)].into_iter().enumerate() {
             let agree =
                 paper.iter().zip(&onsets.of_sets).filter(|(number, of_set)| of_set.contains_key(&rank(**number)));
             let list: Vec<String> = agree.map(|(number, _)| number.to_string()).collect();
@@ -234,7 +234,7 @@ mod tests {
         let case = Combination::own().case(&path, &super::super::product::read_tables(&path).unwrap()).unwrap();
         let onsets = Onsets::new(case, 0.02).unwrap();
         let (rank, mu) = onsets.of_sets[0].iter().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
-        assert_eq!((*rank, onsets.patterns[usize::from(*rank) - 1].as_str()), (16, "X3 Y2"));
+        assert_eq!((*rank, onsets.patterns[*rank - 1].as_str()), (16, "X3 Y2"));
         // It is 0.324 in steps of 0.001.
         assert!((mu - 0.34).abs() < 1e-9);
     }

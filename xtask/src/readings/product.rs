@@ -186,9 +186,9 @@ pub fn read_tables(path: &Path) -> Result<Table, TaskError> {
 ///
 /// # Errors
 /// A case without a table of what the paper prints.
-pub fn mode_numbers(path: &Path, case: &Table) -> Result<[u16; 3], TaskError> {
+pub fn mode_numbers(path: &Path, case: &Table) -> Result<[usize; 3], TaskError> {
     let paper = Combination::own().case(path, case)?.paper.ok_or(TaskError::Toml("has no table [paper]".into()))?;
-    Ok([paper.mode, paper.after_corners_mode, paper.after_six_mode])
+    Ok([paper.mode, paper.after_corners_mode, paper.after_six_mode].map(|mode| usize::from(mode.number())))
 }
 
 /// Puts a value, given as TOML, in a field of nested tables.

@@ -54,7 +54,7 @@ pub struct Cell {
     /// Its limits.
     pub limits: Option<[f64; 2]>,
     /// Frequency rank of the mode that it is about.
-    pub mode: Option<u16>,
+    pub mode: Option<usize>,
 }
 
 impl Card {
@@ -81,7 +81,7 @@ impl Card {
     }
 
     /// Frequency rank of the mode that a claim is about.
-    pub fn mode(&self, id: &str) -> Option<u16> {
+    pub fn mode(&self, id: &str) -> Option<usize> {
         self.claims.iter().find(|cell| cell.id == id)?.mode
     }
 }

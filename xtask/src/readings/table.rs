@@ -51,7 +51,7 @@ impl<'a> Entry<'a> {
     }
 
     /// Ranks of the modes of C4, C8 and C10.
-    fn ranks(&self) -> [Option<u16>; 3] {
+    fn ranks(&self) -> [Option<usize>; 3] {
         NUMBERED.map(|id| self.card.and_then(|card| card.mode(id)))
     }
 
@@ -60,8 +60,8 @@ impl<'a> Entry<'a> {
     }
 
     /// How many of the paper's mode numbers it has: counted as frequency ranks, and among all eigenvalues.
-    fn numbers(&self, paper: [u16; 3]) -> [usize; 2] {
-        let agree = |rank: fn(u16) -> u16| {
+    fn numbers(&self, paper: [usize; 3]) -> [usize; 2] {
+        let agree = |rank: fn(usize) -> usize| {
             self.ranks().iter().zip(paper).filter(|(found, number)| **found == Some(rank(*number))).count()
         };
         [agree(|number| number), agree(|number| number.div_ceil(2))]
@@ -72,7 +72,7 @@ impl<'a> Entry<'a> {
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [u16; 3]) -> Result<(), TaskError> {
+pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [usize; 3]) -> Result<(), TaskError> {
     let mut header: Vec<String> = AXES.iter().map(|axis| axis.name.to_string()).collect();
     header.extend(["R7 naming", "departures", "samples", "failures", "refused"].map(String::from));
     header.extend(["held", "not held", "held by value"].map(String::from));
@@ -109,7 +109,7 @@ pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [
 }
 
 /// The rule, the combinations with all draws, and a digest of the others.
-pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize, paper: [u16; 3]) -> String {
+pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize, paper: [usize; 3]) -> String {
     let mut text = String::from(HEAD);
     text += &verdict(full);
     text += "\n## With all draws\n\n";
@@ -168,7 +168,7 @@ fn verdict(full: &[Entry<'_>]) -> String {
     format!("The literal text holds {literal} claims, the case's own {own}; {stands}.\n")
 }
 
-fn rows(entries: &[Entry<'_>], paper: [u16; 3], verdict: impl Fn(&super::row::Cell) -> &String) -> String {
+fn rows(entries: &[Entry<'_>], paper: [usize; 3], verdict: impl Fn(&super::row::Cell) -> &String) -> String {
     let mut text = String::from("| reading, where it departs from the case | R7 | departures |");
     let claims = entries.iter().find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     claims.iter().for_each(|cell| text += &format!(" {} |", cell.id));
@@ -229,7 +229,7 @@ fn discrimination(coarse: &[Entry<'_>]) -> String {
 }
 
 /// How many scorecards have the paper's mode numbers.
-fn mode_numbers(coarse: &[Entry<'_>], paper: [u16; 3]) -> String {
+fn mode_numbers(coarse: &[Entry<'_>], paper: [usize; 3]) -> String {
     let mut text = String::from(
         "\n## The paper's mode numbers\n\nScorecards by how many of 29, 26 and 18 they have.\n\n\
          | counted | none | one | two | three |\n| --- | --- | --- | --- | --- |\n",

@@ -1,8 +1,9 @@
-//! The lattice of friction oscillators on a sliding plate: one maker of a [`Brake`](crate::Brake).
+//! The lattice of friction oscillators on a sliding plate, one of the models that make a [`Brake`](crate::Brake).
 
 mod arrangement;
 mod assembly;
 mod dof;
+mod dof_names;
 mod model;
 mod parameters;
 mod preload;

@@ -1,8 +1,8 @@
-//! The fields of a case file, as they stand in it. docs/case-files.md is their description for people.
+//! The fields of a case file with a lattice. docs/case-files.md describes them.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::FrictionDistributions;
+use super::{Draws, FrictionDistributions, Law};
 use crate::study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
@@ -31,7 +31,7 @@ pub(super) struct BrakeTable {
     pub _kind: Option<LatticeKind>,
 }
 
-/// `kind = "lattice"`, which needs not be said.
+/// `kind = "lattice"`, which may be left out.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LatticeKind {
@@ -47,53 +47,7 @@ pub(super) struct StudyTable {
     pub seed: u64,
 }
 
-/// A friction law by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// Constant coefficient.
-    AmontonsCoulomb,
-    /// Coefficient that falls exponentially with speed.
-    VelocityDependent,
-    /// Bristles: one internal state per contact.
-    #[serde(rename = "lugre")]
-    LuGre,
-    /// LuGre's steady curve without its bristles.
-    Stribeck,
-}
-
-impl Law {
-    /// All laws.
-    pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
-
-    /// Its name, as in a case file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AmontonsCoulomb => "amontons-coulomb",
-            Self::VelocityDependent => "velocity-dependent",
-            Self::LuGre => "lugre",
-            Self::Stribeck => "stribeck",
-        }
-    }
-
-    /// Its name, as in a heading.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::AmontonsCoulomb => "Amontons-Coulomb",
-            Self::VelocityDependent => "Velocity-dependent",
-            Self::LuGre => "LuGre",
-            Self::Stribeck => "Stribeck",
-        }
-    }
-}
-
-impl std::fmt::Display for Law {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// One value for all, a value each, or walls and inner springs of each chain.
+/// One value for all, one value for each, or the values of outer and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {
@@ -186,16 +140,6 @@ pub(super) enum LateralEntry {
     Coupled,
     CoupledMinus,
     Vector,
-}
-
-/// Friction parameters of the oscillators in one sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Draws {
-    /// One draw, the same for all: the lattice keeps its symmetry.
-    Shared,
-    /// A draw for each oscillator.
-    Each,
 }
 
 #[derive(Debug, Clone, Copy, Deserialize)]

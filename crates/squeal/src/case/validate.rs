@@ -1,4 +1,4 @@
-//! From the fields of a file to a case that can run: every value checked, every list complete.
+//! From the fields of a case file with a lattice to a checked case.
 
 use std::path::Path;
 
@@ -11,17 +11,18 @@ use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
     Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
 };
+use crate::input::{LARGEST_CASE, read_text};
 
 impl LatticeCase {
-    /// The most samples of a study; with them every count of it fits in 64 bits.
+    /// Most samples of a study; chosen, so that every count of a study fits in 64 bits.
     pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
 
     /// Reads and checks a case file.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 
@@ -49,6 +50,7 @@ impl LatticeCase {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
         check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
@@ -90,20 +92,9 @@ fn lattice_parameters(
     lean: schema::LeanEntry,
 ) -> Result<LatticeParameters, CaseError> {
     let grid = Grid::new(lattice.rows, lattice.columns).map_err(check.lattice("lattice"))?;
-    let springs = |values: &Values, chains: &dyn Fn(f64, f64) -> Vec<f64>| match values {
-        Values::All(value) => chains(*value, *value),
-        Values::Each(list) => list.clone(),
-        Values::Chain(Chain { wall, inner }) => chains(*wall, *inner),
-    };
-    let each = |field: &str, values: &Values| match values {
-        Values::All(value) => Ok(vec![*value; grid.oscillators()]),
-        Values::Each(list) => Ok(list.clone()),
-        Values::Chain(_) => {
-            Err(check.value(&format!("lattice.{field}"), "{ wall, inner }", "a number or one for each oscillator"))
-        }
-    };
-    let x = |values| springs(values, &|wall, inner| grid.x_chains(wall, inner));
-    let y = |values| springs(values, &|wall, inner| grid.y_chains(wall, inner));
+    let x = |values| of_chains(values, |wall, inner| grid.x_chains(wall, inner));
+    let y = |values| of_chains(values, |wall, inner| grid.y_chains(wall, inner));
+    let each = |field, values| of_oscillators(check, grid.oscillators(), field, values);
     let parameters = LatticeParameters {
         grid,
         x_stiffness: x(&lattice.x_stiffness),
@@ -128,6 +119,26 @@ fn lattice_parameters(
     };
     parameters.check().map_err(check.lattice("lattice"))?;
     Ok(parameters)
+}
+
+/// A value for each member of all chains, which `chains` makes from those of walls and inner members.
+fn of_chains(values: &Values, chains: impl Fn(f64, f64) -> Vec<f64>) -> Vec<f64> {
+    match values {
+        Values::All(value) => chains(*value, *value),
+        Values::Each(list) => list.clone(),
+        Values::Chain(Chain { wall, inner }) => chains(*wall, *inner),
+    }
+}
+
+/// A value for each oscillator.
+fn of_oscillators(check: &Check<'_>, oscillators: usize, field: &str, values: &Values) -> Result<Vec<f64>, CaseError> {
+    match values {
+        Values::All(value) => Ok(vec![*value; oscillators]),
+        Values::Each(list) => Ok(list.clone()),
+        Values::Chain(_) => {
+            Err(check.value(&format!("lattice.{field}"), "{ wall, inner }", "a number or one for each oscillator"))
+        }
+    }
 }
 
 fn preload(check: &Check<'_>, preload: schema::PreloadEntry) -> Result<Preload, CaseError> {
@@ -215,7 +226,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<V
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
-    check.no_repeats("speeds.name", speeds.iter().map(|range| range.name.clone()))?;
+    check.names("speeds.name", speeds.iter().map(|range| &range.name))?;
     for range in &speeds {
         if !(range.from.is_finite() && range.from > 0.0) {
             return Err(check.value(&format!("speeds \"{}\".from", range.name), range.from, "a speed in m/s, > 0"));
@@ -244,7 +255,7 @@ fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<F
         distribution
             .check()
             .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
-        // None: all of its values are > 0.
+        // `None` means that all values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };

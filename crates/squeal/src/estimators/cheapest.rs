@@ -1,27 +1,26 @@
-//! The occurrences of a scene to a half width, by the cheapest estimator that applies to it.
+//! The occurrences of a scene to a given half width, by the cheapest estimator that applies.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use cea::QrSolver;
+use montecarlo::{Confidence, trials_for_half_width, wilson};
 use serde::{Deserialize, Serialize};
 
 use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
-/// Standard normal deviate of 95 %.
-const Z95: f64 = 1.96;
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
-/// Samples that say how many plain ones are needed, and count for nothing else; chosen.
-const PLAIN_PILOTS: u64 = 400;
-/// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
+/// Number of pilot samples, which only determine the number of plain samples; chosen.
+const PLAIN_PILOT_SAMPLES: u64 = 400;
+/// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
-/// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
+/// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
-/// Sobol points of each scrambling at most and at least, and scramblings: with the most, the mean of a prediction is known
-/// to some 1e-4.
+/// Largest and least number of Sobol points per scrambling, and number of scramblings; chosen: with the largest number, the
+/// standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
 const COARSEST_POINTS: f64 = 1_024.0;
 const SCRAMBLINGS: u32 = 32;
@@ -31,11 +30,11 @@ const SCRAMBLINGS: u32 = 32;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Estimator {
-    /// The distribution function of the one uncertain parameter at the onsets.
+    /// Differences of the distribution function of the one uncertain parameter between onsets.
     ExactIntegral,
-    /// A prediction from response surfaces, corrected by samples.
+    /// The mean of a prediction from response surfaces, corrected by samples.
     ControlVariate,
-    /// Samples alone.
+    /// Plain Monte Carlo.
     PlainSampling,
 }
 
@@ -52,37 +51,45 @@ impl fmt::Display for Estimator {
 /// The occurrences of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneOccurrences {
-    /// How they were found.
+    /// The estimator used.
     pub estimator: Estimator,
-    /// By name of the mode; modes that are surely never unstable are not listed.
-    pub modes: BTreeMap<u16, Estimated>,
-    /// The largest half width, without what open names leave open.
+    /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
+    pub modes: BTreeMap<ModeLabel, Estimated>,
+    /// The largest half width, without the part that is due to open names.
     pub half_width: f64,
-    /// Systems solved, all of them.
+    /// Number of all systems solved.
     pub evaluations: u64,
-    /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
-    /// half needs.
+    /// Number of systems that plain sampling would solve for the same half width of the occurrence nearest to one half.
     pub plain_evaluations: u64,
 }
 
-/// The occurrences of a scene to `half_width` at 95 %, or as near as its estimator gets. `points` are points that serve the
-/// scene, where [`friction_points`] found some.
+/// The occurrences of a scene to `half_width` at 95 %, or to the half width that the estimator reaches. `points` are friction
+/// points of the scene, where [`friction_points`] returned some.
 ///
 /// # Errors
-/// A sample that cannot be solved.
+/// A sample or a spectrum that cannot be solved.
 pub fn scene_occurrences<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
     points: Option<&FrictionPoints>,
 ) -> Result<SceneOccurrences, EstimatorError> {
-    if let Some(found) = by_integral(study, scene, half_width)? {
-        return Ok(found);
-    }
-    match points {
-        Some(points) => by_control_variate(study, scene, half_width, points),
-        None => by_sampling(study, scene, half_width),
-    }
+    let attempt = match by_integral(study, scene, half_width)? {
+        Ok(found) => return Ok(found),
+        Err(DoesNotApply { evaluations }) => evaluations,
+    };
+    let mut found = match points {
+        Some(points) => by_control_variate(study, scene, half_width, points)?,
+        None => by_sampling(study, scene, half_width)?,
+    };
+    found.evaluations += attempt;
+    Ok(found)
+}
+
+/// An estimator that does not apply to a scene.
+struct DoesNotApply {
+    /// Systems solved until that was known.
+    evaluations: u64,
 }
 
 /// Points of the friction of a scene for [`scene_occurrences`]; `None` where a control variate does not apply, or plain
@@ -110,18 +117,24 @@ pub fn friction_points<B: UncertainBrake>(
     }
 }
 
-/// By the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
+/// The occurrences by the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
-) -> Result<Option<SceneOccurrences>, EstimatorError> {
-    let found = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)
-        .and_then(|mut family| exact(&study.references()[scene], &mut family));
-    let found = match found {
+) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
+    let mut family = match OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver) {
+        Ok(family) => family,
+        Err(EstimatorError::NotOneParameter { .. }) => return Ok(Err(DoesNotApply { evaluations: 0 })),
+        Err(error) => return Err(error),
+    };
+    let found = match exact(&study.references()[scene], &mut family) {
         Ok(found) => found,
-        Err(EstimatorError::Study(error)) => return Err(error.into()),
-        Err(_) => return Ok(None),
+        // Solver errors are none of tracking: see `EstimatorError`.
+        Err(EstimatorError::Tracking(_)) => {
+            return Ok(Err(DoesNotApply { evaluations: family.counters().eigenvalue_solves }));
+        }
+        Err(error) => return Err(error),
     };
     let mut modes = BTreeMap::new();
     for (name, occurrence) in found.integral.occurrences {
@@ -129,7 +142,7 @@ fn by_integral<B: UncertainBrake>(
         modes.insert(name, Estimated { occurrence, half_width });
     }
     let evaluations = found.counters.eigenvalue_solves;
-    Ok(Some(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
+    Ok(Ok(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
 }
 
 fn by_control_variate<B: UncertainBrake>(
@@ -143,14 +156,14 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilots.
+/// The occurrences by plain samples; their number follows from pilot samples and the occurrence nearest to one half.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
-    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let nearest = |estimated: &Estimated| {
         let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
         0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
@@ -159,15 +172,15 @@ fn by_sampling<B: UncertainBrake>(
     let samples = pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64;
     let found = monte_carlo(study, scene, seed, samples)?;
     // A mode that was never unstable has half of Wilson's interval for no hit.
-    let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
+    let unseen = 0.5 * wilson(0, samples, Confidence::P95).map_err(crate::Error::from)?.upper;
     let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
 }
 
 impl SceneOccurrences {
     fn new(
         estimator: Estimator,
-        modes: BTreeMap<u16, Estimated>,
+        modes: BTreeMap<ModeLabel, Estimated>,
         reached: f64,
         evaluations: u64,
         half_width: f64,
@@ -178,9 +191,9 @@ impl SceneOccurrences {
     }
 }
 
-/// Samples for a half width of Wilson's 95 % interval of a proportion p, nearly: `p (1 - p) (z / h)^2`, and for p = 0 and 1
-/// those with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
+/// Approximate number of samples for the half width h of Wilson's 95 % interval of a proportion p: `p (1 - p) (z / h)^2`, but at
+/// least the number n for which the interval `[0, z^2 / (n + z^2)]` of p = 0 has this half width.
 fn plain_samples(p: f64, half_width: f64) -> f64 {
-    let at_the_edge = Z95 * Z95 * (0.5 / half_width - 1.0);
-    (p * (1.0 - p) * (Z95 / half_width).powi(2)).max(at_the_edge)
+    let at_the_edge = Confidence::P95.z().powi(2) * (0.5 / half_width - 1.0);
+    trials_for_half_width(p, half_width, Confidence::P95).max(at_the_edge)
 }

@@ -1,63 +1,60 @@
-//! What can stand in the way of an estimate.
+//! Errors of estimators.
 
 /// Errors of this module.
 #[derive(Debug, thiserror::Error)]
 pub enum EstimatorError {
-    /// The model, a law, a solver or the case.
+    /// An error of the model, a friction law, a solver or the case.
     #[error(transparent)]
     Study(#[from] crate::Error),
-    /// A scene whose uncertainty is not one number.
+    /// A scene whose systems are not an affine function of one uncertain parameter.
     #[error("the exact integral needs {needed}; the scene has {found}")]
     NotOneParameter {
-        /// What it takes.
+        /// The requirement that the scene does not meet.
         needed: &'static str,
-        /// What there is.
+        /// The property of the scene.
         found: String,
     },
-    /// Real eigenvalues where every mode must oscillate for its branch to be followed.
-    #[error("at mu = {mu} the structure has {real} real eigenvalues; branches are followed where all modes oscillate")]
-    NotOscillating {
-        /// The friction coefficient.
-        mu: f64,
-        /// Real eigenvalues there.
-        real: usize,
-    },
-    /// A branch runs along the axis, or two branches together, for so long that no step resolves them.
-    #[error("the branches around mu = {mu} are not resolved after {spectra} spectra")]
-    Unresolved {
-        /// The friction coefficient.
-        mu: f64,
-        /// Spectra computed.
-        spectra: usize,
-    },
-    /// Branches whose onsets are not found, or contradict the spectra.
+    /// Branches that are not resolved, modes that do not oscillate, onsets that are not found or contradict the spectra.
     #[error(transparent)]
-    Tracking(#[from] tracking::TrackingError),
+    Tracking(tracking::TrackingError),
     /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
     #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
     NotShared,
-    /// Sobol points or scramblings that are not there.
+    /// A number of Sobol points or scramblings that is not allowed.
     #[error("{points} points in {scramblings} scramblings; allowed: 1 to 65536 points, 2 scramblings or more")]
     Points {
-        /// Points of each.
+        /// Points of each scrambling.
         points: u32,
-        /// Scramblings.
+        /// Number of scramblings.
         scramblings: u32,
-    },
-    /// A search that did not converge.
-    #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
-    NoConvergence {
-        /// What was searched.
-        what: &'static str,
-        /// Residual.
-        left: f64,
-        /// Steps taken.
-        steps: usize,
     },
 }
 
 impl From<cea::CeaError> for EstimatorError {
     fn from(error: cea::CeaError) -> Self {
         Self::Study(error.into())
+    }
+}
+
+impl From<tracking::TrackingError> for EstimatorError {
+    fn from(error: tracking::TrackingError) -> Self {
+        match error {
+            tracking::TrackingError::Cea(error) => error.into(),
+            other => Self::Tracking(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracking::TrackingError;
+
+    #[test]
+    fn an_error_of_a_solver_is_none_of_tracking() {
+        let of_solver = cea::CeaError::from(linsys::LinsysError::Empty);
+        assert!(matches!(TrackingError::from(of_solver).into(), EstimatorError::Study(crate::Error::Cea(_))));
+        let unresolved = TrackingError::Unresolved { at: 0.5, spectra: 7 };
+        assert!(matches!(unresolved.into(), EstimatorError::Tracking(TrackingError::Unresolved { .. })));
     }
 }

@@ -2,17 +2,17 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::Distribution;
+use montecarlo::{Distribution, Trial, occurring_labels};
 
 use super::EstimatorError;
-use crate::study::{UnstableMode, unstable_names};
+use crate::study::ModeLabel;
 
-/// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
+/// An occurrence: the probability that a mode is unstable, between two limits where a coalescence leaves its name open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct OccurrenceBounds {
-    /// Of the mode unstable for sure.
+    /// Probability that the mode is certainly unstable.
     pub lower: f64,
-    /// Of the mode perhaps unstable.
+    /// Probability that the mode is certainly or possibly unstable.
     pub upper: f64,
 }
 
@@ -23,15 +23,15 @@ pub struct Piece {
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// The names of each unstable mode, several where they are open.
-    pub unstable: Vec<Vec<u16>>,
+    /// For each unstable mode its candidate names, one where the name is certain.
+    pub unstable: Vec<Vec<ModeLabel>>,
 }
 
-/// What follows from the pieces.
+/// Occurrences from the pieces of the parameter's interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
     /// By name of the tracked mode; modes that are never unstable are not listed.
-    pub occurrences: BTreeMap<u16, OccurrenceBounds>,
+    pub occurrences: BTreeMap<ModeLabel, OccurrenceBounds>,
     /// Probability of any unstable mode.
     pub any: f64,
     /// Expected number of unstable modes.
@@ -40,24 +40,24 @@ pub struct Integral {
     pub pieces: Vec<Piece>,
 }
 
-/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` says what each piece is like inside.
+/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` gives the names of the unstable modes at a point
+/// of a piece.
 ///
 /// # Errors
 /// Those of `unstable`.
 pub fn integrate(
     distribution: &Distribution,
     ends: &[f64],
-    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
+    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<ModeLabel>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
-        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
-        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
+        for (name, trial) in occurring_labels(&names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
-            occurrence.lower += if is_sure { part } else { 0.0 };
+            occurrence.lower += if trial == Trial::Yes { part } else { 0.0 };
         }
         integral.any += if names.is_empty() { 0.0 } else { part };
         integral.expected_modes += part * names.len() as f64;

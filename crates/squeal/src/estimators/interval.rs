@@ -1,53 +1,53 @@
-//! The interval of an occurrence from the mean of a prediction and from the counts of what it gets wrong.
+//! The confidence interval of an occurrence, from the mean of a prediction and the counts of its errors.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use linsys::ChannelGain;
-use montecarlo::Confidence;
+use montecarlo::{Confidence, ReplicateMean};
 
 use super::evaluations::Evaluations;
 use super::friction_points::FrictionPoints;
 use super::stratum::Stratum;
 use super::{Estimated, OccurrenceBounds, Surrogate};
+use crate::study::ModeLabel;
 
-/// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
+/// Error probability of the interval for the probability of an uncertain prediction; chosen, as a part of the 5 % of all looks.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
-
-/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
-/// [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
+/// For each interim look at the counts its error probability, and its number of samples as a multiple of that of the first.
+/// Chosen: with [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality).
 pub(super) const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
-/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
+/// Part of the error probability of a look that belongs to the clear samples; the rest belongs to Student's t. Chosen.
 const CLEAR_TAIL_PART: f64 = 0.7;
 
-/// Occurrences of one scene.
+/// Occurrences of one scene by a control variate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlVariateEstimate {
-    /// By name, with the half width of the 95 % interval.
-    pub modes: BTreeMap<u16, Estimated>,
+    /// The occurrence of each mode by name, with the half width of the 95 % interval.
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit of the occurrence of any mode that is not listed.
     pub unseen: f64,
     /// Systems solved.
     pub evaluations: Evaluations,
-    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
+    /// Numbers of clear and of uncertain samples in which the prediction was wrong about any mode.
     pub wrong: [u64; 2],
     /// Probability that the prediction is uncertain.
     pub uncertain: f64,
 }
 
 impl ControlVariateEstimate {
-    /// The largest half width, without what open names leave open: more samples do not close that.
+    /// The largest half width, without the part that is due to open names: more samples do not reduce that.
     pub fn half_width(&self) -> f64 {
         self.modes.values().map(Estimated::closed_half_width).fold(0.5 * self.unseen, f64::max)
     }
 }
 
-/// Means over Sobol points, each with its standard error.
+/// Means of a prediction over Sobol points, each with its standard error.
 pub(super) struct PredictionMeans {
-    /// Of the prediction that a mode is surely and perhaps unstable, by name.
-    pub modes: BTreeMap<u16, [(f64, f64); 2]>,
-    /// Of the prediction being uncertain.
+    /// By name, the probabilities of the predictions that a mode is certainly, and possibly, unstable.
+    pub modes: BTreeMap<ModeLabel, [(f64, f64); 2]>,
+    /// The probability of an uncertain prediction.
     pub uncertain: (f64, f64),
-    /// Number of scramblings, whose scatter these errors are.
+    /// Number of scramblings, from whose scatter the standard errors follow.
     pub scramblings: u64,
 }
 
@@ -81,8 +81,8 @@ impl PredictionMeans {
     }
 }
 
-/// The parts of some points in which each mode is predicted to be surely, and perhaps, unstable; last, in which the
-/// prediction is uncertain.
+/// For each mode the shares of some points at which it is predicted to be certainly, and possibly, unstable; last, the share
+/// at which the prediction is uncertain.
 fn shares(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<f64> {
     let count = surrogate.names().len();
     let mut hits = vec![0_u32; 2 * count + 1];
@@ -97,16 +97,13 @@ fn shares(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<f64> {
     hits.into_iter().map(|hits| f64::from(hits) / points.len() as f64).collect()
 }
 
-/// Mean and its standard error.
+/// Mean and standard error; NaN for fewer than two values.
 fn mean(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let count = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    let variance = values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean, (variance / count).sqrt())
+    ReplicateMean::of(values).map_or((f64::NAN, f64::NAN), |found| (found.mean, found.standard_error))
 }
 
-/// The occurrences, with the error probabilities of the clear samples and of Student's t. In the first look one limit of
-/// how often prediction and reference differ in clear samples will do. `evaluations` were needed for it.
+/// The occurrences at one look, with the error probabilities `tails` of the clear samples and of Student's t. The first look
+/// uses one limit of the probability that prediction and reference differ in a clear sample.
 pub(super) fn intervals(
     means: &PredictionMeans,
     strata: &[Stratum; 2],
@@ -115,20 +112,20 @@ pub(super) fn intervals(
     evaluations: Evaluations,
 ) -> ControlVariateEstimate {
     let [clear, uncertain] = strata;
-    let names: BTreeSet<u16> =
+    let names: BTreeSet<ModeLabel> =
         means.modes.keys().chain(strata.iter().flat_map(|stratum| stratum.differences.keys())).copied().collect();
-    let look = Look { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
+    let look = InterimLook { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
     ControlVariateEstimate {
         modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
-        unseen: look.limits(0)[1] + look.by_student(0, 0.0, 0.0),
+        unseen: look.limits(None)[1] + look.by_student(None, 0.0, 0.0),
         evaluations,
         wrong: [clear.wrong, uncertain.wrong],
         uncertain: means.uncertain.0,
     }
 }
 
-/// What one look at the counts sees.
-struct Look<'a> {
+/// The counts at one look.
+struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
     uncertain: &'a Stratum,
@@ -137,40 +134,43 @@ struct Look<'a> {
     is_first: bool,
 }
 
-impl Look<'_> {
-    fn estimate(&self, name: u16) -> Estimated {
+impl InterimLook<'_> {
+    fn estimate(&self, name: ModeLabel) -> Estimated {
         let share = self.means.uncertain.0;
         let [lower, upper] = self.means.modes.get(&name).copied().unwrap_or_default();
-        let [down, up] = self.limits(name);
-        let (in_clear, in_uncertain) = (self.clear.shift(name), self.uncertain.shift(name));
+        let [down, up] = self.limits(Some(name));
+        let (in_clear, in_uncertain) = (self.clear.shift(Some(name)), self.uncertain.shift(Some(name)));
         let (least, greatest) = (lower.0 + share * in_uncertain[0], upper.0 + share * in_uncertain[1]);
-        let lowest = least - self.by_student(name, lower.1, in_uncertain[0]) - down;
-        let highest = greatest + self.by_student(name, upper.1, in_uncertain[1]) + up;
+        let lowest = least - self.by_student(Some(name), lower.1, in_uncertain[0]) - down;
+        let highest = greatest + self.by_student(Some(name), upper.1, in_uncertain[1]) + up;
         let [lower, upper] = [least + (1.0 - share) * in_clear[0], greatest + (1.0 - share) * in_clear[1]]
             .map(|end| end.clamp(0.0, 1.0));
         let half_width = 0.5 * (highest.min(1.0) - lowest.max(0.0));
         Estimated { occurrence: OccurrenceBounds { lower, upper }, half_width }
     }
 
-    /// Half the width by Student's t of one end of an occurrence: the mean of the prediction, whose standard error is
-    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share.
-    fn by_student(&self, name: u16, of_mean: f64, shift: f64) -> f64 {
+    /// Half width by Student's t at one end of an occurrence, from the standard error `of_mean` of the mean of the prediction
+    /// and from the uncertain samples, which correct this mean by `shift` times their share; without a name, of a mode that
+    /// was never seen.
+    fn by_student(&self, name: Option<ModeLabel>, of_mean: f64, shift: f64) -> f64 {
         let variance = (self.largest_shares[1] * self.uncertain.deviation(name)).powi(2) + of_mean.powi(2);
         self.means.t(self.tails[1]) * variance.sqrt() + shift.abs() * self.means.uncertain_error()
     }
 
-    /// By how much clear samples may move the ends of an occurrence down and up.
-    fn limits(&self, name: u16) -> [f64; 2] {
+    /// Limits of the correction by clear samples of the ends of an occurrence, down and up; without a name, of a mode that was
+    /// never seen.
+    fn limits(&self, name: Option<ModeLabel>) -> [f64; 2] {
         self.clear.limits(name, self.tails[0], self.is_first).map(|limit| self.weighted(limit))
     }
 
-    /// A limit among clear samples as one among all. What is surely on the other side counts with the share that is sure.
+    /// A limit among clear samples as a limit among all samples: a positive one with the largest share that clear samples may
+    /// have, a negative one with the smallest.
     fn weighted(&self, limit: f64) -> f64 {
         limit * if limit > 0.0 { self.largest_shares[0] } else { 1.0 - self.largest_shares[1] }
     }
 }
 
-/// A look's error probabilities of the clear samples and of Student's t.
+/// The error probabilities of clear samples and of Student's t in a look with the error probability `tail`.
 pub(super) const fn tails(tail: f64) -> [f64; 2] {
     [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
 }
@@ -180,15 +180,18 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
-    /// The intervals of a prediction that is always `predicted`, in one stratum.
+    const MODE: ModeLabel = ModeLabel::new(7);
+
+    /// The intervals of a prediction that is the same in all samples, all of them clear.
     fn found(predicted: bool, references: impl Iterator<Item = Option<bool>>) -> ControlVariateEstimate {
-        let predicted = if predicted { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let predicted = if predicted { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let mut clear = Stratum::default();
         references.for_each(|reference| {
-            clear.enter(&predicted, &reference.map(|is_sure| (7, is_sure)).into_iter().collect())
+            clear.enter(&predicted, &reference.map(|is_sure| (MODE, is_sure)).into_iter().collect())
         });
         let mean = (predicted.len() as f64, 0.0);
-        let means = PredictionMeans { modes: BTreeMap::from([(7, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
+        let means =
+            PredictionMeans { modes: BTreeMap::from([(MODE, [mean; 2])]), uncertain: (0.0, 0.0), scramblings: 32 };
         intervals(
             &means,
             &[clear, Stratum { samples: 1, ..Stratum::default() }],
@@ -202,7 +205,7 @@ mod tests {
     fn a_bad_prediction_makes_the_interval_wide_and_not_wrong() {
         // Predicted in every sample, true in three of ten.
         let found = found(true, (0..10_000).map(|i| (i % 10 < 3).then_some(true)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((found.wrong, mode.occurrence.lower, mode.occurrence.upper), ([7_000, 0], 1.0 - 0.7, 1.0 - 0.7));
         // Plain Monte Carlo: 1.96 sqrt(0.21 / 10000) = 0.0090.
         assert!(mode.half_width > 0.0090 && mode.half_width < 0.014, "{}", mode.half_width);
@@ -210,14 +213,14 @@ mod tests {
 
     #[test]
     fn an_open_name_widens_the_occurrence() {
-        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&7].occurrence;
+        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&MODE].occurrence;
         assert_eq!((occurrence.lower, occurrence.upper), (0.99, 1.0));
     }
 
     #[test]
     fn what_is_open_is_no_error_of_the_estimator() {
         let found = found(false, (0..10_000).map(|i| (i % 100 == 0).then_some(false)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((mode.occurrence.lower, mode.occurrence.upper), (0.0, 0.01));
         assert!(found.half_width() < mode.half_width - 0.0049, "{found:?}");
     }
@@ -226,19 +229,19 @@ mod tests {
     fn few_uncertain_samples_weigh_little() {
         // One sample in a hundred is uncertain, and the prediction is wrong in a third of them.
         let predicted = BTreeMap::new();
-        let reference = |wrong: bool| if wrong { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let reference = |wrong: bool| if wrong { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let (mut clear, mut uncertain) = (Stratum::default(), Stratum::default());
         (0..5_000).for_each(|_| clear.enter(&predicted, &reference(false)));
         (0..300).for_each(|i| uncertain.enter(&predicted, &reference(i % 3 == 0)));
         let means = PredictionMeans { modes: BTreeMap::new(), uncertain: (0.01, 0.0), scramblings: 32 };
         let found = intervals(&means, &[clear, uncertain], tails(INTERIM_LOOKS[0].0), true, Evaluations::default());
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
         assert!(mode.half_width < 0.0018 && found.wrong == [0, 100], "{found:?}");
     }
 
-    /// How often the intervals of an occurrence miss it, and their mean half width. The predicted is wrong in a part `wrong` of
-    /// the uncertain samples, and in a part `slip` of the clear ones; without such, these are as good as all known.
+    /// The number of intervals that miss the occurrence, and their mean half width. The prediction is wrong in a part `wrong` of
+    /// the uncertain samples and in a part `slip` of the clear ones; with `slip` = 0 the clear samples are practically exact.
     fn missed(wrong: f64, slip: f64, runs: u32) -> (u32, f64) {
         use rand::{RngExt, SeedableRng};
 
@@ -251,9 +254,9 @@ mod tests {
                 let one = |_| (0..500).filter(|_| rng.random_bool(p)).count() as f64 / 500.0;
                 mean((0..32).map(one).collect::<Vec<_>>().into_iter())
             };
-            let (modes, uncertain) = (BTreeMap::from([(7, [share(predicted); 2])]), share(uncertain));
+            let (modes, uncertain) = (BTreeMap::from([(MODE, [share(predicted); 2])]), share(uncertain));
             let means = PredictionMeans { modes, uncertain, scramblings: 32 };
-            let named = |is_unstable: bool| is_unstable.then_some((7, true)).into_iter().collect();
+            let named = |is_unstable: bool| is_unstable.then_some((MODE, true)).into_iter().collect();
             let mut stratum = |count: usize, wrong: f64| {
                 let mut stratum = Stratum::default();
                 for _ in 0..count {
@@ -264,7 +267,8 @@ mod tests {
             };
             let known = Stratum { samples: 1_000_000, ..Stratum::default() };
             let strata = [if slip > 0.0 { stratum(2_000, slip) } else { known }, stratum(200, wrong)];
-            let found = intervals(&means, &strata, tails(INTERIM_LOOKS[0].0), true, Evaluations::default()).modes[&7];
+            let found =
+                intervals(&means, &strata, tails(INTERIM_LOOKS[0].0), true, Evaluations::default()).modes[&MODE];
             let centre = 0.5 * (found.occurrence.lower + found.occurrence.upper);
             missed += u32::from((centre - reference).abs() > found.half_width);
             width += found.half_width / f64::from(runs);
@@ -276,7 +280,7 @@ mod tests {
     fn intervals_hold_as_often_as_they_say() {
         let (seldom, width) = missed(0.12, 2e-4, 200);
         assert!(seldom <= 8 && width < 0.014, "{seldom} {width}");
-        // By Student's t alone: 0.9 % and hardly more.
+        // Student's t alone misses in about 0.9 %.
         for wrong in [0.0, 0.03, 0.12, 0.5] {
             let (seldom, width) = missed(wrong, 0.0, 500);
             assert!(seldom <= 11 && width < 0.012, "{wrong}: {seldom} {width}");

@@ -1,14 +1,14 @@
 //! Occurrences of one scene by sampling: plain Monte Carlo and randomised quasi-Monte Carlo.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cea::Counters;
-use montecarlo::{Confidence, Experiment as _, wilson};
+use montecarlo::{Confidence, Experiment as _, ReplicateMean, wilson};
 use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
-use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
+use crate::study::{ModeLabel, Outcome, Study, UncertainBrake};
 
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
@@ -34,7 +34,7 @@ impl Estimated {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
     /// By name of the tracked mode.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// What was computed.
     pub counters: Counters,
 }
@@ -51,7 +51,7 @@ pub fn monte_carlo<B: UncertainBrake>(
 ) -> Result<Estimates, EstimatorError> {
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let (hits, counters) = count(study, scene, draws)?;
-    let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
+    let estimated = |(name, [sure, open]): (ModeLabel, [u64; 2])| {
         let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
         let of = |hits: u64| hits as f64 / samples as f64;
@@ -81,34 +81,34 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         return Err(EstimatorError::Points { points, scramblings });
     }
     let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
-    let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
+    let mut runs: Vec<HitCounts> = Vec::new();
     let mut counters = Counters::default();
     for scrambling in 0..scramblings {
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
         let (hits, computed) = count(study, scene, samples)?;
-        counters = sum(counters, computed);
+        counters += computed;
         runs.push(hits);
     }
-    let names: std::collections::BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
-    let t = Confidence::P95.t(u64::from(scramblings - 1));
-    let estimated = |name: u16| {
-        let share = |run: &BTreeMap<u16, [u64; 2]>, open: usize| {
+    let names: BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
+    let estimated = |name: ModeLabel| {
+        let share = |run: &HitCounts, open: f64| {
             let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
-            (sure + open as u64 * maybe) as f64 / f64::from(points)
+            (sure as f64 + open * maybe as f64) / f64::from(points)
         };
-        let mean = |open| runs.iter().map(|run| share(run, open)).sum::<f64>() / f64::from(scramblings);
-        let occurrence = OccurrenceBounds { lower: mean(0), upper: mean(1) };
-        let centre = 0.5 * (occurrence.lower + occurrence.upper);
-        let deviation = |run| 0.5 * (share(run, 0) + share(run, 1)) - centre;
-        let variance = runs.iter().map(|run| deviation(run).powi(2)).sum::<f64>() / f64::from(scramblings - 1);
-        let half_width = t * (variance / f64::from(scramblings)).sqrt() + 0.5 * (occurrence.upper - occurrence.lower);
-        (name, Estimated { occurrence, half_width })
+        // Sure hits alone, with half of the open ones, and with all of them.
+        let mean = |open: f64| ReplicateMean::of(runs.iter().map(|run| share(run, open)));
+        let [lower, centre, upper] = [mean(0.0)?, mean(0.5)?, mean(1.0)?];
+        let interval = centre.interval(Confidence::P95);
+        let occurrence = OccurrenceBounds { lower: lower.mean, upper: upper.mean };
+        let half_width = 0.5 * (interval.upper - interval.lower) + 0.5 * (occurrence.upper - occurrence.lower);
+        Some((name, Estimated { occurrence, half_width }))
     };
-    Ok(Estimates { modes: names.into_iter().map(estimated).collect(), counters })
+    let modes = names.into_iter().map(estimated).collect::<Option<_>>();
+    Ok(Estimates { modes: modes.ok_or(EstimatorError::Points { points, scramblings })?, counters })
 }
 
 /// Sure and open hits by name.
-type HitCounts = BTreeMap<u16, [u64; 2]>;
+type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
@@ -124,20 +124,10 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in unstable_names(&outcome?.unstable) {
+            for (name, is_sure) in outcome?.unstable_names() {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }
     }
     Ok((hits, scratch.counters()))
-}
-
-fn sum(a: Counters, b: Counters) -> Counters {
-    Counters {
-        eigenvalue_solves: a.eigenvalue_solves + b.eigenvalue_solves,
-        factorisations: a.factorisations + b.factorisations,
-        eigenvectors: a.eigenvectors + b.eigenvectors,
-        secular_values: a.secular_values + b.secular_values,
-        continuations: a.continuations + b.continuations,
-    }
 }

@@ -52,7 +52,7 @@ pub struct Claim {
     pub holds: Holds,
     /// Frequency rank, from 1, of the mode that it is about: where modes have their names, or in each sample where they are
     /// named by rank.
-    pub mode: Option<u16>,
+    pub mode: Option<usize>,
     /// What `ours` is, and the numbers behind it.
     pub detail: String,
 }
@@ -96,7 +96,7 @@ impl Claim {
     }
 
     /// The claim, about the mode of this frequency rank.
-    pub(super) fn about(mut self, rank: u16) -> Self {
+    pub(super) fn about(mut self, rank: usize) -> Self {
         self.mode = Some(rank);
         self
     }

@@ -10,8 +10,11 @@
 mod brake;
 mod certificate;
 mod comparison;
+mod cost;
 mod evaluate;
 mod memory;
+mod mode_label;
+mod named_shapes;
 mod near_axis;
 mod net_work;
 mod plan;
@@ -23,8 +26,10 @@ mod tally;
 pub use brake::UncertainBrake;
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
+pub use cost::Cost;
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use memory::{Scratch, Spent, timed};
+pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
@@ -33,5 +38,4 @@ pub use plan::{
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
-pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally};

@@ -1,6 +1,6 @@
 //! Reference modes: what a mode is called in each scene.
 //!
-//! A tracked mode is named by its frequency rank at the [`Origin`] of its configuration: for a lattice every oscillator in
+//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
 //! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
 //! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
@@ -9,16 +9,28 @@
 //! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it looks like.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
+//! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
+//! between them.
 
-use cea::{CeaError, EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
-use nalgebra::{DMatrix, RowDVector};
+use montecarlo::Progress;
+use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Links, Path, PathEnd, PathStart, follow, identify, identify_all, mac};
 
-use super::{Configuration, ModeIdentity, Origin, Plan, Scene};
+use super::named_shapes::NamedShapes;
+use super::{Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
+
+/// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
+/// than a double's are computed. Where no system is stiff there are none; where some are, each step of a mode that has to be
+/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: two seconds of them, and 16 in any case.
+pub(super) fn bounded_workspace(order: usize) -> Workspace {
+    let most = 4e6 / (order as f64).powi(3);
+    Workspace::with_most_certified_solves((most as u64).max(16))
+}
 
 /// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
@@ -27,32 +39,11 @@ pub struct Reference {
     pub system: SecondOrder,
     /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
-    /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
-    /// no oscillation at the beginning of the path.
-    pub names: Vec<Vec<u16>>,
+    /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
+    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or is like none.
+    pub names: Vec<Vec<ModeLabel>>,
     /// The modes of the origin, where all others are named by their likeness to these.
     shapes: Option<NamedShapes>,
-}
-
-/// Modes that give their names to all modes that look like them.
-#[derive(Debug, Clone)]
-struct NamedShapes {
-    modes: Vec<Mode>,
-    names: Vec<Vec<u16>>,
-}
-
-impl NamedShapes {
-    /// The names of some modes of a system with this mass matrix: that of the mode with the largest MAC, if it exceeds one
-    /// half, else none. Of shapes that are orthogonal in M no two can share a mode so.
-    fn names_of(&self, modes: &[Mode], mass: &DMatrix<f64>) -> Vec<Vec<u16>> {
-        const LEAST_MAC: f64 = 0.5;
-        let mac = mac(modes, &self.modes, mass);
-        let like = |of_mode: RowDVector<f64>| {
-            let best = (0..of_mode.len()).max_by(|&i, &j| of_mode[i].total_cmp(&of_mode[j]))?;
-            (of_mode[best] > LEAST_MAC).then(|| self.names[best].clone())
-        };
-        mac.row_iter().map(|row| like(row.into_owned()).unwrap_or_default()).collect()
-    }
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -85,7 +76,7 @@ impl Reference {
         solver: &dyn EigenSolver,
         paths: &[Path<'_>],
         work: &mut Workspace,
-    ) -> Vec<Result<Vec<Vec<u16>>, CeaError>> {
+    ) -> Vec<Result<Vec<Vec<ModeLabel>>, CeaError>> {
         if let Some(shapes) = &self.shapes {
             return paths.iter().map(|path| Ok(shapes.names_of(path.start_modes, &self.system.m))).collect();
         }
@@ -94,11 +85,24 @@ impl Reference {
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
-    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<u16> {
-        let mut names: Vec<u16> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
+    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<ModeLabel> {
+        let mut names: Vec<ModeLabel> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
         names.sort_unstable();
         names.dedup();
         names
+    }
+
+    /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
+    /// and which of them is which has no answer. Each gets the names of all.
+    fn open_equal_modes(&mut self) {
+        let is_equal = |a: &Mode, b: &Mode| (a.lambda - b.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * b.lambda.norm();
+        let sizes: Vec<usize> = self.modes.chunk_by(is_equal).map(<[Mode]>::len).collect();
+        let mut first = 0;
+        for size in sizes {
+            let together = self.names_of(first..first + size);
+            self.names[first..first + size].fill(together);
+            first += size;
+        }
     }
 
     /// The modes of the whole brake, from those of all its sectors.
@@ -107,20 +111,16 @@ impl Reference {
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
-        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
-        all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
-        let (modes, names) = all.into_iter().unzip();
+        let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
+        let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
+        let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
         let shapes = |(sector, part): (&Sector, &Self)| {
             let NamedShapes { modes, names } = part.shapes.as_ref()?;
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
-            Some((modes.iter().map(whole).collect::<Vec<_>>(), names.clone()))
+            Some(NamedShapes { modes: modes.iter().map(whole).collect(), names: names.clone() })
         };
-        let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>();
-        let joined = |of_sectors: Vec<(Vec<Mode>, Vec<Vec<u16>>)>| {
-            let (modes, names): (Vec<_>, Vec<_>) = of_sectors.into_iter().unzip();
-            NamedShapes { modes: modes.concat(), names: names.concat() }
-        };
-        Self { shapes: shapes.map(joined), system, modes, names }
+        let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>().map(NamedShapes::joined);
+        Self { system, modes, names, shapes }
     }
 
     /// Of the modes of a whole brake those that lie in one sector: with more than half of their squared norm.
@@ -137,8 +137,8 @@ impl Reference {
         Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference: by likeness to the shapes that it has, or else a `near` system is compared by MAC, with continuation where that
-    /// leaves a doubt; to any other every mode is continued.
+    /// The modes of `system`, with names from this reference: by likeness to the shapes that it has. Where it has none, a `near`
+    /// system is compared by MAC, with continuation where that leaves a doubt; to any other every mode is continued.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
@@ -161,22 +161,21 @@ impl Reference {
                 next.names[to].extend(names);
             }
         }
-        for names in &mut next.names {
-            names.sort_unstable();
-            names.dedup();
-        }
+        next.open_equal_modes();
         Ok(next)
     }
 }
 
-/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters.
+/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters. Progress
+/// advances by one for each configuration and each scene.
 ///
 /// # Errors
-/// Those of the model and of the solver.
+/// Those of the model and of the solver; [`Error::Scene`] names the scene.
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<Vec<SectoredReference>, Error> {
     let origin = |origin: &Origin| {
         let named = of_origin(origin, solver)?;
@@ -186,25 +185,34 @@ pub(super) fn references(
         })
     };
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
-    let of_configuration =
-        |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
+    let of_configuration = |configuration: &Configuration| {
+        let found = of_configuration(configuration, &origins[configuration.origin], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene {
+            scene: format!("contact {}", configuration.contacts),
+            source: source.into(),
+        })
+    };
     let configurations =
         plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
-        of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver)
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
     plan.scenes.par_iter().zip(points).map(of_scene).collect()
 }
 
 /// The modes of an origin, each named by its frequency rank.
 fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
-    let (brake, mut work) = (&origin.brake, Workspace::default());
+    let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
     let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
-        part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
+        part.names = ranks.into_iter().map(|rank| vec![ModeLabel::of_rank(rank)]).collect();
+        part.open_equal_modes();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
 }
@@ -247,7 +255,7 @@ impl SectoredReference {
         system: SecondOrder,
         near: bool,
     ) -> Result<Self, Error> {
-        let mut work = Workspace::default();
+        let mut work = bounded_workspace(system.order());
         let of_sector =
             |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, near, &mut work);
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;

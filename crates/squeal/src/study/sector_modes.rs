@@ -2,14 +2,14 @@
 
 use cea::{
     Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
-    verdict,
+    verdicts,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart};
 
-use super::Reference;
 use super::memory::{Memory, timed};
+use super::{ModeLabel, Reference};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct UnstableSectorMode {
     /// Eigenvalue, and shape in the basis of the sector.
     pub mode: Mode,
     /// Names it may have as a tracked mode.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 /// The growing modes of a sector in one sample, with the gain they were found at; `None` where the secular equation leaves a
@@ -38,7 +38,7 @@ pub(super) struct UnstableSectorMode {
 pub(super) type SecularAnswer = Option<(Gain, Growing)>;
 
 /// Modes with the names each may have.
-type NamedModes = Vec<(Mode, Vec<u16>)>;
+type NamedModes = Vec<(Mode, Vec<ModeLabel>)>;
 
 /// What the modes of one sector of a scene are computed with.
 pub(super) struct SectorSolver<'a> {
@@ -153,8 +153,8 @@ impl ModesWithVerdicts {
     fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         let modes = Modes::classify(system, spectrum, work)?;
         let (mut unstable, mut undecided) = (Vec::new(), 0);
-        for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-            match verdict(system, lambda, spectrum.scale, work)? {
+        for (index, verdict) in verdicts(system, &modes.oscillatory, spectrum, work)?.into_iter().enumerate() {
+            match verdict {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
                 Verdict::Stable => {}

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
+use montecarlo::{Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
-use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
+use super::{ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,14 +48,14 @@ pub struct SceneTally {
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another.
-    pub tracked: LabelTally<u16>,
+    pub tracked: LabelTally<ModeLabel>,
     /// Samples in which the mode of a frequency rank is unstable.
-    pub ranked: LabelTally<u16>,
+    pub ranked: LabelTally<ModeLabel>,
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
-    pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
+    pub net_work: BTreeMap<ModeLabel, Vec<QuantileSketch>>,
     /// The same told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
-    pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
+    pub family_work: BTreeMap<ModeLabel, Vec<Vec<QuantileSketch>>>,
 }
 
 impl StudyTally {
@@ -121,13 +121,15 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
-/// Names of the unstable modes of one sample, and whether each is sure.
-pub(crate) fn unstable_names(modes: &[UnstableMode]) -> BTreeMap<u16, bool> {
-    let names = occurring_labels(&candidate_names(modes)).into_iter();
-    names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
+impl Outcome {
+    /// Names of the unstable modes, and whether each is sure.
+    pub(crate) fn unstable_names(&self) -> BTreeMap<ModeLabel, bool> {
+        let names = occurring_labels(&candidate_names(&self.unstable)).into_iter();
+        names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
+    }
 }
 
-fn candidate_names(modes: &[UnstableMode]) -> Vec<&[u16]> {
+fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 
@@ -171,5 +173,12 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
                 mean.record(more * m - fewer * n);
             }
         }
+    }
+
+    fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
+        let counted = |(tally, &failed): (&SceneTally, &u64)| {
+            tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
+        };
+        self.scenes.len() == failures.by_scene().len() && self.scenes.iter().zip(failures.by_scene()).all(counted)
     }
 }

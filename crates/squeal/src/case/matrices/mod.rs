@@ -11,28 +11,28 @@ mod terms;
 
 use std::path::PathBuf;
 
-use linsys::{AffineSystem, ChannelGain, OperatingPoint};
+use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
-use super::check::field;
+use super::check::{Check, field};
 use super::{CaseError, Expression};
 
-/// A study of a brake given by its matrices, checked.
+/// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
 pub struct MatricesCase {
-    /// Where it was read from.
+    /// The case file.
     pub path: PathBuf,
-    /// The text that it was read from.
+    /// The text of the case file.
     pub text: String,
-    /// What it calls itself.
+    /// Name of the study.
     pub name: String,
     /// Samples per scene, >= 1.
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Half width to which every occurrence is estimated as well, if asked for.
+    /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
-    /// What is drawn, in the order of the names; every one is used.
+    /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
     /// Names of the degrees of freedom, in the order of rows and columns.
     pub dofs: Vec<String>,
@@ -40,7 +40,7 @@ pub struct MatricesCase {
     pub system: AffineSystem,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
-    /// What friction is at each contact, in the order of the channels.
+    /// The gain of each channel.
     pub gains: Vec<GainExpressions>,
     /// Groups of degrees of freedom; each degree of freedom is in one.
     pub bodies: Vec<BodyDofs>,
@@ -51,38 +51,52 @@ pub struct MatricesCase {
 /// A drawn parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name in expressions.
+    /// Name in expressions.
     pub name: String,
-    /// Its unit, for people.
+    /// Unit, for information only.
     pub unit: String,
-    /// How it is drawn.
+    /// Distribution from which the parameter is drawn.
     pub distribution: Distribution,
 }
 
-/// What friction is at one contact.
+/// The gain of one friction channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GainExpressions {
     /// The coefficient of friction.
     pub mu: Expression,
     /// Normal load times the slope of the coefficient over the sliding velocity, Ns/m.
     pub slope: Expression,
+    /// An internal first-order state, such as the bristle of a LuGre contact.
+    pub lag: Option<LagExpressions>,
+}
+
+/// An internal state `z' = -decay z + drive v` under the sliding velocity v, adding the force `force z` to friction; see
+/// [`Lag`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LagExpressions {
+    /// Decay rate, 1/s; its values must be > 0.
+    pub decay: Expression,
+    /// What a change of velocity feeds into the state.
+    pub drive: Expression,
+    /// The normal load times what the state contributes to the coefficient, N per unit of the state.
+    pub force: Expression,
 }
 
 /// A body as a group of degrees of freedom.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BodyDofs {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// Its degrees of freedom, from 0.
+    /// Indices of the degrees of freedom, from 0.
     pub dofs: Vec<usize>,
 }
 
-/// Degrees of freedom held together.
+/// A set of constraints.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FixedDofs {
-    /// The name of the set.
+    /// Name of the set.
     pub name: String,
-    /// What is held, from 0.
+    /// Indices of the constrained degrees of freedom, from 0.
     pub fixed: Vec<usize>,
 }
 
@@ -103,7 +117,7 @@ impl MatricesCase {
     /// The coefficients and gains at these values of the parameters.
     ///
     /// # Errors
-    /// An expression whose value is not a finite number, named by its field.
+    /// An expression whose value is not a finite number, or a state that does not decay, named by its field.
     pub fn operating_point(&self, values: &[f64]) -> Result<OperatingPoint, CaseError> {
         let evaluated = |expression: &Expression, field: &dyn Fn() -> String| {
             let named =
@@ -114,9 +128,22 @@ impl MatricesCase {
         let coefficients =
             terms.map(|(term, coefficient)| evaluated(coefficient, &|| field("terms", &term.name, "coefficient")));
         let channels = self.system.channels().iter().zip(&self.gains).map(|(channel, gain)| {
-            let mu = evaluated(&gain.mu, &|| field("contacts", &channel.name, "mu"))?;
-            let slope = evaluated(&gain.slope, &|| field("contacts", &channel.name, "slope"))?;
-            Ok(ChannelGain { slope, ..ChannelGain::proportional(mu) })
+            let of_contact =
+                |expression: &Expression, key: &str| evaluated(expression, &|| field("contacts", &channel.name, key));
+            let lag = |LagExpressions { decay, drive, force }: &LagExpressions| {
+                let decay = of_contact(decay, "lag.decay")?;
+                if decay <= 0.0 {
+                    // Such a state would grow without bound, and no mode would show it.
+                    let (field, allowed) = (field("contacts", &channel.name, "lag.decay"), "a rate > 0, in 1/s");
+                    return Err(Check { path: &self.path }.value(&field, decay, allowed));
+                }
+                Ok(Lag { decay, drive: of_contact(drive, "lag.drive")?, force: of_contact(force, "lag.force")? })
+            };
+            Ok(ChannelGain {
+                mu: of_contact(&gain.mu, "mu")?,
+                slope: of_contact(&gain.slope, "slope")?,
+                lag: gain.lag.as_ref().map(lag).transpose()?,
+            })
         });
         Ok(OperatingPoint {
             coefficients: coefficients.collect::<Result<_, CaseError>>()?,
@@ -124,8 +151,8 @@ impl MatricesCase {
         })
     }
 
-    /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
-    /// computed from, matrices in other files included.
+    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on,
+    /// including matrices in other files.
     pub fn identity(&self) -> String {
         let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
         let content =

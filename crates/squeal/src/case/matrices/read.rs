@@ -1,6 +1,5 @@
-//! From the fields of a file to a brake given by matrices: every value checked, every list complete.
+//! From the fields of a case file with matrices to a checked case.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use linsys::{AffineSystem, Term};
@@ -15,16 +14,18 @@ use crate::case::check::{Check, field, syntax};
 use crate::case::{CaseError, is_parameter_name};
 
 impl MatricesCase {
-    /// Checks the text of a case file; `path` is for messages and says where files with matrices are looked for.
+    /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
         let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
-        let parameters = drawn(&check, parameters)?;
+        let parameters: Vec<Parameter> =
+            parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
         let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
@@ -47,24 +48,23 @@ impl MatricesCase {
             dofs: dofs.into_names(),
             parameters,
         };
-        // What has no value even at the medians is found before a study starts.
+        // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
         Ok(case)
     }
 }
 
-fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::ParameterTable>) -> Result<Vec<Parameter>, CaseError> {
-    let checked = |(name, schema::ParameterTable { unit, distribution }): (String, schema::ParameterTable)| {
-        if !is_parameter_name(&name) {
-            let allowed = "a letter or _, then letters, digits and _, no function and not pi";
-            return Err(check.value("parameters", format!("{name:?}"), allowed));
-        }
-        distribution
-            .check()
-            .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
-        Ok(Parameter { name, unit, distribution })
-    };
-    given.into_iter().map(checked).collect()
+fn parameter(check: &Check<'_>, name: String, given: schema::ParameterTable) -> Result<Parameter, CaseError> {
+    if !is_parameter_name(&name) {
+        let allowed = "a letter or _, then letters, digits and _, no function and not pi";
+        return Err(check.value("parameters", format!("{name:?}"), allowed));
+    }
+    let schema::ParameterTable { unit, distribution } = given;
+    check.line(&format!("parameters.{name}.unit"), &unit)?;
+    distribution
+        .check()
+        .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+    Ok(Parameter { name, unit, distribution })
 }
 
 fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::BodyTable>) -> Result<Vec<BodyDofs>, CaseError> {
@@ -106,14 +106,16 @@ fn constraint_sets(
         return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
-    let checked = |schema::ConstraintsTable { name, fixed }: schema::ConstraintsTable| {
-        check.plain_name("constraints.name", &name)?;
-        let field = field("constraints", &name, "fixed");
-        let fixed = dofs.indices(&field, &fixed)?;
-        if fixed.len() == dofs.order() {
-            return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
-        }
-        Ok(FixedDofs { name, fixed })
-    };
-    given.into_iter().map(checked).collect()
+    given.into_iter().map(|set| fixed_dofs(check, dofs, set)).collect()
+}
+
+fn fixed_dofs(check: &Check<'_>, dofs: &DofNames<'_>, given: schema::ConstraintsTable) -> Result<FixedDofs, CaseError> {
+    let schema::ConstraintsTable { name, fixed } = given;
+    check.plain_name("constraints.name", &name)?;
+    let field = field("constraints", &name, "fixed");
+    let fixed = dofs.indices(&field, &fixed)?;
+    if fixed.len() == dofs.order() {
+        return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
+    }
+    Ok(FixedDofs { name, fixed })
 }

@@ -8,7 +8,7 @@ use super::panels::{all_positive, differences};
 use super::scenes::{CORNERS_HELD, SIX_HELD, full_contact, law_name, number_in_contact, speed_name};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{ComparisonKind, Panel};
+use crate::study::{ComparisonKind, ModeLabel, Panel};
 
 /// An occurrence that counts as none: a box plot from 0 to 100 % does not show it, and 1,000 draws without a hit in each of
 /// 135 scenes bound all occurrences by 0.9 %. Chosen, before any reading was judged by it.
@@ -57,7 +57,8 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Jud
     let limits = judgement.of(number_of_occurrences(modes.len(), &panels) + scenes * oscillators);
 
     let medians = medians(results, &modes, &panels, &limits)?;
-    let mut order: Vec<(u16, Estimate)> = medians.iter().map(|(&mode, of_panels)| (mode, mean(of_panels))).collect();
+    let mut order: Vec<(ModeLabel, Estimate)> =
+        medians.iter().map(|(&mode, of_panels)| (mode, mean(of_panels))).collect();
     order.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
     let Some(&(name, ours)) = order.first() else { return Ok(claim.none("no mode is unstable")) };
     let margins = work_dominance(results, CORNERS_HELD, name, &paper.after_corners_dominant, &limits)?;
@@ -134,7 +135,7 @@ pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgeme
     };
     let median = largest(all_medians.map(|(_, _, e)| e));
     let everywhere = modes.iter().map(|&mode| (mode, unstable_everywhere(results, &panels, mode, &limits)));
-    let everywhere: Vec<(u16, Estimate)> = everywhere.collect();
+    let everywhere: Vec<(ModeLabel, Estimate)> = everywhere.collect();
     let of_best = everywhere.iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
     let &(best, _) = of_best.unwrap_or(&(of, highest));
     let reached = largest(everywhere.iter().map(|(_, e)| *e));
@@ -161,7 +162,7 @@ pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgeme
 }
 
 /// The least, over the laws and the numbers in contact, of the largest occurrence of a mode in any arrangement and speed range.
-fn unstable_everywhere(results: &Results<'_>, panels: &[&Panel], mode: u16, limits: &Limits) -> Estimate {
+fn unstable_everywhere(results: &Results<'_>, panels: &[&Panel], mode: ModeLabel, limits: &Limits) -> Estimate {
     let mut groups: std::collections::BTreeMap<(usize, usize), Vec<ArrangementOccurrence>> = Default::default();
     for panel in panels {
         let group = groups.entry((panel.key.law, panel.key.panel)).or_default();

@@ -10,10 +10,10 @@ use super::limits::{Judgement, Limits, least};
 use super::scenes::{full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{ModeNaming, Panel, Reference, Scene};
+use crate::study::{ModeLabel, ModeNaming, Panel, Reference, Scene};
 
 /// The modes that are ever unstable in some panels.
-pub(super) fn unstable_modes(results: &Results<'_>, panels: &[&Panel]) -> BTreeSet<u16> {
+pub(super) fn unstable_modes(results: &Results<'_>, panels: &[&Panel]) -> BTreeSet<ModeLabel> {
     panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect()
 }
 
@@ -25,11 +25,11 @@ pub(super) fn number_of_occurrences(modes: usize, panels: &[&Panel]) -> usize {
 /// The median occurrence of each mode in each of some panels.
 pub(super) fn medians(
     results: &Results<'_>,
-    modes: &BTreeSet<u16>,
+    modes: &BTreeSet<ModeLabel>,
     panels: &[&Panel],
     limits: &Limits,
-) -> Result<BTreeMap<u16, Vec<Estimate>>, Error> {
-    let of_panels = |mode: u16| -> Result<Vec<Estimate>, Error> {
+) -> Result<BTreeMap<ModeLabel, Vec<Estimate>>, Error> {
+    let of_panels = |mode: ModeLabel| -> Result<Vec<Estimate>, Error> {
         panels.iter().map(|panel| limits.median(&results.occurrences_of(panel, mode))).collect()
     };
     modes.iter().map(|&mode| Ok((mode, of_panels(mode)?))).collect()
@@ -40,19 +40,19 @@ pub(in super::super) fn most_robust(
     results: &Results<'_>,
     constraints: usize,
     judgement: Judgement,
-) -> Result<Vec<(u16, Estimate)>, Error> {
+) -> Result<Vec<(ModeLabel, Estimate)>, Error> {
     let panels: Vec<_> = results.panels().iter().filter(|p| p.key.constraints == constraints).collect();
     let modes = unstable_modes(results, &panels);
     let limits = judgement.of(number_of_occurrences(modes.len(), &panels));
     let medians = medians(results, &modes, &panels, &limits)?.into_iter();
-    let mut robust: Vec<(u16, Estimate)> = medians.map(|(mode, of_panels)| (mode, least(of_panels))).collect();
+    let mut robust: Vec<(ModeLabel, Estimate)> = medians.map(|(mode, of_panels)| (mode, least(of_panels))).collect();
     robust.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
     Ok(robust)
 }
 
 /// A mode's name with its place among all 2 n eigenvalues, as the paper may count.
-pub(in super::super) fn title(results: &Results<'_>, name: u16) -> String {
-    let (first, second) = cea::pair_numbers(usize::from(results.rank_of(name)));
+pub(in super::super) fn title(results: &Results<'_>, name: ModeLabel) -> String {
+    let (first, second) = cea::pair_numbers(results.rank_of(name));
     match results.labels {
         ModeNaming::Tracked => format!("tracked mode {name} ({first}/{second} of all eigenvalues)"),
         ModeNaming::Rank => format!("rank {name} ({first}/{second} of all eigenvalues)"),
@@ -61,8 +61,8 @@ pub(in super::super) fn title(results: &Results<'_>, name: u16) -> String {
 }
 
 /// The mode that bears the paper's number, which counts all 2 n eigenvalues.
-pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> u16 {
-    if results.labels == ModeNaming::Pair { paper.mode } else { paper.mode.div_ceil(2) }
+pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> ModeLabel {
+    if results.labels == ModeNaming::Pair { paper.mode } else { ModeLabel::new(paper.mode.number().div_ceil(2)) }
 }
 
 /// Amplitudes of a mode shape, over all degrees of freedom of the lattice.
@@ -70,11 +70,11 @@ pub(in super::super) fn shape(
     results: &Results<'_>,
     scene: &Scene,
     reference: &Reference,
-    name: u16,
+    name: ModeLabel,
 ) -> Option<Vec<Complex<f64>>> {
     let at = match results.labels {
         ModeNaming::Tracked => reference.names.iter().position(|names| *names == [name])?,
-        ModeNaming::Rank | ModeNaming::Pair => usize::from(results.rank_of(name)).checked_sub(1)?,
+        ModeNaming::Rank | ModeNaming::Pair => results.rank_of(name).checked_sub(1)?,
     };
     let mode = reference.modes.get(at)?;
     Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())
@@ -85,7 +85,7 @@ pub(in super::super) fn shape(
 pub(super) fn work_dominance(
     results: &Results<'_>,
     constraints: usize,
-    name: u16,
+    name: ModeLabel,
     dominant: &[usize],
     limits: &Limits,
 ) -> Result<Vec<(String, Estimate)>, Error> {

@@ -7,13 +7,13 @@ use super::modes::{brake_oscillators, paper_mode, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{Reference, Scene};
+use crate::study::{ModeLabel, Reference, Scene};
 
 /// Modes with the smallest median occurrence of each over all panels, largest value first.
-type Robust<'a> = &'a [(u16, Estimate)];
+type Robust<'a> = &'a [(ModeLabel, Estimate)];
 
 /// The modes that may be the most robust one: the one with the largest value, and all whose limits reach its own.
-fn candidates(robust: Robust<'_>) -> Vec<u16> {
+fn candidates(robust: Robust<'_>) -> Vec<ModeLabel> {
     let Some((_, first)) = robust.first() else { return Vec::new() };
     let others = robust[1..].iter().filter(|(_, other)| other.upper > first.lower);
     std::iter::once(&robust[0]).chain(others).map(|(name, _)| *name).collect()
@@ -56,7 +56,7 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<'_>) -> Claim {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
-    let ratios = |name: u16| -> Option<Vec<(String, f64)>> {
+    let ratios = |name: ModeLabel| -> Option<Vec<(String, f64)>> {
         let ratio = |(_, scene, reference): (usize, &Scene, &Reference)| {
             let shape = shape(results, scene, reference, name)?;
             let amplitudes: Vec<f64> = shape.iter().map(|u| u.norm()).collect();
@@ -70,7 +70,8 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<
     let Some(ours) = ratios(name) else {
         return claim.undetermined("the mode has no sure name at median parameters");
     };
-    let verdict = |&name: &u16| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
+    let verdict =
+        |&name: &ModeLabel| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
     let holds = agreed(&candidates.iter().map(verdict).collect::<Vec<_>>());
     let theirs = paper_mode(results, paper);
     let of_theirs = ratios(theirs).map_or("no sure name".into(), |ratios| format!("{:.3}", least(&ratios)));
@@ -101,7 +102,7 @@ pub(super) fn robust_work(
     let scenes = full_contact(results, UNCONSTRAINED).count();
     let oscillators = brake_oscillators(results, UNCONSTRAINED);
     let limits = judgement.of(candidates.len() * scenes * oscillators);
-    let margins = |name: u16| work_dominance(results, UNCONSTRAINED, name, &paper.corners, &limits);
+    let margins = |name: ModeLabel| work_dominance(results, UNCONSTRAINED, name, &paper.corners, &limits);
     let of_each = candidates.iter().map(|&name| margins(name)).collect::<Result<Vec<_>, Error>>()?;
     let Some(ours) = of_each.first().filter(|margins| !margins.is_empty()) else {
         return Ok(claim.undetermined("the mode is never unstable with every oscillator in contact"));
@@ -127,7 +128,7 @@ pub(super) fn robust_work(
 }
 
 /// The candidates but the first, in words.
-fn others(results: &Results<'_>, candidates: &[u16]) -> String {
+fn others(results: &Results<'_>, candidates: &[ModeLabel]) -> String {
     let names: Vec<String> = candidates[1..].iter().map(|&name| title(results, name)).collect();
     if names.is_empty() { String::new() } else { format!("; the most robust may as well be {}", names.join(", ")) }
 }
