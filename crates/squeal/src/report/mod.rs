@@ -22,7 +22,7 @@ pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]
-pub use paper::claims;
+pub use paper::{Judgement, claims, claims_judged};
 #[cfg(all(feature = "case-files", feature = "figures"))]
 pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]

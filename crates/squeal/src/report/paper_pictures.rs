@@ -7,7 +7,7 @@ use osc_model::Lean;
 use rayon::prelude::*;
 
 use super::Results;
-use super::paper::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED, most_robust, paper_mode, shape, title};
+use super::paper::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_mode, shape, title};
 use super::pictures::{occurrence, set_heading};
 use crate::Error;
 use crate::brakes::LatticeBrake;
@@ -50,7 +50,7 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
             figures.push((occurrence_boxes(&occurrence(results, constraints, &laws, heading, marks))?, stem));
         }
     }
-    let robust = most_robust(results, UNCONSTRAINED)?.first().map(|&(name, _)| name);
+    let robust = most_robust(results, UNCONSTRAINED, Judgement::ByValues)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
     for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
         if let Some(figure) = name.and_then(|name| mode_work(results, brake, UNCONSTRAINED, name).transpose()) {

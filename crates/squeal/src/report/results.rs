@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::study::{Comparison, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{
+    Comparison, ComparisonKind, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake,
+};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,18 +174,19 @@ impl<'a> Results<'a> {
     /// Mean number of unstable modes in one CEA of a panel.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
-        scaled(&self.summary.tally.panels[at], panel.arrangements as f64)
+        scaled(&self.summary.tally.panels[at], panel.arrangements as f64, Confidence::P95)
     }
 
-    /// Comparisons of one kind with the difference of the two means: positive where it is as expected.
+    /// Comparisons of one kind with the difference of the two means and its interval: positive where it is as expected.
     pub fn differences(
         &self,
-        kind: crate::study::ComparisonKind,
+        kind: ComparisonKind,
+        confidence: Confidence,
     ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
         let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
-        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(|(comparison, mean)| {
+        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(move |(comparison, mean)| {
             let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
-            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64))
+            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64, confidence))
         })
     }
 
@@ -200,9 +203,9 @@ impl<'a> Results<'a> {
     }
 }
 
-fn scaled(mean: &IntegerMean, by: f64) -> Option<Estimate> {
+fn scaled(mean: &IntegerMean, by: f64, confidence: Confidence) -> Option<Estimate> {
     let value = mean.mean()? / by;
     // One sample has a mean and no interval: then anything is possible.
-    let interval = mean.interval(Confidence::P95).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
+    let interval = mean.interval(confidence).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
     Some(Estimate { value, lower: interval.lower / by, upper: interval.upper / by })
 }

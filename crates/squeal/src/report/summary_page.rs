@@ -1,5 +1,6 @@
 //! `summary.md`: which modes squeal, how sure that is, and which set of constraints helps by how much.
 
+use montecarlo::Confidence;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -140,8 +141,9 @@ fn open_questions(results: &Results<'_>) -> String {
 
 /// By how much a set of constraints changes the number of unstable modes.
 fn helped(results: &Results<'_>, constraints: usize) -> String {
-    let of_set =
-        results.differences(ComparisonKind::Constraints).filter(|(_, set, _)| set.key.constraints == constraints);
+    let of_set = results
+        .differences(ComparisonKind::Constraints, Confidence::P95)
+        .filter(|(_, set, _)| set.key.constraints == constraints);
     let differences: Vec<(&Panel, Estimate)> = of_set.filter_map(|(_, set, d)| Some((set, d?))).collect();
     let name = set_name(results, constraints);
     let by_value = |a: &&(&Panel, Estimate), b: &&(&Panel, Estimate)| a.1.value.total_cmp(&b.1.value);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use montecarlo::QuantileSketch;
+use montecarlo::{Confidence, QuantileSketch};
 
 use super::Results;
 use super::modes::{write_links, write_modes};
@@ -110,7 +110,7 @@ fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     };
     let mut rows = Vec::new();
     for kind in ComparisonKind::ALL {
-        for (more, fewer, difference) in results.differences(kind) {
+        for (more, fewer, difference) in results.differences(kind, Confidence::P95) {
             let Some(difference) = difference else { continue };
             let numbers = [difference.value, difference.lower, difference.upper].map(|x| x.to_string());
             let panels = panel_columns(more).into_iter().chain(panel_columns(fewer));

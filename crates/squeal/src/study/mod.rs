@@ -14,6 +14,7 @@ mod cost;
 mod evaluate;
 mod memory;
 mod mode_label;
+mod named_shapes;
 mod near_axis;
 mod net_work;
 mod plan;
@@ -33,8 +34,8 @@ pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
-    StudySource,
+    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
+    SpeedLabel, StudySource,
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};

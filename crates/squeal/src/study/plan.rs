@@ -143,6 +143,17 @@ pub enum ModeNaming {
     Pair,
 }
 
+/// How a mode that is named by its shape is known again in another configuration and in a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeIdentity {
+    /// By continuation from one system to the other, through every change of its shape.
+    #[default]
+    Continuation,
+    /// By a modal assurance criterion of more than one half with its shape at the origin of names.
+    Mac,
+}
+
 /// The file that a study was read from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudySource {
@@ -167,6 +178,8 @@ pub struct Plan {
     pub seed: u64,
     /// How modes are named in reports.
     pub mode_labels: ModeNaming,
+    /// How a tracked mode is known again.
+    pub mode_identity: ModeIdentity,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -197,6 +210,7 @@ impl Plan {
             samples,
             seed,
             mode_labels: ModeNaming::Tracked,
+            mode_identity: ModeIdentity::Continuation,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),
