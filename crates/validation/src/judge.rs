@@ -31,8 +31,8 @@ impl ReferenceProblem {
     /// The eigenvalues with verdicts as in a study.
     fn standard(&self) -> Verdicts {
         let mut work = Workspace::default();
-        let (lambdas, scale) = structural_eigenvalues(&self.system)?;
-        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, scale, &mut work)?))).collect()
+        let (lambdas, spectrum) = structural_eigenvalues(&self.system)?;
+        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, &spectrum, &mut work)?))).collect()
     }
 
     fn general(&self) -> Verdicts {

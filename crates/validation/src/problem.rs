@@ -1,6 +1,6 @@
 //! A problem with reference eigenvalues, with which the eigenvalues and verdicts of a route are compared.
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Spectrum, Verdict, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use serde::Serialize;
@@ -146,13 +146,13 @@ impl ReferenceProblem {
     }
 }
 
-/// Eigenvalues of the structure with Im lambda >= 0 by QrSolver, and the scale of their errors. Of a pair that may be a double
+/// Eigenvalues of the structure with Im lambda >= 0 by QrSolver, and the spectrum that they are of. Of a pair that may be a double
 /// real eigenvalue split by rounding both members are included.
-pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, f64), CeaError> {
+pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, Spectrum), CeaError> {
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(system, &mut work)?;
     let modes = Modes::classify(system, &spectrum, &mut work)?;
     let nearly_real = modes.oscillatory.iter().filter(|l| l.im <= NEARLY_REAL_RATIO * l.norm()).map(|l| l.conj());
     let real = modes.real.iter().map(|&l| Complex::from(l));
-    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum.scale))
+    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum))
 }

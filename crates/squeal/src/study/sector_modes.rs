@@ -2,7 +2,7 @@
 
 use cea::{
     Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
-    verdict,
+    verdicts,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -156,8 +156,8 @@ impl ModesWithVerdicts {
     fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         let modes = Modes::classify(system, spectrum, work)?;
         let (mut unstable, mut undecided) = (Vec::new(), 0);
-        for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-            match verdict(system, lambda, spectrum.scale, work)? {
+        for (index, verdict) in verdicts(system, &modes.oscillatory, spectrum, work)?.into_iter().enumerate() {
+            match verdict {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
                 Verdict::Stable => {}
