@@ -7,18 +7,23 @@ use cea::Mode;
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::{ModeLabel, SetLinks, origin_of_set};
+use crate::study::{ModeLabel, Reference, SetLinks, origin_of_set};
 
 /// Least MAC of two modes that are listed as alike; chosen: below, a shape has little of the other.
 const LEAST_LISTED_MAC: f64 = 0.1;
 
 impl<'a> Results<'a> {
-    /// The modes of a set of constraints at its origin, by name, ascending in frequency: there a name is a rank. Which of some
-    /// equal modes has which of their names is open, as it is in samples; here each has one of its own.
+    /// The modes of a set of constraints at its origin with their names, ascending in frequency.
     pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &'a Mode)> {
         let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
-        let named = |(index, mode)| (self.name(ModeLabel::of_rank(index + 1)), mode);
-        self.origins()[origin].modes.iter().enumerate().map(named).collect()
+        let Reference { names, modes, .. } = &self.origins()[origin];
+        let name = |at: usize| {
+            // Equal modes share their names: each takes one of them, it does not matter which.
+            let before = names[..at].iter().filter(|other| **other == names[at]).count();
+            let name = names[at].get(before).or(names[at].first())?;
+            Some((self.name(*name), &modes[at]))
+        };
+        (0..modes.len()).filter_map(name).collect()
     }
 
     /// The frequency of a mode of a set of constraints where it has its name, Hz.

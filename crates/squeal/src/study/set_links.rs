@@ -13,6 +13,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, mac};
 
+use super::reference::bounded_workspace;
 use super::{Plan, Reference};
 use crate::Error;
 
@@ -95,7 +96,8 @@ impl Pair<'_> {
 
     /// What each mode of `from` becomes.
     fn becomes(&self, solver: &dyn EigenSolver) -> Result<Vec<Vec<Option<usize>>>, Error> {
-        let (held, start, mut ends, mut work) = (self.is_held(), self.from.1, self.ends(), Workspace::default());
+        let (held, start, mut ends) = (self.is_held(), self.from.1, self.ends());
+        let mut work = bounded_workspace(start.system.order());
         let kept = ends.len();
         ends.extend(modes_of_held(&start.system, &held, solver, &mut work)?);
         let uncoupled = without_coupling(&start.system, &held);
