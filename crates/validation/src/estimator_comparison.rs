@@ -11,7 +11,7 @@ use squeal::study::{Study, UncertainBrake};
 use crate::ValidationError;
 use crate::branch_points::near_coalescence;
 use crate::perturbation::{TaylorOrder, perturbation};
-use crate::time_to_tolerance::plain_samples;
+use crate::time_to_tolerance::most_plain_samples;
 
 /// An estimator of occurrences.
 #[derive(Debug, Clone, Serialize)]
@@ -106,7 +106,7 @@ pub fn compare_estimators<B: UncertainBrake>(
         scenes: scenes.len(),
         occurrences: [exactly.occurrences.len() - near, near],
         reference_bound: exactly.bound,
-        samples_to_tolerance: plain_samples(exactly.occurrences.iter().map(|one| one.value)),
+        samples_to_tolerance: most_plain_samples(exactly.occurrences.iter().map(|one| one.value)),
         rows,
     })
 }

@@ -1,7 +1,7 @@
 //! Time to +-0.1 percentage points of every occurrence, against plain Monte Carlo with LAPACK.
 //!
-//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs
-//! `p (1 - p) (1.96 / 0.001)^2` samples for its occurrence nearest to one half, an estimator all the systems that it solves.
+//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs the samples of
+//! [`plain_samples`] for its occurrence nearest to one half, an estimator all the systems that it solves.
 //! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
 //! per evaluation, vectors, names, and all its overhead included. Times are processor times of one thread, measured next to
 //! each other. Without the feature `lapack` the second is not measured.
@@ -11,7 +11,9 @@ use cpu_time::ThreadTime;
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
-use squeal::estimators::{Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact};
+use squeal::estimators::{
+    Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact, plain_samples,
+};
 use squeal::study::{SceneKey, Study};
 
 use crate::ValidationError;
@@ -93,7 +95,7 @@ struct OneScene {
 
 impl OneScene {
     fn plain_samples(&self) -> f64 {
-        plain_samples(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
+        most_plain_samples(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
     }
 
     fn fewer(&self) -> f64 {
@@ -152,8 +154,6 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
     }
     let range = key.speed.map_or(String::new(), |speed| format!(", {} speed", plan.labels.speeds[speed].name));
     let dgeev: Option<f64> = found.iter().map(|one| one.dgeev_seconds).sum();
-    // A scene whose modes are never or always unstable needs no sampling.
-    let sampled = found.iter().filter(|one| one.plain_samples() > 0.0);
     Ok(TimeToTolerance {
         scenes_of: format!("{}{range}", plan.labels.laws[key.law].title),
         scenes: found.len(),
@@ -167,15 +167,16 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
         kinds: found.iter().filter_map(|one| one.kinds).reduce(|sum, kinds| sum + kinds),
         plain_samples: found.iter().map(OneScene::plain_samples).sum(),
         plain_seconds: found.iter().map(|one| Some(one.plain_samples() * one.dgeev_seconds?)).sum(),
-        least_fewer: sampled.clone().map(OneScene::fewer).fold(f64::INFINITY, f64::min),
-        least_cheaper: sampled.filter_map(OneScene::cheaper).reduce(f64::min),
+        least_fewer: found.iter().map(OneScene::fewer).fold(f64::INFINITY, f64::min),
+        least_cheaper: found.iter().filter_map(OneScene::cheaper).reduce(f64::min),
         dgeev_us: dgeev.map(|sum| 1e6 * sum / found.len().max(1) as f64),
     })
 }
 
-/// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence nearest to one half.
-pub(crate) fn plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
-    occurrences.map(|p| p * (1.0 - p)).fold(0.0, f64::max) * (1.96 / HALF_WIDTH).powi(2)
+/// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence that takes most; without any, for knowing that
+/// there is none.
+pub(crate) fn most_plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
+    occurrences.map(|p| plain_samples(p, HALF_WIDTH)).fold(plain_samples(0.0, HALF_WIDTH), f64::max)
 }
 
 fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {

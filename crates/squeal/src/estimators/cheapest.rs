@@ -6,16 +6,17 @@ use std::fmt;
 use cea::QrSolver;
 use serde::{Deserialize, Serialize};
 
-use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
+use super::sampling::plain_samples;
+use super::{
+    Estimated, Estimates, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
+};
 use crate::study::{Study, UncertainBrake};
 
-/// Standard normal deviate of 95 %.
-const Z95: f64 = 1.96;
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Samples that say how many plain ones are needed, and count for nothing else; chosen.
-const PLAIN_PILOTS: u64 = 400;
+pub(super) const PLAIN_PILOTS: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
@@ -56,7 +57,7 @@ pub struct SceneOccurrences {
     pub estimator: Estimator,
     /// By name of the mode; modes that are surely never unstable are not listed.
     pub modes: BTreeMap<u16, Estimated>,
-    /// The largest half width, without what open names leave open.
+    /// The largest half width of any mode, listed or not, without what open names leave open.
     pub half_width: f64,
     /// Systems solved, all of them.
     pub evaluations: u64,
@@ -125,8 +126,7 @@ fn by_integral<B: UncertainBrake>(
     };
     let mut modes = BTreeMap::new();
     for (name, occurrence) in found.integral.occurrences {
-        let half_width = found.error + 0.5 * (occurrence.upper - occurrence.lower);
-        modes.insert(name, Estimated { occurrence, half_width });
+        modes.insert(name, Estimated::within(occurrence, found.error));
     }
     let evaluations = found.counters.eigenvalue_solves;
     Ok(Some(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
@@ -151,17 +151,17 @@ fn by_sampling<B: UncertainBrake>(
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
     let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
-    let nearest = |estimated: &Estimated| {
-        let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
-        0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
-    };
-    let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
-    let samples = pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64;
+    let samples = planned_samples(&pilots, half_width);
     let found = monte_carlo(study, scene, seed, samples)?;
-    // A mode that was never unstable has half of Wilson's interval for no hit.
-    let unseen = 0.5 * Z95 * Z95 / (samples as f64 + Z95 * Z95);
-    let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
+    let reached = found.half_width();
     Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+}
+
+/// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it.
+pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
+    let nearest = |mode: &Estimated| 0.5_f64.clamp(mode.limits.lower, mode.limits.upper);
+    let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
+    pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64
 }
 
 impl SceneOccurrences {
@@ -176,11 +176,4 @@ impl SceneOccurrences {
         let needed = centres.map(|p| plain_samples(p, half_width)).fold(plain_samples(0.0, half_width), f64::max);
         Self { estimator, modes, half_width: reached, evaluations, plain_evaluations: needed.ceil() as u64 }
     }
-}
-
-/// Samples for a half width of Wilson's 95 % interval of a proportion p, nearly: `p (1 - p) (z / h)^2`, and for p = 0 and 1
-/// those with which the interval `[0, z^2 / (n + z^2)]` is as narrow.
-fn plain_samples(p: f64, half_width: f64) -> f64 {
-    let at_the_edge = Z95 * Z95 * (0.5 / half_width - 1.0);
-    (p * (1.0 - p) * (Z95 / half_width).powi(2)).max(at_the_edge)
 }

@@ -63,25 +63,33 @@ pub fn control_variate<B: UncertainBrake>(
     let surrogate = Surrogate::new(study, scene, points, samples_needed)?;
     let means = PredictionMeans::new(&surrogate, points);
     let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed)?;
-    let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
+    corrected(&means, half_width, surrogate.sample_points(), |kind, size, stratum| samples.solve(kind, size, stratum))
+}
+
+/// The occurrences from the means of a prediction, corrected by samples to `half_width`, or as near as the last look gets.
+/// `solve` brings a stratum of clear (0) or uncertain (1) samples to a number of them; `sample_points` were solved for the
+/// prediction.
+pub(super) fn corrected(
+    means: &PredictionMeans,
+    half_width: f64,
+    sample_points: u64,
+    mut solve: impl FnMut(usize, u64, &mut Stratum) -> Result<(), EstimatorError>,
+) -> Result<ControlVariateEstimate, EstimatorError> {
+    let mut first = first_sizes(means, prior_wrong(means.uncertain.mean), half_width);
     let mut pilots = Stratum::default();
     if first[1] > 2 * PILOTS {
-        samples.solve(1, PILOTS, &mut pilots)?;
-        first = first_sizes(&means, pilots.most_wrong(), half_width);
+        solve(1, PILOTS, &mut pilots)?;
+        first = first_sizes(means, pilots.most_wrong(), half_width);
     }
     let mut strata = <[Stratum; 2]>::default();
     let mut result = None;
     for (look, (tail, longer)) in INTERIM_LOOKS.into_iter().enumerate() {
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
-            samples.solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
+            solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
         }
-        let evaluations = Evaluations {
-            sample_points: surrogate.sample_points(),
-            pilots: pilots.samples,
-            clear: strata[0].samples,
-            uncertain: strata[1].samples,
-        };
-        let found = intervals(&means, &strata, tails(tail), look == 0, evaluations);
+        let [clear, uncertain] = strata.each_ref().map(|stratum| stratum.samples);
+        let evaluations = Evaluations { sample_points, pilots: pilots.samples, clear, uncertain };
+        let found = intervals(means, &strata, tails(tail), look == 0, evaluations);
         let is_narrow = found.half_width() <= half_width;
         result = Some(found);
         if is_narrow {
@@ -115,7 +123,7 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
     let [clear, uncertain] = means.largest_shares();
     let [tail, of_student] = tails(INTERIM_LOOKS[0].0);
     let t = means.t(of_student);
-    let of_means = means.modes.values().flatten().map(|mean| mean.1).fold(0.0, f64::max).powi(2);
+    let of_means = means.modes.values().flatten().map(|mean| mean.standard_error).fold(0.0, f64::max).powi(2);
     // What the mean of the prediction alone takes more of cannot be helped.
     let left = ((part * half_width / t).powi(2) - of_means).max(0.1 * of_means);
     let of_uncertain = (variance(uncertain, wrong) / left).max(FEWEST_UNCERTAIN);

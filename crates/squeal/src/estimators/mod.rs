@@ -16,6 +16,8 @@
 mod cell_builder;
 mod cheapest;
 mod control_variate;
+#[cfg(test)]
+mod coverage;
 mod error;
 mod evaluations;
 mod exact;
@@ -39,5 +41,5 @@ pub use friction_points::FrictionPoints;
 pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
 pub use interval::ControlVariateEstimate;
 pub use one_parameter_family::OneParameterFamily;
-pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
+pub use sampling::{Estimated, Estimates, monte_carlo, plain_samples, quasi_monte_carlo};
 pub use surrogate::Surrogate;

@@ -1,9 +1,9 @@
 //! Occurrences of one scene by sampling: plain Monte Carlo and randomised quasi-Monte Carlo.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cea::Counters;
-use montecarlo::{Confidence, Experiment as _, wilson};
+use montecarlo::{Confidence, Experiment as _, Interval, ReplicateMean, clopper_pearson, exact_upper_limit};
 use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
@@ -13,20 +13,36 @@ use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
 
+/// Standard error of a mean over points in several scramblings at least, in hits of all their points. The hits of a
+/// scrambling are a whole number: scramblings that agree by chance do not show what is left between two of them. With
+/// R scramblings of m points an unseen part p of a hit has the probability `(1 - p)^R`, above 0.025 up to `p = 3.69 / R`: a
+/// mean that is wrong by 3.69 of R m points. Student's t at 95 % is 1.96 or more.
+pub(super) const UNSEEN_HITS: f64 = 2.0;
+
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
     /// The estimate.
     pub occurrence: OccurrenceBounds,
-    /// Half width of its 95 % confidence interval, with what open names leave open.
-    pub half_width: f64,
+    /// Its 95 % interval, within 0 and 1: the lower limit is one of the mode surely unstable, the upper one of the mode perhaps
+    /// unstable.
+    pub limits: Interval,
 }
 
 impl Estimated {
-    /// The half width without what open names leave open: more samples do not close that.
+    /// An estimate whose ends may be wrong by `error`.
+    pub(super) fn within(occurrence: OccurrenceBounds, error: f64) -> Self {
+        let limits =
+            Interval { lower: (occurrence.lower - error).max(0.0), upper: (occurrence.upper + error).min(1.0) };
+        Self { occurrence, limits }
+    }
+
+    /// The largest distance from an end of the occurrence to the limit beyond it: at the confidence of the limits the true
+    /// occurrence is at most so far from the estimate. Near 0 and 1, where the interval ends at one side, this is more than half
+    /// of its width. What open names leave between the ends is not in it: more samples do not close that.
     #[must_use]
-    pub fn closed_half_width(&self) -> f64 {
-        self.half_width - 0.5 * (self.occurrence.upper - self.occurrence.lower)
+    pub fn half_width(&self) -> f64 {
+        (self.occurrence.lower - self.limits.lower).max(self.limits.upper - self.occurrence.upper)
     }
 }
 
@@ -35,11 +51,22 @@ impl Estimated {
 pub struct Estimates {
     /// By name of the tracked mode.
     pub modes: BTreeMap<u16, Estimated>,
+    /// Upper limit, at 95 %, of the occurrence of any mode that is not listed.
+    pub unseen: f64,
     /// What was computed.
     pub counters: Counters,
 }
 
-/// Plain Monte Carlo: the study's own samples, with Wilson's interval.
+impl Estimates {
+    /// The largest half width, of a mode that was seen or not.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        self.modes.values().map(Estimated::half_width).fold(self.unseen, f64::max)
+    }
+}
+
+/// Plain Monte Carlo: the study's own samples, with the interval of Clopper and Pearson, which covers every probability at
+/// least as often as it says.
 ///
 /// # Errors
 /// A sample that cannot be solved.
@@ -51,15 +78,41 @@ pub fn monte_carlo<B: UncertainBrake>(
 ) -> Result<Estimates, EstimatorError> {
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let (hits, counters) = count(study, scene, draws)?;
-    let estimated = |(name, [sure, open]): (u16, [u64; 2])| {
-        let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
-        let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
+    of_samples(&hits, samples, counters)
+}
+
+/// Samples with which [`monte_carlo`] knows an occurrence near p to a half width at 95 %, nearly. Wilson's limits of p are the
+/// solutions P of `(P - p)^2 = z^2 P (1 - P) / n`, so that with
+///
+/// ```text
+/// n = (z / h)^2 max(q(p - h), q(p + h)),    q(P) = P (1 - P), 0 outside of 0 to 1
+/// ```
+///
+/// neither is farther away than h; 1 / h more is what the limits of Clopper and Pearson take. Without hits it is
+/// `ln 0.025 / ln(1 - h)`, exactly.
+#[must_use]
+pub fn plain_samples(p: f64, half_width: f64) -> f64 {
+    let tail = Confidence::P95.tail();
+    let without_hits = tail.ln() / (-half_width).ln_1p();
+    if p <= 0.0 || p >= 1.0 {
+        return without_hits;
+    }
+    let spread = [p - half_width, p + half_width].map(|limit| (limit * (1.0 - limit)).max(0.0));
+    let inside = (Confidence::P95.z() / half_width).powi(2) * spread[0].max(spread[1]) + 1.0 / half_width;
+    inside.max(without_hits)
+}
+
+/// The estimates from hits among independent samples.
+pub(super) fn of_samples(hits: &HitCounts, samples: u64, counters: Counters) -> Result<Estimates, EstimatorError> {
+    let estimated = |(&name, &[sure, open]): (&u16, &[u64; 2])| {
+        let interval = |hits: u64| clopper_pearson(hits, samples, Confidence::P95).map_err(crate::Error::from);
+        let limits = Interval { lower: interval(sure)?.lower, upper: interval(sure + open)?.upper };
         let of = |hits: u64| hits as f64 / samples as f64;
         let occurrence = OccurrenceBounds { lower: of(sure), upper: of(sure + open) };
-        Ok((name, Estimated { occurrence, half_width: 0.5 * (upper - lower) }))
+        Ok((name, Estimated { occurrence, limits }))
     };
-    let modes = hits.into_iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
-    Ok(Estimates { modes, counters })
+    let modes = hits.iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
+    Ok(Estimates { modes, unseen: exact_upper_limit(0, samples, Confidence::P95.tail()), counters })
 }
 
 /// Quasi-Monte Carlo: the first `points` of the Sobol sequence under each of `scramblings` independent Owen scramblings,
@@ -81,7 +134,7 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         return Err(EstimatorError::Points { points, scramblings });
     }
     let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
-    let mut runs: Vec<BTreeMap<u16, [u64; 2]>> = Vec::new();
+    let mut runs: Vec<HitCounts> = Vec::new();
     let mut counters = Counters::default();
     for scrambling in 0..scramblings {
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
@@ -89,26 +142,37 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         counters = sum(counters, computed);
         runs.push(hits);
     }
-    let names: std::collections::BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
-    let t = Confidence::P95.t(u64::from(scramblings - 1));
+    Ok(of_scramblings(&runs, points, counters))
+}
+
+/// The estimates from the hits of each of two or more scramblings among their points.
+pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters) -> Estimates {
+    let names: BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let estimated = |name: u16| {
-        let share = |run: &BTreeMap<u16, [u64; 2]>, open: usize| {
-            let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
-            (sure + open as u64 * maybe) as f64 / f64::from(points)
-        };
-        let mean = |open| runs.iter().map(|run| share(run, open)).sum::<f64>() / f64::from(scramblings);
-        let occurrence = OccurrenceBounds { lower: mean(0), upper: mean(1) };
-        let centre = 0.5 * (occurrence.lower + occurrence.upper);
-        let deviation = |run| 0.5 * (share(run, 0) + share(run, 1)) - centre;
-        let variance = runs.iter().map(|run| deviation(run).powi(2)).sum::<f64>() / f64::from(scramblings - 1);
-        let half_width = t * (variance / f64::from(scramblings)).sqrt() + 0.5 * (occurrence.upper - occurrence.lower);
-        (name, Estimated { occurrence, half_width })
+        let hits = |run: &HitCounts| run.get(&name).copied().unwrap_or_default();
+        let sure = mean_of_scramblings(runs.iter().map(|run| hits(run)[0] as f64), points);
+        let perhaps = mean_of_scramblings(runs.iter().map(|run| hits(run).iter().sum::<u64>() as f64), points);
+        let occurrence = OccurrenceBounds { lower: sure.mean, upper: perhaps.mean };
+        let [lower, upper] = [sure, perhaps].map(|mean| mean.interval(Confidence::P95));
+        (name, Estimated { occurrence, limits: Interval { lower: lower.lower.max(0.0), upper: upper.upper.min(1.0) } })
     };
-    Ok(Estimates { modes: names.into_iter().map(estimated).collect(), counters })
+    let none = mean_of_scramblings(runs.iter().map(|_| 0.0), points);
+    let unseen = none.interval(Confidence::P95).upper.min(1.0);
+    Estimates { modes: names.into_iter().map(estimated).collect(), unseen, counters }
+}
+
+/// The mean part of the points of some scramblings that are hits, from the hits of each, with a standard error of
+/// [`UNSEEN_HITS`] or more. Nothing is known of a single scrambling.
+pub(super) fn mean_of_scramblings(hits: impl Iterator<Item = f64> + Clone, points: u32) -> ReplicateMean {
+    let points = f64::from(points);
+    let unknown = ReplicateMean { mean: 0.0, standard_error: f64::INFINITY, replicates: 2 };
+    let found = ReplicateMean::of(hits.map(|hits| hits / points)).unwrap_or(unknown);
+    let least = UNSEEN_HITS / (points * found.replicates as f64);
+    ReplicateMean { standard_error: found.standard_error.max(least), ..found }
 }
 
 /// Sure and open hits by name.
-type HitCounts = BTreeMap<u16, [u64; 2]>;
+pub(super) type HitCounts = BTreeMap<u16, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,

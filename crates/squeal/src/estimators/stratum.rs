@@ -33,8 +33,13 @@ pub(super) struct Stratum {
 }
 
 impl Stratum {
-    /// Prediction and reference of one sample, by name: whether it is sure that the mode is unstable, or open.
+    /// Enters one sample by its prediction and reference, by name: whether it is sure that the mode is unstable, or open.
     pub fn enter(&mut self, predicted: &BTreeMap<u16, bool>, reference: &BTreeMap<u16, bool>) {
+        self.enter_alike(1, predicted, reference);
+    }
+
+    /// Enters some samples of which all have the same prediction and the same reference.
+    pub fn enter_alike(&mut self, samples: u64, predicted: &BTreeMap<u16, bool>, reference: &BTreeMap<u16, bool>) {
         let names: BTreeSet<u16> = predicted
             .keys()
             .chain(reference.keys())
@@ -44,12 +49,12 @@ impl Stratum {
         for name in &names {
             let difference = self.differences.entry(*name).or_default();
             let (predicted, reference) = (predicted.get(name), reference.get(name));
-            count(&mut difference.sure, predicted == Some(&true), reference == Some(&true));
-            count(&mut difference.perhaps, predicted.is_some(), reference.is_some());
-            difference.any += 1;
+            count(samples, &mut difference.sure, predicted == Some(&true), reference == Some(&true));
+            count(samples, &mut difference.perhaps, predicted.is_some(), reference.is_some());
+            difference.any += samples;
         }
-        self.samples += 1;
-        self.wrong += u64::from(!names.is_empty());
+        self.samples += samples;
+        self.wrong += if names.is_empty() { 0 } else { samples };
     }
 
     /// By how much the probability of a mode among such samples may be below and above that of the prediction.
@@ -85,8 +90,8 @@ impl Stratum {
     }
 }
 
-/// Counts a sample in which a mode is unstable by the reference alone, or predicted to be and is not.
-fn count(counts: &mut [u64; 2], predicted: bool, reference: bool) {
-    counts[0] += u64::from(reference && !predicted);
-    counts[1] += u64::from(predicted && !reference);
+/// Counts samples in which a mode is unstable by the reference alone, or predicted to be and is not.
+fn count(samples: u64, counts: &mut [u64; 2], predicted: bool, reference: bool) {
+    counts[0] += samples * u64::from(reference && !predicted);
+    counts[1] += samples * u64::from(predicted && !reference);
 }
