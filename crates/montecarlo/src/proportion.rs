@@ -58,7 +58,7 @@ pub enum Trial {
     Ambiguous,
 }
 
-/// Counts of occurrences. Ambiguous trials widen the result; they are never guessed.
+/// Counts of occurrences. Ambiguous trials widen the result: they are no hits for its lower limit and hits for its upper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Proportion {
     hits: u64,

@@ -14,7 +14,7 @@ use crate::report::{Manifest, Results, Times, write_tables};
 use crate::study::{Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 4;
+const TALLY_VERSION: u32 = 5;
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
 /// The file that is locked while a run works in the folder. It stays there; the lock ends with the process.

@@ -4,7 +4,7 @@
 //! Between *near* states it is strong. A mode that it leaves in doubt is continued along the path by its derivative, and
 //! one that continuation loses is followed by subdivision, in steps that are cut again until every match is beyond doubt. A
 //! pair that stays in doubt at the smallest step passes so near a coalescence that which of the two is which has no answer;
-//! such modes are reported with all their candidates, never guessed.
+//! such modes are reported with all their candidates.
 
 use cea::{CeaError, EigenSolver, Mode, Workspace};
 
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn through_a_coalescence_nothing_is_guessed() {
+    fn through_a_coalescence_both_candidates_are_kept() {
         // k12 k21 < 0: as the diagonal crosses, the pair meets at an exceptional point twice.
         let flutter = |a: f64, b: f64| {
             let k = dmatrix![a, 0.5, 0.0; -0.5, b, 0.0; 0.0, 0.0, 50.0];

@@ -8,7 +8,8 @@
 //! 3. **a pair** next to a coalescence, where neither of two modes is smooth but their mean and squared distance are;
 //! 4. **adaptive subdivision**: spectra at sample points, in steps that are cut until every match is clear.
 //!
-//! What is still in doubt then passes a coalescence and is reported with all its candidates: no name is guessed.
+//! What is still in doubt then passes a coalescence and is reported with all its candidates. Where a step is beyond doubt is a
+//! rule, not a proof: docs/error-bounds.md, section 14, states it and how often it was checked.
 //!
 //! | module | what it holds |
 //! | --- | --- |

@@ -5,7 +5,8 @@ use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-/// Least MAC of a match that is beyond doubt; chosen.
+/// Least MAC of a match that is beyond doubt whatever else is there. A match below it is still beyond doubt where its MAC is at
+/// least half of this and no other mode has more than 1 minus this. Chosen.
 const LEAST_CLEAR_MAC: f64 = 0.8;
 /// Largest difference of MAC between the match and a rival of it; chosen.
 const RIVAL_MAC_MARGIN: f64 = 0.4;
@@ -36,8 +37,9 @@ impl Match {
 
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
 ///
-/// A match is beyond doubt where its MAC is large and no rival comes near, in MAC or, where MAC cannot tell two
-/// nearly parallel shapes apart, in eigenvalue.
+/// A match is beyond doubt, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is a mode with a MAC above 0.2,
+/// within 0.4 of the match's, or any above 0.2 where that is below 0.8; its eigenvalue is less than 8 times as far from the old
+/// one as the match's. docs/error-bounds.md, section 14, has how often the rule was checked.
 pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
     if old.is_empty() || new.is_empty() {
         return vec![Match { to: None, rivals: Vec::new() }; old.len()];

@@ -138,6 +138,8 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
     friction: LeadingFriction<'a, B>,
     scene: usize,
     surrogate: &'a Surrogate,
+    /// Every name of the scene.
+    names: Vec<u16>,
     seed: u64,
     next: u64,
     /// Drawn and not solved, with the prediction.
@@ -148,8 +150,8 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
 impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
     fn new(study: &'a Study<'a, B>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Result<Self, EstimatorError> {
         let friction = LeadingFriction::new(study.brake(), &study.plan().scenes[scene])?;
-        let waiting = [Vec::new(), Vec::new()];
-        Ok(Self { study, friction, scene, surrogate, seed, next: 0, waiting, scratch: Scratch::default() })
+        let (waiting, names) = ([Vec::new(), Vec::new()], study.references()[scene].all_names());
+        Ok(Self { study, friction, scene, surrogate, names, seed, next: 0, waiting, scratch: Scratch::default() })
     }
 
     /// Solves clear (0) or uncertain (1) samples until a stratum has so many, or as many as are found.
@@ -165,7 +167,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
-                stratum.enter(&self.surrogate.named(predicted), &unstable_names(&outcome?.unstable));
+                stratum.enter(&self.surrogate.named(predicted), &unstable_names(&outcome?.unstable, &self.names));
             }
         }
         Ok(())

@@ -40,13 +40,15 @@ pub struct Integral {
     pub pieces: Vec<Piece>,
 }
 
-/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` says what each piece is like inside.
+/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` says what each piece is like inside. An unstable
+/// mode without a name may be any of `all_names`.
 ///
 /// # Errors
 /// Those of `unstable`.
 pub fn integrate(
     distribution: &Distribution,
     ends: &[f64],
+    all_names: &[u16],
     mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
@@ -54,7 +56,7 @@ pub fn integrate(
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
         let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
-        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>()) {
+        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>(), all_names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
             occurrence.lower += if is_sure { part } else { 0.0 };

@@ -179,7 +179,7 @@ fn count<B: UncertainBrake>(
     scene: usize,
     samples: impl Iterator<Item = Result<B::Sample, EstimatorError>>,
 ) -> Result<(HitCounts, Counters), EstimatorError> {
-    let mut hits = HitCounts::new();
+    let (mut hits, all_names) = (HitCounts::new(), study.references()[scene].all_names());
     let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
@@ -188,7 +188,7 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in unstable_names(&outcome?.unstable) {
+            for (name, is_sure) in unstable_names(&outcome?.unstable, &all_names) {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }

@@ -90,12 +90,18 @@ impl<'a> Results<'a> {
         self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
     }
 
-    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
+    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
+    /// no name every mode of the scene may have been unstable, and is listed.
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<ArrangementOccurrence>> {
         let mut names: BTreeMap<u16, Vec<ArrangementOccurrence>> = BTreeMap::new();
         for &scene in &panel.scenes {
             for (&name, _) in self.counts(scene).proportions() {
                 names.entry(self.name(name)).or_default();
+            }
+            if self.counts(scene).unlabelled() > 0 {
+                for name in self.references[scene].all_names() {
+                    names.entry(self.name(name)).or_default();
+                }
             }
         }
         for (&name, list) in &mut names {

@@ -55,6 +55,12 @@ impl Reference {
         names
     }
 
+    /// Every name that some mode has or may have, ascending.
+    #[must_use]
+    pub fn all_names(&self) -> Vec<u16> {
+        self.names_of(0..self.modes.len())
+    }
+
     /// The modes of the whole brake, from those of all its sectors.
     fn joined(system: SecondOrder, sectors: &Sectors, of_sectors: &[Self]) -> Self {
         let named = |(sector, part): (&Sector, &Self)| {
