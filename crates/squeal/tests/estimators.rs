@@ -4,8 +4,9 @@
 
 use std::path::Path;
 
-use cea::{BatchSolver, QrSolver};
+use cea::{BatchSolver, EigenSolver as _, QrSolver, Workspace};
 use montecarlo::Experiment as _;
+use rayon::prelude::*;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{
@@ -54,6 +55,68 @@ fn every_sample_has_the_modes_that_the_exact_integral_gives_it() {
             assert_eq!(names, piece.unstable, "mu = {mu}");
         }
     }
+}
+
+/// Number of spectra on a grid that is much finer than the steps of the search for onsets, and of those with another number of
+/// unstable modes than the exact integral has there: onsets that its rule for quiet steps overlooked. Half of the grid is even
+/// in mu, half in its probability.
+fn against_a_fine_grid(study: &Study<'_, LatticeBrake>, scene: usize, points: u32) -> [u64; 3] {
+    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver).unwrap();
+    let Exact { integral, onsets, counters, .. } = exact(&study.references()[scene], &mut family).unwrap();
+    let (distribution, mut work, mut spectra) = (family.distribution(), Workspace::default(), Vec::new());
+    let (from, to) = distribution.support();
+    let parts = (0..points).map(|i| (f64::from(i) + 0.5) / f64::from(points));
+    let grid = parts.flat_map(|part| [from + part * (to - from), distribution.quantile(part)]);
+    // Next to an onset rounding decides.
+    let is_clear = |mu: &f64| onsets.onsets.iter().all(|onset| (mu - onset.at).abs() > onset.error + 1e-9);
+    let grid: Vec<f64> = grid.filter(is_clear).collect();
+    let mut missed = 0;
+    for block in grid.chunks(64) {
+        let systems: Vec<_> = block.iter().map(|&mu| family.system(mu).clone()).collect();
+        BatchSolver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
+        for (mu, spectrum) in block.iter().zip(&spectra) {
+            let unstable = spectrum.as_ref().unwrap().oscillatory().filter(|lambda| lambda.re > 0.0).count();
+            let piece = integral.pieces.iter().find(|piece| piece.from <= *mu && *mu <= piece.to).unwrap();
+            missed += u64::from(unstable != piece.unstable.len());
+        }
+    }
+    [counters.eigenvalue_solves, grid.len() as u64, missed]
+}
+
+fn sum_of_grids(study: &Study<'_, LatticeBrake>, points: u32) -> [u64; 3] {
+    let of_scene = |scene| against_a_fine_grid(study, scene, points);
+    let sum = (0..study.plan().scenes.len())
+        .into_par_iter()
+        .map(of_scene)
+        .reduce(|| [0; 3], |a, b| std::array::from_fn(|i| a[i] + b[i]));
+    println!(
+        "{} scenes: {} spectra of the search, {} on the grid, {} differ",
+        study.plan().scenes.len(),
+        sum[0],
+        sum[1],
+        sum[2]
+    );
+    sum
+}
+
+#[test]
+fn a_fine_grid_shows_no_onset_that_the_exact_integral_overlooks() {
+    let brake = brake(SOME, "amontons-coulomb", &[]);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let [_, checked, missed] = sum_of_grids(&study, 200);
+    assert!(checked > 1_000 && missed == 0, "{missed} of {checked}");
+}
+
+/// `cargo test --release -p squeal --test estimators fine_grid -- --ignored --nocapture`
+#[test]
+#[ignore = "solves 270,000 systems"]
+fn a_fine_grid_shows_no_onset_in_any_scene_of_the_case() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
+    let mut case = LatticeCase::read(path).unwrap();
+    case.laws = vec![Law::AmontonsCoulomb];
+    let brake = LatticeBrake::new(case).unwrap();
+    let [_, checked, missed] = sum_of_grids(&Study::new(&brake, &BatchSolver).unwrap(), 1_000);
+    assert!(checked > 250_000 && missed == 0, "{missed} of {checked}");
 }
 
 #[test]

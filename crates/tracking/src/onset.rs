@@ -3,7 +3,9 @@
 //! The interval is halved until in each step every branch that could reach the axis either keeps its distance or crosses
 //! it once. What a branch does between two spectra is judged by its tangents: where both differ from the chord by less than
 //! half of it, Re lambda is monotonic; otherwise, on an arc of parabola, it leaves the chord by |s_b - s_a| h / 8, and four
-//! times this is allowed for. All spectra then have to agree with the onsets found.
+//! times this is allowed for. All spectra then have to agree with the onsets found. This is a rule, not a proof: a branch that
+//! crosses the axis twice within one step, faster than [`RATE_MARGIN`] or four times such a parabola would, is overlooked
+//! (docs/error-bounds.md, section 10, has how often that was looked for).
 
 use num_complex::Complex;
 

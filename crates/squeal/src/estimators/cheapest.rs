@@ -157,11 +157,12 @@ fn by_sampling<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
 }
 
-/// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it.
+/// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it. A mode that
+/// no pilot shows is planned for as if it occurred as often as the half width says.
 pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
     let nearest = |mode: &Estimated| 0.5_f64.clamp(mode.limits.lower, mode.limits.upper);
     let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
-    pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64
+    pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(half_width), f64::max).ceil() as u64
 }
 
 impl SceneOccurrences {

@@ -254,7 +254,7 @@ fn coverage_of_every_estimator() {
     println!("| estimator | occurrence | covered | mean half width | reached | by halves |");
     println!("| --- | ---: | ---: | ---: | ---: | ---: |");
     for (what, truth, coverage) in
-        measured(0.02, 1_000).into_iter().chain(measured(0.001, 1_000)).chain(measured_quasi(1_000))
+        measured(0.02, 1_000).into_iter().chain(measured(0.001, 1_000)).chain(measured_quasi(4_000))
     {
         coverage.print(&what, truth);
         coverage.check(&what, truth);
