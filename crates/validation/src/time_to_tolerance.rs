@@ -3,11 +3,11 @@
 //! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs the samples of
 //! [`plain_samples`] for its occurrence nearest to one half, an estimator all the systems that it solves.
 //! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
-//! per evaluation, vectors, names, and all its overhead included. Times are processor times of one thread, measured next to
-//! each other. Without the feature `lapack` the second is not measured.
+//! per evaluation, vectors, names, and all its overhead included. Times are processor times of all threads, measured next
+//! to each other. Without the feature `lapack` the second is not measured.
 
 use cea::{BatchSolver, QrSolver};
-use cpu_time::ThreadTime;
+use cpu_time::ProcessTime;
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
@@ -135,7 +135,7 @@ pub fn time_to_tolerance(case: &LatticeCase, every: usize) -> Result<Vec<TimeToT
 
 fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Result<TimeToTolerance, ValidationError> {
     let plan = study.plan();
-    let start = ThreadTime::now();
+    let start = ProcessTime::now();
     let (brake, omega) = (study.brake(), least_stable_frequency(study, scenes));
     let points = match (brake.law(key), scenes.first()) {
         (Law::AmontonsCoulomb, _) | (_, None) => None,
@@ -180,7 +180,7 @@ pub(crate) fn most_plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 
 }
 
 fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {
-    let start = ThreadTime::now();
+    let start = ProcessTime::now();
     let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)?;
     let found = exact(&study.references()[scene], &mut family)?;
     Ok(OneScene {
@@ -198,7 +198,7 @@ fn by_control_variate(
     scene: usize,
     points: &FrictionPoints,
 ) -> Result<OneScene, ValidationError> {
-    let start = ThreadTime::now();
+    let start = ProcessTime::now();
     let found = control_variate(study, scene, points, SEED, HALF_WIDTH)?;
     Ok(OneScene {
         half_width: found.half_width(),
@@ -229,7 +229,7 @@ fn dgeev_seconds(brake: &LatticeBrake, scene: usize) -> Result<Option<f64>, Vali
     let systems = (0..DGEEV_SAMPLES).map(system).collect::<Result<Vec<_>, ValidationError>>()?;
     let mut shortest = f64::INFINITY;
     for _ in 0..DGEEV_REPEATS {
-        let start = ThreadTime::now();
+        let start = ProcessTime::now();
         for system in &systems {
             LapackSolver.eigenvalues(system, &mut Workspace::default())?;
         }
