@@ -16,7 +16,7 @@ use osc_model::{
     PreparedLattice, Sign, Sliding,
 };
 use serde::Deserialize;
-use work::{Family, ModeWork, family_work};
+use work::{ForceFamily, ModeWork, family_work};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -178,7 +178,8 @@ fn work_of(golden: &Golden, lambda: Complex<f64>) -> ModeWork {
     let system = lattice.linearised(&sliding).unwrap();
     let phi = right_vector(&system, lambda, &mut Workspace::default()).unwrap();
     let damping = lattice.structural().damping_alone();
-    let families = [Family { name: "friction", system: &friction }, Family { name: "damping", system: &damping }];
+    let families =
+        [ForceFamily { name: "friction", system: &friction }, ForceFamily { name: "damping", system: &damping }];
     family_work(&system.m, &families, lambda, &phi, &brake.bodies).unwrap()
 }
 

@@ -9,7 +9,7 @@ use validation::{Effort, accuracy};
 use crate::again::run_again;
 use crate::error::TaskError;
 
-/// Accuracy against time: solver routes, estimators, the lattice at its worst, hard problems
+/// Accuracy against time: solver routes, estimators, stress cases of the lattice, NLEVP and BrakeSqueal problems
 ///
 /// LAPACK's dgeev and dggev take part with --features lapack: the system's OpenBLAS (libopenblas-dev).
 #[derive(Debug, clap::Args)]

@@ -61,7 +61,7 @@ pub use feedback::{
     Anchors, AxisMargins, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep,
     NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
 };
-pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, sort};
+pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
 pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict};
 pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};

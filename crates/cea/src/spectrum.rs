@@ -26,6 +26,37 @@ pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
     a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im))
 }
 
+/// Distance of two frequencies, or of two growth rates, up to which they are equal but for rounding, as a part of |lambda|: far
+/// above the rounding of a solver, far below the distance of modes that differ; chosen.
+const EQUAL_BUT_FOR_ROUNDING: f64 = 1e-10;
+
+/// The places of the eigenvalues of oscillating modes in the order of their frequency ranks: ascending in frequency; of equal
+/// frequencies, as two modes that flutter can have, the damped one first and the one of the largest growth last. Equal is what
+/// differs by 1e-10 of |lambda| or less, else the last bits of a solver would decide. They do where both parts are equal, as
+/// for the double eigenvalues of a symmetric brake, by [`by_frequency`]: those are alike but for their shapes.
+///
+/// ```
+/// use num_complex::Complex;
+/// let [damped, growing] = [Complex::new(-0.1, 1.4), Complex::new(0.1, 1.4 * (1.0 - 1e-15))];
+/// assert_eq!(cea::rank_order(&[growing, damped]), [1, 0]);
+/// ```
+#[must_use]
+pub fn rank_order(lambdas: &[Complex<f64>]) -> Vec<usize> {
+    let is_equal = |difference: f64, a: usize, b: usize| {
+        difference.abs() <= EQUAL_BUT_FOR_ROUNDING * lambdas[a].norm().max(lambdas[b].norm())
+    };
+    let mut order: Vec<usize> = (0..lambdas.len()).collect();
+    order.sort_by(|&a, &b| by_frequency(&lambdas[a], &lambdas[b]));
+    let is_one_frequency = |&a: &usize, &b: &usize| is_equal(lambdas[a].im.abs() - lambdas[b].im.abs(), a, b);
+    for group in order.chunk_by_mut(is_one_frequency).filter(|group| group.len() > 1) {
+        group.sort_by(|&a, &b| lambdas[a].re.total_cmp(&lambdas[b].re));
+        for double in group.chunk_by_mut(|&a, &b| is_equal(lambdas[a].re - lambdas[b].re, a, b)) {
+            double.sort_by(|&a, &b| by_frequency(&lambdas[a], &lambdas[b]));
+        }
+    }
+    order
+}
+
 impl Spectrum {
     /// One eigenvalue of each conjugate pair, the one with Im lambda > 0, ascending in frequency.
     pub fn oscillatory(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
@@ -55,6 +86,21 @@ pub fn damping_ratio(lambda: Complex<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranks_do_not_hang_on_the_last_bit() {
+        let [low, damped, growing, high] =
+            [(-0.1, 1.0), (-0.1, 2.0), (0.1, 2.0), (0.3, 2.1)].map(|(re, im)| Complex::new(re, im));
+        for rounding in [-1e-14, 0.0, 1e-14] {
+            let growing = growing + Complex::new(0.0, rounding);
+            assert_eq!(rank_order(&[high, growing, low, damped]), [2, 3, 1, 0]);
+            // Of a double eigenvalue the last bit decides.
+            let double = growing + Complex::new(1e-14, 2e-14);
+            assert_eq!(rank_order(&[double, growing, damped]), [2, 1, 0]);
+        }
+        // Frequencies that differ are never taken for equal.
+        assert_eq!(rank_order(&[growing, damped + Complex::new(0.0, 1e-8)]), [0, 1]);
+    }
 
     #[test]
     fn frequency_and_damping_of_a_known_eigenvalue() {

@@ -201,7 +201,10 @@ mod tests {
         let mut tally = LabelTally::default();
         tally.record(&[vec![15_u16], vec![16, 17]]);
         let text = serde_json::to_string(&tally).unwrap();
-        assert!(text.starts_with(r#"{"trials":1,"labels":{"15":{"certain":1,"ambiguous":0,"beside_unlabelled":0},"16":"#), "{text}");
+        assert!(
+            text.starts_with(r#"{"trials":1,"labels":{"15":{"certain":1,"ambiguous":0,"beside_unlabelled":0},"16":"#),
+            "{text}"
+        );
         assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
     }
 

@@ -41,7 +41,7 @@
 //! | how is it run, stopped, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
 //! | what came of it? | [`Summary`], [`Failures`] |
 //! | how is a parameter distributed? | [`Distribution`], [`redraw_until_at_least`] |
-//! | how often does something occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`] |
+//! | how often does something occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is something? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
 //! | how sure is that? | [`Confidence`], [`Interval`] |
@@ -87,7 +87,7 @@ pub use failures::{Failure, Failures};
 pub use integer_mean::IntegerMean;
 pub use label_tally::{LabelTally, occurring_labels};
 pub use progress::Progress;
-pub use proportion::{Proportion, Trial, wilson};
+pub use proportion::{Proportion, Trial, trials_for_half_width, wilson};
 pub use quantile_sketch::QuantileSketch;
 pub use redraw::redraw_until_at_least;
 pub use replicate_mean::ReplicateMean;

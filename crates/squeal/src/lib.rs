@@ -77,13 +77,15 @@ mod error;
 pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
+mod fingerprint;
 pub mod output;
 pub mod report;
 mod run;
 pub mod study;
 
 pub use error::Error;
-pub use run::{DrawResults, estimate, fingerprint, run_study};
+pub use fingerprint::fingerprint;
+pub use run::{DrawResults, estimate, run_study};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

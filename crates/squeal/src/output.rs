@@ -29,6 +29,15 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     written.inspect_err(|_| drop(fs::remove_file(&temporary)))
 }
 
+/// Writes a value as JSON.
+///
+/// # Errors
+/// [`Error::Write`].
+pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Error> {
+    let failed = |error: serde_json::Error| Error::Write { path: path.to_owned(), source: error.into() };
+    write(path, &serde_json::to_vec(value).map_err(failed)?)
+}
+
 /// Makes a folder and those above it.
 ///
 /// # Errors

@@ -6,7 +6,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use montecarlo::{Checkpoint, run_with};
-use sha2::{Digest, Sha256};
 
 use crate::Error;
 use crate::output::{make_folder, write};
@@ -27,11 +26,6 @@ const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 type RunProgress = montecarlo::Bar;
 #[cfg(not(feature = "program"))]
 type RunProgress = ();
-
-/// SHA-256 of a text, hexadecimal.
-pub fn fingerprint(text: &str) -> String {
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
-}
 
 /// What adds figures and estimates to the tables of a finished study, in the folder that it is given.
 pub type DrawResults<'a, B> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send + 'a;

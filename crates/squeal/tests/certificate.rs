@@ -57,7 +57,7 @@ fn full(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Verd
 }
 
 fn of_study(outcome: &Outcome) -> Verdicts {
-    let ranks = outcome.unstable.iter().map(|mode| usize::from(mode.rank)).collect();
+    let ranks = outcome.unstable.iter().map(|mode| usize::from(mode.rank.number())).collect();
     (ranks, outcome.divergent as usize, outcome.undecided as usize)
 }
 
@@ -66,7 +66,7 @@ fn count(case: LatticeCase, samples: u64) -> Vec<Count> {
     let brake = LatticeBrake::new(case).unwrap();
     let study = Study::new(&brake, &BatchSolver).unwrap();
     let plan = &brake.plan;
-    // Not those of the pilots, which are the first of the case's own seed.
+    // Not the draws of the anchors, which are the first of the case's own seed.
     let draw = |index| LatticeSample::draw(&brake.case, &mut stream(brake.case.seed + 1, index)).unwrap();
     let of_scene = |scene: usize| {
         let (mut count, mut work, mut spectra) = (Count::default(), Workspace::default(), Vec::new());

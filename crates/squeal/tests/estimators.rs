@@ -5,37 +5,78 @@
 use std::path::Path;
 
 use cea::{BatchSolver, EigenSolver as _, QrSolver, Workspace};
-use montecarlo::Experiment as _;
+use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
+use montecarlo::{Distribution, Experiment as _, StreamRng};
+use nalgebra::dmatrix;
+use osc_model::Brake;
+use paper_brake::{SOME, brake, exact_of};
 use rayon::prelude::*;
+use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{
-    Estimated, EstimatorError, Evaluations, Exact, FrictionPoints, OneParameterFamily, control_variate, exact,
-    monte_carlo, quasi_monte_carlo,
+    Estimated, Estimator, EstimatorError, Evaluations, Exact, FrictionPoints, OneParameterFamily, control_variate,
+    exact, monte_carlo, quasi_monte_carlo, scene_occurrences,
 };
-use squeal::study::{Study, UncertainBrake as _};
+use squeal::study::{Plan, Scene, Study, UncertainBrake};
+use tracking::TrackingError;
 
-/// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
-fn brake(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> LatticeBrake {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
-    let mut text = std::fs::read_to_string(path)
-        .unwrap()
-        .replace("[\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", &format!("[\"{law}\"]"))
-        .replace("in_contact = [9, 8, 7, 6]", &format!("arrangements = {arrangements}"));
-    let sets = text.find("[[constraints]]").unwrap()..text.find("[[speeds]]").unwrap();
-    text.replace_range(sets, "");
-    for (from, to) in edits {
-        assert!(text.contains(from), "{from}");
-        text = text.replace(from, to);
-    }
-    LatticeBrake::new(LatticeCase::parse(path, text).unwrap()).unwrap()
+#[path = "common/paper_brake.rs"]
+mod paper_brake;
+
+/// `x'' + c(w) x' + x = 0` with w uniform from 0.1 to 3: overdamped where c > 2.
+struct Oscillator {
+    plan: Plan,
+    w: Distribution,
+    damping: fn(f64) -> f64,
+    /// Whether it says that w is its only parameter.
+    is_single: bool,
 }
 
-const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
+impl Oscillator {
+    fn new(damping: fn(f64) -> f64, is_single: bool) -> Self {
+        let (zero, one) = (dmatrix![0.0], dmatrix![1.0]);
+        let term = |name: &str, c, rest| {
+            Term::new(name, name, SecondOrder::new(one.clone() * rest, c, one.clone() * rest).unwrap()).unwrap()
+        };
+        let terms = vec![term("spring", zero.clone(), 1.0), term("dashpot", one.clone(), 0.0)];
+        let brake = Brake::new(AffineSystem::new(terms, Vec::new()).unwrap());
+        let w = Distribution::Uniform { from: 0.1, to: 3.0 };
+        let plan = Plan::single("oscillator", brake, at(damping(w.median())), 1, 1);
+        Self { plan, w, damping, is_single }
+    }
+}
 
-fn exact_of(study: &Study<'_, LatticeBrake>, scene: usize) -> Exact {
-    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver).unwrap();
-    exact(&study.references()[scene], &mut family).unwrap()
+fn at(damping: f64) -> OperatingPoint {
+    OperatingPoint { coefficients: vec![1.0, damping], channels: Vec::new() }
+}
+
+impl UncertainBrake for Oscillator {
+    type Sample = f64;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<f64, Error> {
+        Ok(self.w.draw(rng)?)
+    }
+
+    fn median(&self) -> f64 {
+        self.w.median()
+    }
+
+    fn operating_point(&self, _: &Scene, w: &f64) -> Result<OperatingPoint, Error> {
+        Ok(at((self.damping)(*w)))
+    }
+
+    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
+        self.is_single.then_some(&self.w)
+    }
+
+    fn with_parameter(&self, _: &Scene, w: f64) -> f64 {
+        w
+    }
 }
 
 #[test]
@@ -179,6 +220,37 @@ fn what_is_no_family_is_refused() {
         assert!(matches!(refused, Err(EstimatorError::NotOneParameter { .. })));
     }
     assert_eq!(brake(SOME, "lugre", &[]).case.laws, [Law::LuGre]);
+    // No system at w = 0, which no sample has; and affine at all whole numbers, but nowhere between them.
+    for damping in [|w: f64| 1.0 / w, |w: f64| 1.0 + (std::f64::consts::TAU * w).sin()] {
+        let brake = Oscillator::new(damping, true);
+        let refused = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).map(|_| ());
+        assert!(matches!(refused, Err(EstimatorError::NotOneParameter { .. })), "{refused:?}");
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        assert_eq!(scene_occurrences(&study, 0, 0.05, None).unwrap().estimator, Estimator::PlainSampling);
+    }
+}
+
+#[test]
+fn what_a_failed_attempt_solved_counts() {
+    let found = |is_single: bool| {
+        let brake = Oscillator::new(|w| w, is_single);
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        scene_occurrences(&study, 0, 0.05, None).unwrap()
+    };
+    let brake = Oscillator::new(|w| w, true);
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).unwrap();
+    let attempt = exact(&study.references()[0], &mut family);
+    let is_overdamped = matches!(
+        attempt,
+        Err(EstimatorError::Tracking(TrackingError::ModeCount { at, found: 0, expected: 1 })) if at > 2.0
+    );
+    assert!(is_overdamped, "{attempt:?}");
+    let solved = family.counters().eigenvalue_solves;
+    assert!(solved > 1);
+    let (tried, sampled) = (found(true), found(false));
+    assert_eq!([&tried, &sampled].map(|found| found.estimator), [Estimator::PlainSampling; 2]);
+    assert_eq!(tried.evaluations, sampled.evaluations + solved);
 }
 
 #[test]
@@ -231,7 +303,7 @@ fn the_prediction_is_right_for_nearly_every_sample() {
 /// `cargo test --release -p squeal --test estimators -- --ignored --nocapture`: some minutes.
 #[test]
 #[ignore = "solves 800,000 samples"]
-fn occurrences_to_a_tenth_agree_with_many_plain_samples() {
+fn occurrences_to_a_tolerance_agree_with_many_plain_samples() {
     for law in ["velocity-dependent", "lugre"] {
         let brake = brake("[[1,3,4,5,6,8]]", law, &[]);
         let study = Study::new(&brake, &BatchSolver).unwrap();

@@ -10,7 +10,7 @@ use montecarlo::{Experiment as _, stream};
 use rayon::prelude::*;
 use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::case::LatticeCase;
-use squeal::study::{Reference, Study, UncertainBrake as _};
+use squeal::study::{ModeLabel, Reference, Study, UncertainBrake as _};
 use tracking::{Path, PathEnd, PathStart, follow, mac};
 
 /// What came of the unstable modes of some samples.
@@ -74,9 +74,9 @@ fn followed(
 /// An unstable mode that was followed to its reference.
 struct Followed {
     frequency: f64,
-    names: Vec<u16>,
+    names: Vec<ModeLabel>,
     /// Each reference mode of its sector, by its names, with the MAC.
-    macs: Vec<(Vec<u16>, f64)>,
+    macs: Vec<(Vec<ModeLabel>, f64)>,
 }
 
 fn count(case: LatticeCase, samples: u64) -> Count {

@@ -275,7 +275,7 @@ fn a_sector_without_friction_is_solved_once_for_a_block() {
     let open = out.iter().filter(|outcome| outcome.as_ref().is_ok_and(|outcome| !outcome.is_certified)).count();
     let sizes = solver.0.lock().unwrap();
     let count = |size| sizes.iter().filter(|&&other| other == size).count();
-    // yp alone; the sector that turns round with rows and columns, which a doubtful name may need more often.
+    // yp alone; the sector that turns round with rows and columns, which an uncertain name may need more often.
     assert!(open > 8 && count(2) == 1 && count(6) >= open, "{open} open: {sizes:?}");
 }
 

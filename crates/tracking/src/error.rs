@@ -47,14 +47,14 @@ pub enum TrackingError {
         /// Upper end.
         to: f64,
     },
-    /// Modes that cease to oscillate, or begin to, within an interval in which branches are followed.
-    #[error("at the parameter {at} {found} modes oscillate, elsewhere {expected}; branches are followed where all do")]
+    /// Modes that do not oscillate, or cease to, within an interval in which branches are followed.
+    #[error("at the parameter {at} {found} modes oscillate instead of {expected}; branches are followed where all do")]
     ModeCount {
         /// The parameter.
         at: f64,
         /// Oscillating modes there.
         found: usize,
-        /// At the beginning of the interval.
+        /// How many should.
         expected: usize,
     },
 }

@@ -218,9 +218,9 @@ mod tests {
             Path { start: PathStart::System(&other), start_modes: &[], end: PathEnd { system: &plain, modes: &[] } };
         let lambda = Complex::new(-0.1, 1.7);
         for t in [0.0, 0.3, 1.0] {
-            let line = other.dynamic_stiffness(lambda) * Complex::from(1.0 - t)
+            let on_path = other.dynamic_stiffness(lambda) * Complex::from(1.0 - t)
                 + plain.dynamic_stiffness(lambda) * Complex::from(t);
-            assert!((path.system_at(t).dynamic_stiffness(lambda) - line).norm() < 1e-14);
+            assert!((path.system_at(t).dynamic_stiffness(lambda) - on_path).norm() < 1e-14);
         }
         assert_eq!(linked(&plain, &other), [vec![0], vec![1]]);
         assert_eq!(linked(&other, &plain), [vec![0], vec![1]]);

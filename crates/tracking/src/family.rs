@@ -1,25 +1,20 @@
 //! Systems over one real parameter that a function makes: their onsets and their root locus.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Workspace, left_vector, right_vector};
+use cea::QrSolver;
 use linsys::SecondOrder;
-use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint};
+use crate::kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 use crate::locus::{RootLocus, root_locus};
 use crate::onset::{Onsets, find_onsets};
 
-/// Spectra after which branches count as unresolvable; chosen.
-const MOST_SPECTRA: usize = 20_000;
 /// Half of the difference from which derivatives by the parameter are taken, as a part of the interval: squared it is near
 /// machine epsilon over itself.
 const PARAMETER_DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a part of the interval; chosen: derivatives by differences tell branches apart down to there.
 const SHORTEST_PARAMETER_STEP: f64 = 1e-9;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
 
 /// Every onset from one parameter to another: where, how fast and which way an eigenvalue of `system` crosses the imaginary
 /// axis. Steps of 1e-9 of the interval in which a mode only touches the axis are listed as unresolved.
@@ -50,7 +45,7 @@ pub fn onsets<E: From<TrackingError>>(
     from: f64,
     to: f64,
 ) -> Result<Onsets, E> {
-    let mut family = SystemFamily::new(system, from, to);
+    let mut family = KeptSpectra::new(with_change(system, from, to), &QrSolver);
     find_onsets(&mut family, from, to, SHORTEST_PARAMETER_STEP * (to - from))
 }
 
@@ -66,138 +61,22 @@ pub fn branches<E: From<TrackingError>>(
     from: f64,
     to: f64,
 ) -> Result<RootLocus, E> {
-    let mut family = SystemFamily::new(system, from, to);
+    let mut family = KeptSpectra::new(with_change(system, from, to), &QrSolver);
     root_locus(&mut family, from, to, SHORTEST_PARAMETER_STEP * (to - from))
 }
 
-/// Systems on an interval, with the spectra computed so far.
-struct SystemFamily<F> {
-    system: F,
-    interval: [f64; 2],
-    spectra: BTreeMap<OrderedParameter, SpectrumOfFamily>,
-    /// Oscillating modes at the first parameter asked for.
-    modes: Option<usize>,
-    work: Workspace,
-}
-
-/// All modes at one parameter.
-struct SpectrumOfFamily {
-    system: SecondOrder,
-    /// The systems a little below and above, and their distance.
-    neighbours: ([SecondOrder; 2], f64),
-    lambdas: Vec<Complex<f64>>,
-    rates: Vec<Option<Complex<f64>>>,
-}
-
-/// Parameters, which are never NaN, in their order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OrderedParameter(f64);
-
-impl Eq for OrderedParameter {}
-
-impl PartialOrd for OrderedParameter {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for OrderedParameter {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl<F> SystemFamily<F> {
-    fn new(system: F, from: f64, to: f64) -> Self {
-        Self { system, interval: [from, to], spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
-    }
-
-    /// The spectrum at a parameter, computed where it is asked for the first time.
-    fn spectrum<E>(&mut self, at: f64) -> Result<&mut SpectrumOfFamily, E>
-    where
-        F: FnMut(f64) -> Result<SecondOrder, E>,
-        E: From<TrackingError>,
-    {
-        let unresolved = TrackingError::Unresolved { at, spectra: self.spectra.len() };
-        if !self.spectra.contains_key(&OrderedParameter(at)) {
-            if self.spectra.len() >= MOST_SPECTRA {
-                return Err(unresolved.into());
-            }
-            let system = (self.system)(at)?;
-            let lambdas = oscillatory(&system, &mut self.work).map_err(TrackingError::from)?;
-            let expected = *self.modes.get_or_insert(lambdas.len());
-            if lambdas.len() != expected {
-                return Err(TrackingError::ModeCount { at, found: lambdas.len(), expected }.into());
-            }
-            // The function need not be defined outside of the interval.
-            let [from, to] = self.interval;
-            let step = PARAMETER_DIFFERENCE * (to - from);
-            let (below, above) = ((at - step).max(from), (at + step).min(to));
-            let neighbours = ([(self.system)(below)?, (self.system)(above)?], above - below);
-            let rates = vec![None; lambdas.len()];
-            self.spectra.insert(OrderedParameter(at), SpectrumOfFamily { system, neighbours, lambdas, rates });
-        }
-        self.spectra.get_mut(&OrderedParameter(at)).ok_or(unresolved.into())
-    }
-}
-
-fn oscillatory(system: &SecondOrder, work: &mut Workspace) -> Result<Vec<Complex<f64>>, CeaError> {
-    let spectrum = QrSolver.eigenvalues(system, work)?;
-    Ok(Modes::classify(system, &spectrum, work)?.oscillatory)
-}
-
-impl SpectrumOfFamily {
-    /// An eigenvalue refined by its vectors, with `lambda' = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964).
-    fn refined(&self, lambda: Complex<f64>, work: &mut Workspace) -> Result<RefinedPoint, CeaError> {
-        let system = &self.system;
-        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
-        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
-        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
-        let ([below, above], distance) = &self.neighbours;
-        let change = (above.dynamic_stiffness(lambda) - below.dynamic_stiffness(lambda)) * &right;
-        let by_parameter = left.dotc(&change) / *distance;
-        let (l, internal) = (lambda.norm(), &system.internal);
-        let states = internal.drive.norm() * internal.force.norm();
-        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
-        Ok(RefinedPoint {
-            lambda: lambda - residual / slope,
-            rate: -by_parameter / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
-    }
-}
-
-impl<F, E> Branches for SystemFamily<F>
-where
-    F: FnMut(f64) -> Result<SecondOrder, E>,
-    E: From<TrackingError>,
-{
-    type Error = E;
-
-    fn lambdas(&mut self, at: f64) -> Result<&[Complex<f64>], E> {
-        Ok(&self.spectrum(at)?.lambdas)
-    }
-
-    fn point(&mut self, at: f64, index: usize) -> Result<BranchPoint, E> {
-        let spectrum = self.spectrum(at)?;
-        let lambda = spectrum.lambdas[index];
-        if let Some(rate) = spectrum.rates[index] {
-            return Ok(BranchPoint { lambda, rate });
-        }
-        let rate = self.refined(at, lambda)?.rate;
-        self.spectrum(at)?.rates[index] = Some(rate);
-        Ok(BranchPoint { lambda, rate })
-    }
-
-    fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, E> {
-        let mut work = std::mem::take(&mut self.work);
-        let refined = self.spectrum(at)?.refined(lambda, &mut work).map_err(TrackingError::from);
-        self.work = work;
-        Ok(refined?)
-    }
-
-    fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.spectra.range(OrderedParameter(from)..=OrderedParameter(to)).map(|(at, _)| at.0).collect()
+/// Makes systems on an interval, with their change from two systems a little below and above.
+fn with_change<E>(
+    mut system: impl FnMut(f64) -> Result<SecondOrder, E>,
+    from: f64,
+    to: f64,
+) -> impl FnMut(f64) -> Result<SystemAt, E> {
+    let step = PARAMETER_DIFFERENCE * (to - from);
+    move |at| {
+        // The function need not be defined outside of the interval.
+        let (below, above) = ((at - step).max(from), (at + step).min(to));
+        let change = SystemChange { below: system(below)?, above: system(above)?, distance: above - below };
+        Ok(SystemAt { system: system(at)?, change: Arc::new(change) })
     }
 }
 

@@ -25,6 +25,7 @@
 //! | `branch` | branches over one real parameter: [`link`], [`follow_branch`] of any [`Branches`] |
 //! | `onset` | where they cross the imaginary axis: [`find_onsets`] |
 //! | `locus` | the root locus: [`root_locus`] |
+//! | `kept_spectra` | the spectra behind branches, computed where they are asked for: [`KeptSpectra`] |
 //! | `family` | both for any function that makes a system from a number: [`onsets`], [`branches`] |
 //!
 //! Two modes that friction couples; a stiffness grows until their frequencies have changed order:
@@ -66,6 +67,7 @@ mod error;
 mod escalation;
 mod evaluator;
 mod family;
+mod kept_spectra;
 mod locus;
 mod mac;
 mod onset;
@@ -77,6 +79,7 @@ pub use branch::{BranchLink, BranchPoint, Branches, RefinedPoint, follow_branch,
 pub use error::TrackingError;
 pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};
+pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
 pub use mac::mac;
 pub use onset::{Onset, Onsets, find_onsets, onset_between};

@@ -152,6 +152,12 @@ impl<'a> Subdivision<'a> {
         self.indices = indices;
         true
     }
+
+    /// The modes of the next sample point that may be asked for and have no shapes yet.
+    fn missing_shapes(&self) -> Vec<usize> {
+        let Some(next) = self.sample_points.last() else { return Vec::new() };
+        next.wanted(&self.modes).into_iter().filter(|i| !next.modes.contains_key(i)).collect()
+    }
 }
 
 impl SamplePoint {
@@ -207,15 +213,8 @@ fn solve_sample_points(
 
 /// Finds the shapes that the next steps need, all together.
 fn find_shapes(paths: &mut [Result<Subdivision<'_>, CeaError>], work: &mut Workspace) {
-    let missing = |of_path: &Subdivision<'_>| -> Vec<usize> {
-        let of = |sample_point: &SamplePoint| {
-            let wanted = sample_point.wanted(&of_path.modes).into_iter();
-            wanted.filter(|i| !sample_point.modes.contains_key(i)).collect()
-        };
-        of_path.sample_points.last().map(of).unwrap_or_default()
-    };
     let missing: Vec<Vec<usize>> =
-        paths.iter().map(|of_path| of_path.as_ref().map(missing).unwrap_or_default()).collect();
+        paths.iter().map(|of_path| of_path.as_ref().map(Subdivision::missing_shapes).unwrap_or_default()).collect();
     let mut sample_points = Vec::new();
     for (of_path, missing) in paths.iter().zip(&missing) {
         if let Some(sample_point) = of_path.as_ref().ok().and_then(|of_path| of_path.sample_points.last()) {

@@ -101,7 +101,7 @@ fn path(brake: Brake, parts: [f64; 2], mu: f64, has_lag: bool) -> (Brake, [Gain;
         let gain = Gain { mu: part * mu, ..Gain::default() };
         match has_lag {
             true => Gain { lag: 0.1 * part / size, decay: 4.0 + part, ..gain },
-            false => Gain { velocity: 0.02 * part / size, ..gain },
+            false => Gain { slope: 0.02 * part / size, ..gain },
         }
     });
     (brake, gains)

@@ -83,9 +83,9 @@ pub fn accuracy(case: &LatticeCase, nlevp: &Path, effort: &Effort) -> Result<Acc
     let (coulomb, lugre) = (scene_of(Law::AmontonsCoulomb)?, scene_of(Law::LuGre)?);
 
     let (from, to) = case.friction.mu.support();
-    let mut undamped = OneParameterFamily::new(&brake, &plan.scenes[0], &QrSolver)?;
+    let undamped = OneParameterFamily::new(&brake, &plan.scenes[0], &QrSolver)?;
     let mut system = |mu: f64| {
-        let mut system = undamped.system(mu).clone();
+        let mut system = undamped.system(mu);
         system.c.fill(0.0);
         Ok(system)
     };

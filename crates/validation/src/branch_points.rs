@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use num_complex::Complex;
 use squeal::estimators::{Exact, OneParameterFamily};
-use squeal::study::Reference;
+use squeal::study::{ModeLabel, Reference};
 use squeal::tracking::{Branches, link};
 
 use crate::ValidationError;
@@ -29,14 +29,14 @@ pub(crate) fn near_coalescence(
     reference: &Reference,
     exact: &Exact,
     family: &mut OneParameterFamily<'_>,
-) -> Result<BTreeSet<u16>, ValidationError> {
+) -> Result<BTreeSet<ModeLabel>, ValidationError> {
     let distribution = family.distribution();
     let median = distribution.median();
     let ends = [0.5 * (1.0 - CENTRAL_PROBABILITY), 0.5 * (1.0 + CENTRAL_PROBABILITY)].map(|u| distribution.quantile(u));
     let widest = (ends[1] - median).max(median - ends[0]);
     let mut near = BTreeSet::new();
     for (index, names) in reference.names.iter().enumerate() {
-        let is_own = |unstable: &Vec<Vec<u16>>| unstable.iter().flatten().any(|name| names.contains(name));
+        let is_own = |unstable: &Vec<Vec<ModeLabel>>| unstable.iter().flatten().any(|name| names.contains(name));
         let onsets =
             exact.integral.pieces.windows(2).filter(|pair| is_own(&pair[0].unstable) != is_own(&pair[1].unstable));
         let reach = onsets.map(|pair| (pair[1].from - median).abs()).fold(0.0, f64::max).min(widest);

@@ -6,12 +6,12 @@ use std::time::Instant;
 use cea::QrSolver;
 use serde::Serialize;
 use squeal::estimators::{Estimated, Estimates, Integral, OneParameterFamily, exact, monte_carlo, quasi_monte_carlo};
-use squeal::study::{Study, UncertainBrake};
+use squeal::study::{ModeLabel, Study, UncertainBrake};
 
 use crate::ValidationError;
 use crate::branch_points::near_coalescence;
 use crate::perturbation::{TaylorOrder, perturbation};
-use crate::time_to_tolerance::most_plain_samples;
+use crate::time_to_tolerance::samples_to_tolerance;
 
 /// An estimator of occurrences.
 #[derive(Debug, Clone, Serialize)]
@@ -48,7 +48,7 @@ pub struct Estimators {
 /// An occurrence by the exact integral: scene, name, value, and whether its onset is near a coalescence.
 struct Exactly {
     scene: usize,
-    name: u16,
+    name: ModeLabel,
     value: f64,
     is_near: bool,
 }
@@ -58,7 +58,7 @@ struct Exactly {
 struct ExactOccurrences {
     occurrences: Vec<Exactly>,
     /// Scenes and names of all modes near a coalescence, also of those that are never unstable.
-    near: BTreeSet<(usize, u16)>,
+    near: BTreeSet<(usize, ModeLabel)>,
     /// Largest bound of an error.
     bound: f64,
     seconds: f64,
@@ -106,7 +106,7 @@ pub fn compare_estimators<B: UncertainBrake>(
         scenes: scenes.len(),
         occurrences: [exactly.occurrences.len() - near, near],
         reference_bound: exactly.bound,
-        samples_to_tolerance: most_plain_samples(exactly.occurrences.iter().map(|one| one.value)),
+        samples_to_tolerance: samples_to_tolerance(exactly.occurrences.iter().map(|one| one.value)),
         rows,
     })
 }
@@ -178,7 +178,7 @@ impl ExactOccurrences {
 
 /// What an estimator says of one scene.
 struct SceneEstimate {
-    occurrences: Vec<(u16, [f64; 2])>,
+    occurrences: Vec<(ModeLabel, [f64; 2])>,
     spectra: u64,
 }
 
@@ -196,12 +196,12 @@ impl SceneEstimate {
     }
 
     fn sampled(estimates: &Estimates) -> Self {
-        let of = |(&name, e): (&u16, &Estimated)| (name, [e.occurrence.lower, e.occurrence.upper]);
+        let of = |(&name, e): (&ModeLabel, &Estimated)| (name, [e.occurrence.lower, e.occurrence.upper]);
         let spectra = estimates.counters.eigenvalue_solves;
         Self { occurrences: estimates.modes.iter().map(of).collect(), spectra }
     }
 
-    fn of(&self, name: u16) -> [f64; 2] {
+    fn of(&self, name: ModeLabel) -> [f64; 2] {
         self.occurrences.iter().find(|(n, _)| *n == name).map_or([0.0; 2], |(_, limits)| *limits)
     }
 }

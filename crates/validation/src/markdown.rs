@@ -25,11 +25,11 @@ impl AccuracyReport {
         }
         self.estimators_markdown(&mut text);
         text += &tolerance_table::markdown(&self.time_to_tolerance);
-        text += "\n## The lattice at its worst\n\nEigenvalues of the structure with Im lambda >= 0. ";
+        text += "\n## Stress cases of the lattice\n\nEigenvalues of the structure with Im lambda >= 0. ";
         text += "Forward errors are in units of condition number times machine epsilon.\n";
         text += "Bare sign: eigenvalues that a test of Re lambda > 0 puts on the wrong side.\n\n";
         certified_table(&mut text, &self.lattice);
-        text += "\n## Hard problems\n\n";
+        text += "\n## NLEVP and BrakeSqueal problems\n\n";
         certified_table(&mut text, &self.nlevp);
         text += "\n## Side by side with libraries\n\n";
         text += "What a script does: all eigenvalues of the textbook matrices `[0 I 0; -M^-1 K, -M^-1 C, M^-1 F; 0 E -a]` \

@@ -54,7 +54,7 @@ pub fn expand(
 ) -> Result<Expansion, ValidationError> {
     let linear = family.linear().dynamic_stiffness(lambda);
     let linear_derivative = family.linear().dynamic_stiffness_derivative(lambda);
-    let system = family.system(mu);
+    let system = &family.system(mu);
     let n = system.order();
     let x = cea::right_vector(system, lambda, &mut Workspace::default())?;
     let q = system.dynamic_stiffness(lambda);
@@ -93,7 +93,7 @@ fn expand_double(
 ) -> Result<[Expansion; 2], ValidationError> {
     let lambda = 0.5 * (pair[0] + pair[1]);
     let linear = family.linear().dynamic_stiffness(lambda);
-    let system = family.system(mu);
+    let system = &family.system(mu);
     let mut work = Workspace::default();
     let right = cea::right_vectors(system, &pair, &mut work)?;
     let left = cea::right_vectors(&system.transposed(), &pair, &mut work)?;

@@ -20,7 +20,7 @@ pub struct AccuracyReport {
     pub estimators: Estimators,
     /// Time to a tenth of a percentage point, by law and speed range.
     pub time_to_tolerance: Vec<TimeToTolerance>,
-    /// Stress cases: the lattice at its worst.
+    /// Stress cases of the lattice.
     pub lattice: Vec<RouteOutcome>,
     /// Problems of NLEVP and others, from files.
     pub nlevp: Vec<RouteOutcome>,

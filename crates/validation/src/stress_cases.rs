@@ -1,4 +1,4 @@
-//! Stress cases: the lattice at its worst, systems on which a solver or a verdict could go wrong.
+//! Stress cases of the lattice: systems on which a solver or a verdict could go wrong.
 
 use cea::CeaError;
 use linsys::SecondOrder;

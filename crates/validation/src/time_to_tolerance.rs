@@ -1,19 +1,18 @@
 //! Time to +-0.1 percentage points of every occurrence, against plain Monte Carlo with LAPACK.
 //!
-//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs the samples of
-//! [`plain_samples`] for its occurrence nearest to one half, an estimator all the systems that it solves.
+//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs
+//! [`trials_for_half_width`] samples for its occurrence nearest to one half, an estimator all the systems that it solves.
 //! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
 //! per evaluation, vectors, names, and all its overhead included. Times are processor times of all threads, measured next
 //! to each other. Without the feature `lapack` the second is not measured.
 
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ProcessTime;
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
-use squeal::estimators::{
-    Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact, plain_samples,
-};
+use squeal::estimators::{Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact};
 use squeal::study::{SceneKey, Study};
 
 use crate::ValidationError;
@@ -94,12 +93,12 @@ struct OneScene {
 }
 
 impl OneScene {
-    fn plain_samples(&self) -> f64 {
-        most_plain_samples(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
+    fn samples_to_tolerance(&self) -> f64 {
+        samples_to_tolerance(self.occurrences.iter().map(|o| 0.5 * (o.lower + o.upper)))
     }
 
     fn fewer(&self) -> f64 {
-        self.plain_samples() / self.evaluations as f64
+        self.samples_to_tolerance() / self.evaluations as f64
     }
 
     fn cheaper(&self) -> Option<f64> {
@@ -165,8 +164,8 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
         evaluations: found.iter().map(|one| one.evaluations).sum(),
         most_evaluations: found.iter().map(|one| one.evaluations).max().unwrap_or(0),
         kinds: found.iter().filter_map(|one| one.kinds).reduce(|sum, kinds| sum + kinds),
-        plain_samples: found.iter().map(OneScene::plain_samples).sum(),
-        plain_seconds: found.iter().map(|one| Some(one.plain_samples() * one.dgeev_seconds?)).sum(),
+        plain_samples: found.iter().map(OneScene::samples_to_tolerance).sum(),
+        plain_seconds: found.iter().map(|one| Some(one.samples_to_tolerance() * one.dgeev_seconds?)).sum(),
         least_fewer: found.iter().map(OneScene::fewer).fold(f64::INFINITY, f64::min),
         least_cheaper: found.iter().filter_map(OneScene::cheaper).reduce(f64::min),
         dgeev_us: dgeev.map(|sum| 1e6 * sum / found.len().max(1) as f64),
@@ -175,8 +174,9 @@ fn row(study: &Study<'_, LatticeBrake>, key: SceneKey, scenes: &[usize]) -> Resu
 
 /// Samples of plain Monte Carlo for the tolerance, at 95 %, of the occurrence that takes most; without any, for knowing that
 /// there is none.
-pub(crate) fn most_plain_samples(occurrences: impl Iterator<Item = f64>) -> f64 {
-    occurrences.map(|p| plain_samples(p, HALF_WIDTH)).fold(plain_samples(0.0, HALF_WIDTH), f64::max)
+pub(crate) fn samples_to_tolerance(occurrences: impl Iterator<Item = f64>) -> f64 {
+    let needed = |p: f64| trials_for_half_width(p, HALF_WIDTH, Confidence::P95);
+    occurrences.map(needed).fold(needed(0.0), f64::max)
 }
 
 fn by_integral(study: &Study<'_, LatticeBrake>, scene: usize) -> Result<OneScene, ValidationError> {

@@ -9,7 +9,7 @@ pub(crate) fn markdown(rows: &[TimeToTolerance]) -> String {
     let mut text = String::from(
         "\n## Every occurrence to 0.1 percentage points\n\nUnconstrained scenes; 95 % for each occurrence. Amontons-Coulomb by \
          the exact integral, the others by response surfaces with control variate. Evaluations are all systems solved for a \
-         scene, of the control variate as means: sample points of the surrogate + pilots + clear + uncertain samples. Fewer: \
+         scene, of the control variate as means: sample points of the surrogate + pilot samples + clear + uncertain samples. Fewer: \
          samples of plain Monte Carlo for the worst occurrence of each scene, over evaluations. Cheaper: dgeev's time on a \
          sample, measured next to it, eigenvalues alone, over the time of an evaluation with all that belongs to it",
     );

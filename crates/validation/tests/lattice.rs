@@ -7,35 +7,16 @@ use std::path::Path;
 use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
+use paper_brake::{SOME, brake, exact_of};
 use squeal::brakes::LatticeBrake;
 use squeal::case::{LatticeCase, Law};
-use squeal::estimators::{Exact, OneParameterFamily, exact};
-use squeal::study::Study;
+use squeal::estimators::OneParameterFamily;
+use squeal::study::{ModeLabel, Study};
 use squeal::tracking::Branches;
 use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
-/// The paper's lattice with a few arrangements and one law, with `edits` to the text of its case.
-fn brake(arrangements: &str, law: &str, edits: &[(&str, &str)]) -> LatticeBrake {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cases/paper.toml"));
-    let mut text = std::fs::read_to_string(path)
-        .unwrap()
-        .replace("[\"amontons-coulomb\", \"velocity-dependent\", \"lugre\"]", &format!("[\"{law}\"]"))
-        .replace("in_contact = [9, 8, 7, 6]", &format!("arrangements = {arrangements}"));
-    let sets = text.find("[[constraints]]").unwrap()..text.find("[[speeds]]").unwrap();
-    text.replace_range(sets, "");
-    for (from, to) in edits {
-        assert!(text.contains(from), "{from}");
-        text = text.replace(from, to);
-    }
-    LatticeBrake::new(LatticeCase::parse(path, text).unwrap()).unwrap()
-}
-
-const SOME: &str = "[[1,2,3,4,5,6,7,8,9],[1,2,3,4,5,6,7,8],[1,3,4,5,6,8]]";
-
-fn exact_of(study: &Study<'_, LatticeBrake>, scene: usize) -> Exact {
-    let mut family = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver).unwrap();
-    exact(&study.references()[scene], &mut family).unwrap()
-}
+#[path = "../../squeal/tests/common/paper_brake.rs"]
+mod paper_brake;
 
 #[test]
 fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
@@ -44,11 +25,11 @@ fn the_real_part_changes_its_sign_at_a_critical_coefficient() {
     for scene in 0..brake.plan.scenes.len() {
         let exact = exact_of(&study, scene);
         assert!(exact.onsets.onsets.len() >= 4 && exact.onsets.unresolved.is_empty());
-        let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[scene], &QrSolver).unwrap();
+        let family = OneParameterFamily::new(&brake, &brake.plan.scenes[scene], &QrSolver).unwrap();
         for crossing in &exact.onsets.onsets {
             assert!(crossing.error < 1e-11);
-            let mut real = |mu: f64| {
-                let system = family.system(mu).clone();
+            let real = |mu: f64| {
+                let system = family.system(mu);
                 let guess = Complex::new(0.0, crossing.omega);
                 let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap();
                 let nearest = spectrum.oscillatory().min_by(|a, b| (a - guess).norm().total_cmp(&(b - guess).norm()));
@@ -67,7 +48,7 @@ fn derivatives_are_the_limits_of_differences() {
     let (mu, h) = (0.4, 1e-4);
     // Modes keep their order by frequency over so small a step.
     let at = |family: &mut OneParameterFamily<'_>, mu: f64| {
-        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu).clone());
+        let (lambdas, system): (_, SecondOrder) = (family.lambdas(mu).unwrap().to_vec(), family.system(mu));
         refine_all(&system, &lambdas).unwrap()
     };
     let (all_below, all_above) = (at(&mut family, mu - h), at(&mut family, mu + h));
@@ -105,9 +86,8 @@ fn perturbation_is_exact_where_the_uncertainty_is_small_and_only_there() {
         let mut family = OneParameterFamily::new(&brake, &brake.plan.scenes[0], &QrSolver).unwrap();
         let found = perturbation(&study.references()[0], &mut family, order).unwrap().occurrences;
         let names = exact.keys().chain(found.keys());
-        let of = |all: &std::collections::BTreeMap<u16, squeal::estimators::OccurrenceBounds>, name: &u16| {
-            all.get(name).map_or(0.0, |o| o.lower)
-        };
+        let of = |all: &std::collections::BTreeMap<ModeLabel, squeal::estimators::OccurrenceBounds>,
+                  name: &ModeLabel| { all.get(name).map_or(0.0, |o| o.lower) };
         names.map(|name| (of(&exact, name) - of(&found, name)).abs()).fold(0.0, f64::max)
     };
     let (first, second) = (error(&narrow, TaylorOrder::First), error(&narrow, TaylorOrder::Second));

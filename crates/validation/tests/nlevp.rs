@@ -1,4 +1,4 @@
-//! The hard quadratic eigenproblems of `fixtures/hard` against their references of 25 digits (see its README).
+//! The NLEVP and BrakeSqueal problems of `fixtures/hard` against their references of 25 digits (see its README).
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 

@@ -10,7 +10,7 @@ use crate::WorkError;
 
 /// Forces whose work is told apart from that of all others: friction, dashpots, gyroscopic forces.
 #[derive(Debug, Clone, Copy)]
-pub struct Family<'a> {
+pub struct ForceFamily<'a> {
     /// What the forces are called in results and errors.
     pub name: &'a str,
     /// Their C, K and internal states, with the signs of `M u'' + C u' + K u = F z`; M is not read.
@@ -77,12 +77,12 @@ impl ModeWork {
 /// use linsys::SecondOrder;
 /// use nalgebra::{dmatrix, dvector};
 /// use num_complex::Complex;
-/// use work::{Family, family_work};
+/// use work::{ForceFamily, family_work};
 ///
 /// // 2 kg on a spring of 50 N/m; a dashpot of 3 Ns/m against friction whose slope is worth -7 Ns/m.
 /// let of_dashpot = |c: f64| SecondOrder::new(dmatrix![0.0], dmatrix![c], dmatrix![0.0]);
 /// let (friction, dashpot) = (of_dashpot(-7.0)?, of_dashpot(3.0)?);
-/// let families = [Family { name: "friction", system: &friction }, Family { name: "dashpots", system: &dashpot }];
+/// let families = [ForceFamily { name: "friction", system: &friction }, ForceFamily { name: "dashpots", system: &dashpot }];
 ///
 /// let lambda = Complex::new(1.0, 24_f64.sqrt()); // 2 lambda^2 - 4 lambda + 50 = 0
 /// let work = family_work(&dmatrix![2.0], &families, lambda, &dvector![Complex::new(0.0, 0.1)], &[vec![0]])?;
@@ -95,7 +95,7 @@ impl ModeWork {
 /// No family, sizes that do not fit, a modal mass that is not positive, or an eigenvalue equal to minus a decay rate.
 pub fn family_work(
     mass: &DMatrix<f64>,
-    families: &[Family<'_>],
+    families: &[ForceFamily<'_>],
     lambda: Complex<f64>,
     phi: &DVector<Complex<f64>>,
     bodies: &[impl AsRef<[usize]>],
@@ -126,7 +126,7 @@ pub fn family_work(
 }
 
 /// Whether the sizes fit each other.
-fn check(mass: &DMatrix<f64>, families: &[Family<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
+fn check(mass: &DMatrix<f64>, families: &[ForceFamily<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
     let (rows, columns) = mass.shape();
     if rows != columns {
         return Err(WorkError::MassShape { rows, columns });
@@ -137,7 +137,7 @@ fn check(mass: &DMatrix<f64>, families: &[Family<'_>], phi: &DVector<Complex<f64
     if families.is_empty() {
         return Err(WorkError::NoFamily);
     }
-    for Family { name, system } in families {
+    for ForceFamily { name, system } in families {
         let family = || name.to_string();
         system.check().map_err(|source| WorkError::Family { family: family(), source })?;
         if system.order() != rows {
@@ -149,7 +149,7 @@ fn check(mass: &DMatrix<f64>, families: &[Family<'_>], phi: &DVector<Complex<f64
 
 /// `-(lambda C + K) phi + F z`, `z = lambda E phi / (lambda + a)`.
 fn force(
-    Family { name, system }: &Family<'_>,
+    ForceFamily { name, system }: &ForceFamily<'_>,
     lambda: Complex<f64>,
     phi: &DVector<Complex<f64>>,
 ) -> Result<DVector<Complex<f64>>, WorkError> {

@@ -23,7 +23,7 @@ mod error;
 mod family_work;
 
 pub use error::WorkError;
-pub use family_work::{Family, FamilyWork, ModeWork, family_work};
+pub use family_work::{FamilyWork, ForceFamily, ModeWork, family_work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -9,7 +9,7 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use num_complex::Complex;
 use proptest::prelude::*;
-use work::{Family, ModeWork, WorkError, family_work};
+use work::{ForceFamily, ModeWork, WorkError, family_work};
 
 const ORDER: usize = 5;
 const STATES: usize = 2;
@@ -57,7 +57,8 @@ fn two_families(
     bodies: &[Vec<usize>],
 ) -> Result<ModeWork, WorkError> {
     let damping = structure.damping_alone();
-    let families = [Family { name: "friction", system: friction }, Family { name: "damping", system: &damping }];
+    let families =
+        [ForceFamily { name: "friction", system: friction }, ForceFamily { name: "damping", system: &damping }];
     family_work(&structure.m, &families, lambda, phi, bodies)
 }
 
@@ -122,15 +123,16 @@ fn families_add_up() {
 
     let (bodies, work) = ([vec![0], vec![1]], &mut Workspace::default());
     let apart = [
-        Family { name: "gyroscopic", system: &gyroscopic },
-        Family { name: "follower", system: &follower },
-        Family { name: "dashpots", system: &dashpots },
+        ForceFamily { name: "gyroscopic", system: &gyroscopic },
+        ForceFamily { name: "follower", system: &follower },
+        ForceFamily { name: "dashpots", system: &dashpots },
     ];
     let mut modes = 0;
     for lambda in QrSolver.eigenvalues(&system, work).unwrap().oscillatory() {
         let phi = right_vector(&system, lambda, work).unwrap();
         let apart = family_work(&mass, &apart, lambda, &phi, &bodies).unwrap();
-        let together = family_work(&mass, &[Family { name: "all", system: &together }], lambda, &phi, &bodies).unwrap();
+        let together =
+            family_work(&mass, &[ForceFamily { name: "all", system: &together }], lambda, &phi, &bodies).unwrap();
         assert!(apart.identity_residual() < 1e-12 && together.identity_residual() < 1e-12);
         for (a, b) in apart.net().iter().zip(&together.families[0].bodies) {
             assert!((a - b).abs() < 1e-12 * apart.magnitude);
@@ -152,8 +154,8 @@ fn refuses_what_does_not_fit() {
     let (mut broken, two) = (one(1.0), SecondOrder::zeros(2, 0));
     broken.c[0] = f64::NAN;
     let (i, phi) = (Complex::i(), dvector![Complex::i()]);
-    fn friction(system: &SecondOrder) -> [Family<'_>; 1] {
-        [Family { name: "friction", system }]
+    fn friction(system: &SecondOrder) -> [ForceFamily<'_>; 1] {
+        [ForceFamily { name: "friction", system }]
     }
     let message = |result: Result<ModeWork, WorkError>| result.unwrap_err().to_string();
     assert_eq!(

@@ -1,4 +1,4 @@
-//! What it costs: every route to the eigenvalues against its peers, then the study by its stages and as a whole.
+//! What it costs: every route to the eigenvalues against library baselines, then the study by its stages and as a whole.
 
 mod machine;
 mod problems;
@@ -27,7 +27,7 @@ use python::Python;
 use rounds::{RouteTime, measure};
 use study::StudyTimes;
 
-/// Time: eigenvalue routes against their peers, the stages of the study, the whole of it
+/// Time: eigenvalue routes against library baselines, the stages of the study, the whole of it
 ///
 /// numpy and scipy take part where python3 has them, faer and LAPACK's dgeev with --features lapack,faer. dgeev is the
 /// system's OpenBLAS (libopenblas-dev).

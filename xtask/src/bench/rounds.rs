@@ -61,15 +61,15 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
     let own = timed.len();
     let mut python = python;
     if let Some(python) = &python {
-        let peers = python.routes.iter().zip(&python.spectra);
-        timed.extend(peers.map(|(name, spectra)| Timed {
+        let baselines = python.routes.iter().zip(&python.spectra);
+        timed.extend(baselines.map(|(name, spectra)| Timed {
             name: name.clone(),
             spectra: spectra.clone(),
             seconds: Vec::new(),
         }));
     }
     for _ in 0..rounds {
-        let (own, peers) = timed.split_at_mut(own);
+        let (own, baselines) = timed.split_at_mut(own);
         let growing = problem.growing.iter().map(|growing| Box::new(|| growing.solve()) as Box<dyn Fn() -> Spectra>);
         let solve = routes.iter().map(|route| Box::new(|| (route.solve)(&problem.systems)) as Box<dyn Fn() -> Spectra>);
         for (solve, timed) in solve.chain(growing).zip(own) {
@@ -78,7 +78,7 @@ pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) ->
             timed.seconds.push(start.elapsed().as_secs_f64());
         }
         if let Some(python) = &mut python {
-            for (at, timed) in peers.iter_mut().enumerate() {
+            for (at, timed) in baselines.iter_mut().enumerate() {
                 timed.seconds.push(python.time(at).map_err(TaskError::Python)?);
             }
         }

@@ -1,23 +1,23 @@
-//! The routes written in Rust: this project's, and its peers behind features.
+//! The routes written in Rust: this project's, and library baselines behind features.
 
 use validation::SolverRoute;
 
 /// The routes of this project, nalgebra, and LAPACK and faer where they are built in.
 pub fn routes() -> Vec<SolverRoute> {
-    let peers: &[SolverRoute] = &[
+    let baselines: &[SolverRoute] = &[
         #[cfg(feature = "lapack")]
-        SolverRoute { name: DGEEV_ROUTE_NAME, solve: peers::dgeev },
+        SolverRoute { name: DGEEV_ROUTE_NAME, solve: baselines::dgeev },
         #[cfg(feature = "faer")]
-        SolverRoute { name: "faer, scaled", solve: peers::faer },
+        SolverRoute { name: "faer, scaled", solve: baselines::faer },
     ];
-    validation::routes().into_iter().chain(peers.iter().copied()).collect()
+    validation::routes().into_iter().chain(baselines.iter().copied()).collect()
 }
 
 /// The route that the others are compared with.
 pub const DGEEV_ROUTE_NAME: &str = "LAPACK dgeev, scaled";
 
 #[cfg(any(feature = "lapack", feature = "faer"))]
-mod peers {
+mod baselines {
     use squeal::linsys::SecondOrder;
     use validation::Spectra;
 

@@ -6,7 +6,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::real::reveal_rank;
+use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
@@ -176,7 +176,7 @@ impl Measure {
 /// Orthonormal vectors that `a` annihilates, as many as its known nullity.
 fn null_space(a: &DMatrix<f64>, nullity: usize) -> Vec<Vector> {
     let n = a.nrows();
-    let mut turned = DMatrix::identity(n, n);
-    reveal_rank(&mut a.transpose(), &mut turned, n - nullity);
-    turned.rows(n - nullity, nullity).row_iter().map(|row| row.transpose().map(Complex::from)).collect()
+    let mut turned = Planar::<f64>::from(&DMatrix::identity(n, n));
+    reveal_rank(&mut Planar::from(&a.transpose()), &mut turned, n - nullity);
+    (n - nullity..n).map(|row| DVector::from_fn(n, |j, _| Complex::from(turned.get(row, j)))).collect()
 }

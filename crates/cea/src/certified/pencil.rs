@@ -8,9 +8,9 @@
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::dd::Dd;
+use super::lane::Lane;
+use super::planar::{Planar, reveal_rank, triangularise};
 use super::qz;
-use super::real::{Real, reveal_rank, triangularise};
 use super::scaled::Scaled;
 use crate::CeaError;
 
@@ -21,33 +21,30 @@ use crate::CeaError;
 /// lower ones. Householder reductions and QR steps keep rows that are graded downwards so, and both kinds come out with
 /// small backward errors. (Tropical scaling, Gaubert and Sharify 2009, needs a solve for each kind.)
 #[derive(Debug, Clone)]
-pub(crate) struct Pencil<T: Real> {
-    pub(crate) a: DMatrix<T>,
-    b: DMatrix<T>,
+pub(crate) struct Pencil<T> {
+    a: Planar<T>,
+    b: Planar<T>,
     /// Norms of A and B before anything was removed: rounding errors are of their size.
     norms: (f64, f64),
 }
 
-impl Pencil<f64> {
-    pub(crate) fn companion(s: &Scaled) -> Self {
-        let n = s.order();
-        let d = s.grading();
-        let (mut a, mut b) = (DMatrix::zeros(2 * n, 2 * n), DMatrix::identity(2 * n, 2 * n));
-        a.view_mut((0, 0), (n, n)).copy_from(&-&s.c);
-        a.view_mut((0, n), (n, n)).copy_from(&(&s.k / -d));
-        a.view_mut((n, 0), (n, n)).fill_diagonal(d);
-        b.view_mut((0, 0), (n, n)).copy_from(&s.m);
-        let norms = (a.norm(), b.norm());
-        Self { a, b, norms }
-    }
-
-    /// The same in double-double arithmetic.
-    pub(crate) fn extended(&self) -> Pencil<Dd> {
-        Pencil { a: self.a.map(Dd::from), b: self.b.map(Dd::from), norms: self.norms }
-    }
+/// A and B of the scaled problem.
+pub(crate) fn companion(s: &Scaled) -> (DMatrix<f64>, DMatrix<f64>) {
+    let n = s.order();
+    let d = s.grading();
+    let (mut a, mut b) = (DMatrix::zeros(2 * n, 2 * n), DMatrix::identity(2 * n, 2 * n));
+    a.view_mut((0, 0), (n, n)).copy_from(&-&s.c);
+    a.view_mut((0, n), (n, n)).copy_from(&(&s.k / -d));
+    a.view_mut((n, 0), (n, n)).fill_diagonal(d);
+    b.view_mut((0, 0), (n, n)).copy_from(&s.m);
+    (a, b)
 }
 
-impl<T: Real> Pencil<T> {
+impl<T: Lane> Pencil<T> {
+    pub(crate) fn new((a, b): &(DMatrix<f64>, DMatrix<f64>)) -> Self {
+        Self { a: Planar::from(a), b: Planar::from(b), norms: (a.norm(), b.norm()) }
+    }
+
     /// Without its infinite eigenvalues, whose chains come off with these widths.
     pub(crate) fn without_infinite(mut self, widths: &[usize]) -> Self {
         for &width in widths {
@@ -69,12 +66,12 @@ impl<T: Real> Pencil<T> {
         (last_pivot(&self.a) / self.norms.0, last_pivot(&self.b) / self.norms.1)
     }
 
-    /// Its eigenvalues by the QZ iteration, on the reversed pencil where A is better conditioned than B.
+    /// Its eigenvalues by the QZ iteration, on the reversed pencil where that is asked for: A should be better conditioned
+    /// than B then.
     ///
     /// All of them are finite and not zero; an infinite or zero one is a rounding error, replaced by one of its size.
-    pub(crate) fn eigenvalues(self) -> Result<Vec<Complex<f64>>, CeaError> {
-        let (a, b) = self.depths();
-        if a <= b {
+    pub(crate) fn eigenvalues(self, reversed: bool) -> Result<Vec<Complex<f64>>, CeaError> {
+        if !reversed {
             return qz::eigenvalues(self.a, self.b);
         }
         let reciprocal = |mu: Complex<f64>| {
@@ -85,24 +82,23 @@ impl<T: Real> Pencil<T> {
 }
 
 /// The smallest diagonal entry of the pivoted QR factor.
-fn last_pivot<T: Real>(a: &DMatrix<T>) -> f64 {
-    let sizes = reveal_rank(&mut a.clone(), &mut DMatrix::from_element(a.nrows(), 0, T::default()), a.nrows());
+fn last_pivot<T: Lane>(a: &Planar<T>) -> f64 {
+    let sizes = reveal_rank(&mut a.clone(), &mut Planar::from_fn(a.rows(), 0, |_, _| T::default()), a.rows());
     sizes.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// `first` has a null space of dimension `width`; both matrices on its complement, in the rows that the image of the
 /// null space under `second` leaves free.
-fn remove_null_space<T: Real>(first: DMatrix<T>, second: DMatrix<T>, width: usize) -> (DMatrix<T>, DMatrix<T>) {
-    let rest = first.nrows() - width;
+fn remove_null_space<T: Lane>(first: Planar<T>, second: Planar<T>, width: usize) -> (Planar<T>, Planar<T>) {
+    let size = first.rows();
+    let rest = size - width;
     // From the right: the last `width` columns of `first` vanish.
     let (mut first, mut second) = (first.transpose(), second.transpose());
     reveal_rank(&mut first, &mut second, rest);
     // From the left: those columns of `second` go into the first `width` rows.
-    let mut image = second.rows(rest, width).transpose();
-    let mut both = DMatrix::from_element(rest + width, 2 * rest, T::default());
-    both.columns_mut(0, rest).copy_from(&first.rows(0, rest).transpose());
-    both.columns_mut(rest, rest).copy_from(&second.rows(0, rest).transpose());
-    triangularise(&mut image, &mut both);
-    let kept = |from: usize| both.view((width, from), (rest, rest)).into_owned();
-    (kept(0), kept(rest))
+    let mut image = second.block(rest..size, 0..size).transpose();
+    let (mut first, mut second) =
+        (first.block(0..rest, 0..size).transpose(), second.block(0..rest, 0..size).transpose());
+    triangularise(&mut image, [&mut first, &mut second]);
+    (first.block(width..size, 0..rest), second.block(width..size, 0..rest))
 }

@@ -110,9 +110,17 @@ impl Scaled {
 
     /// `Q~(sigma)`.
     pub(crate) fn polynomial(&self, sigma: Complex<f64>) -> DMatrix<Complex<f64>> {
-        let n = self.order();
+        let [re, im] = self.polynomial_parts(sigma);
+        re.zip_map(&im, Complex::new)
+    }
+
+    /// Its real and its imaginary part.
+    pub(crate) fn polynomial_parts(&self, sigma: Complex<f64>) -> [DMatrix<f64>; 2] {
         let square = sigma * sigma;
-        DMatrix::from_fn(n, n, |i, j| square * self.m[(i, j)] + sigma * self.c[(i, j)] + self.k[(i, j)])
+        [
+            self.m.zip_zip_map(&self.c, &self.k, |m, c, k| square.re * m + sigma.re * c + k),
+            self.m.zip_map(&self.c, |m, c| square.im * m + sigma.im * c),
+        ]
     }
 
     /// `Q~(sigma) x`.

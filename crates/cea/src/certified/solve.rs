@@ -6,7 +6,8 @@ use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::pencil::Pencil;
+use super::dd::Dd;
+use super::pencil::{Pencil, companion};
 use super::scaled::Scaled;
 use super::structure::Structure;
 use super::vectors::Factor;
@@ -135,18 +136,19 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     {
         return Ok((Route::Standard, sigmas));
     }
-    let companion = Pencil::companion(scaled);
-    let pencil = companion.clone().without_infinite(&structure.infinite).without_zero(&structure.zero);
+    let companion = companion(scaled);
+    let pencil = Pencil::<f64>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero);
     let (a, b) = pencil.depths();
+    let reversed = a > b;
     if !strongly_damped
         && a.min(b) > LEAST_PIVOT_IN_DOUBLE
-        && let Ok(sigmas) = pencil.eigenvalues()
+        && let Ok(sigmas) = pencil.eigenvalues(reversed)
         && found(&sigmas)
     {
         return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
     }
-    let pencil = companion.extended().without_infinite(&structure.infinite).without_zero(&structure.zero);
-    let sigmas = pencil.eigenvalues()?;
+    let pencil = Pencil::<Dd>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero);
+    let sigmas = pencil.eigenvalues(reversed)?;
     if found(&sigmas) { Ok((Route::ExtendedQz, sigmas)) } else { Err(scaled.range()) }
 }
 
@@ -160,7 +162,7 @@ fn standard_form(s: &Scaled) -> Option<DMatrix<f64>> {
         return None;
     }
     let lu = s.m.clone().lu();
-    let Pencil { a: mut state, .. } = Pencil::companion(s);
+    let (mut state, _) = companion(s);
     let upper = lu.solve(&state.rows(0, n))?;
     state.rows_mut(0, n).copy_from(&upper);
     Some(state)

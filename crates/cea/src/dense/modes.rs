@@ -4,7 +4,7 @@ use linsys::{SecondOrder, real_times_complex};
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use crate::{CeaError, Spectrum, StandardForm, Workspace, by_frequency, right_vector};
+use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, right_vector};
 
 /// How far an eigenvalue may lie from the decay rate of its internal state, as a part of it, to be told by it alone.
 /// Chosen; it is asked only where there are just as many real eigenvalues as states.
@@ -19,7 +19,7 @@ const LARGEST_SPREAD_OF_REAL: f64 = 1e-4;
 /// being real: an overdamped mode is real too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
-    /// Oscillating modes: the eigenvalue with Im lambda > 0 of each pair, ascending in frequency, rad/s.
+    /// Oscillating modes: the eigenvalue with Im lambda > 0 of each pair, ascending in frequency as [`rank_order`] has it, rad/s.
     pub oscillatory: Vec<Complex<f64>>,
     /// Real eigenvalues of the structure, ascending: overdamped modes (two each), or divergence where positive.
     pub real: Vec<f64>,
@@ -36,6 +36,13 @@ impl Modes {
     /// # Errors
     /// Those of [`right_vector`].
     pub fn classify(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
+        let mut modes = Self::sorted(system, spectrum, work)?;
+        modes.oscillatory = rank_order(&modes.oscillatory).into_iter().map(|at| modes.oscillatory[at]).collect();
+        Ok(modes)
+    }
+
+    /// [`Modes::classify`], with the oscillating modes in the order of the spectrum.
+    fn sorted(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         if system.states() == 0 {
             let (oscillatory, real) = (spectrum.oscillatory().collect(), spectrum.real().collect());
             return Ok(Self { oscillatory, real, internal: Vec::new() });
@@ -79,16 +86,16 @@ impl Modes {
 }
 
 /// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
-/// its order. As [`Modes::rank`] of the one; equal eigenvalues rank in the order of their systems.
+/// its order. As [`Modes::rank`] of the one, by [`rank_order`]; equal eigenvalues rank in the order of their systems.
 #[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
     let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
     let places = |(system, modes): (usize, &&Modes)| (0..modes.oscillatory.len()).map(move |index| (system, index));
-    let mut order: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
-    let lambda = |(system, index): (usize, usize)| &systems[system].oscillatory[index];
-    order.sort_by(|&a, &b| by_frequency(lambda(a), lambda(b)));
-    for (place, (system, index)) in order.into_iter().enumerate() {
+    let all: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
+    let lambdas: Vec<Complex<f64>> = systems.iter().flat_map(|modes| modes.oscillatory.iter().copied()).collect();
+    for (place, at) in rank_order(&lambdas).into_iter().enumerate() {
+        let (system, index) = all[at];
         ranks[system][index] = overdamped + place + 1;
     }
     ranks

@@ -80,6 +80,27 @@ impl<S: Simd> Ops<S> {
     pub fn not(self, a: S::m64s) -> S::m64s {
         self.0.not_m64s(a)
     }
+    /// `a b + c`, rounded once on every machine, which is slow where it has no such instruction.
+    #[inline(always)]
+    pub fn exact_fma(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
+        self.0.mul_add_f64s(a, b, c)
+    }
+    /// A register of these numbers, zero beyond them.
+    #[inline(always)]
+    pub fn load(self, from: &[f64]) -> S::f64s {
+        match S::as_simd_f64s(from).0 {
+            [full, ..] => *full,
+            [] => self.0.partial_load_f64s(from),
+        }
+    }
+    /// As many numbers of the register as there is room for.
+    #[inline(always)]
+    pub fn store(self, to: &mut [f64], a: S::f64s) {
+        match S::as_mut_simd_f64s(to) {
+            ([full, ..], _) => *full = a,
+            ([], rest) => self.0.partial_store_f64s(rest, a),
+        }
+    }
     /// `a` in the lanes of the mask, `b` in the others.
     #[inline(always)]
     pub fn select(self, mask: S::m64s, a: S::f64s, b: S::f64s) -> S::f64s {

@@ -48,7 +48,7 @@ impl Brake {
     pub fn whole(&self, gain: &Gain) -> SecondOrder {
         let (Feedback { force, reading }, mut system) = (&self.feedback, self.structure.clone());
         system.k += gain.mu * force * reading;
-        system.c += gain.velocity * force * force.transpose();
+        system.c += gain.slope * force * force.transpose();
         if gain.lag != 0.0 {
             let decay = DVector::from_element(force.ncols(), gain.decay);
             system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
@@ -102,13 +102,13 @@ pub fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f6
     upper
 }
 
-/// Gains about the first instability of a structure: unit numbers for mu, velocity and decay.
+/// Gains about the first instability of a structure: unit numbers for mu, slope and decay.
 pub fn gains(brake: &Brake, critical: f64, units: &[[f64; 3]], has_lag: bool) -> Vec<Gain> {
     let size = brake.feedback.force.norm_squared();
-    let gain = |&[mu, velocity, decay]: &[f64; 3]| {
-        let (slope, decay) = (0.02 * velocity / size, 3.0 * 10f64.powf(decay));
+    let gain = |&[mu, slope, decay]: &[f64; 3]| {
+        let (slope, decay) = (0.02 * slope / size, 3.0 * 10f64.powf(decay));
         let gain = Gain { mu: critical * (1.0 + 0.5 * mu), ..Gain::default() };
-        if has_lag { Gain { lag: slope * decay, decay, ..gain } } else { Gain { velocity: slope, ..gain } }
+        if has_lag { Gain { lag: slope * decay, decay, ..gain } } else { Gain { slope, ..gain } }
     };
     units.iter().map(gain).collect()
 }

@@ -73,15 +73,15 @@ fn next_to_critical_gains_no_verdict_is_wrong() {
         add(2, counts);
 
         // A dashpot of negative damping in the ports of friction.
-        let velocity = |velocity: f64| Gain { velocity, ..Gain::default() };
-        let grows = |v: f64| brake.growth(&velocity(v)) > 0.0;
+        let sloped = |slope: f64| Gain { slope, ..Gain::default() };
+        let grows = |v: f64| brake.growth(&sloped(v)) > 0.0;
         let upper = (1..).map(|i| -1e-3 * f64::from(i)).find(|&v| grows(v)).unwrap();
         let critical = bisect(upper + 1e-3, upper, grows);
         let secular = brake.secular();
-        let anchors = brake.anchors(&secular, &[0.5, 0.9, 1.1].map(|part| velocity(part * critical)));
-        let nudge = |gain: Gain, part: f64| Gain { velocity: gain.velocity * (1.0 + part), ..gain };
-        add(3, check_about((&secular, &anchors), velocity(critical), nudge, [0, 1])?);
-        prop_assert!(growing(&secular, &anchors, &[velocity(critical)])[0].is_err());
+        let anchors = brake.anchors(&secular, &[0.5, 0.9, 1.1].map(|part| sloped(part * critical)));
+        let nudge = |gain: Gain, part: f64| Gain { slope: gain.slope * (1.0 + part), ..gain };
+        add(3, check_about((&secular, &anchors), sloped(critical), nudge, [0, 1])?);
+        prop_assert!(growing(&secular, &anchors, &[sloped(critical)])[0].is_err());
         Ok(())
     };
     runner(64).run(&(brake(0.03..0.1, 0.0), units), check).unwrap();

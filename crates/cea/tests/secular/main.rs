@@ -137,7 +137,7 @@ fn bounds_keep_from_the_frequencies_that_are_asked_for() {
 }
 
 #[test]
-fn without_pilots_nothing_is_found_and_feedback_must_fit() {
+fn without_anchors_nothing_is_found_and_feedback_must_fit() {
     let cases = brake(0.001..0.05, 0.01);
     let check = |brake: Brake| {
         let secular = brake.secular();
@@ -145,7 +145,7 @@ fn without_pilots_nothing_is_found_and_feedback_must_fit() {
         let none = brake.anchors(&secular, &[]);
         prop_assert_eq!(growing(&secular, &none, &[gain, gain]), [Err(LeftOpen::NoAnchor), Err(LeftOpen::NoAnchor)]);
         // An overdamped state is no anchor.
-        let overdamped = Gain { velocity: 1e4, ..gain };
+        let overdamped = Gain { slope: 1e4, ..gain };
         let none = brake.anchors(&secular, &[overdamped]);
         prop_assert_eq!(growing(&secular, &none, &[gain]), [Err(LeftOpen::NoAnchor)]);
         prop_assert!(growing(&secular, &brake.anchors(&secular, &[gain]), &[]).is_empty());
@@ -167,13 +167,12 @@ fn without_pilots_nothing_is_found_and_feedback_must_fit() {
 }
 
 #[test]
-fn guesses_from_pilots_leave_little_to_correct() {
+fn guesses_from_anchors_leave_little_to_correct() {
     let (modes, values) = (Cell::new(0), Cell::new(0));
     let check = |brake: Brake| {
         let (secular, size) = (brake.secular(), brake.feedback.force.norm_squared());
         let critical = brake.critical(0.0).unwrap_or(1.0);
-        let gain =
-            |mu: f64, velocity: f64| Gain { mu: mu * critical, velocity: velocity * 0.05 / size, ..Gain::default() };
+        let gain = |mu: f64, slope: f64| Gain { mu: mu * critical, slope: slope * 0.05 / size, ..Gain::default() };
         let anchors = brake.anchors(&secular, &[gain(0.2, 0.2), gain(0.5, 0.8)]);
         let mut work = Workspace::default();
         for gain in [gain(0.1, 0.0), gain(0.35, 0.5), gain(0.6, 1.0)] {

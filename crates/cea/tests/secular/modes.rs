@@ -129,7 +129,7 @@ fn rates_are_the_limits_of_differences() {
                     [critical.unwrap().abs(), 1.0 / brake.feedback.force.norm_squared()].map(|size| 1e-4 * size);
                 let by = [
                     difference(&brake, lambda, steps[0], |p| Gain { mu: gain.mu + p, ..gain }),
-                    difference(&brake, lambda, steps[1], |v| Gain { velocity: gain.velocity + v, ..gain }),
+                    difference(&brake, lambda, steps[1], |v| Gain { slope: gain.slope + v, ..gain }),
                 ];
                 // An eigenvalue that moves takes the slope with it: d lambda = rate (d v + slope' d lambda).
                 let slope = -gain.lag / (lambda + gain.decay).powi(2);

@@ -12,10 +12,7 @@ mod tests;
 use nalgebra::DMatrix;
 
 use crate::LinsysError;
-pub use problem::MarketProblem;
-
-/// Most rows or columns of a matrix that is read; chosen: 4096 x 4096 takes 128 MB as a dense matrix.
-pub const LARGEST_ORDER: usize = 4096;
+pub use problem::{LARGEST_ORDER, MarketProblem};
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Symmetry {

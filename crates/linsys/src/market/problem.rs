@@ -1,6 +1,7 @@
 //! What can be wrong with a Matrix Market file.
 
-use super::LARGEST_ORDER;
+/// Most rows or columns of a matrix that is read; chosen: 4096 x 4096 takes 128 MB as a dense matrix.
+pub const LARGEST_ORDER: usize = 4096;
 
 /// What the first line of a file should be, in messages.
 const BANNER: &str = "\"%%MatrixMarket matrix coordinate real general\" or the like";

@@ -3,6 +3,7 @@
 mod arrangement;
 mod assembly;
 mod dof;
+mod dof_names;
 mod model;
 mod parameters;
 mod preload;

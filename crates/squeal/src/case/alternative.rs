@@ -3,7 +3,7 @@
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
-use super::{Draws, LatticeCase, Law};
+use super::{Draws, Law};
 use crate::study::ModeNaming;
 
 /// One reading other than the case's own.
@@ -55,27 +55,5 @@ impl Alternative {
             Self::BristleDamping(Some(BristleDamping::Constant)) => "sigma1 constant".into(),
             Self::BristleDamping(Some(BristleDamping::Decaying)) => "sigma1 decaying with speed".into(),
         }
-    }
-}
-
-impl LatticeCase {
-    /// The case under another reading.
-    pub fn with(&self, alternative: &Alternative) -> Self {
-        let mut case = self.clone();
-        let readings = &mut case.readings;
-        match *alternative {
-            Alternative::OscillatorMass(mass) => case.lattice.oscillator_mass.fill(mass),
-            Alternative::Lateral(lateral) => readings.lateral = lateral,
-            Alternative::Draws(draws) => readings.draws = draws,
-            Alternative::ModeNaming(labels) => readings.labels = labels,
-            Alternative::Preload(preload) => readings.preload = preload,
-            Alternative::BristleDamping(damping) => readings.bristle_damping = damping,
-            Alternative::InPlaceOfLuGre(other) => {
-                for law in case.laws.iter_mut().filter(|law| **law == Law::LuGre) {
-                    *law = other;
-                }
-            }
-        }
-        case
     }
 }

@@ -3,6 +3,7 @@
 mod alternative;
 mod arrangements;
 mod check;
+mod choices;
 mod error;
 mod expression;
 mod file;
@@ -13,9 +14,9 @@ mod validate;
 
 pub use alternative::Alternative;
 pub use check::{HALF_WIDTHS, is_half_width};
+pub use choices::{Draws, Law};
 pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
-pub use schema::{Draws, Law};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

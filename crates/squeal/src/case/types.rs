@@ -7,9 +7,8 @@ use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::Alternative;
-use super::schema::{Draws, Law};
-use crate::study::ModeNaming;
+use super::{Alternative, Draws, Law};
+use crate::study::{ModeLabel, ModeNaming};
 
 /// A study, checked.
 #[derive(Debug, Clone)]
@@ -117,7 +116,7 @@ pub struct Paper {
     /// Which publication.
     pub source: String,
     /// The mode it finds most robustly unstable, in its own numbering.
-    pub mode: u16,
+    pub mode: ModeLabel,
     /// Lowest and highest natural frequency of the oscillators, Hz.
     pub natural_frequencies_oscillators: [f64; 2],
     /// Lowest and highest natural frequency of the plate, Hz.
@@ -147,5 +146,25 @@ impl LatticeCase {
         let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
         let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
+    }
+
+    /// The case under another reading.
+    pub fn with(&self, alternative: &Alternative) -> Self {
+        let mut case = self.clone();
+        let readings = &mut case.readings;
+        match *alternative {
+            Alternative::OscillatorMass(mass) => case.lattice.oscillator_mass.fill(mass),
+            Alternative::Lateral(lateral) => readings.lateral = lateral,
+            Alternative::Draws(draws) => readings.draws = draws,
+            Alternative::ModeNaming(labels) => readings.labels = labels,
+            Alternative::Preload(preload) => readings.preload = preload,
+            Alternative::BristleDamping(damping) => readings.bristle_damping = damping,
+            Alternative::InPlaceOfLuGre(other) => {
+                for law in case.laws.iter_mut().filter(|law| **law == Law::LuGre) {
+                    *law = other;
+                }
+            }
+        }
+        case
     }
 }

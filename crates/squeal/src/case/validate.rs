@@ -89,20 +89,9 @@ fn lattice_parameters(
     lean: schema::LeanEntry,
 ) -> Result<LatticeParameters, CaseError> {
     let grid = Grid::new(lattice.rows, lattice.columns).map_err(check.lattice("lattice"))?;
-    let springs = |values: &Values, chains: &dyn Fn(f64, f64) -> Vec<f64>| match values {
-        Values::All(value) => chains(*value, *value),
-        Values::Each(list) => list.clone(),
-        Values::Chain(Chain { wall, inner }) => chains(*wall, *inner),
-    };
-    let each = |field: &str, values: &Values| match values {
-        Values::All(value) => Ok(vec![*value; grid.oscillators()]),
-        Values::Each(list) => Ok(list.clone()),
-        Values::Chain(_) => {
-            Err(check.value(&format!("lattice.{field}"), "{ wall, inner }", "a number or one for each oscillator"))
-        }
-    };
-    let x = |values| springs(values, &|wall, inner| grid.x_chains(wall, inner));
-    let y = |values| springs(values, &|wall, inner| grid.y_chains(wall, inner));
+    let x = |values| of_chains(values, |wall, inner| grid.x_chains(wall, inner));
+    let y = |values| of_chains(values, |wall, inner| grid.y_chains(wall, inner));
+    let each = |field, values| of_oscillators(check, grid.oscillators(), field, values);
     let parameters = LatticeParameters {
         grid,
         x_stiffness: x(&lattice.x_stiffness),
@@ -127,6 +116,26 @@ fn lattice_parameters(
     };
     parameters.check().map_err(check.lattice("lattice"))?;
     Ok(parameters)
+}
+
+/// A value for each member of all chains, which `chains` makes from those of walls and inner members.
+fn of_chains(values: &Values, chains: impl Fn(f64, f64) -> Vec<f64>) -> Vec<f64> {
+    match values {
+        Values::All(value) => chains(*value, *value),
+        Values::Each(list) => list.clone(),
+        Values::Chain(Chain { wall, inner }) => chains(*wall, *inner),
+    }
+}
+
+/// A value for each oscillator.
+fn of_oscillators(check: &Check<'_>, oscillators: usize, field: &str, values: &Values) -> Result<Vec<f64>, CaseError> {
+    match values {
+        Values::All(value) => Ok(vec![*value; oscillators]),
+        Values::Each(list) => Ok(list.clone()),
+        Values::Chain(_) => {
+            Err(check.value(&format!("lattice.{field}"), "{ wall, inner }", "a number or one for each oscillator"))
+        }
+    }
 }
 
 fn preload(check: &Check<'_>, preload: schema::PreloadEntry) -> Result<Preload, CaseError> {

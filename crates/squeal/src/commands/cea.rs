@@ -188,7 +188,7 @@ fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
     if !modes.internal.is_empty() {
         text += &format!("\n{} bristle eigenvalues, which are no modes\n", modes.internal.len());
     }
-    text + "\ndamping ratio: -Re / |lambda|, negative is unstable; rank counts overdamped modes first\n"
+    text + "\ndamping ratio: -Re / |lambda|, negative is unstable; rank counts overdamped modes first, of equal frequencies the damped one\n"
 }
 
 /// Shape and work of a mode, a line for each body. A shape with three components for each body is shown in full, others

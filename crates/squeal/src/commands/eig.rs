@@ -57,20 +57,28 @@ impl EigArgs {
 fn read_system(args: &EigArgs) -> Result<SecondOrder, Error> {
     let m = read_matrix(&args.mass)?;
     let order = m.nrows();
-    let shaped = |path: &Path, name, matrix: DMatrix<f64>, reason| {
-        if matrix.shape() == (order, order) {
-            return Ok(matrix);
-        }
-        let (rows, columns) = matrix.shape();
-        Err(Error::MatrixShape { path: path.to_owned(), name, rows, columns, order, reason })
-    };
-    let m = shaped(&args.mass, "mass", m, "a square matrix")?;
+    let m = of_order(order, &args.mass, "mass", m, "a square matrix")?;
     let c = match &args.damping {
-        Some(path) => shaped(path, "damping", read_matrix(path)?, "like the mass matrix")?,
+        Some(path) => of_order(order, path, "damping", read_matrix(path)?, "like the mass matrix")?,
         None => DMatrix::zeros(order, order),
     };
-    let k = shaped(&args.stiffness, "stiffness", read_matrix(&args.stiffness)?, "like the mass matrix")?;
+    let k = of_order(order, &args.stiffness, "stiffness", read_matrix(&args.stiffness)?, "like the mass matrix")?;
     SecondOrder::new(m, c, k).map_err(|e| Error::Cea(e.into()))
+}
+
+/// A matrix, refused if it is not `order` x `order`.
+fn of_order(
+    order: usize,
+    path: &Path,
+    name: &'static str,
+    matrix: DMatrix<f64>,
+    reason: &'static str,
+) -> Result<DMatrix<f64>, Error> {
+    if matrix.shape() == (order, order) {
+        return Ok(matrix);
+    }
+    let (rows, columns) = matrix.shape();
+    Err(Error::MatrixShape { path: path.to_owned(), name, rows, columns, order, reason })
 }
 
 fn read_matrix(path: &Path) -> Result<DMatrix<f64>, Error> {
@@ -95,32 +103,36 @@ fn list<T>(items: impl IntoIterator<Item = T>, item: impl Fn(T) -> String) -> St
     items.into_iter().map(item).collect::<Vec<_>>().join(", ")
 }
 
+fn vector_json(v: &DVector<Complex<f64>>) -> String {
+    list(v.iter(), |z| format!("[{}, {}]", number(z.re), number(z.im)))
+}
+
+fn finite_json(e: &CertifiedEigenvalue, vectors: bool) -> String {
+    let l = e.lambda;
+    let mut text = format!(
+        "    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
+         \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{}\"",
+        number(l.re),
+        number(l.im),
+        number(frequency_hz(l)),
+        number(damping_ratio(l)),
+        number(e.backward_error),
+        number(e.condition),
+        number(e.bound),
+        e.verdict
+    );
+    if vectors {
+        text += &format!(", \"right\": [{}], \"left\": [{}]", vector_json(&e.right), vector_json(&e.left));
+    }
+    text + "}"
+}
+
 fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool) -> String {
-    let vector = |v: &DVector<Complex<f64>>| list(v.iter(), |z| format!("[{}, {}]", number(z.re), number(z.im)));
-    let finite = |e: &CertifiedEigenvalue| {
-        let l = e.lambda;
-        let mut text = format!(
-            "    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
-             \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{}\"",
-            number(l.re),
-            number(l.im),
-            number(frequency_hz(l)),
-            number(damping_ratio(l)),
-            number(e.backward_error),
-            number(e.condition),
-            number(e.bound),
-            e.verdict
-        );
-        if vectors {
-            text += &format!(", \"right\": [{}], \"left\": [{}]", vector(&e.right), vector(&e.left));
-        }
-        text + "}"
-    };
     // A constraint or a massless joint grows nothing: infinite eigenvalues are no threat to stability.
     let infinite = "    {\"kind\": \"infinite\", \"re\": null, \"im\": null, \"frequency_hz\": null, \
                     \"damping_ratio\": null, \"backward_error\": 0, \"condition\": null, \"bound\": null, \
                     \"verdict\": \"stable\"}";
-    let eigenvalues = certified.eigenvalues.iter().map(finite);
+    let eigenvalues = certified.eigenvalues.iter().map(|e| finite_json(e, vectors));
     let eigenvalues: Vec<_> = eigenvalues.chain((0..spectrum.infinite).map(|_| infinite.to_owned())).collect();
     let clusters = list(&certified.clusters, |c| {
         format!(

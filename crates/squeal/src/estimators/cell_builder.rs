@@ -10,7 +10,7 @@ use super::friction_points::FrictionPoints;
 use super::kd_tree::{CORNERS, Cell, CornerNames, CrossingMode, Leaf, ModeSet};
 use super::response_surface::{ResponseSurface, link};
 use super::sample_points::{SamplePoints, SampledMode};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Halvings of each direction in any case; chosen.
 const FIRST_HALVINGS: u32 = 2;
@@ -68,7 +68,7 @@ pub(super) struct CellBuilder<'a, B: UncertainBrake> {
     step: [f64; 3],
     pub sample_points: HashMap<[u32; 3], Vec<SampledMode>>,
     pub cells: Vec<Cell>,
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
@@ -238,8 +238,8 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
     }
 
     /// The names of a mode, as bits.
-    fn bits(&self, names: &[u16]) -> ModeSet {
-        let bit = |name: &u16| self.names.iter().position(|other| other == name).map_or(0, |bit| 1 << bit);
+    fn bits(&self, names: &[ModeLabel]) -> ModeSet {
+        let bit = |name: &ModeLabel| self.names.iter().position(|other| other == name).map_or(0, |bit| 1 << bit);
         let perhaps = names.iter().fold(0, |bits, name| bits | bit(name));
         ModeSet { sure: if names.len() == 1 { perhaps } else { 0 }, perhaps }
     }

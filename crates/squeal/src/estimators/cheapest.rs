@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use cea::QrSolver;
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::{Deserialize, Serialize};
 
-use super::sampling::plain_samples;
 use super::{
     Estimated, Estimates, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
 };
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Samples that say how many plain ones are needed, and count for nothing else; chosen.
-pub(super) const PLAIN_PILOTS: u64 = 400;
+pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
@@ -56,10 +56,10 @@ pub struct SceneOccurrences {
     /// How they were found.
     pub estimator: Estimator,
     /// By name of the mode; modes that are surely never unstable are not listed.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// The largest half width of any mode, listed or not, without what open names leave open.
     pub half_width: f64,
-    /// Systems solved, all of them.
+    /// Systems solved, all of them: also those of an estimator that was tried and turned out not to apply.
     pub evaluations: u64,
     /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
     /// half needs.
@@ -70,20 +70,29 @@ pub struct SceneOccurrences {
 /// scene, where [`friction_points`] found some.
 ///
 /// # Errors
-/// A sample that cannot be solved.
+/// A sample or a spectrum that cannot be solved.
 pub fn scene_occurrences<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
     points: Option<&FrictionPoints>,
 ) -> Result<SceneOccurrences, EstimatorError> {
-    if let Some(found) = by_integral(study, scene, half_width)? {
-        return Ok(found);
-    }
-    match points {
-        Some(points) => by_control_variate(study, scene, half_width, points),
-        None => by_sampling(study, scene, half_width),
-    }
+    let attempt = match by_integral(study, scene, half_width)? {
+        Ok(found) => return Ok(found),
+        Err(DoesNotApply { evaluations }) => evaluations,
+    };
+    let mut found = match points {
+        Some(points) => by_control_variate(study, scene, half_width, points)?,
+        None => by_sampling(study, scene, half_width)?,
+    };
+    found.evaluations += attempt;
+    Ok(found)
+}
+
+/// An estimator that does not apply to a scene.
+struct DoesNotApply {
+    /// Systems solved until that was known.
+    evaluations: u64,
 }
 
 /// Points of the friction of a scene for [`scene_occurrences`]; `None` where a control variate does not apply, or plain
@@ -111,25 +120,31 @@ pub fn friction_points<B: UncertainBrake>(
     }
 }
 
-/// By the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
+/// By the exact integral; it does not apply where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
-) -> Result<Option<SceneOccurrences>, EstimatorError> {
-    let found = OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver)
-        .and_then(|mut family| exact(&study.references()[scene], &mut family));
-    let found = match found {
+) -> Result<Result<SceneOccurrences, DoesNotApply>, EstimatorError> {
+    let mut family = match OneParameterFamily::new(study.brake(), &study.plan().scenes[scene], &QrSolver) {
+        Ok(family) => family,
+        Err(EstimatorError::NotOneParameter { .. }) => return Ok(Err(DoesNotApply { evaluations: 0 })),
+        Err(error) => return Err(error),
+    };
+    let found = match exact(&study.references()[scene], &mut family) {
         Ok(found) => found,
-        Err(EstimatorError::Study(error)) => return Err(error.into()),
-        Err(_) => return Ok(None),
+        // Solver errors are none of tracking: see `EstimatorError`.
+        Err(EstimatorError::Tracking(_)) => {
+            return Ok(Err(DoesNotApply { evaluations: family.counters().eigenvalue_solves }));
+        }
+        Err(error) => return Err(error),
     };
     let mut modes = BTreeMap::new();
     for (name, occurrence) in found.integral.occurrences {
         modes.insert(name, Estimated::within(occurrence, found.error));
     }
     let evaluations = found.counters.eigenvalue_solves;
-    Ok(Some(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
+    Ok(Ok(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
 }
 
 fn by_control_variate<B: UncertainBrake>(
@@ -143,18 +158,18 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilots.
+/// By plain samples, as many as the occurrence nearest to one half needs by some pilot samples.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     half_width: f64,
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
-    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOTS)?;
+    let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let samples = planned_samples(&pilots, half_width);
     let found = monte_carlo(study, scene, seed, samples)?;
     let reached = found.half_width();
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOTS + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
 }
 
 /// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it. A mode that
@@ -168,7 +183,7 @@ pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
 impl SceneOccurrences {
     fn new(
         estimator: Estimator,
-        modes: BTreeMap<u16, Estimated>,
+        modes: BTreeMap<ModeLabel, Estimated>,
         reached: f64,
         evaluations: u64,
         half_width: f64,
@@ -177,4 +192,9 @@ impl SceneOccurrences {
         let needed = centres.map(|p| plain_samples(p, half_width)).fold(plain_samples(0.0, half_width), f64::max);
         Self { estimator, modes, half_width: reached, evaluations, plain_evaluations: needed.ceil() as u64 }
     }
+}
+
+/// Samples with which plain sampling knows an occurrence to a half width at 95 %.
+fn plain_samples(p: f64, half_width: f64) -> f64 {
+    trials_for_half_width(p, half_width, Confidence::P95)
 }

@@ -24,7 +24,7 @@ use super::interval::{INTERIM_LOOKS, PredictionMeans, intervals, tails};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
-use crate::study::{Scratch, Study, UncertainBrake, unstable_names};
+use crate::study::{ModeLabel, Scratch, Study, UncertainBrake};
 
 /// Half width that the first look is sized for, as a part of the one asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
@@ -37,7 +37,7 @@ const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
 /// The same of the uncertain samples; chosen.
 const PRIOR_WRONG_OF_UNCERTAIN: f64 = 0.05;
 /// Uncertain samples that tell it better where many are needed. They count for nothing else. Chosen.
-const PILOTS: u64 = 400;
+const PILOT_SAMPLES: u64 = 400;
 /// Standard error by uncertain samples that a surrogate is refined for, as a part of the half width; chosen.
 const SURROGATE_ERROR_PART: f64 = 0.13;
 /// Fewest uncertain samples of the first look, so that Student's t applies; chosen.
@@ -77,8 +77,8 @@ pub(super) fn corrected(
 ) -> Result<ControlVariateEstimate, EstimatorError> {
     let mut first = first_sizes(means, prior_wrong(means.uncertain.mean), half_width);
     let mut pilots = Stratum::default();
-    if first[1] > 2 * PILOTS {
-        solve(1, PILOTS, &mut pilots)?;
+    if first[1] > 2 * PILOT_SAMPLES {
+        solve(1, PILOT_SAMPLES, &mut pilots)?;
         first = first_sizes(means, pilots.most_wrong(), half_width);
     }
     let mut strata = <[Stratum; 2]>::default();
@@ -139,7 +139,7 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
     scene: usize,
     surrogate: &'a Surrogate,
     /// Every name of the scene.
-    names: Vec<u16>,
+    names: Vec<ModeLabel>,
     seed: u64,
     next: u64,
     /// Drawn and not solved, with the prediction.
@@ -167,7 +167,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
-                stratum.enter(&self.surrogate.named(predicted), &unstable_names(&outcome?.unstable, &self.names));
+                stratum.enter(&self.surrogate.named(predicted), &outcome?.unstable_names(&self.names));
             }
         }
         Ok(())

@@ -7,17 +7,18 @@ use cea::Counters;
 use montecarlo::{ReplicateMean, StreamRng, stream};
 use rand_distr::{Binomial, Distribution as _};
 
-use super::cheapest::{PLAIN_PILOTS, planned_samples};
+use super::cheapest::{PLAIN_PILOT_SAMPLES, planned_samples};
 use super::control_variate::corrected;
 use super::interval::PredictionMeans;
 use super::sampling::{HitCounts, mean_of_scramblings, of_samples, of_scramblings};
 use super::stratum::Stratum;
 use super::{Estimated, Estimates};
+use crate::study::ModeLabel;
 
 /// The occurrences that are estimated.
 const PROBABILITIES: [f64; 7] = [0.0, 0.0005, 0.005, 0.3, 0.5, 0.995, 1.0];
 /// The mode that is estimated.
-const MODE: u16 = 7;
+const MODE: ModeLabel = ModeLabel::new(7);
 /// Error probability of an interval.
 const TAIL: f64 = 0.05;
 
@@ -85,7 +86,7 @@ fn of(estimates: &Estimates) -> (Option<Estimated>, f64) {
 fn plain(truth: f64, half_width: f64, rng: &mut StreamRng) -> (Option<Estimated>, f64) {
     let mut estimates =
         |samples| of_samples(&hits(binomial(samples, truth, rng)), samples, Counters::default()).unwrap();
-    let samples = planned_samples(&estimates(PLAIN_PILOTS), half_width);
+    let samples = planned_samples(&estimates(PLAIN_PILOT_SAMPLES), half_width);
     of(&estimates(samples))
 }
 

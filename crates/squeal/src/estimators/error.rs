@@ -14,25 +14,9 @@ pub enum EstimatorError {
         /// What there is.
         found: String,
     },
-    /// Real eigenvalues where every mode must oscillate for its branch to be followed.
-    #[error("at mu = {mu} the structure has {real} real eigenvalues; branches are followed where all modes oscillate")]
-    NotOscillating {
-        /// The friction coefficient.
-        mu: f64,
-        /// Real eigenvalues there.
-        real: usize,
-    },
-    /// A branch runs along the axis, or two branches together, for so long that no step resolves them.
-    #[error("the branches around mu = {mu} are not resolved after {spectra} spectra")]
-    Unresolved {
-        /// The friction coefficient.
-        mu: f64,
-        /// Spectra computed.
-        spectra: usize,
-    },
-    /// Branches whose onsets are not found, or contradict the spectra.
+    /// Branches that are not resolved, modes that do not oscillate, onsets that are not found or contradict the spectra.
     #[error(transparent)]
-    Tracking(#[from] tracking::TrackingError),
+    Tracking(tracking::TrackingError),
     /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
     #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
     NotShared,
@@ -59,5 +43,28 @@ pub enum EstimatorError {
 impl From<cea::CeaError> for EstimatorError {
     fn from(error: cea::CeaError) -> Self {
         Self::Study(error.into())
+    }
+}
+
+impl From<tracking::TrackingError> for EstimatorError {
+    fn from(error: tracking::TrackingError) -> Self {
+        match error {
+            tracking::TrackingError::Cea(error) => error.into(),
+            other => Self::Tracking(other),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tracking::TrackingError;
+
+    #[test]
+    fn an_error_of_a_solver_is_none_of_tracking() {
+        let of_solver = cea::CeaError::from(linsys::LinsysError::Empty);
+        assert!(matches!(TrackingError::from(of_solver).into(), EstimatorError::Study(crate::Error::Cea(_))));
+        let unresolved = TrackingError::Unresolved { at: 0.5, spectra: 7 };
+        assert!(matches!(unresolved.into(), EstimatorError::Tracking(TrackingError::Unresolved { .. })));
     }
 }

@@ -12,7 +12,7 @@ use tracking::{Branches, Onsets, follow_branch};
 use super::integral::{Integral, integrate};
 use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
-use crate::study::Reference;
+use crate::study::{ModeLabel, Reference};
 
 /// Relative distance up to which eigenvalues of two solvers at one parameter are the same: far above rounding, far below
 /// the distance of modes; chosen.
@@ -60,7 +60,7 @@ fn named(
     mu: f64,
     median: f64,
     reference: &Reference,
-) -> Result<Vec<Vec<u16>>, EstimatorError> {
+) -> Result<Vec<Vec<ModeLabel>>, EstimatorError> {
     let at_median = family.lambdas(median)?.to_vec();
     let lambdas = family.lambdas(mu)?;
     let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();

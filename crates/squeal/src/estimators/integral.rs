@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::Distribution;
 
 use super::EstimatorError;
-use crate::study::{UnstableMode, unstable_names};
+use crate::study::{ModeLabel, unstable_names};
 
 /// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -24,14 +24,14 @@ pub struct Piece {
     /// Upper end.
     pub to: f64,
     /// The names of each unstable mode, several where they are open.
-    pub unstable: Vec<Vec<u16>>,
+    pub unstable: Vec<Vec<ModeLabel>>,
 }
 
 /// What follows from the pieces.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
     /// By name of the tracked mode; modes that are never unstable are not listed.
-    pub occurrences: BTreeMap<u16, OccurrenceBounds>,
+    pub occurrences: BTreeMap<ModeLabel, OccurrenceBounds>,
     /// Probability of any unstable mode.
     pub any: f64,
     /// Expected number of unstable modes.
@@ -48,15 +48,14 @@ pub struct Integral {
 pub fn integrate(
     distribution: &Distribution,
     ends: &[f64],
-    all_names: &[u16],
-    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<u16>>, EstimatorError>,
+    all_names: &[ModeLabel],
+    mut unstable: impl FnMut(f64) -> Result<Vec<Vec<ModeLabel>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
-        let mode = |names: &Vec<u16>| UnstableMode { rank: 0, names: names.clone(), work: None };
-        for (name, is_sure) in unstable_names(&names.iter().map(mode).collect::<Vec<_>>(), all_names) {
+        for (name, is_sure) in unstable_names(&names, all_names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
             occurrence.lower += if is_sure { part } else { 0.0 };

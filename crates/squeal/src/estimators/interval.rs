@@ -10,6 +10,7 @@ use super::friction_points::FrictionPoints;
 use super::sampling::mean_of_scramblings;
 use super::stratum::Stratum;
 use super::{Estimated, OccurrenceBounds, Surrogate};
+use crate::study::ModeLabel;
 
 /// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
@@ -24,7 +25,7 @@ const CLEAR_TAIL_PART: f64 = 0.7;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlVariateEstimate {
     /// By name, with 95 % limits.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit of the occurrence of any mode that is not listed.
     pub unseen: f64,
     /// Systems solved.
@@ -45,7 +46,7 @@ impl ControlVariateEstimate {
 /// Means over Sobol points, with the error that the scatter of their scramblings shows.
 pub(super) struct PredictionMeans {
     /// Of the prediction that a mode is surely and perhaps unstable, by name.
-    pub modes: BTreeMap<u16, [ReplicateMean; 2]>,
+    pub modes: BTreeMap<ModeLabel, [ReplicateMean; 2]>,
     /// Of the prediction being uncertain.
     pub uncertain: ReplicateMean,
 }
@@ -106,12 +107,12 @@ pub(super) fn intervals(
     evaluations: Evaluations,
 ) -> ControlVariateEstimate {
     let [clear, uncertain] = strata;
-    let names: BTreeSet<u16> =
+    let names: BTreeSet<ModeLabel> =
         means.modes.keys().chain(strata.iter().flat_map(|stratum| stratum.differences.keys())).copied().collect();
-    let look = Look { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
+    let look = InterimLook { means, clear, uncertain, largest_shares: means.largest_shares(), tails, is_first };
     ControlVariateEstimate {
         modes: names.into_iter().map(|name| (name, look.estimate(name))).collect(),
-        unseen: look.limits(0)[1] + look.by_student(0, 0.0, 0.0),
+        unseen: look.limits(None)[1] + look.by_student(None, 0.0, 0.0),
         evaluations,
         wrong: [clear.wrong, uncertain.wrong],
         uncertain: means.uncertain.mean,
@@ -119,7 +120,7 @@ pub(super) fn intervals(
 }
 
 /// What one look at the counts sees.
-struct Look<'a> {
+struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
     uncertain: &'a Stratum,
@@ -128,12 +129,13 @@ struct Look<'a> {
     is_first: bool,
 }
 
-impl Look<'_> {
-    fn estimate(&self, name: u16) -> Estimated {
+impl InterimLook<'_> {
+    fn estimate(&self, name: ModeLabel) -> Estimated {
         let share = self.means.uncertain.mean;
         let predicted = self.means.modes.get(&name);
         let [mean, error] = [|mean: &ReplicateMean| mean.mean, |mean: &ReplicateMean| mean.standard_error]
             .map(|of| predicted.map_or([0.0; 2], |ends| ends.each_ref().map(of)));
+        let name = Some(name);
         let [down, up] = self.limits(name);
         let (in_clear, in_uncertain) = (self.clear.shift(name), self.uncertain.shift(name));
         let (least, greatest) = (mean[0] + share * in_uncertain[0], mean[1] + share * in_uncertain[1]);
@@ -146,14 +148,14 @@ impl Look<'_> {
     }
 
     /// Half the width by Student's t of one end of an occurrence: the mean of the prediction, whose standard error is
-    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share.
-    fn by_student(&self, name: u16, of_mean: f64, shift: f64) -> f64 {
+    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share. No name: a mode never seen.
+    fn by_student(&self, name: Option<ModeLabel>, of_mean: f64, shift: f64) -> f64 {
         let variance = (self.largest_shares[1] * self.uncertain.deviation(name)).powi(2) + of_mean.powi(2);
         self.means.t(self.tails[1]) * variance.sqrt() + shift.abs() * self.means.uncertain_error()
     }
 
-    /// By how much clear samples may move the ends of an occurrence down and up.
-    fn limits(&self, name: u16) -> [f64; 2] {
+    /// By how much clear samples may move the ends of an occurrence down and up; no name: of a mode never seen.
+    fn limits(&self, name: Option<ModeLabel>) -> [f64; 2] {
         self.clear.limits(name, self.tails[0], self.is_first).map(|limit| self.weighted(limit))
     }
 
@@ -173,6 +175,8 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
+    const MODE: ModeLabel = ModeLabel::new(7);
+
     /// A mean without error.
     fn known(mean: f64) -> ReplicateMean {
         ReplicateMean { mean, standard_error: 0.0, replicates: 32 }
@@ -180,13 +184,15 @@ mod tests {
 
     /// The intervals of a prediction that is always `predicted`, in one stratum.
     fn found(predicted: bool, references: impl Iterator<Item = Option<bool>>) -> ControlVariateEstimate {
-        let predicted = if predicted { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let predicted = if predicted { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let mut clear = Stratum::default();
         references.for_each(|reference| {
-            clear.enter(&predicted, &reference.map(|is_sure| (7, is_sure)).into_iter().collect())
+            clear.enter(&predicted, &reference.map(|is_sure| (MODE, is_sure)).into_iter().collect())
         });
-        let means =
-            PredictionMeans { modes: BTreeMap::from([(7, [known(predicted.len() as f64); 2])]), uncertain: known(0.0) };
+        let means = PredictionMeans {
+            modes: BTreeMap::from([(MODE, [known(predicted.len() as f64); 2])]),
+            uncertain: known(0.0),
+        };
         intervals(
             &means,
             &[clear, Stratum { samples: 1, ..Stratum::default() }],
@@ -200,7 +206,7 @@ mod tests {
     fn a_bad_prediction_makes_the_interval_wide_and_not_wrong() {
         // Predicted in every sample, true in three of ten.
         let found = found(true, (0..10_000).map(|i| (i % 10 < 3).then_some(true)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((found.wrong, mode.occurrence.lower, mode.occurrence.upper), ([7_000, 0], 1.0 - 0.7, 1.0 - 0.7));
         // Plain Monte Carlo: 1.96 sqrt(0.21 / 10000) = 0.0090.
         assert!(mode.half_width() > 0.0090 && mode.half_width() < 0.0145, "{mode:?}");
@@ -208,14 +214,14 @@ mod tests {
 
     #[test]
     fn an_open_name_widens_the_occurrence() {
-        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&7].occurrence;
+        let occurrence = found(true, (0..10_000).map(|i| Some(i % 100 != 0))).modes[&MODE].occurrence;
         assert_eq!((occurrence.lower, occurrence.upper), (0.99, 1.0));
     }
 
     #[test]
     fn what_is_open_is_no_error_of_the_estimator() {
         let found = found(false, (0..10_000).map(|i| (i % 100 == 0).then_some(false)));
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_eq!((mode.occurrence.lower, mode.occurrence.upper, mode.limits.lower), (0.0, 0.01, 0.0));
         assert!(found.half_width() < 0.005 && mode.limits.upper > 0.01, "{found:?}");
     }
@@ -223,10 +229,10 @@ mod tests {
     #[test]
     fn at_the_edge_the_half_width_is_the_distance_to_the_one_limit_left() {
         // Never unstable: the interval is as wide as its half width.
-        let never = found(true, (0..1_000).map(|_| None)).modes[&7];
+        let never = found(true, (0..1_000).map(|_| None)).modes[&MODE];
         assert_eq!((never.occurrence.lower, never.limits.lower), (0.0, 0.0));
         assert!(never.limits.upper > 0.003 && never.half_width() == never.limits.upper, "{never:?}");
-        let always = found(true, (0..1_000).map(|_| Some(true))).modes[&7];
+        let always = found(true, (0..1_000).map(|_| Some(true))).modes[&MODE];
         assert_eq!((always.occurrence.lower, always.limits.upper), (1.0, 1.0));
         assert_eq!(always.half_width(), 1.0 - always.limits.lower);
     }
@@ -235,13 +241,13 @@ mod tests {
     fn few_uncertain_samples_weigh_little() {
         // One sample in a hundred is uncertain, and the prediction is wrong in a third of them.
         let predicted = BTreeMap::new();
-        let reference = |wrong: bool| if wrong { BTreeMap::from([(7, true)]) } else { BTreeMap::new() };
+        let reference = |wrong: bool| if wrong { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let (mut clear, mut uncertain) = (Stratum::default(), Stratum::default());
         (0..5_000).for_each(|_| clear.enter(&predicted, &reference(false)));
         (0..300).for_each(|i| uncertain.enter(&predicted, &reference(i % 3 == 0)));
         let means = PredictionMeans { modes: BTreeMap::new(), uncertain: known(0.01) };
         let found = intervals(&means, &[clear, uncertain], tails(INTERIM_LOOKS[0].0), true, Evaluations::default());
-        let mode = found.modes[&7];
+        let mode = found.modes[&MODE];
         assert_abs_diff_eq!(mode.occurrence.lower, 0.01 / 3.0, epsilon = 1e-15);
         assert!(mode.half_width() < 0.0018 && found.wrong == [0, 100], "{found:?}");
     }

@@ -41,5 +41,5 @@ pub use friction_points::FrictionPoints;
 pub use integral::{Integral, OccurrenceBounds, Piece, integrate};
 pub use interval::ControlVariateEstimate;
 pub use one_parameter_family::OneParameterFamily;
-pub use sampling::{Estimated, Estimates, monte_carlo, plain_samples, quasi_monte_carlo};
+pub use sampling::{Estimated, Estimates, monte_carlo, quasi_monte_carlo};
 pub use surrogate::Surrogate;

@@ -1,73 +1,46 @@
 //! A family of systems with one parameter, such as shared Coulomb friction with its coefficient mu.
 //!
 //! Where all matrices are affine in the parameter, `Q(lambda) = Q_0(lambda) + mu Q_1(lambda)`, the eigenvalues are analytic
-//! functions of mu but where two of them coalesce. The derivative of an eigenvalue,
-//! `lambda' = -(psi^H Q_1 phi) / (psi^H Q'(lambda) phi)` (Lancaster, Numer. Math. 6, 1964), is computed where it is asked
-//! for.
+//! functions of mu but where two of them coalesce.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use cea::{Counters, EigenSolver, Workspace, left_vector, right_vector};
+use cea::{Counters, EigenSolver};
 use linsys::SecondOrder;
 use montecarlo::Distribution;
 use num_complex::Complex;
-use tracking::{BranchPoint, Branches, Onsets, RefinedPoint, find_onsets};
+use tracking::{BranchPoint, Branches, KeptSpectra, Onsets, RefinedPoint, SystemAt, SystemChange, find_onsets};
 
 use super::EstimatorError;
 use crate::study::{Scene, UncertainBrake};
 
-/// Spectra after which branches count as unresolvable; chosen.
-const MOST_SPECTRA: usize = 20_000;
 /// Shortest step in mu: what is still open there stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
-/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
-
 /// How far matrices may be from affine in the parameter, relative to their largest entry: rounding of a few operations.
 const AFFINE_ROUNDING: f64 = 1e-13;
+/// Probabilities of the values within the distribution at which matrices are compared with affine ones; chosen, so that what
+/// repeats itself over whole parts of it is seen.
+const PROBES: [f64; 2] = [0.3137, 0.7291];
 
-/// `Q_0(lambda) + mu Q_1(lambda)`.
+/// `Q_0(lambda) + mu Q_1(lambda)`, with the spectra computed so far.
 pub struct OneParameterFamily<'a> {
-    solver: &'a dyn EigenSolver,
-    system: SecondOrder,
     distribution: Distribution,
-    constant: SecondOrder,
-    linear: SecondOrder,
-    spectra: BTreeMap<Coefficient, BranchSpectrum>,
-    work: Workspace,
+    /// Q_0.
+    constant: Arc<SecondOrder>,
+    /// Q_1 as the change of every system.
+    change: Arc<SystemChange>,
+    spectra: KeptSpectra<'a, MakeSystem>,
 }
 
-/// All modes at one mu, ascending in frequency.
-#[derive(Debug, Clone)]
-struct BranchSpectrum {
-    lambdas: Vec<Complex<f64>>,
-    rates: Vec<Option<Complex<f64>>>,
-}
-
-/// Friction coefficients, which are never NaN, in their order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Coefficient(f64);
-
-impl Eq for Coefficient {}
-
-impl PartialOrd for Coefficient {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Coefficient {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
+/// Makes the system at a value of the parameter.
+type MakeSystem = Box<dyn FnMut(f64) -> Result<SystemAt, EstimatorError> + Send>;
 
 impl<'a> OneParameterFamily<'a> {
     /// The family of a scene.
     ///
     /// # Errors
-    /// [`EstimatorError::NotOneParameter`] for a scene whose operating points are no affine function of one parameter, or
-    /// have internal states.
+    /// [`EstimatorError::NotOneParameter`] for a scene whose systems are no affine function of one parameter, have internal
+    /// states, or do not exist at 0, 1, 2 or somewhere in the distribution.
     pub fn new<B: UncertainBrake>(
         brake: &B,
         scene: &Scene,
@@ -78,31 +51,42 @@ impl<'a> OneParameterFamily<'a> {
             return Err(EstimatorError::NotOneParameter { needed: "one uncertain parameter", found });
         };
         let of_scene = &brake.plan().brake(scene).system;
-        let at = |value: f64| -> Result<SecondOrder, EstimatorError> {
-            let point = brake.operating_point(scene, &brake.with_parameter(scene, value))?;
-            Ok(of_scene.assemble(&point).map_err(crate::Error::from)?)
+        let assembled = |value: f64| -> Result<SecondOrder, crate::Error> {
+            Ok(of_scene.assemble(&brake.operating_point(scene, &brake.with_parameter(scene, value))?)?)
+        };
+        // Some of the values lie outside of the distribution, where the brake need not exist.
+        let at = |value: f64| {
+            assembled(value).map_err(|error| EstimatorError::NotOneParameter {
+                needed: "a system at every value of the parameter",
+                found: format!("none at {value}: {error}"),
+            })
         };
         let (constant, mut linear) = (at(0.0)?, at(1.0)?);
-        let bent = at(2.0)?;
-        if constant.states() + linear.states() + bent.states() > 0 {
-            let found = "internal states".into();
-            return Err(EstimatorError::NotOneParameter { needed: "friction without internal states", found });
-        }
         linear.m -= &constant.m;
         linear.c -= &constant.c;
         linear.k -= &constant.k;
-        let pairs =
-            [(&bent.m, &constant.m, &linear.m), (&bent.c, &constant.c, &linear.c), (&bent.k, &constant.k, &linear.k)];
-        let is_affine = pairs.into_iter().all(|(bent, constant, linear)| {
-            (bent - constant - linear * 2.0).amax() <= AFFINE_ROUNDING * bent.amax().max(constant.amax())
-        });
-        if !is_affine {
-            let found = "a nonlinear dependence".into();
-            return Err(EstimatorError::NotOneParameter { needed: "matrices affine in the parameter", found });
+        let (from, to) = distribution.support();
+        // Not at whole numbers alone: a sine may vanish at all of them.
+        for value in [2.0, from, to].into_iter().chain(PROBES.map(|u| distribution.quantile(u))) {
+            let found = at(value)?;
+            if constant.states() + linear.states() + found.states() > 0 {
+                let found = "internal states".into();
+                return Err(EstimatorError::NotOneParameter { needed: "friction without internal states", found });
+            }
+            if !is_affine(&constant, &linear, value, &found) {
+                let found = "a nonlinear dependence".into();
+                return Err(EstimatorError::NotOneParameter { needed: "matrices affine in the parameter", found });
+            }
         }
-        let (system, distribution) = (constant.clone(), distribution.clone());
-        let spectra = BTreeMap::new();
-        Ok(Self { solver, distribution, system, constant, linear, spectra, work: Workspace::default() })
+        let distribution = distribution.clone();
+        let (order, constant, change) = (constant.order(), Arc::new(constant), Arc::new(SystemChange::linear(linear)));
+        let (of_zero, of_all) = (Arc::clone(&constant), Arc::clone(&change));
+        let make: MakeSystem = Box::new(move |mu| {
+            Ok(SystemAt { system: affine(&of_zero, &of_all.above, mu), change: Arc::clone(&of_all) })
+        });
+        // The integral is over the sets of unstable modes, which have names where all modes oscillate.
+        let spectra = KeptSpectra::new(make, solver).with_modes(order);
+        Ok(Self { distribution, constant, change, spectra })
     }
 
     /// The distribution of the parameter.
@@ -111,91 +95,67 @@ impl<'a> OneParameterFamily<'a> {
     }
 
     /// The system at a value of the parameter.
-    pub fn system(&mut self, mu: f64) -> &SecondOrder {
-        let Self { system, constant, linear, .. } = self;
-        system.m.zip_zip_apply(&constant.m, &linear.m, |m, constant, linear| *m = constant + mu * linear);
-        system.c.zip_zip_apply(&constant.c, &linear.c, |c, constant, linear| *c = constant + mu * linear);
-        system.k.zip_zip_apply(&constant.k, &linear.k, |k, constant, linear| *k = constant + mu * linear);
-        system
+    pub fn system(&self, mu: f64) -> SecondOrder {
+        affine(&self.constant, self.linear(), mu)
     }
 
     /// `d Q / d mu`, as a system.
     pub fn linear(&self) -> &SecondOrder {
-        &self.linear
+        &self.change.above
     }
 
     /// What was computed so far.
     pub fn counters(&self) -> Counters {
-        self.work.counters
+        self.spectra.counters()
     }
 
     /// Every onset between two coefficients.
     ///
     /// # Errors
-    /// Those of the spectra; [`EstimatorError::Unresolved`], and [`TrackingError`](tracking::TrackingError) where the onsets
-    /// contradict the spectra.
+    /// Those of the spectra; [`TrackingError`](tracking::TrackingError) where branches are not resolved, modes do not oscillate
+    /// or the onsets contradict the spectra.
     pub fn onsets(&mut self, from: f64, to: f64) -> Result<Onsets, EstimatorError> {
-        find_onsets(self, from, to, SMALLEST_STEP)
+        find_onsets(&mut self.spectra, from, to, SMALLEST_STEP)
     }
+}
 
-    /// The spectrum at `mu`, computed where it is asked for the first time.
-    fn spectrum(&mut self, mu: f64) -> Result<&BranchSpectrum, EstimatorError> {
-        if !self.spectra.contains_key(&Coefficient(mu)) {
-            if self.spectra.len() >= MOST_SPECTRA {
-                return Err(EstimatorError::Unresolved { mu, spectra: self.spectra.len() });
-            }
-            self.system(mu);
-            let spectrum = self.solver.eigenvalues(&self.system, &mut self.work)?;
-            let lambdas: Vec<_> = spectrum.oscillatory().collect();
-            if lambdas.len() != self.system.order() {
-                return Err(EstimatorError::NotOscillating { mu, real: spectrum.real().count() });
-            }
-            let rates = vec![None; lambdas.len()];
-            self.spectra.insert(Coefficient(mu), BranchSpectrum { lambdas, rates });
-        }
-        self.spectra.get(&Coefficient(mu)).ok_or(EstimatorError::Unresolved { mu, spectra: self.spectra.len() })
-    }
+/// Whether the matrices at a value are `constant + value linear`, but for rounding: that of a difference of two systems grows
+/// with the value by which it is multiplied.
+fn is_affine(constant: &SecondOrder, linear: &SecondOrder, value: f64, found: &SecondOrder) -> bool {
+    let expected = affine(constant, linear, value);
+    let parts =
+        [(&found.m, &constant.m, expected.m), (&found.c, &constant.c, expected.c), (&found.k, &constant.k, expected.k)];
+    let growth = AFFINE_ROUNDING * value.abs().max(1.0);
+    parts
+        .into_iter()
+        .all(|(found, constant, expected)| (found - expected).amax() <= growth * found.amax().max(constant.amax()))
+}
+
+/// `constant + mu linear`.
+fn affine(constant: &SecondOrder, linear: &SecondOrder, mu: f64) -> SecondOrder {
+    let mut system = constant.clone();
+    system.m.zip_apply(&linear.m, |m, linear| *m += mu * linear);
+    system.c.zip_apply(&linear.c, |c, linear| *c += mu * linear);
+    system.k.zip_apply(&linear.k, |k, linear| *k += mu * linear);
+    system
 }
 
 impl Branches for OneParameterFamily<'_> {
     type Error = EstimatorError;
 
-    /// # Errors
-    /// Those of the solver; [`EstimatorError::NotOscillating`], [`EstimatorError::Unresolved`].
     fn lambdas(&mut self, mu: f64) -> Result<&[Complex<f64>], EstimatorError> {
-        Ok(&self.spectrum(mu)?.lambdas)
+        self.spectra.lambdas(mu)
     }
 
     fn point(&mut self, mu: f64, index: usize) -> Result<BranchPoint, EstimatorError> {
-        let spectrum = self.spectrum(mu)?;
-        let lambda = spectrum.lambdas[index];
-        if let Some(rate) = spectrum.rates[index] {
-            return Ok(BranchPoint { lambda, rate });
-        }
-        let rate = self.refined(mu, lambda)?.rate;
-        if let Some(spectrum) = self.spectra.get_mut(&Coefficient(mu)) {
-            spectrum.rates[index] = Some(rate);
-        }
-        Ok(BranchPoint { lambda, rate })
+        self.spectra.point(mu, index)
     }
 
     fn refined(&mut self, mu: f64, lambda: Complex<f64>) -> Result<RefinedPoint, EstimatorError> {
-        self.system(mu);
-        let right = right_vector(&self.system, lambda, &mut self.work)?;
-        let left = left_vector(&self.system, lambda, &mut self.work)?;
-        let slope = left.dotc(&(self.system.dynamic_stiffness_derivative(lambda) * &right));
-        let by_mu = left.dotc(&(self.linear.dynamic_stiffness(lambda) * &right));
-        let residual = left.dotc(&(self.system.dynamic_stiffness(lambda) * &right));
-        let l = lambda.norm();
-        let size = l * l * self.system.m.norm() + l * self.system.c.norm() + self.system.k.norm();
-        Ok(RefinedPoint {
-            lambda: lambda - residual / slope,
-            rate: -by_mu / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
+        self.spectra.refined(mu, lambda)
     }
 
     fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.spectra.range(Coefficient(from)..=Coefficient(to)).map(|(mu, _)| mu.0).collect()
+        self.spectra.known_between(from, to)
     }
 }

@@ -8,7 +8,7 @@ use tracking::{Path, PathEnd, PathStart, identify_all};
 
 use super::EstimatorError;
 use super::friction_points::LeadingFriction;
-use crate::study::{NearAxis, Scratch, Study, UncertainBrake};
+use crate::study::{ModeLabel, NearAxis, Scratch, Study, UncertainBrake};
 
 /// Decay rate, as a part of |lambda|, beyond which an eigenvalue is not looked at; chosen.
 const LARGEST_DECAY: f64 = 0.025;
@@ -25,7 +25,7 @@ pub(super) struct SampledMode {
     /// d lambda / d s at constant mu.
     pub by_slope: Complex<f64>,
     /// What an unstable mode may be called.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 impl SampledMode {

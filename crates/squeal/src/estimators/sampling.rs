@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
 use super::{EstimatorError, OccurrenceBounds};
-use crate::study::{Outcome, Study, UncertainBrake, unstable_names};
+use crate::study::{ModeLabel, Outcome, Study, UncertainBrake};
 
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
@@ -50,7 +50,7 @@ impl Estimated {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Estimates {
     /// By name of the tracked mode.
-    pub modes: BTreeMap<u16, Estimated>,
+    pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit, at 95 %, of the occurrence of any mode that is not listed.
     pub unseen: f64,
     /// What was computed.
@@ -81,30 +81,9 @@ pub fn monte_carlo<B: UncertainBrake>(
     of_samples(&hits, samples, counters)
 }
 
-/// Samples with which [`monte_carlo`] knows an occurrence near p to a half width at 95 %, nearly. Wilson's limits of p are the
-/// solutions P of `(P - p)^2 = z^2 P (1 - P) / n`, so that with
-///
-/// ```text
-/// n = (z / h)^2 max(q(p - h), q(p + h)),    q(P) = P (1 - P), 0 outside of 0 to 1
-/// ```
-///
-/// neither is farther away than h; 1 / h more is what the limits of Clopper and Pearson take. Without hits it is
-/// `ln 0.025 / ln(1 - h)`, exactly.
-#[must_use]
-pub fn plain_samples(p: f64, half_width: f64) -> f64 {
-    let tail = Confidence::P95.tail();
-    let without_hits = tail.ln() / (-half_width).ln_1p();
-    if p <= 0.0 || p >= 1.0 {
-        return without_hits;
-    }
-    let spread = [p - half_width, p + half_width].map(|limit| (limit * (1.0 - limit)).max(0.0));
-    let inside = (Confidence::P95.z() / half_width).powi(2) * spread[0].max(spread[1]) + 1.0 / half_width;
-    inside.max(without_hits)
-}
-
 /// The estimates from hits among independent samples.
 pub(super) fn of_samples(hits: &HitCounts, samples: u64, counters: Counters) -> Result<Estimates, EstimatorError> {
-    let estimated = |(&name, &[sure, open]): (&u16, &[u64; 2])| {
+    let estimated = |(&name, &[sure, open]): (&ModeLabel, &[u64; 2])| {
         let interval = |hits: u64| clopper_pearson(hits, samples, Confidence::P95).map_err(crate::Error::from);
         let limits = Interval { lower: interval(sure)?.lower, upper: interval(sure + open)?.upper };
         let of = |hits: u64| hits as f64 / samples as f64;
@@ -139,7 +118,7 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
     for scrambling in 0..scramblings {
         let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
         let (hits, computed) = count(study, scene, samples)?;
-        counters = sum(counters, computed);
+        counters += computed;
         runs.push(hits);
     }
     Ok(of_scramblings(&runs, points, counters))
@@ -147,8 +126,8 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
 
 /// The estimates from the hits of each of two or more scramblings among their points.
 pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters) -> Estimates {
-    let names: BTreeSet<u16> = runs.iter().flat_map(|run| run.keys().copied()).collect();
-    let estimated = |name: u16| {
+    let names: BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
+    let estimated = |name: ModeLabel| {
         let hits = |run: &HitCounts| run.get(&name).copied().unwrap_or_default();
         let sure = mean_of_scramblings(runs.iter().map(|run| hits(run)[0] as f64), points);
         let perhaps = mean_of_scramblings(runs.iter().map(|run| hits(run).iter().sum::<u64>() as f64), points);
@@ -172,7 +151,7 @@ pub(super) fn mean_of_scramblings(hits: impl Iterator<Item = f64> + Clone, point
 }
 
 /// Sure and open hits by name.
-pub(super) type HitCounts = BTreeMap<u16, [u64; 2]>;
+pub(super) type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
@@ -188,20 +167,10 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in unstable_names(&outcome?.unstable, &all_names) {
+            for (name, is_sure) in outcome?.unstable_names(&all_names) {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }
     }
     Ok((hits, scratch.counters()))
-}
-
-fn sum(a: Counters, b: Counters) -> Counters {
-    Counters {
-        eigenvalue_solves: a.eigenvalue_solves + b.eigenvalue_solves,
-        factorisations: a.factorisations + b.factorisations,
-        eigenvectors: a.eigenvectors + b.eigenvectors,
-        secular_values: a.secular_values + b.secular_values,
-        continuations: a.continuations + b.continuations,
-    }
 }

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::{exact_lower_limit, exact_upper_limit};
 
+use crate::study::ModeLabel;
+
 /// Part of an error probability that the upper of four limits spend; chosen. The lower ones help where prediction and
 /// reference often differ.
 const UPPER_LIMITS_PART: f64 = 0.9;
@@ -27,20 +29,25 @@ pub(super) struct Differences {
 pub(super) struct Stratum {
     pub samples: u64,
     /// By name.
-    pub differences: BTreeMap<u16, Differences>,
+    pub differences: BTreeMap<ModeLabel, Differences>,
     /// Those in which the prediction was wrong about any mode.
     pub wrong: u64,
 }
 
 impl Stratum {
     /// Enters one sample by its prediction and reference, by name: whether it is sure that the mode is unstable, or open.
-    pub fn enter(&mut self, predicted: &BTreeMap<u16, bool>, reference: &BTreeMap<u16, bool>) {
+    pub fn enter(&mut self, predicted: &BTreeMap<ModeLabel, bool>, reference: &BTreeMap<ModeLabel, bool>) {
         self.enter_alike(1, predicted, reference);
     }
 
     /// Enters some samples of which all have the same prediction and the same reference.
-    pub fn enter_alike(&mut self, samples: u64, predicted: &BTreeMap<u16, bool>, reference: &BTreeMap<u16, bool>) {
-        let names: BTreeSet<u16> = predicted
+    pub fn enter_alike(
+        &mut self,
+        samples: u64,
+        predicted: &BTreeMap<ModeLabel, bool>,
+        reference: &BTreeMap<ModeLabel, bool>,
+    ) {
+        let names: BTreeSet<ModeLabel> = predicted
             .keys()
             .chain(reference.keys())
             .copied()
@@ -57,9 +64,14 @@ impl Stratum {
         self.wrong += if names.is_empty() { 0 } else { samples };
     }
 
+    /// The differences of a mode; none of one that has no name because it was never seen.
+    fn of(&self, name: Option<ModeLabel>) -> Differences {
+        name.and_then(|name| self.differences.get(&name)).copied().unwrap_or_default()
+    }
+
     /// By how much the probability of a mode among such samples may be below and above that of the prediction.
-    pub fn limits(&self, name: u16, tail: f64, is_joint: bool) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
+    pub fn limits(&self, name: Option<ModeLabel>, tail: f64, is_joint: bool) -> [f64; 2] {
+        let d = self.of(name);
         if is_joint {
             // One limit of the probability that prediction and reference differ, whichever way.
             return [exact_upper_limit(d.any, self.samples, tail); 2];
@@ -77,15 +89,15 @@ impl Stratum {
 
     /// Standard error of such a shift. Some differences are counted that were not seen, so that few do not pass for none: for
     /// none this is the upper limit of Wilson's interval at two deviations.
-    pub fn deviation(&self, name: u16) -> f64 {
-        let any = self.differences.get(&name).map_or(0, |d| d.any);
+    pub fn deviation(&self, name: Option<ModeLabel>) -> f64 {
+        let any = self.of(name).any;
         let samples = self.samples.max(1) as f64;
         ((any as f64 + UNSEEN_DIFFERENCES) / (samples + UNSEEN_DIFFERENCES) / samples).sqrt()
     }
 
     /// By how much that of a mode surely, and of a mode perhaps unstable seems to be above the prediction.
-    pub fn shift(&self, name: u16) -> [f64; 2] {
-        let d = self.differences.get(&name).copied().unwrap_or_default();
+    pub fn shift(&self, name: Option<ModeLabel>) -> [f64; 2] {
+        let d = self.of(name);
         [d.sure, d.perhaps].map(|[more, less]| (more as f64 - less as f64) / self.samples.max(1) as f64)
     }
 }

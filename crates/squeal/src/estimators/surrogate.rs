@@ -15,7 +15,7 @@ use super::EstimatorError;
 use super::cell_builder::{CellBuilder, PendingCell};
 use super::friction_points::{FrictionPoints, coordinates};
 use super::kd_tree::{Cell, ModeSet, Prediction, predict};
-use crate::study::{Study, UncertainBrake};
+use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Cells halved in one go, so that spectra fill the solver's lanes; chosen.
 const CELLS_PER_ROUND: usize = 32;
@@ -32,7 +32,7 @@ const SAMPLES_PER_SAMPLE_POINT: f64 = 1.5;
 /// The prediction of the unstable modes of one scene.
 #[derive(Debug, Clone)]
 pub struct Surrogate {
-    names: Vec<u16>,
+    names: Vec<ModeLabel>,
     omega: f64,
     cells: Vec<Cell>,
     sample_points: u64,
@@ -80,7 +80,7 @@ impl Surrogate {
     }
 
     /// The modes that may be unstable.
-    pub fn names(&self) -> &[u16] {
+    pub fn names(&self) -> &[ModeLabel] {
         &self.names
     }
 
@@ -90,7 +90,7 @@ impl Surrogate {
     }
 
     /// By name, those that are unstable, and whether surely.
-    pub(super) fn named(&self, unstable: ModeSet) -> BTreeMap<u16, bool> {
+    pub(super) fn named(&self, unstable: ModeSet) -> BTreeMap<ModeLabel, bool> {
         let perhaps = self.names.iter().enumerate().filter(|(bit, _)| unstable.perhaps >> bit & 1 == 1);
         perhaps.map(|(bit, &name)| (name, unstable.sure >> bit & 1 == 1)).collect()
     }

@@ -121,15 +121,7 @@ impl Axes {
         frame(canvas, area);
         for series in &panel.series {
             let style = point_style(names.iter().position(|&n| n == series.name).unwrap_or(0));
-            let place = |p: &[f64; 2]| {
-                let x = upper.x + self.x.at(p[0]) * upper.width;
-                let y = if p[1] > 0.0 {
-                    upper.bottom() - self.y.at(p[1]) * upper.height
-                } else {
-                    upper.bottom() + self.strip / 2.0
-                };
-                (x, y)
-            };
+            let place = |point: &[f64; 2]| self.place(upper, *point);
             let points: Vec<(f64, f64)> = series.points.iter().map(place).collect();
             canvas.group("series", format!("{}, {}", panel.title, series.name), |canvas| {
                 let line = Paint { dash: style.dash, ..Paint::stroke(style.color, 1.1) };
@@ -146,6 +138,12 @@ impl Axes {
             let label = Label::new(area.middle_x(), area.middle_y(), "no data");
             canvas.text(label.middle().color(Color::DARK_GREY).halo());
         }
+    }
+
+    /// Where a point stands in a panel, or in the strip of zeros below its `upper` part.
+    fn place(&self, upper: Area, [x, y]: [f64; 2]) -> (f64, f64) {
+        let below = if y > 0.0 { -self.y.at(y) * upper.height } else { self.strip / 2.0 };
+        (upper.x + self.x.at(x) * upper.width, upper.bottom() + below)
     }
 }
 

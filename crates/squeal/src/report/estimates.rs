@@ -10,8 +10,8 @@ use crate::Error;
 use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
 };
-use crate::output::{write, write_csv};
-use crate::study::{PanelLabel, SceneKey, Study, UncertainBrake};
+use crate::output::{write_csv, write_json};
+use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
 const STATE: &str = "estimates.json";
@@ -63,7 +63,7 @@ impl Estimates {
                 estimates.scenes[at] = Some(found);
             }
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
-                write(&dir.join(STATE), serde_json::to_string(&estimates).unwrap_or_default().as_bytes())?;
+                write_json(&dir.join(STATE), &estimates)?;
                 saved = Instant::now();
             }
         }
@@ -84,32 +84,15 @@ impl Estimates {
     }
 
     fn write_table<B: UncertainBrake>(&self, study: &Study<'_, B>, dir: &Path) -> Result<(), Error> {
-        let header = [
-            "constraints",
-            "law",
-            "speed",
-            "in_contact",
-            "arrangement",
-            "mode",
-            "estimator",
-            "lower",
-            "upper",
-            "half_width",
-            "evaluations",
-            "plain_evaluations",
-        ];
+        let own = ["estimator", "lower", "upper", "half_width", "evaluations", "plain_evaluations"];
         let (labels, mut rows) = (&study.plan().labels, Vec::new());
         for (scene, found) in study.plan().scenes.iter().zip(&self.scenes) {
-            let PanelLabel { in_contact, arrangements } = &labels.panels[scene.key.panel];
             let Some(found) = found else { continue };
-            for (&member, (name, mode)) in
+            for (&member, (&name, mode)) in
                 scene.members.iter().flat_map(|member| found.modes.iter().map(move |mode| (member, mode)))
             {
-                let mut row = labels.key_columns(scene.key).to_vec();
+                let mut row = labels.mode_columns(scene.key, member, name);
                 row.extend([
-                    in_contact.to_string(),
-                    arrangements[member].clone(),
-                    name.to_string(),
                     found.estimator.to_string(),
                     mode.occurrence.lower.to_string(),
                     mode.occurrence.upper.to_string(),
@@ -120,6 +103,7 @@ impl Estimates {
                 rows.push(row);
             }
         }
+        let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
         write_csv(&dir.join("estimates.csv"), &header, rows)
     }
 

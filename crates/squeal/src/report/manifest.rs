@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::Results;
-use crate::run::fingerprint;
+use crate::fingerprint;
 
 /// Wall-clock times of the stages, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

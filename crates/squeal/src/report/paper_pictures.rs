@@ -14,7 +14,7 @@ use crate::brakes::LatticeBrake;
 use crate::figures::{
     BodyInMode, LawMode, ModeWorkFigure, ModelDiagram, NetWork, mode_and_work, model_diagram, occurrence_boxes,
 };
-use crate::study::Scene;
+use crate::study::{ModeLabel, Scene};
 
 /// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for
 /// the most robust mode, and as `fig07-paper-number` for the one that bears the paper's number, if it ever is unstable.
@@ -61,7 +61,7 @@ fn mode_work(
     results: &Results<'_>,
     brake: &LatticeBrake,
     constraints: usize,
-    name: u16,
+    name: ModeLabel,
 ) -> Result<Option<ModeWorkFigure>, Error> {
     let grid = brake.case.lattice.grid;
     let mut columns = Vec::new();
@@ -89,7 +89,7 @@ fn mode_work(
     Ok(Some(ModeWorkFigure { title: heading, rows: grid.rows(), columns: grid.columns(), laws: columns }))
 }
 
-fn bodies(results: &Results<'_>, at: usize, name: u16, shape: &[Complex<f64>]) -> Result<Vec<BodyInMode>, Error> {
+fn bodies(results: &Results<'_>, at: usize, name: ModeLabel, shape: &[Complex<f64>]) -> Result<Vec<BodyInMode>, Error> {
     let map = &results.plan().brake(&results.plan().scenes[at]).dofs;
     let tracked = results.tracked_name(at, name);
     let sketches = tracked.and_then(|name| results.summary.tally.scenes[at].net_work.get(&name));

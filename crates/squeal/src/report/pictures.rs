@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Results;
 use crate::Error;
 use crate::figures::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
-use crate::study::{ModeNaming, PanelLabel, Plan};
+use crate::study::{ModeLabel, ModeNaming, PanelLabel, Plan};
 
 /// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
 ///
@@ -33,8 +33,8 @@ pub(super) fn occurrence(
     let mut series: Vec<String> = labels.speeds.iter().map(|speed| speed.description.clone()).collect();
     series.push("all speeds".into());
     let panels: Vec<_> = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).collect();
-    let names: BTreeSet<u16> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
-    let names: Vec<u16> = names.into_iter().collect();
+    let names: BTreeSet<ModeLabel> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
+    let names: Vec<ModeLabel> = names.into_iter().collect();
 
     let mut rows = Vec::new();
     for &law in laws {
@@ -55,7 +55,7 @@ pub(super) fn occurrence(
                 }
             }
             row.panels.push(OccurrencePanel {
-                title: format!("({}) {} in contact", letter(place), in_words(*in_contact)),
+                title: format!("({}) {}", letter(place), in_words(*in_contact)),
                 arrangements: arrangements.clone(),
                 boxes,
             });
@@ -75,7 +75,11 @@ fn letter(place: usize) -> char {
     char::from(b'a' + (place % 26) as u8)
 }
 
-fn in_words(number: usize) -> String {
-    let words = ["none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
-    words.get(number).map_or_else(|| number.to_string(), |word| (*word).into())
+/// How many contacts are closed; of a brake that has none there is nothing to count.
+fn in_words(in_contact: usize) -> String {
+    let words = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+    match in_contact.checked_sub(1) {
+        None => "one configuration".into(),
+        Some(at) => format!("{} in contact", words.get(at).map_or(in_contact.to_string(), ToString::to_string)),
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::study::{Comparison, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{Comparison, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,8 +92,8 @@ impl<'a> Results<'a> {
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
     /// no name every mode of the scene may have been unstable, and is listed.
-    pub fn occurrences(&self, panel: &Panel) -> BTreeMap<u16, Vec<ArrangementOccurrence>> {
-        let mut names: BTreeMap<u16, Vec<ArrangementOccurrence>> = BTreeMap::new();
+    pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
+        let mut names: BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> = BTreeMap::new();
         for &scene in &panel.scenes {
             for (&name, _) in self.counts(scene).proportions() {
                 names.entry(self.name(name)).or_default();
@@ -116,31 +116,31 @@ impl<'a> Results<'a> {
         names
     }
 
-    fn counts(&self, scene: usize) -> &LabelTally<u16> {
+    fn counts(&self, scene: usize) -> &LabelTally<ModeLabel> {
         let tally = &self.summary.tally.scenes[scene];
         if self.labels == ModeNaming::Tracked { &tally.tracked } else { &tally.ranked }
     }
 
-    fn name(&self, key: u16) -> u16 {
-        if self.labels == ModeNaming::Pair { 2 * key - 1 } else { key }
+    fn name(&self, key: ModeLabel) -> ModeLabel {
+        if self.labels == ModeNaming::Pair { ModeLabel::new(2 * key.number() - 1) } else { key }
     }
 
-    fn key(&self, name: u16) -> u16 {
-        if self.labels == ModeNaming::Pair { name.div_ceil(2) } else { name }
+    fn key(&self, name: ModeLabel) -> ModeLabel {
+        if self.labels == ModeNaming::Pair { ModeLabel::new(name.number().div_ceil(2)) } else { name }
     }
 
     /// The frequency rank behind a mode's name, whichever way it is named.
-    pub fn rank_of(&self, name: u16) -> u16 {
-        self.key(name)
+    pub fn rank_of(&self, name: ModeLabel) -> usize {
+        usize::from(self.key(name).number())
     }
 
     /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
     /// reference has no mode of this rank, or one whose name is open.
-    pub fn tracked_name(&self, scene: usize, name: u16) -> Option<u16> {
+    pub fn tracked_name(&self, scene: usize, name: ModeLabel) -> Option<ModeLabel> {
         if self.labels == ModeNaming::Tracked {
             return Some(name);
         }
-        let place = usize::from(self.key(name)).checked_sub(1)?;
+        let place = self.rank_of(name).checked_sub(1)?;
         match self.references[scene].names.get(place)?.as_slice() {
             &[only] => Some(only),
             _ => None,
@@ -179,13 +179,16 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// What a panel is called in tables and claims.
+    /// What a panel is called in claims and summaries; of a brake without contacts their number is left out.
     pub fn describe(&self, panel: &Panel) -> String {
         let labels = &self.plan.labels;
         let speed = panel.key.speed.map_or("all speeds", |range| &labels.speeds[range].name);
-        let number = labels.panels[panel.key.panel].in_contact;
+        let contacts = match labels.panels[panel.key.panel].in_contact {
+            0 => String::new(),
+            number => format!("{number} in contact, "),
+        };
         let (constraints, law) = (&labels.constraints[panel.key.constraints], &labels.laws[panel.key.law].name);
-        format!("{constraints}, {law}, {number} in contact, {speed}")
+        format!("{constraints}, {law}, {contacts}{speed}")
     }
 }
 

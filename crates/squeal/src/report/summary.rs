@@ -6,7 +6,7 @@ use montecarlo::Sampling;
 
 use super::Results;
 use crate::Error;
-use crate::study::{Panel, Study, StudyTally, UncertainBrake};
+use crate::study::{ModeLabel, Panel, Study, StudyTally, UncertainBrake};
 
 impl<'a> Results<'a> {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.
@@ -44,7 +44,7 @@ impl<'a> Results<'a> {
     }
 
     /// The frequency of a tracked mode at median parameters in the first scene of a panel, Hz.
-    fn frequency(&self, panel: &Panel, name: u16) -> Option<f64> {
+    fn frequency(&self, panel: &Panel, name: ModeLabel) -> Option<f64> {
         let reference = &self.references()[*panel.scenes.first()?];
         let at = reference.names.iter().position(|names| *names == [name])?;
         Some(cea::frequency_hz(reference.modes[at].lambda))

@@ -7,7 +7,7 @@ use montecarlo::QuantileSketch;
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::PanelLabel;
+use crate::study::{Plan, SceneLabels};
 
 /// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
 ///
@@ -23,32 +23,14 @@ pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let labels = &results.plan().labels;
-    let header = [
-        "constraints",
-        "law",
-        "speed",
-        "in_contact",
-        "arrangement",
-        "mode",
-        "samples",
-        "unstable",
-        "open",
-        "occurrence",
-        "lower",
-        "upper",
-    ];
+    let own = ["samples", "unstable", "open", "occurrence", "lower", "upper"];
     let mut rows = Vec::new();
     for panel in results.panels() {
-        let key = panel.key;
-        let PanelLabel { in_contact, arrangements } = &labels.panels[key.panel];
         for (name, occurrences) in results.occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
-                let mut row = labels.key_columns(key).to_vec();
+                let mut row = labels.mode_columns(panel.key, occurrence.arrangement, name);
                 row.extend([
-                    in_contact.to_string(),
-                    arrangements[occurrence.arrangement].to_string(),
-                    name.to_string(),
                     occurrence.proportion.trials().to_string(),
                     occurrence.proportion.hits().to_string(),
                     occurrence.proportion.ambiguous().to_string(),
@@ -60,6 +42,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             }
         }
     }
+    let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
     write_csv(&dir.join("occurrence.csv"), &header, rows)
 }
 
@@ -168,21 +151,24 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
 }
 
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
-    let describe = |scene: Option<usize>| match scene {
-        None => "every scene: the draw failed".to_owned(),
-        Some(at) => {
-            let scene = &results.plan().scenes[at];
-            let labels = &results.plan().labels;
-            format!(
-                "{}, {}, contact {}, {}",
-                labels.constraints[scene.key.constraints],
-                labels.laws[scene.key.law].name,
-                results.plan().configuration(scene).contacts,
-                scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
-            )
-        }
-    };
-    let rows = results.summary.failures.listed().iter();
-    let rows = rows.map(|failure| vec![failure.index.to_string(), describe(failure.scene), failure.message.clone()]);
+    let rows = results.summary.failures.listed().iter().map(|failure| {
+        let scene =
+            failure.scene.map_or("every scene: the draw failed".into(), |at| scene_in_words(results.plan(), at));
+        vec![failure.index.to_string(), scene, failure.message.clone()]
+    });
     write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
+}
+
+fn scene_in_words(plan: &Plan, at: usize) -> String {
+    let (scene, labels) = (&plan.scenes[at], &plan.labels);
+    let contacts = match plan.configuration(scene).contacts.as_str() {
+        "" => String::new(),
+        contacts => format!("contact {contacts}, "),
+    };
+    format!(
+        "{}, {}, {contacts}{}",
+        labels.constraints[scene.key.constraints],
+        labels.laws[scene.key.law].name,
+        scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
+    )
 }

@@ -1,6 +1,6 @@
 //! Panels, and the pairs of panels that a study compares.
 
-use super::{Plan, SceneKey};
+use super::{Plan, SceneKey, SceneLabels};
 
 /// All arrangements with one number in contact, under one constraint set, law and speed range.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,30 +51,32 @@ pub fn panels(plan: &Plan) -> Vec<Panel> {
 
 /// The comparisons that a study makes, each between panels that differ in one thing.
 pub fn comparisons(plan: &Plan, panels: &[Panel]) -> Vec<Comparison> {
-    let number = |panel: &Panel| plan.labels.panels[panel.key.panel].in_contact;
-    let kind = |a: &Panel, b: &Panel| {
-        let (p, q) = (a.key, b.key);
-        let same_scene = p.law == q.law && p.speed == q.speed;
-        if p.constraints != q.constraints {
-            return (p.constraints == 0 && same_scene && p.panel == q.panel).then_some(ComparisonKind::Constraints);
-        }
-        if p.panel != q.panel {
-            let next = plan.labels.panels.iter().map(|panel| panel.in_contact).filter(|&n| n < number(a)).max();
-            return (same_scene && next == Some(number(b))).then_some(ComparisonKind::Contact);
-        }
-        if p.law != q.law {
-            let speeds_agree = q.speed.is_none() || p.speed == q.speed;
-            return (plan.labels.baseline_law == Some(q.law) && speeds_agree).then_some(ComparisonKind::Law);
-        }
-        (p.speed < q.speed).then_some(ComparisonKind::Speed)
-    };
     let mut found = Vec::new();
     for (more, a) in panels.iter().enumerate() {
         for (fewer, b) in panels.iter().enumerate() {
-            if let (true, Some(kind)) = (more != fewer, kind(a, b)) {
+            if let (true, Some(kind)) = (more != fewer, kind(&plan.labels, a.key, b.key)) {
                 found.push(Comparison { kind, more, fewer });
             }
         }
     }
     found
+}
+
+/// What tells two panels apart, if it is one thing that is compared in this direction.
+fn kind(labels: &SceneLabels, more: SceneKey, fewer: SceneKey) -> Option<ComparisonKind> {
+    let same_scene = more.law == fewer.law && more.speed == fewer.speed;
+    if more.constraints != fewer.constraints {
+        let is_before_after = more.constraints == 0 && same_scene && more.panel == fewer.panel;
+        return is_before_after.then_some(ComparisonKind::Constraints);
+    }
+    if more.panel != fewer.panel {
+        let number = |panel: usize| labels.panels[panel].in_contact;
+        let next = labels.panels.iter().map(|panel| panel.in_contact).filter(|&n| n < number(more.panel)).max();
+        return (same_scene && next == Some(number(fewer.panel))).then_some(ComparisonKind::Contact);
+    }
+    if more.law != fewer.law {
+        let speeds_agree = fewer.speed.is_none() || more.speed == fewer.speed;
+        return (labels.baseline_law == Some(fewer.law) && speeds_agree).then_some(ComparisonKind::Law);
+    }
+    (more.speed < fewer.speed).then_some(ComparisonKind::Speed)
 }

@@ -12,7 +12,7 @@ use super::net_work::WorkSystems;
 use super::reference::{Reference, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
-use super::{Plan, Scene, UncertainBrake};
+use super::{ModeLabel, Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// The result of one complex eigenvalue analysis (CEA) of a study.
@@ -32,9 +32,9 @@ pub struct Outcome {
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnstableMode {
     /// Frequency rank in this CEA, from 1.
-    pub rank: u16,
+    pub rank: ModeLabel,
     /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
     /// Work in one period on each body; in scenes that want it.
     pub work: Option<ModeWork>,
 }
@@ -214,7 +214,11 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
-                outcome.unstable.push(UnstableMode { rank: ranks[*index] as u16, names: names.clone(), work });
+                outcome.unstable.push(UnstableMode {
+                    rank: ModeLabel::of_rank(ranks[*index]),
+                    names: names.clone(),
+                    work,
+                });
             }
             outcome.divergent += of_sector.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
             outcome.undecided += of_sector.undecided;

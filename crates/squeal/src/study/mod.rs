@@ -12,6 +12,7 @@ mod certificate;
 mod comparison;
 mod evaluate;
 mod memory;
+mod mode_label;
 mod near_axis;
 mod net_work;
 mod plan;
@@ -25,6 +26,7 @@ pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use memory::{Scratch, Spent, timed};
+pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{

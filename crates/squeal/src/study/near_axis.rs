@@ -6,7 +6,7 @@ use linsys::OperatingPoint;
 use num_complex::Complex;
 
 use super::sector_modes::SectorEquation;
-use super::{Scratch, Study, UncertainBrake};
+use super::{ModeLabel, Scratch, Study, UncertainBrake};
 use crate::Error;
 
 /// A mode near the imaginary axis, under friction that is the same in all contacts.
@@ -19,7 +19,7 @@ pub(crate) struct NearAxis {
     /// d lambda / d (N0 h) at constant mu.
     pub by_slope: Complex<f64>,
     /// The names that an unstable mode may have; empty for a stable one.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 impl<B: UncertainBrake> Study<'_, B> {

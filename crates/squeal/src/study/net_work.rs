@@ -5,7 +5,7 @@ use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::DVector;
 use num_complex::Complex;
 use osc_model::Brake;
-use work::{Family, ModeWork, family_work};
+use work::{ForceFamily, ModeWork, family_work};
 
 use crate::Error;
 
@@ -41,8 +41,8 @@ impl<'a> WorkSystems<'a> {
     /// # Errors
     /// Those of [`family_work`].
     pub fn of(&self, lambda: Complex<f64>, shape: &DVector<Complex<f64>>, brake: &Brake) -> Result<ModeWork, Error> {
-        let families: Vec<Family<'_>> =
-            self.names.iter().zip(&self.families).map(|(name, system)| Family { name, system }).collect();
+        let families: Vec<ForceFamily<'_>> =
+            self.names.iter().zip(&self.families).map(|(name, system)| ForceFamily { name, system }).collect();
         Ok(family_work(&self.structure.m, &families, lambda, shape, &brake.bodies)?)
     }
 }

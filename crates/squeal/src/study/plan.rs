@@ -6,6 +6,8 @@ use linsys::OperatingPoint;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
+use super::ModeLabel;
+
 /// What tells scenes apart; indices into the lists of [`SceneLabels`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct SceneKey {
@@ -75,7 +77,7 @@ pub struct SpeedLabel {
 /// All arrangements with one number in contact.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PanelLabel {
-    /// How many contacts are closed.
+    /// How many contacts are closed; 0 for a brake that has none, whose friction is in its terms.
     pub in_contact: usize,
     /// Each arrangement in words.
     pub arrangements: Vec<String>,
@@ -108,6 +110,17 @@ impl SceneLabels {
     pub fn key_columns(&self, key: SceneKey) -> [String; 3] {
         let (constraints, law) = (&self.constraints[key.constraints], &self.laws[key.law].name);
         [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
+    }
+
+    /// The first columns of tables with a row for each mode in each arrangement.
+    pub const MODE_COLUMNS: [&str; 6] = ["constraints", "law", "speed", "in_contact", "arrangement", "mode"];
+
+    /// What stands in [`SceneLabels::MODE_COLUMNS`]; `arrangement` is a place in the list of the panel.
+    pub fn mode_columns(&self, key: SceneKey, arrangement: usize, mode: ModeLabel) -> Vec<String> {
+        let PanelLabel { in_contact, arrangements } = &self.panels[key.panel];
+        let mut columns = self.key_columns(key).to_vec();
+        columns.extend([in_contact.to_string(), arrangements[arrangement].clone(), mode.to_string()]);
+        columns
     }
 }
 

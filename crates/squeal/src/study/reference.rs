@@ -1,6 +1,6 @@
 //! Reference modes: what a mode is called in each scene.
 //!
-//! A tracked mode is named by its frequency rank at the [`Origin`] of its configuration: for a lattice every oscillator in
+//! A tracked mode is named by its frequency rank (by [`rank_order`]) at the [`Origin`] of its configuration: for a lattice every oscillator in
 //! contact, Amontons-Coulomb friction and median parameters. Each configuration has modes of its own at its naming point,
 //! linked to those by continuation, for instance in the contact stiffness of the oscillators that leave contact; each
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
@@ -8,13 +8,14 @@
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, by_frequency, ranks_together};
+use cea::{EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
+use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Path, PathEnd, PathStart, follow, identify};
 
-use super::{Configuration, Origin, Plan, Scene};
+use super::{Configuration, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
 
 /// The modes of one system, or of one sector of it, at median parameters.
@@ -26,7 +27,7 @@ pub struct Reference {
     pub modes: Vec<Mode>,
     /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
     /// no oscillation at the beginning of the path.
-    pub names: Vec<Vec<u16>>,
+    pub names: Vec<Vec<ModeLabel>>,
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -48,8 +49,8 @@ impl Reference {
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
-    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<u16> {
-        let mut names: Vec<u16> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
+    pub(crate) fn names_of(&self, link: impl IntoIterator<Item = usize>) -> Vec<ModeLabel> {
+        let mut names: Vec<ModeLabel> = link.into_iter().flat_map(|to| self.names[to].iter().copied()).collect();
         names.sort_unstable();
         names.dedup();
         names
@@ -57,7 +58,7 @@ impl Reference {
 
     /// Every name that some mode has or may have, ascending.
     #[must_use]
-    pub fn all_names(&self) -> Vec<u16> {
+    pub fn all_names(&self) -> Vec<ModeLabel> {
         self.names_of(0..self.modes.len())
     }
 
@@ -67,9 +68,9 @@ impl Reference {
             let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
-        let mut all: Vec<(Mode, Vec<u16>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
-        all.sort_by(|(a, _), (b, _)| by_frequency(&a.lambda, &b.lambda));
-        let (modes, names) = all.into_iter().unzip();
+        let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
+        let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
+        let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
         Self { system, modes, names }
     }
 
@@ -141,7 +142,7 @@ fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Err
     let (mut parts, found): (Vec<_>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
-        part.names = ranks.into_iter().map(|rank| vec![rank as u16]).collect();
+        part.names = ranks.into_iter().map(|rank| vec![ModeLabel::of_rank(rank)]).collect();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
 }

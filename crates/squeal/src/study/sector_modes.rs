@@ -8,8 +8,8 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 use tracking::{Links, Path, PathEnd, PathStart, identify_all};
 
-use super::Reference;
 use super::memory::{Memory, timed};
+use super::{ModeLabel, Reference};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct UnstableSectorMode {
     /// Eigenvalue, and shape in the basis of the sector.
     pub mode: Mode,
     /// Names it may have as a tracked mode.
-    pub names: Vec<u16>,
+    pub names: Vec<ModeLabel>,
 }
 
 /// The growing modes of a sector in one sample, with the gain they were found at; `None` where the secular equation leaves a
@@ -38,7 +38,7 @@ pub(super) struct UnstableSectorMode {
 pub(super) type SecularAnswer = Option<(Gain, Growing)>;
 
 /// Modes with the names each may have.
-type NamedModes = Vec<(Mode, Vec<u16>)>;
+type NamedModes = Vec<(Mode, Vec<ModeLabel>)>;
 
 /// What the modes of one sector of a scene are computed with.
 pub(super) struct SectorSolver<'a> {

@@ -119,7 +119,7 @@ pub fn common_gain(channels: &[ChannelGain]) -> Option<Gain> {
         return None;
     }
     let (lag, decay) = first.lag.map_or((0.0, 0.0), |lag| (lag.force * lag.drive, lag.decay));
-    Some(Gain { mu: first.mu, velocity: first.slope, lag, decay })
+    Some(Gain { mu: first.mu, slope: first.slope, lag, decay })
 }
 
 /// The growing modes at each operating point, by sector; `None` in all sectors of a point that needs spectra.

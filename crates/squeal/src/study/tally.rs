@@ -6,7 +6,7 @@ use montecarlo::{IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, oc
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
-use super::{Outcome, Plan, Study, UncertainBrake, UnstableMode};
+use super::{ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,14 +49,14 @@ pub struct SceneTally {
     pub undecided: u64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
     /// no name and may be any.
-    pub tracked: LabelTally<u16>,
+    pub tracked: LabelTally<ModeLabel>,
     /// Samples in which the mode of a frequency rank is unstable.
-    pub ranked: LabelTally<u16>,
+    pub ranked: LabelTally<ModeLabel>,
     /// Net work of each body in one period per `phi^H M phi`, 1/s^2, by name of the mode, over the samples in which it is
     /// unstable and known by name; one sketch for each body of the scene's brake.
-    pub net_work: BTreeMap<u16, Vec<QuantileSketch>>,
+    pub net_work: BTreeMap<ModeLabel, Vec<QuantileSketch>>,
     /// The same told apart by family of forces, in the order of `AffineSystem::families`: of each family the bodies.
-    pub family_work: BTreeMap<u16, Vec<Vec<QuantileSketch>>>,
+    pub family_work: BTreeMap<ModeLabel, Vec<Vec<QuantileSketch>>>,
 }
 
 impl StudyTally {
@@ -122,12 +122,12 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
-/// Names of the unstable modes of one sample, and whether each is sure. A mode without a name may be any of `all`.
-pub(crate) fn unstable_names(modes: &[UnstableMode], all: &[u16]) -> BTreeMap<u16, bool> {
-    let candidates = candidate_names(modes);
-    let known = occurring_labels(&candidates).into_iter().map(|(name, trial)| (name, trial == Trial::Yes));
-    let mut names: BTreeMap<u16, bool> = known.collect();
-    if candidates.iter().any(|names| names.is_empty()) {
+/// Names of unstable modes, from the names that each may have, and whether each is sure. A mode without a name may be any of
+/// `all`.
+pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
+    let known = occurring_labels(candidates).into_iter().map(|(name, trial)| (name, trial == Trial::Yes));
+    let mut names: BTreeMap<ModeLabel, bool> = known.collect();
+    if candidates.iter().any(|names| names.as_ref().is_empty()) {
         for &name in all {
             names.entry(name).or_insert(false);
         }
@@ -135,7 +135,14 @@ pub(crate) fn unstable_names(modes: &[UnstableMode], all: &[u16]) -> BTreeMap<u1
     names
 }
 
-fn candidate_names(modes: &[UnstableMode]) -> Vec<&[u16]> {
+impl Outcome {
+    /// Names of the unstable modes, and whether each is sure. A mode without a name may be any of `all`.
+    pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
+        unstable_names(&candidate_names(&self.unstable), all)
+    }
+}
+
+fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 
@@ -187,8 +194,17 @@ mod tests {
     use super::*;
     use montecarlo::Confidence;
 
+    fn labels(numbers: &[u16]) -> Vec<ModeLabel> {
+        numbers.iter().copied().map(ModeLabel::new).collect()
+    }
+
     fn unstable(names: &[&[u16]]) -> Vec<UnstableMode> {
-        names.iter().zip(1..).map(|(names, rank)| UnstableMode { rank, names: names.to_vec(), work: None }).collect()
+        let mode = |(names, rank): (&&[u16], u16)| UnstableMode {
+            rank: ModeLabel::new(rank),
+            names: labels(names),
+            work: None,
+        };
+        names.iter().zip(1..).map(mode).collect()
     }
 
     #[test]
@@ -198,20 +214,24 @@ mod tests {
             (0..100).for_each(|_| tally.record(&Outcome { unstable: modes.clone(), ..Outcome::default() }));
         }
         let counts = |name: u16| {
-            let proportion = tally.tracked.proportion(&name);
+            let proportion = tally.tracked.proportion(&ModeLabel::new(name));
             (proportion.hits(), proportion.ambiguous())
         };
         assert_eq!([1, 2, 3, 4].map(counts), [(200, 0), (0, 200), (0, 200), (0, 100)]);
         assert_eq!(tally.ambiguous_modes, 200);
         // A mode that was never seen by name may be unstable half of the time.
-        let never = tally.tracked.interval(&4, Confidence::P95);
+        let never = tally.tracked.interval(&ModeLabel::new(4), Confidence::P95);
         assert!(never.lower == 0.0 && never.upper > 0.5, "{never:?}");
-        assert_eq!(tally.ranked.proportion(&2).ambiguous(), 0);
+        assert_eq!(tally.ranked.proportion(&ModeLabel::new(2)).ambiguous(), 0);
     }
 
     #[test]
     fn names_of_a_mode_without_one_are_open() {
-        let names = |modes: &[&[u16]]| unstable_names(&unstable(modes), &[1, 2, 3]).into_iter().collect::<Vec<_>>();
+        let names = |modes: &[&[u16]]| {
+            let candidates: Vec<Vec<ModeLabel>> = modes.iter().map(|names| labels(names)).collect();
+            let found = unstable_names(&candidates, &labels(&[1, 2, 3]));
+            found.into_iter().map(|(name, is_sure)| (name.number(), is_sure)).collect::<Vec<_>>()
+        };
         assert_eq!(names(&[&[2], &[]]), [(1, false), (2, true), (3, false)]);
         assert_eq!(names(&[&[], &[], &[]]), [(1, false), (2, false), (3, false)]);
         assert_eq!(names(&[&[2], &[1, 3]]), [(1, false), (2, true), (3, false)]);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::common::{assert_same, refusal, results, run, squeal};
+use crate::tables::columns;
 
 /// (1.1 - 0.75375) / (1.1 - 0.5), as the case derives it.
 const EXACT: f64 = 0.346_25 / 0.6;
@@ -10,14 +11,6 @@ const HALF_WIDTH: f64 = 1e-3;
 
 fn hoffmann() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
-}
-
-/// The cells of a table under some of its columns.
-fn columns(table: &Path, names: &[&str]) -> Vec<Vec<String>> {
-    let mut table = csv::Reader::from_path(table).unwrap();
-    let header = table.headers().unwrap().clone();
-    let places: Vec<usize> = names.iter().map(|name| header.iter().position(|other| other == *name).unwrap()).collect();
-    table.records().map(|row| places.iter().map(|&at| row.as_ref().unwrap()[at].to_owned()).collect()).collect()
 }
 
 #[test]

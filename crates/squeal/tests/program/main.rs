@@ -10,3 +10,6 @@ mod estimates;
 mod failures;
 mod memory;
 mod same_bytes;
+#[path = "../common/tables.rs"]
+mod tables;
+mod words;

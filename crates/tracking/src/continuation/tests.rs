@@ -62,7 +62,7 @@ fn veering_modes_are_told_apart_though_their_shapes_are_mixed() {
 }
 
 #[test]
-fn through_a_coalescence_nothing_is_traced() {
+fn through_a_coalescence_no_mode_is_continued_alone() {
     // The pair coalesces where the two stiffnesses differ by 1.
     let flutter = |a: f64, b: f64| {
         let k = dmatrix![a, 0.5, 0.0; -0.5, b, 0.0; 0.0, 0.0, 50.0];
@@ -95,7 +95,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn what_is_traced_ends_where_small_steps_end(
+    fn continued_modes_end_where_small_steps_end(
         springs in prop::collection::vec(0.5..2.0, 20),
         friction in prop::collection::vec(-0.5..0.5, 32),
         damping in 0.01..0.1,

@@ -1,10 +1,11 @@
 //! Against closed forms: a flutter oscillator with two degrees of freedom, and modes that cross without coalescing.
 
 use super::*;
-use crate::branch::follow_branch;
+use crate::branch::{BranchPoint, Branches, follow_branch};
 use crate::locus::Ambiguity;
 use crate::onset::Onset;
 use nalgebra::{DMatrix, dmatrix};
+use num_complex::Complex;
 
 /// Hoffmann, Fischer, Allgaier, Gaul, Eur. J. Mech. A/Solids 21, 2002: two degrees of freedom of equal mass that friction
 /// couples, with damping in proportion to the mass.
@@ -86,11 +87,11 @@ fn a_branch_is_followed_to_one_end_and_past_a_coalescence_to_both() {
         follow_branch(family, a, index, b, 1e-9).unwrap().into_iter().collect::<Vec<_>>()
     };
     // The two change their order by frequency.
-    let mut family = SystemFamily::new(crossing, -1.0, 1.0);
+    let mut family = KeptSpectra::new(with_change(crossing, -1.0, 1.0), &QrSolver);
     for ends in [[-1.0, 1.0], [1.0, -1.0]] {
         assert_eq!([0, 1].map(|index| follow(&mut family, index, ends)), [[1], [0]]);
     }
-    let mut family = SystemFamily::new(hoffmann(0.05), 0.0, 1.5);
+    let mut family = KeptSpectra::new(with_change(hoffmann(0.05), 0.0, 1.5), &QrSolver);
     assert_eq!(follow(&mut family, 0, [0.0, 0.5]), [0]);
     for ends in [[0.0, 1.5], [1.5, 0.0]] {
         assert_eq!(follow(&mut family, 0, ends), [0, 1]);

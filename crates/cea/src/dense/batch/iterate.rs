@@ -115,7 +115,7 @@ struct SweepRequests<V> {
 }
 
 impl<V: bytemuck::Pod> SweepRequests<V> {
-    fn nothing(zero: V, never: V, none: V) -> Self {
+    fn of_no_lane(zero: V, never: V, none: V) -> Self {
         Self { tops: [never; 2], bottoms: [none; 2], corners: [[[zero; 4]; 4]; 2], wide: [zero; 2], exceptional: zero }
     }
 
@@ -162,7 +162,7 @@ pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> 
         let [mut lowest, mut above] = split(o, a, layout, rows, open);
         let (lowest, above) = (floats(&mut lowest), floats(&mut above));
 
-        let mut requests = SweepRequests::nothing(zero, never, none);
+        let mut requests = SweepRequests::of_no_lane(zero, never, none);
         let (mut first, mut last) = (usize::MAX, 0);
         tops.fill(false);
         for (lane, progress) in progress.iter_mut().enumerate().filter(|(_, progress)| progress.open > 0) {

@@ -60,7 +60,7 @@ impl Anchor {
             0 => [0.0; 2],
             _ => [middle + gain.decay, (variance * count).sqrt()].map(|part| part / gain.decay),
         };
-        let slope = gain.slope(MIDDLE_FREQUENCY);
+        let slope = gain.complex_slope(MIDDLE_FREQUENCY);
         Some(Self { gain, slope, sigmas, rates: vec![[Complex::default(); 2]; n], internal })
     }
 
@@ -72,7 +72,7 @@ impl Anchor {
     fn guess(&self, gain: &Gain) -> Approximations {
         let mu = gain.mu - self.gain.mu;
         let one = |(&sigma, [by_mu, by_slope]): (&Complex<f64>, &[Complex<f64>; 2])| {
-            sigma + by_mu * mu + by_slope * (gain.slope(sigma) - self.gain.slope(sigma))
+            sigma + by_mu * mu + by_slope * (gain.complex_slope(sigma) - self.gain.complex_slope(sigma))
         };
         let (least, most) = COMPARABLE_REACH;
         let [shift, size] =
@@ -95,7 +95,7 @@ impl Anchors {
 
     /// Guesses of all eigenvalues from the nearest anchor; `None` without any.
     pub(super) fn guess(&self, gain: &Gain) -> Option<Approximations> {
-        let slope = gain.slope(MIDDLE_FREQUENCY);
+        let slope = gain.complex_slope(MIDDLE_FREQUENCY);
         let distance = |anchor: &Anchor| anchor.distance(gain.mu, slope, self.spread);
         let nearest = self.anchors.iter().map(|anchor| (distance(anchor), anchor)).min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.map(|(_, anchor)| anchor.guess(gain))
@@ -106,9 +106,8 @@ impl Anchors {
         let steps = self.spread.map(|spread| GAIN_DIFFERENCE * spread);
         let mut values = Vec::new();
         for anchor in &mut self.anchors {
-            let Gain { mu, velocity, .. } = anchor.gain;
-            let gains =
-                [Gain { mu: mu + steps[0], ..anchor.gain }, Gain { velocity: velocity + steps[1], ..anchor.gain }];
+            let Gain { mu, slope, .. } = anchor.gain;
+            let gains = [Gain { mu: mu + steps[0], ..anchor.gain }, Gain { slope: slope + steps[1], ..anchor.gain }];
             let points: Vec<_> =
                 gains.iter().flat_map(|&gain| anchor.sigmas.iter().map(move |&sigma| gain.at(sigma))).collect();
             characteristic(resolvent, &points, &mut work.scratch, &mut values);

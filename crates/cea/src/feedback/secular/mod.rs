@@ -14,6 +14,7 @@
 
 mod anchors;
 mod enclosure;
+mod gain;
 mod gain_path;
 mod pair;
 mod reasons;
@@ -30,47 +31,18 @@ use num_complex::Complex;
 use crate::{CeaError, Spectrum, Workspace};
 pub use anchors::Anchors;
 use enclosure::Wanted;
+pub use gain::Gain;
 pub use gain_path::{GainPath, NewtonStep};
 pub use pair::EigenvaluePair;
 pub use reasons::{LeftOpen, NoSecular};
 pub use resolvent::Feedback;
 use resolvent::Resolvent;
-use response::Point;
 
 /// Largest square of the number of ports, per degree of freedom: with 30 a spectrum costs as much as some thirteen ports,
 /// extrapolated from nine.
 const MOST_SQUARED_PORTS: usize = 6;
 /// The middle of the frequencies, in units: where slopes are compared.
 const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
-
-/// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Gain {
-    /// mu, the proportional gain; p in the equations.
-    pub mu: f64,
-    /// v, what is proportional to the velocity, Ns/m.
-    pub velocity: f64,
-    /// What an internal state adds, N/m; 0 for none.
-    pub lag: f64,
-    /// Its decay rate, 1/s.
-    pub decay: f64,
-}
-
-impl Gain {
-    /// `v + lag / (lambda + decay)`.
-    fn slope(&self, lambda: Complex<f64>) -> Complex<f64> {
-        if self.lag == 0.0 { Complex::from(self.velocity) } else { self.velocity + self.lag / (lambda + self.decay) }
-    }
-
-    /// The feedback at an eigenvalue.
-    fn at(&self, sigma: Complex<f64>) -> Point {
-        Point { sigma, mu: self.mu, slope: self.slope(sigma) }
-    }
-
-    fn in_units(&self, unit: f64) -> Self {
-        Self { lag: self.lag / unit, decay: self.decay / unit, ..*self }
-    }
-}
 
 /// A structure with feedback, ready for many gains.
 ///
@@ -160,7 +132,7 @@ impl Secular {
     pub fn system(&self, gain: &Gain) -> SecondOrder {
         let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
         system.k += gain.mu * force * reading;
-        system.c += gain.velocity * force * force.transpose();
+        system.c += gain.slope * force * force.transpose();
         if gain.lag != 0.0 {
             let decay = DVector::from_element(force.ncols(), gain.decay);
             system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
 use super::enclosure::{Approximations, InternalCluster, LARGEST_TOTAL_SHARE, Wanted, enclosure};
-use super::response::characteristic;
+use super::response::{Point, characteristic};
 use super::*;
 use crate::{EigenSolver, QrSolver};
 
@@ -55,7 +55,7 @@ pub(crate) fn whole(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
     let Feedback { force, reading } = feedback;
     let mut system = structure.clone();
     system.k += gain.mu * force * reading;
-    system.c += gain.velocity * force * force.transpose();
+    system.c += gain.slope * force * force.transpose();
     if gain.lag != 0.0 {
         let decay = DVector::from_element(force.ncols(), gain.decay);
         system.internal = Internal { decay, drive: -gain.lag * force.transpose(), force: force.clone() };
@@ -87,7 +87,7 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
     sigmas.iter().zip(found).map(error).fold(0.0, f64::max)
 }
 
-pub(crate) const GAIN: Gain = Gain { mu: 0.7, velocity: -40.0, lag: 3e5, decay: 4e3 };
+pub(crate) const GAIN: Gain = Gain { mu: 0.7, slope: -40.0, lag: 3e5, decay: 4e3 };
 
 /// Two equal chains side by side.
 fn twins() -> SecondOrder {
@@ -227,7 +227,7 @@ fn known() -> impl Strategy<Value = Known> {
         |(zeros, real, decay, error, apart_from)| {
             let error = 10f64.powf(error);
             let guess = |&(re, im, x, y): &(f64, f64, f64, f64)| Complex::new(re + error * x, im + error * y);
-            // A feedback in no place has internal states in name only.
+            // A feedback without ports has internal states in name only.
             let has_states = !real.is_empty() || decay > 4.5;
             let internal = has_states.then_some(InternalCluster { middle: -decay, radius: 0.1 * decay });
             let approximations = Approximations { sigmas: zeros.iter().map(guess).collect(), internal };
@@ -323,7 +323,7 @@ fn the_system_of_a_gain_has_its_feedback() {
         assert_eq!(secular.system(&gain), whole(&structure, &feedback, &gain));
         let lambda = Complex::new(-30.0, 2500.0);
         let acting = feedback.reading.map(Complex::from) * Complex::from(gain.mu)
-            + feedback.force.transpose().map(Complex::from) * (lambda * gain.slope(lambda));
+            + feedback.force.transpose().map(Complex::from) * (lambda * gain.complex_slope(lambda));
         let expected = structure.dynamic_stiffness(lambda) + feedback.force.map(Complex::from) * acting;
         let found = secular.system(&gain).dynamic_stiffness(lambda);
         assert!((&found - &expected).norm() < 1e-14 * expected.norm());
@@ -331,7 +331,7 @@ fn the_system_of_a_gain_has_its_feedback() {
 }
 
 #[test]
-fn internal_states_driven_otherwise_than_those_of_the_pilots_are_enclosed() {
+fn internal_states_driven_otherwise_than_those_of_the_anchors_are_enclosed() {
     let (structure, feedback, mut work) = (chain(12, 1), feedback(12, 6, 1), Workspace::default());
     let secular = Secular::new(&structure, &feedback, &mut work).unwrap().unwrap();
     let spectrum = |gain: Gain| QrSolver.eigenvalues(&whole(&structure, &feedback, &gain), &mut Workspace::default());

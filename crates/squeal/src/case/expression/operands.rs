@@ -30,24 +30,17 @@ impl Pass<'_> {
     pub(super) fn number(&mut self) -> Result<f64, Fault> {
         self.level().begun = true;
         let start = self.at;
-        let digits = |pass: &mut Self| {
-            let from = pass.at;
-            while pass.characters.get(pass.at).is_some_and(char::is_ascii_digit) {
-                pass.at += 1;
-            }
-            pass.at > from
-        };
-        let mut complete = digits(self);
+        let mut complete = self.skip_digits();
         if self.characters.get(self.at) == Some(&'.') {
             self.at += 1;
-            complete |= digits(self);
+            complete |= self.skip_digits();
         }
         if complete && matches!(self.characters.get(self.at), Some('e' | 'E')) {
             self.at += 1;
             if matches!(self.characters.get(self.at), Some('+' | '-')) {
                 self.at += 1;
             }
-            complete = digits(self);
+            complete = self.skip_digits();
         }
         let joined = self.characters.get(self.at).is_some_and(|c| continues_name(*c) || *c == '.');
         let text: String = self.characters[start..self.at].iter().collect();
@@ -64,6 +57,15 @@ impl Pass<'_> {
                 Err(fault(format!("{:?} is no number", shown(&(text + &rest.collect::<String>())))))
             }
         }
+    }
+
+    /// Goes past digits; whether there were any.
+    fn skip_digits(&mut self) -> bool {
+        let from = self.at;
+        while self.characters.get(self.at).is_some_and(char::is_ascii_digit) {
+            self.at += 1;
+        }
+        self.at > from
     }
 
     /// A parameter or constant (`true`), or a function with its parenthesis (`false`).

@@ -6,7 +6,7 @@ use linsys::Channel;
 
 use super::dofs::DofNames;
 use super::formulas::Formulas;
-use super::{GainExpressions, schema};
+use super::{GainExpressions, LagExpressions, schema};
 use crate::case::CaseError;
 use crate::case::check::{Check, field};
 
@@ -23,20 +23,16 @@ pub(super) fn channels_with_gains(
     check.names("contacts.name", given.iter().map(|contact| &contact.name))?;
     check.names_of_families("contacts", given.iter().map(|contact| (&contact.name, &contact.family)))?;
     let (mut channels, mut gains) = (Vec::new(), Vec::new());
-    for schema::ContactTable { name, family, force, reading, mu, slope } in given {
-        let sparse = |key: &str, entries: &BTreeMap<String, f64>| {
-            let at = |dof: &String| format!("{}.{dof}", field("contacts", &name, key));
-            let entry =
-                |(dof, &value): (&String, &f64)| Ok((dofs.index(&at(dof), dof)?, check.finite(&at(dof), value)?));
-            entries.iter().map(entry).collect::<Result<Vec<_>, CaseError>>()
-        };
-        let (b, r) = (sparse("force", &force)?, sparse("reading", &reading)?);
+    for schema::ContactTable { name, family, force, reading, mu, slope, lag } in given {
+        let b = sparse_vector(check, dofs, &field("contacts", &name, "force"), &force)?;
+        let r = sparse_vector(check, dofs, &field("contacts", &name, "reading"), &reading)?;
         if b.is_empty() {
             return Err(check.value(&field("contacts", &name, "force"), "{}", "one degree of freedom or more"));
         }
-        match (r.is_empty(), &mu, &slope) {
-            (_, None, None) => {
-                return Err(check.value(&format!("contacts {name:?}"), "neither mu nor slope", "one of them, or both"));
+        match (r.is_empty(), &mu, slope.is_some() || lag.is_some()) {
+            (_, None, false) => {
+                let found = "neither mu nor slope nor lag";
+                return Err(check.value(&format!("contacts {name:?}"), found, "one of them, or several"));
             }
             (true, Some(_), _) => {
                 let allowed = "the normal force that mu multiplies, as { y = 11.0 }";
@@ -48,11 +44,36 @@ pub(super) fn channels_with_gains(
             }
             _ => {}
         }
+        let mut expression =
+            |key: &str, given: Option<schema::Formula>| formulas.expression(&field("contacts", &name, key), given, 0.0);
         gains.push(GainExpressions {
-            mu: formulas.expression(&field("contacts", &name, "mu"), mu, 0.0)?,
-            slope: formulas.expression(&field("contacts", &name, "slope"), slope, 0.0)?,
+            mu: expression("mu", mu)?,
+            slope: expression("slope", slope)?,
+            lag: match lag {
+                None => None,
+                Some(schema::LagTable { decay, drive, force }) => Some(LagExpressions {
+                    decay: expression("lag.decay", Some(decay))?,
+                    drive: expression("lag.drive", Some(drive))?,
+                    force: expression("lag.force", Some(force))?,
+                }),
+            },
         });
         channels.push(Channel::new(name, family.unwrap_or_else(|| FAMILY_OF_FRICTION.to_owned()), b, r));
     }
     Ok((channels, gains))
+}
+
+/// The entries of a vector by their degrees of freedom, as indices and finite numbers; `field` names the table in messages.
+fn sparse_vector(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    field: &str,
+    entries: &BTreeMap<String, f64>,
+) -> Result<Vec<(usize, f64)>, CaseError> {
+    let mut vector = Vec::with_capacity(entries.len());
+    for (dof, &value) in entries {
+        let entry = format!("{field}.{dof}");
+        vector.push((dofs.index(&entry, dof)?, check.finite(&entry, value)?));
+    }
+    Ok(vector)
 }

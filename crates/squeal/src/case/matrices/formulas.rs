@@ -41,7 +41,7 @@ impl<'a> Formulas<'a> {
         match self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
             None => Ok(()),
             Some((name, _)) => {
-                let allowed = "parameters that stand in a coefficient, mu or slope";
+                let allowed = "parameters that stand in a coefficient, mu, slope or lag";
                 Err(self.check.value(&format!("parameters.{name}"), "used nowhere", allowed))
             }
         }

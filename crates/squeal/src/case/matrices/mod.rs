@@ -11,10 +11,10 @@ mod terms;
 
 use std::path::PathBuf;
 
-use linsys::{AffineSystem, ChannelGain, OperatingPoint};
+use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
-use super::check::field;
+use super::check::{Check, field};
 use super::{CaseError, Expression};
 
 /// A study of a brake given by its matrices, checked.
@@ -66,6 +66,20 @@ pub struct GainExpressions {
     pub mu: Expression,
     /// Normal load times the slope of the coefficient over the sliding velocity, Ns/m.
     pub slope: Expression,
+    /// An internal first-order state, such as the bristle of a LuGre contact.
+    pub lag: Option<LagExpressions>,
+}
+
+/// An internal state `z' = -decay z + drive v` under the sliding velocity v, adding the force `force z` to friction; see
+/// [`Lag`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LagExpressions {
+    /// Decay rate, 1/s; its values must be > 0.
+    pub decay: Expression,
+    /// What a change of velocity feeds into the state.
+    pub drive: Expression,
+    /// The normal load times what the state contributes to the coefficient, N per unit of the state.
+    pub force: Expression,
 }
 
 /// A body as a group of degrees of freedom.
@@ -103,7 +117,7 @@ impl MatricesCase {
     /// The coefficients and gains at these values of the parameters.
     ///
     /// # Errors
-    /// An expression whose value is not a finite number, named by its field.
+    /// An expression whose value is not a finite number, or a state that does not decay, named by its field.
     pub fn operating_point(&self, values: &[f64]) -> Result<OperatingPoint, CaseError> {
         let evaluated = |expression: &Expression, field: &dyn Fn() -> String| {
             let named =
@@ -114,9 +128,22 @@ impl MatricesCase {
         let coefficients =
             terms.map(|(term, coefficient)| evaluated(coefficient, &|| field("terms", &term.name, "coefficient")));
         let channels = self.system.channels().iter().zip(&self.gains).map(|(channel, gain)| {
-            let mu = evaluated(&gain.mu, &|| field("contacts", &channel.name, "mu"))?;
-            let slope = evaluated(&gain.slope, &|| field("contacts", &channel.name, "slope"))?;
-            Ok(ChannelGain { slope, ..ChannelGain::proportional(mu) })
+            let of_contact =
+                |expression: &Expression, key: &str| evaluated(expression, &|| field("contacts", &channel.name, key));
+            let lag = |LagExpressions { decay, drive, force }: &LagExpressions| {
+                let decay = of_contact(decay, "lag.decay")?;
+                if decay <= 0.0 {
+                    // Such a state would grow without bound, and no mode would show it.
+                    let (field, allowed) = (field("contacts", &channel.name, "lag.decay"), "a rate > 0, in 1/s");
+                    return Err(Check { path: &self.path }.value(&field, decay, allowed));
+                }
+                Ok(Lag { decay, drive: of_contact(drive, "lag.drive")?, force: of_contact(force, "lag.force")? })
+            };
+            Ok(ChannelGain {
+                mu: of_contact(&gain.mu, "mu")?,
+                slope: of_contact(&gain.slope, "slope")?,
+                lag: gain.lag.as_ref().map(lag).transpose()?,
+            })
         });
         Ok(OperatingPoint {
             coefficients: coefficients.collect::<Result<_, CaseError>>()?,

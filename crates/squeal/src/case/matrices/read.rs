@@ -1,6 +1,5 @@
 //! From the fields of a file to a brake given by matrices: every value checked, every list complete.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use linsys::{AffineSystem, Term};
@@ -24,7 +23,8 @@ impl MatricesCase {
         let check = Check { path };
         let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
         check.samples(study.samples)?;
-        let parameters = drawn(&check, parameters)?;
+        let parameters: Vec<Parameter> =
+            parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
         let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
@@ -53,18 +53,16 @@ impl MatricesCase {
     }
 }
 
-fn drawn(check: &Check<'_>, given: BTreeMap<String, schema::ParameterTable>) -> Result<Vec<Parameter>, CaseError> {
-    let checked = |(name, schema::ParameterTable { unit, distribution }): (String, schema::ParameterTable)| {
-        if !is_parameter_name(&name) {
-            let allowed = "a letter or _, then letters, digits and _, no function and not pi";
-            return Err(check.value("parameters", format!("{name:?}"), allowed));
-        }
-        distribution
-            .check()
-            .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
-        Ok(Parameter { name, unit, distribution })
-    };
-    given.into_iter().map(checked).collect()
+fn parameter(check: &Check<'_>, name: String, given: schema::ParameterTable) -> Result<Parameter, CaseError> {
+    if !is_parameter_name(&name) {
+        let allowed = "a letter or _, then letters, digits and _, no function and not pi";
+        return Err(check.value("parameters", format!("{name:?}"), allowed));
+    }
+    let schema::ParameterTable { unit, distribution } = given;
+    distribution
+        .check()
+        .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
+    Ok(Parameter { name, unit, distribution })
 }
 
 fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::BodyTable>) -> Result<Vec<BodyDofs>, CaseError> {
@@ -106,14 +104,16 @@ fn constraint_sets(
         return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
-    let checked = |schema::ConstraintsTable { name, fixed }: schema::ConstraintsTable| {
-        check.plain_name("constraints.name", &name)?;
-        let field = field("constraints", &name, "fixed");
-        let fixed = dofs.indices(&field, &fixed)?;
-        if fixed.len() == dofs.order() {
-            return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
-        }
-        Ok(FixedDofs { name, fixed })
-    };
-    given.into_iter().map(checked).collect()
+    given.into_iter().map(|set| fixed_dofs(check, dofs, set)).collect()
+}
+
+fn fixed_dofs(check: &Check<'_>, dofs: &DofNames<'_>, given: schema::ConstraintsTable) -> Result<FixedDofs, CaseError> {
+    let schema::ConstraintsTable { name, fixed } = given;
+    check.plain_name("constraints.name", &name)?;
+    let field = field("constraints", &name, "fixed");
+    let fixed = dofs.indices(&field, &fixed)?;
+    if fixed.len() == dofs.order() {
+        return Err(check.value(&field, "all", "at most all degrees of freedom but one"));
+    }
+    Ok(FixedDofs { name, fixed })
 }

@@ -93,6 +93,16 @@ pub(super) struct ContactTable {
     pub reading: BTreeMap<String, f64>,
     pub mu: Option<Formula>,
     pub slope: Option<Formula>,
+    pub lag: Option<LagTable>,
+}
+
+/// An internal state, with all its numbers.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LagTable {
+    pub decay: Formula,
+    pub drive: Formula,
+    pub force: Formula,
 }
 
 #[derive(Debug, Deserialize)]

@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use cea::{EigenSolver, QrSolver, Workspace};
 use nalgebra::dmatrix;
 use rand::SeedableRng;
 
@@ -173,7 +174,28 @@ fn faults_are_named_in_one_line() {
         ),
         ("reading = { y = -5.0 }", "", "contacts \"pad\".reading = {}; allowed: the normal force that mu multiplies"),
         ("mu = \"mu\"\n", "", "contacts \"pad\".mu = missing; allowed: an expression, or no reading"),
-        ("mu = \"mu\"\nslope = -0.1\n", "", "contacts \"pad\" = neither mu nor slope; allowed: one of them, or both"),
+        (
+            "mu = \"mu\"\nslope = -0.1\n",
+            "",
+            "contacts \"pad\" = neither mu nor slope nor lag; allowed: one of them, or",
+        ),
+        ("slope = -0.1", "lag = { decay = 5.0, drive = 1.0 }", "missing field `force`"),
+        ("slope = -0.1", "lag = { decay = 5.0, drive = 1.0, force = 1.0, mass = 1.0 }", "unknown field `mass`"),
+        (
+            "slope = -0.1",
+            "lag = { decay = 5.0, drive = \"2*mu*\", force = 1.0 }",
+            "contacts \"pad\".lag.drive = \"2*mu*\", column 6: ",
+        ),
+        (
+            "slope = -0.1",
+            "lag = { decay = \"mu - w\", drive = 1.0, force = 1.0 }",
+            "contacts \"pad\".lag.decay = -1.6; allowed: a rate > 0, in 1/s",
+        ),
+        (
+            "slope = -0.1",
+            "lag = { decay = 5.0, drive = 1.0, force = \"1/(w - 2)\" }",
+            "contacts \"pad\".lag.force = \"1/(w - 2)\" = inf at w = 2; allowed: a finite number",
+        ),
         ("\"x-y\"", "\"x\"", "bodies = \"y\" in none; allowed: each degree of freedom in one body"),
         (
             "\"x-y\"",
@@ -200,6 +222,51 @@ fn faults_are_named_in_one_line() {
         assert!(message.starts_with("/nowhere/pad.toml: ") && !message.contains('\n'), "{message}");
         assert!(message.contains(expected), "{message}\nlacks\n{expected}");
     }
+}
+
+#[test]
+fn a_contact_with_a_lag_has_the_eigenvalues_of_its_states() {
+    // LuGre friction about steady sliding: a = sigma0 v / g, b = v g' / g, g = 0.3 + 0.2 e^(-v^2).
+    let lag = r#"
+[contacts.lag]
+decay = "sigma0*v/(0.3 + 0.2*exp(-v^2))"
+drive = "-0.4*v^2*exp(-v^2)/(0.3 + 0.2*exp(-v^2))"
+force = "2*sigma0"
+"#;
+    let drawn = r#"
+[parameters.sigma0]
+distribution = "constant"
+value = 5
+[parameters.v]
+distribution = "uniform"
+from = 0.5
+to = 1.5
+[parameters.w]
+"#;
+    let text = PAD.replace("slope = -0.1\n", lag).replace("[parameters.w]", drawn);
+    let case = parse(&text).unwrap();
+    let at = case.operating_point(&case.medians()).unwrap();
+    let system = case.brake(&case.constraints[0]).unwrap().system.assemble(&at).unwrap();
+    let mut found = QrSolver.eigenvalues(&system, &mut Workspace::default()).unwrap().eigenvalues;
+
+    // By hand, with the states x, y, x', y' and z: x' drives z, which holds x back.
+    let e = (-1.0_f64).exp();
+    let g = 0.3 + 0.2 * e;
+    let (a, b, force) = (5.0 / g, -0.4 * e / g, 10.0);
+    let by_hand = dmatrix![
+        0.0, 0.0, 1.0, 0.0, 0.0;
+        0.0, 0.0, 0.0, 1.0, 0.0;
+        -4.0, -1.0 + 0.4 * 5.0, 0.0, -6.0, -force;
+        -1.0 / 1.5, -9.0 / 1.5, 6.0 / 1.5, 0.0, 0.0;
+        0.0, 0.0, b, 0.0, -a
+    ];
+    for expected in by_hand.complex_eigenvalues().iter() {
+        let distance = |at: usize| (found[at] - expected).norm();
+        let nearest = (0..found.len()).min_by(|&i, &j| distance(i).total_cmp(&distance(j))).unwrap();
+        assert!(distance(nearest) < 1e-12 * a, "{expected} {found:?}");
+        found.swap_remove(nearest);
+    }
+    assert!(found.is_empty(), "{found:?}");
 }
 
 #[test]

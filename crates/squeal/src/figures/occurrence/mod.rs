@@ -32,19 +32,26 @@ pub struct OccurrenceFigure {
 pub struct OccurrenceRow {
     /// Above the panels; may be empty.
     pub law: String,
-    /// One per number of oscillators in contact.
+    /// One per number of contacts closed.
     pub panels: Vec<OccurrencePanel>,
 }
 
-/// One number of oscillators in contact.
+/// One number of contacts closed, or a brake that has none.
 #[derive(Debug, Clone, Default)]
 pub struct OccurrencePanel {
     /// For example "(a) nine in contact".
     pub title: String,
-    /// Names of the arrangements, for the table.
+    /// Names of the arrangements, for the table; a single empty one of a brake without contacts.
     pub arrangements: Vec<String>,
     /// At most one per mode and series; a mode without one is not drawn.
     pub boxes: Vec<OccurrenceBox>,
+}
+
+impl OccurrencePanel {
+    /// Whether there are contacts to arrange: without, nothing is said of their arrangements.
+    fn has_arrangements(&self) -> bool {
+        self.arrangements.iter().any(|name| !name.is_empty())
+    }
 }
 
 /// One mode under one series.
@@ -130,6 +137,9 @@ fn key(data: &OccurrenceFigure) -> Vec<Entry> {
             })
         })
         .collect();
+    if !data.rows.iter().flat_map(|row| &row.panels).any(OccurrencePanel::has_arrangements) {
+        return entries;
+    }
     let mut reading = "n: contact arrangements".to_owned();
     if all().any(|b| b.percent.len() == 1) {
         reading.push_str("; diamond: n\u{a0}=\u{a0}1");

@@ -14,7 +14,10 @@ pub(super) fn headings(canvas: &mut Canvas, grid: &PanelGrid, panels: &[Occurren
     let mut bottom = top;
     for (c, panel) in panels.iter().enumerate() {
         let area = grid.area(c, top);
-        let text = format!("{}, n\u{a0}=\u{a0}{}", panel.title, panel.arrangements.len());
+        let text = match panel.has_arrangements() {
+            true => format!("{}, n\u{a0}=\u{a0}{}", panel.title, panel.arrangements.len()),
+            false => panel.title.clone(),
+        };
         for (i, line) in canvas.fonts.wrap(&text, SMALL_TEXT, false, area.width).into_iter().enumerate() {
             let y = top + LINE_SPACING * (i + 1) as f64;
             canvas.text(Label::new(area.x, y, line));

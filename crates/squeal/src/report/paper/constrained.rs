@@ -6,7 +6,7 @@ use super::modes::{title, work_dominance};
 use super::scenes::{CORNERS_HELD, SIX_HELD, law_name, number_in_contact, speed_name};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{ComparisonKind, Panel};
+use crate::study::{ComparisonKind, ModeLabel, Panel};
 
 /// The largest occurrence of any mode in one arrangement of a panel.
 fn largest_occurrence(results: &Results<'_>, panel: &Panel) -> f64 {
@@ -43,7 +43,7 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper) -> Result<Clai
     let all = results.plan().labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
     let panels = results.panels().iter().filter(|p| p.key.constraints == CORNERS_HELD);
     let panels: Vec<_> = panels.filter(|p| number_in_contact(results, p) == all).collect();
-    let mut modes: std::collections::BTreeMap<u16, Vec<(String, Estimate)>> = Default::default();
+    let mut modes: std::collections::BTreeMap<ModeLabel, Vec<(String, Estimate)>> = Default::default();
     for panel in &panels {
         for (name, occurrences) in results.occurrences(panel) {
             let entry =

@@ -6,13 +6,16 @@ use super::super::results::{Estimate, Results};
 use super::scenes::{full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{ModeNaming, Reference, Scene};
+use crate::study::{ModeLabel, ModeNaming, Reference, Scene};
 
 /// Modes under a constraint set by the smallest median occurrence over all panels, largest first.
-pub(in super::super) fn most_robust(results: &Results<'_>, constraints: usize) -> Result<Vec<(u16, Estimate)>, Error> {
+pub(in super::super) fn most_robust(
+    results: &Results<'_>,
+    constraints: usize,
+) -> Result<Vec<(ModeLabel, Estimate)>, Error> {
     let panels: Vec<_> = results.panels().iter().filter(|p| p.key.constraints == constraints).collect();
     let of_panel: Vec<_> = panels.iter().map(|panel| results.occurrences(panel)).collect();
-    let mut names: Vec<u16> = of_panel.iter().flat_map(|modes| modes.keys().copied()).collect();
+    let mut names: Vec<ModeLabel> = of_panel.iter().flat_map(|modes| modes.keys().copied()).collect();
     names.sort_unstable();
     names.dedup();
     let mut robust = Vec::new();
@@ -34,8 +37,8 @@ pub(in super::super) fn most_robust(results: &Results<'_>, constraints: usize) -
 }
 
 /// A mode's name with its place among all 2 n eigenvalues, as the paper may count.
-pub(in super::super) fn title(results: &Results<'_>, name: u16) -> String {
-    let (first, second) = cea::pair_numbers(usize::from(results.rank_of(name)));
+pub(in super::super) fn title(results: &Results<'_>, name: ModeLabel) -> String {
+    let (first, second) = cea::pair_numbers(results.rank_of(name));
     match results.labels {
         ModeNaming::Tracked => format!("tracked mode {name} ({first}/{second} of all eigenvalues)"),
         ModeNaming::Rank => format!("rank {name} ({first}/{second} of all eigenvalues)"),
@@ -44,8 +47,8 @@ pub(in super::super) fn title(results: &Results<'_>, name: u16) -> String {
 }
 
 /// The mode that bears the paper's number, which counts all 2 n eigenvalues.
-pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> u16 {
-    if results.labels == ModeNaming::Pair { paper.mode } else { paper.mode.div_ceil(2) }
+pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> ModeLabel {
+    if results.labels == ModeNaming::Pair { paper.mode } else { ModeLabel::new(paper.mode.number().div_ceil(2)) }
 }
 
 /// Amplitudes of a mode shape, over all degrees of freedom of the lattice.
@@ -53,18 +56,18 @@ pub(in super::super) fn shape(
     results: &Results<'_>,
     scene: &Scene,
     reference: &Reference,
-    name: u16,
+    name: ModeLabel,
 ) -> Option<Vec<Complex<f64>>> {
     let at = match results.labels {
         ModeNaming::Tracked => reference.names.iter().position(|names| *names == [name])?,
-        ModeNaming::Rank | ModeNaming::Pair => usize::from(results.rank_of(name)).checked_sub(1)?,
+        ModeNaming::Rank | ModeNaming::Pair => results.rank_of(name).checked_sub(1)?,
     };
     let mode = reference.modes.get(at)?;
     Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())
 }
 
 /// Median net work of each oscillator under a mode in one scene; `None` where the mode is never unstable.
-fn median_work(results: &Results<'_>, scene: usize, name: u16) -> Result<Option<Vec<f64>>, Error> {
+fn median_work(results: &Results<'_>, scene: usize, name: ModeLabel) -> Result<Option<Vec<f64>>, Error> {
     let tracked = results.tracked_name(scene, name);
     let Some(sketches) = tracked.and_then(|name| results.summary.tally.scenes[scene].net_work.get(&name)) else {
         return Ok(None);
@@ -77,7 +80,7 @@ fn median_work(results: &Results<'_>, scene: usize, name: u16) -> Result<Option<
 pub(super) fn work_dominance(
     results: &Results<'_>,
     constraints: usize,
-    name: u16,
+    name: ModeLabel,
     dominant: &[usize],
 ) -> Result<Vec<(String, f64)>, Error> {
     let mut margins = Vec::new();

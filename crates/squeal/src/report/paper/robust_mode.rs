@@ -6,10 +6,10 @@ use super::modes::{paper_mode, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{Reference, Scene};
+use crate::study::{ModeLabel, Reference, Scene};
 
 /// C4: one mode is unstable most often in every panel.
-pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(u16, Estimate)]) -> Claim {
+pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(ModeLabel, Estimate)]) -> Claim {
     let statement = "one mode is consistently the most robustly unstable, whatever the contacts, law and speed";
     let claim = Claim::new("C4", statement, format!("mode {}", paper.mode));
     let Some(&(name, first)) = robust.first() else { return claim.undetermined("no mode is ever unstable") };
@@ -43,12 +43,12 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 }
 
 /// C5: the corners dominate its shape.
-pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Claim {
+pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<ModeLabel>) -> Claim {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
     let Some(name) = mode else { return claim.undetermined("no mode is ever unstable") };
     let theirs = paper_mode(results, paper);
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
-    let ratios = |name: u16| -> Option<Vec<(String, f64)>> {
+    let ratios = |name: ModeLabel| -> Option<Vec<(String, f64)>> {
         let ratio = |(_, scene, reference): (usize, &Scene, &Reference)| {
             let shape = shape(results, scene, reference, name)?;
             let amplitudes: Vec<f64> = shape.iter().map(|u| u.norm()).collect();
@@ -74,7 +74,7 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<u1
 }
 
 /// C6: the corners dominate its net work.
-pub(super) fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<u16>) -> Result<Claim, Error> {
+pub(super) fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<ModeLabel>) -> Result<Claim, Error> {
     let claim = Claim::new("C6", "in its net work the four corners contribute most, whatever the law", "corners above");
     let Some(name) = mode else { return Ok(claim.undetermined("no mode is ever unstable")) };
     let margins = work_dominance(results, UNCONSTRAINED, name, &paper.corners)?;

@@ -9,9 +9,9 @@ use crate::Gain;
 /// Points about the eigenvalues of a structure, with gains of all kinds.
 fn points() -> Vec<Point> {
     let of_row = |(i, row): (usize, nalgebra::DVector<f64>)| {
-        let gain = Gain { mu: row[2], velocity: 0.02 * row[3], lag: 0.0, decay: 0.0 };
+        let gain = Gain { mu: row[2], slope: 0.02 * row[3], lag: 0.0, decay: 0.0 };
         let gain = match i % 3 {
-            0 => Gain { velocity: 0.0, ..gain },
+            0 => Gain { slope: 0.0, ..gain },
             1 => gain,
             _ => Gain { lag: 0.3 * row[4], decay: 2.0 + row[5], ..gain },
         };
@@ -47,7 +47,7 @@ fn the_polynomial_is_the_determinant_of_the_whole_system() {
     let gains = [
         Gain::default(),
         Gain { mu: -1.3, ..Gain::default() },
-        Gain { velocity: 70.0, ..Gain::default() },
+        Gain { slope: 70.0, ..Gain::default() },
         Gain { lag: 0.0, ..GAIN },
         GAIN,
     ];
@@ -135,7 +135,7 @@ fn next_to_a_pole_values_err_by_less_than_the_reserve() {
         [(0.1, [1e-11, 1e-12, 1e-14, 0.0]), (1.0, [1e-11, 1e-12, 1e-14, 0.0]), (10.0, [1e-11, 1e-12, 1e-14, 0.0])]
     {
         let mut worst = 0.0_f64;
-        let gain = Gain { mu: strength * GAIN.mu, velocity: strength * GAIN.velocity, ..Gain::default() };
+        let gain = Gain { mu: strength * GAIN.mu, slope: strength * GAIN.slope, ..Gain::default() };
         for (ports, seed) in [2, 3, 4].into_iter().flat_map(|ports| (1..200).map(move |seed| (ports, seed))) {
             let (structure, feedback) = (chain(6, seed), feedback(6, ports, seed));
             let (resolvent, whole) = (resolvent(&structure, &feedback).unwrap(), whole(&structure, &feedback, &gain));

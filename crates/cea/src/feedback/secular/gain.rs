@@ -1,0 +1,34 @@
+//! How strongly a feedback acts.
+
+use num_complex::Complex;
+
+use super::response::Point;
+
+/// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gain {
+    /// mu, the proportional gain; p in the equations.
+    pub mu: f64,
+    /// Slope of the feedback force over the velocity, Ns/m; v in the equations.
+    pub slope: f64,
+    /// What an internal state adds, N/m; 0 for none.
+    pub lag: f64,
+    /// Its decay rate, 1/s.
+    pub decay: f64,
+}
+
+impl Gain {
+    /// `v + lag / (lambda + decay)`.
+    pub(super) fn complex_slope(&self, lambda: Complex<f64>) -> Complex<f64> {
+        if self.lag == 0.0 { Complex::from(self.slope) } else { self.slope + self.lag / (lambda + self.decay) }
+    }
+
+    /// The feedback at an eigenvalue.
+    pub(super) fn at(&self, sigma: Complex<f64>) -> Point {
+        Point { sigma, mu: self.mu, slope: self.complex_slope(sigma) }
+    }
+
+    pub(super) fn in_units(&self, unit: f64) -> Self {
+        Self { lag: self.lag / unit, decay: self.decay / unit, ..*self }
+    }
+}

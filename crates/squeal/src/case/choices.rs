@@ -1,0 +1,59 @@
+//! What a case chooses by name: its friction laws, and whether its contacts share a draw.
+
+use serde::{Deserialize, Serialize};
+
+/// A friction law by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Constant coefficient.
+    AmontonsCoulomb,
+    /// Coefficient that falls exponentially with speed.
+    VelocityDependent,
+    /// Bristles: one internal state per contact.
+    #[serde(rename = "lugre")]
+    LuGre,
+    /// LuGre's steady curve without its bristles.
+    Stribeck,
+}
+
+impl Law {
+    /// All laws.
+    pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
+
+    /// Its name, as in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AmontonsCoulomb => "amontons-coulomb",
+            Self::VelocityDependent => "velocity-dependent",
+            Self::LuGre => "lugre",
+            Self::Stribeck => "stribeck",
+        }
+    }
+
+    /// Its name, as in a heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::AmontonsCoulomb => "Amontons-Coulomb",
+            Self::VelocityDependent => "Velocity-dependent",
+            Self::LuGre => "LuGre",
+            Self::Stribeck => "Stribeck",
+        }
+    }
+}
+
+impl std::fmt::Display for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Friction parameters of the oscillators in one sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Draws {
+    /// One draw, the same for all: the lattice keeps its symmetry.
+    Shared,
+    /// A draw for each oscillator.
+    Each,
+}

@@ -1,0 +1,183 @@
+//! Spectra over one real parameter, each computed where it is asked for the first time, and kept.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use cea::{CeaError, Counters, EigenSolver, Modes, Workspace, left_vector, right_vector};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use crate::TrackingError;
+use crate::branch::{BranchPoint, Branches, RefinedPoint};
+
+/// Spectra after which branches count as unresolvable; chosen.
+const MOST_SPECTRA: usize = 20_000;
+/// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
+const ROUNDINGS: f64 = 8.0;
+
+/// A system at one parameter p, and how it changes with p.
+#[derive(Debug, Clone)]
+pub struct SystemAt {
+    /// The system.
+    pub system: SecondOrder,
+    /// Its change, which systems may share.
+    pub change: Arc<SystemChange>,
+}
+
+/// Two systems whose difference stands for the derivative by the parameter: `d Q / d p = (Q_above - Q_below) / distance`.
+#[derive(Debug, Clone)]
+pub struct SystemChange {
+    /// Q_below.
+    pub below: SecondOrder,
+    /// Q_above.
+    pub above: SecondOrder,
+    /// How far apart their parameters are, > 0.
+    pub distance: f64,
+}
+
+impl SystemChange {
+    /// The change of `Q_0 + p Q_1`, from Q_1: the same at every parameter.
+    pub fn linear(by_parameter: SecondOrder) -> Self {
+        Self { below: SecondOrder::zeros(by_parameter.order(), 0), above: by_parameter, distance: 1.0 }
+    }
+}
+
+/// [`Branches`] of systems that a function makes from a number.
+pub struct KeptSpectra<'a, F> {
+    make: F,
+    solver: &'a dyn EigenSolver,
+    spectra: BTreeMap<OrderedParameter, KeptSpectrum>,
+    /// Oscillating modes at every parameter; those at the first one asked for where nothing else is wanted.
+    modes: Option<usize>,
+    work: Workspace,
+}
+
+/// All modes at one parameter.
+struct KeptSpectrum {
+    at: SystemAt,
+    lambdas: Vec<Complex<f64>>,
+    rates: Vec<Option<Complex<f64>>>,
+}
+
+/// Parameters, which are never NaN, in their order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct OrderedParameter(f64);
+
+impl Eq for OrderedParameter {}
+
+impl PartialOrd for OrderedParameter {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for OrderedParameter {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl<'a, F> KeptSpectra<'a, F> {
+    /// No spectra yet. As many modes must oscillate at every parameter as at the first one asked for.
+    pub fn new(make: F, solver: &'a dyn EigenSolver) -> Self {
+        Self { make, solver, spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
+    }
+
+    /// So many modes must oscillate at every parameter.
+    #[must_use]
+    pub fn with_modes(self, modes: usize) -> Self {
+        Self { modes: Some(modes), ..self }
+    }
+
+    /// What was computed so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.work.counters
+    }
+
+    /// The spectrum at a parameter, computed where it is asked for the first time.
+    fn spectrum<E>(&mut self, at: f64) -> Result<&mut KeptSpectrum, E>
+    where
+        F: FnMut(f64) -> Result<SystemAt, E>,
+        E: From<TrackingError>,
+    {
+        let unresolved = TrackingError::Unresolved { at, spectra: self.spectra.len() };
+        if !self.spectra.contains_key(&OrderedParameter(at)) {
+            if self.spectra.len() >= MOST_SPECTRA {
+                return Err(unresolved.into());
+            }
+            let made = (self.make)(at)?;
+            let lambdas = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
+            let expected = *self.modes.get_or_insert(lambdas.len());
+            if lambdas.len() != expected {
+                return Err(TrackingError::ModeCount { at, found: lambdas.len(), expected }.into());
+            }
+            let rates = vec![None; lambdas.len()];
+            self.spectra.insert(OrderedParameter(at), KeptSpectrum { at: made, lambdas, rates });
+        }
+        self.spectra.get_mut(&OrderedParameter(at)).ok_or(unresolved.into())
+    }
+}
+
+fn oscillatory(
+    system: &SecondOrder,
+    solver: &dyn EigenSolver,
+    work: &mut Workspace,
+) -> Result<Vec<Complex<f64>>, CeaError> {
+    let spectrum = solver.eigenvalues(system, work)?;
+    Ok(Modes::classify(system, &spectrum, work)?.oscillatory)
+}
+
+impl SystemAt {
+    /// An eigenvalue refined by its vectors, with `lambda' = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964).
+    fn refined(&self, lambda: Complex<f64>, work: &mut Workspace) -> Result<RefinedPoint, CeaError> {
+        let Self { system, change } = self;
+        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
+        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
+        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
+        let difference = (change.above.dynamic_stiffness(lambda) - change.below.dynamic_stiffness(lambda)) * &right;
+        let by_parameter = left.dotc(&difference) / change.distance;
+        let (l, internal) = (lambda.norm(), &system.internal);
+        let states = internal.drive.norm() * internal.force.norm();
+        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
+        Ok(RefinedPoint {
+            lambda: lambda - residual / slope,
+            rate: -by_parameter / slope,
+            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
+        })
+    }
+}
+
+impl<F, E> Branches for KeptSpectra<'_, F>
+where
+    F: FnMut(f64) -> Result<SystemAt, E>,
+    E: From<TrackingError>,
+{
+    type Error = E;
+
+    fn lambdas(&mut self, at: f64) -> Result<&[Complex<f64>], E> {
+        Ok(&self.spectrum(at)?.lambdas)
+    }
+
+    fn point(&mut self, at: f64, index: usize) -> Result<BranchPoint, E> {
+        let spectrum = self.spectrum(at)?;
+        let lambda = spectrum.lambdas[index];
+        if let Some(rate) = spectrum.rates[index] {
+            return Ok(BranchPoint { lambda, rate });
+        }
+        let rate = self.refined(at, lambda)?.rate;
+        self.spectrum(at)?.rates[index] = Some(rate);
+        Ok(BranchPoint { lambda, rate })
+    }
+
+    fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, E> {
+        let mut work = std::mem::take(&mut self.work);
+        let refined = self.spectrum(at).map(|spectrum| spectrum.at.refined(lambda, &mut work));
+        self.work = work;
+        Ok(refined?.map_err(TrackingError::from)?)
+    }
+
+    fn known_between(&self, from: f64, to: f64) -> Vec<f64> {
+        self.spectra.range(OrderedParameter(from)..=OrderedParameter(to)).map(|(at, _)| at.0).collect()
+    }
+}
