@@ -1,4 +1,4 @@
-//! Any text is either an expression whose value and derivative are finite or an error of one line.
+//! Any text is either an expression with a finite value or an error of one line.
 #![no_main]
 
 use squeal::case::Expression;
@@ -10,9 +10,7 @@ libfuzzer_sys::fuzz_target!(|text: &str| {
         Ok(expression) => {
             let value = expression.value(&values);
             assert!(value.as_ref().map_or(true, |value| value.is_finite()));
-            let derivative = expression.derivative(&values, 0);
-            assert!(derivative.as_ref().map_or(true, |derivative| derivative.is_finite()));
-            value.and(derivative).err().map(|error| error.to_string())
+            value.err().map(|error| error.to_string())
         }
         Err(error) => Some(error.to_string()),
     };

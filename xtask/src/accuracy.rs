@@ -1,9 +1,10 @@
-//! How right the answers are, and at what price.
+//! `cargo xtask accuracy`: accuracy and cost of solvers and estimators.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use squeal::case::LatticeCase;
+use squeal::output::say;
 use validation::{Effort, accuracy};
 
 use crate::again::run_again;
@@ -17,7 +18,7 @@ pub struct AccuracyArgs {
     /// Build with these features first: lapack
     #[arg(long, value_name = "LIST")]
     features: Option<String>,
-    /// A minute instead of some
+    /// Measure less, in about a minute
     #[arg(long)]
     quick: bool,
     /// Folder for the results [default: target/accuracy]
@@ -26,7 +27,7 @@ pub struct AccuracyArgs {
 }
 
 impl AccuracyArgs {
-    /// The task and its options but `--features`.
+    /// The task and its options, without `--features`.
     fn words(&self) -> Vec<OsString> {
         let mut words = vec!["accuracy".into()];
         words.extend(self.quick.then(|| "--quick".into()));
@@ -44,8 +45,7 @@ pub fn run(args: &AccuracyArgs) -> Result<(), TaskError> {
     let report = accuracy(&case, &root.join("tests/fixtures/hard"), &effort)?;
     let out = args.out.clone().unwrap_or_else(|| root.join("target/accuracy"));
     report.save(&out)?;
-    println!("{}", report.markdown());
-    println!("Figures and data: {}", out.display());
+    say(&format!("{}\nFigures and data: {}\n", report.markdown(), out.display()))?;
     Ok(())
 }
 

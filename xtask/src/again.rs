@@ -1,4 +1,4 @@
-//! A task in a process of its own, where this one was built or started otherwise than it needs.
+//! Starts a task again in another process, where this process has not the features or environment that the task needs.
 
 use std::ffi::OsString;
 use std::io::Error;
@@ -6,8 +6,8 @@ use std::process::Command;
 
 use crate::error::TaskError;
 
-/// Runs `task`, its name and its options but `--features`, in a process that has these features and one thread of
-/// OpenBLAS, and ends with it; does nothing where this process has them already.
+/// Runs `task`, its name and its options without `--features`, in a process that has these features and one thread of
+/// OpenBLAS, and exits with its code. Does nothing where this process has both already.
 ///
 /// # Errors
 /// [`TaskError::Start`].
@@ -17,13 +17,14 @@ pub fn run_again(features: Option<&str>, task: &[OsString]) -> Result<(), TaskEr
     std::process::exit(status.code().unwrap_or(2))
 }
 
-/// The task built with other features, or this one with OpenBLAS on one thread: it reads their number when it is loaded.
+/// The command that starts the task with other features, or with one thread of OpenBLAS, which reads this number when it is loaded;
+/// `None` where neither is needed.
 fn again(features: Option<&str>, task: &[OsString]) -> Option<Result<Command, Error>> {
     const OPENBLAS_THREADS: &str = "OPENBLAS_NUM_THREADS";
     let command = if let Some(features) = features {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
         cargo.args(["run", "--release", "--package", "xtask", "--features", features, "--"]).args(task);
-        // What cargo says of this package would make it build some of the others once more.
+        // The variables that cargo sets for this package would make it rebuild some of the others.
         for (name, _) in std::env::vars_os() {
             let is_own = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
             if name.to_str().is_some_and(is_own) {

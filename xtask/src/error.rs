@@ -1,32 +1,35 @@
-//! What can stop a task.
+//! Errors of the tasks.
 
 /// Errors of the tasks.
 #[derive(Debug, thiserror::Error)]
 pub enum TaskError {
-    /// A reference or an estimator, or a problem that cannot be made.
+    /// An error of a reference, an estimator or a problem.
     #[error(transparent)]
     Validation(#[from] validation::ValidationError),
-    /// The study, or a file that cannot be written.
+    /// An error of the study or of writing a file.
     #[error(transparent)]
     Study(#[from] squeal::Error),
-    /// The Monte Carlo run of the study.
+    /// An error of the Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] squeal::montecarlo::MonteCarloError),
-    /// An eigenvalue analysis.
+    /// An error of an eigenvalue analysis.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
-    /// A Python process that stopped answering.
+    /// The Python process stopped answering.
     #[error("python3 stopped answering: {0}")]
     Python(std::io::Error),
-    /// This program, with other features or one thread of OpenBLAS.
+    /// This program could not be started again with other features or one thread of OpenBLAS.
     #[error("the task cannot be started again: {0}")]
     Start(std::io::Error),
-    /// The folder of the study's results.
+    /// The paper's case as tables.
+    #[error("cases/paper.toml: {0}")]
+    Toml(String),
+    /// The folder of the study's results could not be removed.
     #[error("{}: cannot be removed: {source}", path.display())]
     Remove {
         /// The folder.
         path: std::path::PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }

@@ -1,9 +1,10 @@
-//! The project's own tasks: `cargo xtask reproduce`, `accuracy` and `bench`.
+//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy` and `bench`.
 
 mod accuracy;
 mod again;
 mod bench;
 mod error;
+mod readings;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -11,7 +12,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", about = "The project's own tasks")]
+#[command(name = "cargo xtask", version, about = "The project's own tasks")]
 struct Cli {
     #[command(subcommand)]
     task: Task,
@@ -21,6 +22,7 @@ struct Cli {
 enum Task {
     Accuracy(accuracy::AccuracyArgs),
     Bench(bench::BenchArgs),
+    Readings(readings::ReadingsArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -32,12 +34,13 @@ fn main() -> ExitCode {
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
         Task::Bench(args) => bench::run(args).map_err(Into::into),
+        Task::Readings(args) => readings::run(args).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            squeal::output::note(&format!("error: {error}"));
             ExitCode::from(2)
         }
     }

@@ -6,16 +6,16 @@ use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
 use squeal::commands::override_run;
-use squeal::output::write;
+use squeal::output::{note, say, write};
 use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
 
-/// Samples of a smoke run.
+/// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
 
 /// Reproduce the paper: its real study, figures 4 to 9 with their data, and a scorecard of its claims
 #[derive(Debug, clap::Args)]
 pub struct ReproduceArgs {
-    /// A few samples only, within 30 s: does everything work?
+    /// A few samples only, within 30 s, to check that everything works
     #[arg(long)]
     smoke: bool,
     /// Samples per arrangement, law and speed range [default: the case's, 1000]
@@ -58,7 +58,7 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
-        // Other names of modes need no other run.
+        // An alternative that only renames modes needs no further run.
         for alternative in &case.alternatives {
             if let Alternative::ModeNaming(labels) = alternative {
                 let claims = claims(&results.labelled(*labels), &brake)?;
@@ -67,13 +67,13 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         }
         Ok(())
     })?;
-    print!("{}", claims_markdown(&cards[0].claims));
-    report(&manifest, &out);
+    say(&claims_markdown(&cards[0].claims))?;
+    report(&manifest, &out)?;
 
     if args.readings {
         let others = case.alternatives.iter().filter(|a| !matches!(a, Alternative::ModeNaming(_)));
         for (number, alternative) in others.enumerate() {
-            eprintln!("reading {}: {}", alternative.reading(), alternative.choice());
+            note(&format!("reading {}: {}", alternative.reading(), alternative.choice()));
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
             let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
@@ -81,12 +81,12 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
                 found = claims(results, &brake)?;
                 write_claims(&found, dir)
             })?;
-            report(&manifest, &dir);
+            report(&manifest, &dir)?;
             cards.push(card(alternative, found));
         }
         let table = readings_markdown(&cards);
         write(&out.join("readings.md"), table.as_bytes())?;
-        print!("\n{table}");
+        say(&format!("\n{table}"))?;
     }
     Ok(())
 }
@@ -100,11 +100,11 @@ fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
     write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())
 }
 
-fn report(manifest: &Manifest, out: &Path) {
+fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {
     let seconds = manifest.seconds;
-    println!(
+    say(&format!(
         "\n{} CEAs, {} solved, {} of them by a certificate of stability, {} failures; {:.1} s for reference modes, {:.1} s \
-         for samples, {:.1} s for the report; results in {}",
+         for samples, {:.1} s for the report; results in {}\n",
         manifest.analyses,
         manifest.solved,
         manifest.certified,
@@ -113,10 +113,10 @@ fn report(manifest: &Manifest, out: &Path) {
         seconds.samples,
         seconds.report,
         out.display()
-    );
+    ))
 }
 
-/// Claims in rows, readings in columns of yes, no and not determined.
+/// The table of the scorecards: a row for each choice of a reading, and a column for each claim with whether it holds.
 fn readings_markdown(cards: &[Scorecard]) -> String {
     let mut text = String::from("| reading | choice |");
     for claim in &cards[0].claims {

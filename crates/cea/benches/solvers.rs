@@ -1,5 +1,5 @@
-//! Time of the kernels: whole spectra by the batched and by the scalar solver, one eigenvector, and the certificates of
-//! a spectrum, for 10, 30 and 60 degrees of freedom, with and without internal states.
+//! Times of whole spectra by the batched and by the scalar solver, of one eigenvector, and of the certificates of a spectrum,
+//! for 10, 30 and 60 degrees of freedom, with and without internal states.
 
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ use linsys::SecondOrder;
 /// Degrees of freedom and internal states.
 const SHAPES: [(usize, usize); 4] = [(10, 0), (30, 0), (30, 9), (60, 0)];
 
-/// A chain with a coupling that takes the symmetry out of K, alternating so that it does not add up along the chain.
+/// A chain with an unsymmetric coupling in K, which alternates in sign so that it does not add up along the chain.
 fn chain(n: usize, s: usize, coupling: f64) -> SecondOrder {
     let mut system = SecondOrder::zeros(n, s);
     for i in 0..n {

@@ -1,4 +1,4 @@
-//! What can go wrong in an eigenvalue analysis.
+//! Errors of an eigenvalue analysis.
 
 use linsys::LinsysError;
 use num_complex::Complex;
@@ -16,13 +16,24 @@ pub enum CeaError {
         /// The row, from 1, where this shows first.
         row: usize,
     },
-    /// The QR iteration stopped at its cap.
+    /// The QR iteration reached its largest number of steps.
     #[error("the QR iteration did not converge to an eigenvalue within {iterations} steps ({dimension} eigenvalues)")]
     NoConvergence {
-        /// The cap, per eigenvalue.
+        /// Largest number of steps per eigenvalue.
         iterations: usize,
         /// Size of the state matrix.
         dimension: usize,
+    },
+    /// A solver that has come to the most certified spectra that its workspace allows.
+    #[error(
+        "dashpots or internal states are {ratio:.0e} times as fast as the vibrations, and {solves} spectra with more digits than \
+         a double's were not enough; allowed: up to 100 times as fast, which needs none"
+    )]
+    TooStiff {
+        /// Norm of the damping, or the fastest internal state, over that of the vibrations.
+        ratio: f64,
+        /// How many there were.
+        solves: u64,
     },
     /// Eigenvalues beyond the range of a double.
     #[error(
@@ -36,11 +47,13 @@ pub enum CeaError {
     },
     /// The pencil is singular: every lambda is an eigenvalue.
     #[error(
-        "det(lambda^2 M + lambda C + K) vanishes for every lambda{}: the problem is singular and has no spectrum",
-        if *.exactly { "" } else { ", to working precision" }
+        "det(lambda^2 M + lambda C + K) {}",
+        if *.exactly { "vanishes for every lambda: the problem is singular and has no spectrum" }
+        else { "vanishes for every lambda up to rounding of the entries: in doubles the problem cannot be told from a singular \
+                one, which has no spectrum" }
     )]
     SingularPencil {
-        /// For the matrices as given; otherwise for a perturbation of the size of a rounding error.
+        /// Whether the given matrices are singular; otherwise a perturbation of them of the size of a rounding error is.
         exactly: bool,
     },
     /// Inverse iteration found no vector with a small residual: `lambda` is not an eigenvalue.
@@ -51,20 +64,12 @@ pub enum CeaError {
         /// Smallest normwise backward error reached.
         residual: f64,
     },
-    /// Channels of a change that do not fit the system, or a system that cannot have any.
+    /// Channels whose shapes do not fit the system, or a system with internal states, for which channels are not supported.
     #[error("the channels do not fit a system of order {order} with {states} internal states, which must be none")]
     Channels {
         /// Degrees of freedom of the system.
         order: usize,
         /// Its internal states.
         states: usize,
-    },
-    /// Two sets of modes that should correspond do not have the same number of members.
-    #[error("{left} modes cannot be matched to {right}")]
-    ModeCount {
-        /// Modes on one side.
-        left: usize,
-        /// Modes on the other.
-        right: usize,
     },
 }

@@ -1,8 +1,8 @@
 //! Francis' double-shift QR iteration, eigenvalues only.
 //!
 //! The algorithm of LAPACK's `dlahqr`: deflation by the criterion of Ahues and Tisseur (LAPACK Working Note 122, 1997),
-//! exceptional shifts after ten and twenty steps without deflation. A library would do, but nalgebra's iteration has
-//! neither, and stalls on lattices whose symmetry makes eigenvalues multiple.
+//! exceptional shifts after ten and twenty steps without deflation. nalgebra's iteration has neither, and stalls on lattices
+//! whose symmetry makes eigenvalues multiple.
 
 use nalgebra::DMatrix;
 use nalgebra::linalg::Hessenberg;
@@ -11,9 +11,9 @@ use num_complex::Complex;
 /// Steps without deflation before an exceptional shift: LAPACK's `kexsh`.
 const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
 
-/// A subdiagonal entry at most this large, relative to its neighbours on the diagonal, counts as zero whatever stands above
-/// it. Equal diagonal entries absorb the shifts, and the iteration would not make it any smaller. Its product with any entry
-/// above it that is not itself beyond 1e28 is below the square of rounding, so no eigenvalue sees it.
+/// A subdiagonal entry at most this large, relative to its neighbours on the diagonal, counts as zero whatever the entry above
+/// the diagonal. Next to equal diagonal entries the iteration does not make it any smaller. Its product with an entry above the
+/// diagonal of up to 1e28 is below the square of rounding and changes no eigenvalue.
 const NEGLIGIBLE_SUBDIAGONAL: f64 = 1e-60;
 
 /// All eigenvalues of a square matrix, or `None` if one does not converge within `cap` steps or an entry is not finite.
@@ -99,7 +99,8 @@ fn shifts(h: &DMatrix<f64>, first: usize, last: usize, steps: usize) -> (Complex
     }
 }
 
-/// Where the bulge can start, at two consecutive small subdiagonal entries or at `first`, and its first column.
+/// The row in which the bulge can start (at two consecutive small subdiagonal entries, or `first`), and the bulge's first
+/// column.
 fn bulge_start(h: &DMatrix<f64>, first: usize, last: usize, (a, b): (Complex<f64>, Complex<f64>)) -> (usize, [f64; 3]) {
     let mut m = last - 2;
     loop {
@@ -230,7 +231,7 @@ mod tests {
 
     #[test]
     fn hard_shapes_converge() {
-        // The cyclic shift needs an exceptional shift: without one QR turns it in circles.
+        // The cyclic matrix needs an exceptional shift: ordinary QR steps only permute it.
         let cyclic = DMatrix::from_fn(8, 8, |i, j| if (j + 1) % 8 == i { 1.0 } else { 0.0 });
         assert!(sorted(cyclic).iter().all(|l| (l.norm() - 1.0).abs() < 1e-14));
         let jordan = DMatrix::from_fn(6, 6, |i, j| {
@@ -251,7 +252,7 @@ mod tests {
 
     #[test]
     fn many_equal_eigenvalues_converge() {
-        // Six uncoupled copies of one oscillator, turned: every eigenvalue sixfold.
+        // Six uncoupled copies of one oscillator in turned coordinates: every eigenvalue is sixfold.
         let block = DMatrix::from_fn(12, 12, |i, j| match (i < 6, j < 6) {
             (true, false) if j == i + 6 => 1.0,
             (false, true) if i == j + 6 => -1.0,

@@ -1,17 +1,17 @@
 //! Complex eigenvalue analysis of second-order systems.
 //!
-//! The eigenvalues lambda of `Q(lambda) phi = (lambda^2 M + lambda C + K) phi = 0`, with the internal states of
-//! [`linsys::SecondOrder`] if there are some. Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so `Re lambda > 0` grows and
-//! `f = Im lambda / 2 pi`; eigenvalues are in rad/s.
+//! This crate finds the eigenvalues lambda of `Q(lambda) phi = (lambda^2 M + lambda C + K) phi = 0`, where Q includes the internal
+//! states of [`linsys::SecondOrder`]. Convention everywhere: `u(t) = Re(phi e^{lambda t})`, so that a mode with `Re lambda > 0`
+//! grows and `f = Im lambda / 2 pi`; eigenvalues are in rad/s.
 //!
-//! | to know | ask | in |
+//! | to find | use | in |
 //! | --- | --- | --- |
-//! | what grows, what is damped, what cannot be told | [`stability_census`] | `stability` |
-//! | all eigenvalues, fast: of one system, of many | [`QrSolver`], [`BatchSolver`] | `dense` |
-//! | which of them are modes; shapes of chosen ones | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
+//! | which eigenvalues grow, are damped, or are undecided | [`stability_census`] | `stability` |
+//! | all eigenvalues, fast, of one system or of many | [`QrSolver`], [`BatchSolver`] | `dense` |
+//! | which eigenvalues are modes; shapes of chosen modes | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
 //! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | `certified` |
 //! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `feedback` |
-//! | how strong feedback may be before anything can grow | [`h_infinity_norm_bound`] | `feedback` |
+//! | how strong feedback may be before a mode can grow | [`h_infinity_norm_bound`] | `feedback` |
 //!
 //! ```
 //! use cea::{EigenSolver, QrSolver, Workspace, frequency_hz, stability_census};
@@ -33,8 +33,8 @@
 //! ```
 //!
 //! This crate never sees a lattice, a friction law or a random number; modes are followed from system to system in `tracking`.
-//! Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s; both are re-exported, because types of another version
-//! of them are other types.
+//! Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both crates are re-exported, because the types of another
+//! version would not be accepted.
 
 pub mod certified;
 mod dense;
@@ -61,8 +61,8 @@ pub use feedback::{
     Anchors, AxisMargins, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep,
     NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
 };
-pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
-pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict};
+pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
+pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict, verdicts};
 pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};
 

@@ -1,10 +1,10 @@
-//! What can be said of the motion of one eigenvalue.
+//! Whether the motion of one eigenvalue grows.
 
 use std::fmt;
 
 use num_complex::Complex;
 
-/// Whether a motion grows, and never a bare yes or no.
+/// Whether a motion grows, as far as the error bound of its eigenvalue tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub enum Verdict {
@@ -12,9 +12,9 @@ pub enum Verdict {
     Stable,
     /// Re lambda is above zero by more than its error bound.
     Unstable,
-    /// Neutral, up to rounding: |Re lambda| is at most what rounding the matrices to doubles may move it by.
+    /// |Re lambda| is at most the change that rounding the matrices to doubles may make.
     Marginal {
-        /// That much, in rad/s.
+        /// Bound of that change, in rad/s.
         tolerance: f64,
     },
     /// |Re lambda| is within the error bound, in rad/s.

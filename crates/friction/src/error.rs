@@ -1,4 +1,4 @@
-//! What a friction law refuses.
+//! Errors of friction laws, and the ranges of their parameters.
 
 use std::fmt;
 
@@ -28,11 +28,11 @@ pub enum FrictionError {
     /// A parameter, or the sliding speed, is outside its range.
     #[error("{name} = {value}; allowed: {allowed}")]
     OutOfRange {
-        /// The parameter's name, as the field is called.
+        /// The name of the parameter's field.
         name: &'static str,
-        /// What was given.
+        /// The value given.
         value: f64,
-        /// What is allowed.
+        /// The allowed range.
         allowed: Allowed,
     },
     /// The static coefficient is below the kinetic one.

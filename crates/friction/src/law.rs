@@ -1,4 +1,4 @@
-//! The seam: what every friction law answers.
+//! The trait of a friction law, and its results: the steady state and the tangent there.
 
 use num_complex::Complex;
 
@@ -33,7 +33,7 @@ pub struct Steady {
 }
 
 impl Steady {
-    /// The state that a law reports from [`FrictionLaw::steady`].
+    /// The state that a law returns from [`FrictionLaw::steady`].
     ///
     /// # Errors
     /// A speed that is not finite and positive, a coefficient that is not finite or is negative.
@@ -75,14 +75,14 @@ pub struct Tangent {
 pub struct InternalTangent {
     /// a, the decay rate, 1/s.
     pub decay: f64,
-    /// b, what a change of velocity feeds into the state; without unit where z is a length.
+    /// b, the rate of the state per unit of velocity; without unit where z is a length.
     pub drive: f64,
-    /// What the state contributes to the coefficient, 1/m where z is a length; `sigma0 - sigma1 a` for LuGre.
+    /// Coefficient of friction per unit of the state, 1/m where z is a length; `sigma0 - sigma1 a` for LuGre.
     pub force: f64,
 }
 
 impl Tangent {
-    /// The complex slope `h(lambda) = slope + force drive / (lambda + decay)`, s/m: the internal state eliminated.
+    /// The complex slope `h(lambda) = slope + force drive / (lambda + decay)`, s/m, with the internal state eliminated.
     ///
     /// `dF = N0 h(lambda) dv + mu dN` for motion `e^{lambda t}`. A law without an internal state has the constant
     /// `slope`. `h(0)` is the slope of the steady coefficient over speed. At `lambda = -decay` there is a pole.
@@ -92,16 +92,5 @@ impl Tangent {
             None => Complex::from(self.slope),
             Some(state) => self.slope + state.force * state.drive / (lambda + state.decay),
         }
-    }
-
-    /// `h` at infinity and at 0, s/m: the ends of a diameter of the disc in which `h(lambda)` lies for every
-    /// `Re lambda >= 0`.
-    ///
-    /// `1 / (lambda + decay)` maps that half plane to the disc with the diameter from 0 to `1 / decay`. Not finite for a
-    /// state that does not decay.
-    #[must_use]
-    pub fn slope_extremes(&self) -> [f64; 2] {
-        let lag = self.internal.map_or(0.0, |state| state.force * state.drive / state.decay);
-        [self.slope, self.slope + lag]
     }
 }

@@ -1,4 +1,4 @@
-//! Friction laws as a stability analysis needs them: the coefficient in steady sliding and its tangent.
+//! Friction laws for stability analysis: the coefficient of friction in steady sliding and its linearisation.
 //!
 //! | law | steady coefficient | tangent |
 //! | --- | --- | --- |

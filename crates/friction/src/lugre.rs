@@ -1,14 +1,14 @@
-//! LuGre friction: bristles that deflect, so that the coefficient lags behind the speed.
+//! LuGre friction: bristles deflect, so that the coefficient follows the speed with a delay.
 
 use crate::error::{non_negative, positive};
 use crate::{FrictionError, FrictionLaw, InternalTangent, Steady, Stribeck, StribeckParameters, Tangent};
 
-/// How the bristles' damping sigma1 depends on speed. No bristle damping is `sigma1 = 0`.
+/// How the damping sigma1 of the bristles depends on speed. `sigma1 = 0` means no bristle damping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BristleDamping {
     /// sigma1 at every speed.
     Constant,
-    /// `sigma1 e^{-(v / v_s)^2}`: it vanishes in fast sliding.
+    /// `sigma1 e^{-(v / v_s)^2}`, which vanishes in fast sliding.
     Decaying,
 }
 
@@ -38,8 +38,8 @@ pub struct LuGreParameters {
 /// g(v) = mu_k + (mu_s - mu_k) e^{-(v / v_s)^2}
 /// ```
 ///
-/// Steady sliding has `z = g / sigma0`, so `mu = g + sigma2 v`. About it `dz' = -a dz + b dv` with `a = sigma0 v / g`,
-/// `b = v g' / g`, and `dmu = (sigma0 - sigma1 a) dz + (sigma1 b + sigma2) dv`. Eliminating the bristle gives
+/// In steady sliding `z = g / sigma0`, so that `mu = g + sigma2 v`. Linearised about this state, `dz' = -a dz + b dv` with
+/// `a = sigma0 v / g`, `b = v g' / g`, and `dmu = (sigma0 - sigma1 a) dz + (sigma1 b + sigma2) dv`. Eliminating dz gives
 /// `h(lambda) = sigma2 + (sigma0 + sigma1 lambda) b / (lambda + a)`, see [`Tangent::complex_slope`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGre {
@@ -62,7 +62,7 @@ impl LuGre {
         Ok(Self { curve, sigma0, sigma1, bristle_damping })
     }
 
-    /// sigma1 at a speed. Its own derivative never enters the tangent: it multiplies z', which is 0 in steady sliding.
+    /// sigma1 at a speed. The derivative of sigma1 does not enter the tangent, because its factor z' is 0 in steady sliding.
     fn sigma1_at(&self, speed: f64) -> f64 {
         match self.bristle_damping {
             BristleDamping::Constant => self.sigma1,

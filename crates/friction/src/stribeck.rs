@@ -1,4 +1,4 @@
-//! The Stribeck curve as a law of its own: LuGre without its bristles.
+//! The Stribeck curve as a friction law: LuGre without bristles.
 
 use crate::error::{non_negative, positive, static_not_below_kinetic};
 use crate::{FrictionError, FrictionLaw, Steady, Tangent};
@@ -16,10 +16,10 @@ pub struct StribeckParameters {
     pub sigma2: f64,
 }
 
-/// `mu(v) = g(v) + sigma2 v`, `g(v) = mu_k + (mu_s - mu_k) e^{-(v / v_s)^2}`, followed at once.
+/// `mu(v) = g(v) + sigma2 v`, `g(v) = mu_k + (mu_s - mu_k) e^{-(v / v_s)^2}`, without delay.
 ///
-/// A control for [`LuGre`](crate::LuGre): it has the same steady coefficient, so a difference between the two is due
-/// to the bristles and not to the curve.
+/// This law has the same steady coefficient as [`LuGre`](crate::LuGre), so that a difference between the results of the two
+/// is due to the bristles and not to the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stribeck {
     parameters: StribeckParameters,

@@ -33,7 +33,7 @@ impl VelocityDependent {
         Ok(Self { parameters })
     }
 
-    /// `(mu_s - mu_k) e^{-alpha v}`, what is above the kinetic coefficient.
+    /// `(mu_s - mu_k) e^{-alpha v}`, the part of mu above the kinetic coefficient.
     fn excess(&self, speed: f64) -> f64 {
         let p = &self.parameters;
         (p.mu_s - p.mu_k) * (-p.alpha * speed).exp()

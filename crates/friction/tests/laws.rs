@@ -65,7 +65,7 @@ proptest! {
         let g = p.mu_k + (p.mu_s - p.mu_k) * e;
         let (a, b) = (p.sigma0 * v / g, v / g * (p.mu_k - p.mu_s) * e * 2.0 * v / p.v_s.powi(2));
         let expected = p.sigma2 + (p.sigma0 + p.sigma1 * lambda) * b / (lambda + a);
-        // The two forms of the same fraction lose digits where sigma0 and sigma1 a cancel.
+        // The two forms of h lose digits where sigma0 and sigma1 a cancel.
         let size = p.sigma2 + b.abs() * (p.sigma1 + (p.sigma0 + p.sigma1 * a) / (lambda + a).norm());
         prop_assert!((tangent.complex_slope(lambda) - expected).norm() <= 1e-13 * size);
     }
@@ -73,12 +73,12 @@ proptest! {
     #[test]
     fn growing_motion_sees_a_slope_in_the_disc(p in lugre_parameters(), v in 0.01..10.0, size in -3.0..9.0, angle in -90.0..90.0_f64) {
         let tangent = LuGre::new(p).unwrap().tangent_at(v).unwrap();
-        let [a, b] = tangent.slope_extremes();
+        let [a, b] = [tangent.slope, tangent.complex_slope(Complex::from(0.0)).re];
         let (centre, radius) = (0.5 * (a + b), 0.5 * (a - b).abs());
         let at = |angle: f64| (tangent.complex_slope(Complex::from_polar(10f64.powf(size), angle.to_radians())) - centre).norm();
         let rounding = 1e-14 * (a.abs() + b.abs());
         prop_assert!(at(angle) <= radius + rounding);
-        // The axis is mapped to the circle itself.
+        // The imaginary axis is mapped to the boundary of the disc.
         prop_assert!((at(90.0) - radius).abs() <= rounding);
     }
 
@@ -94,7 +94,7 @@ proptest! {
             let quasi_static = law.tangent_at(v).unwrap().complex_slope(Complex::from(0.0));
             let difference = steady_slope(law.as_ref(), v);
             let rounding = 1e-12 * law.steady(v).unwrap().mu() / v;
-            // The error of the difference grows with (v / v_s)^4 and (alpha v)^4; both slopes vanish there.
+            // The error of the difference grows with (v / v_s)^4 and (alpha v)^4; at large values both slopes vanish.
             prop_assert!((quasi_static - difference).norm() <= 1e-7 * (p.mu_s / v) + rounding);
         }
     }
@@ -114,8 +114,8 @@ proptest! {
     }
 }
 
-/// Integrates the nonlinear bristle equation under `v + amplitude cos(omega t)` with RK4 and reads the first harmonic
-/// of the coefficient, which shares nothing with the tangent but the parameters.
+/// The first harmonic of the coefficient under the speed `v + amplitude cos(omega t)`, by integrating the nonlinear bristle
+/// equation with RK4: a reference that does not use the tangent.
 fn harmonic_response(p: &LuGreParameters, v: f64, omega: f64, amplitude: f64) -> Complex<f64> {
     let curve = |v: f64| p.mu_k + (p.mu_s - p.mu_k) * (-(v / p.v_s).powi(2)).exp();
     let speed = |t: f64| v + amplitude * (omega * t).cos();

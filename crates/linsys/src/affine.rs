@@ -1,4 +1,4 @@
-//! Systems that are affine in a few coefficients: what a brake is to everything that computes with it.
+//! Systems that are affine in a few coefficients, as which all analyses take a brake.
 //!
 //! ```text
 //! Q(lambda) = sum_k theta_k (lambda^2 M_k + lambda C_k + K_k)                       the structure, in named terms
@@ -6,8 +6,8 @@
 //! s_i(lambda) = slope_i + force_i drive_i / (lambda + decay_i)                      Ns/m
 //! ```
 //!
-//! The terms and channels are the brake; the numbers `theta_k`, `mu_i`, `s_i` are an [`OperatingPoint`] of it. A sample of
-//! a study is an operating point and no matrix.
+//! The terms and channels are the brake; the numbers `theta_k`, `mu_i`, `s_i` are one of its [`OperatingPoint`]s. A sample of
+//! a study is an operating point, not a matrix.
 
 mod channel;
 mod point;
@@ -47,7 +47,7 @@ impl AffineSystem {
     /// A system of these terms, at least one, and channels.
     ///
     /// # Errors
-    /// No term, terms of different order, a channel that acts on or reads a degree of freedom that is not there, a number
+    /// No term, terms of different order, a channel that acts on or reads a degree of freedom that does not exist, a number
     /// that is not finite.
     pub fn new(terms: Vec<Term>, channels: Vec<Channel>) -> Result<Self, LinsysError> {
         let order = terms.first().map(Term::order).ok_or(LinsysError::Empty)?;
@@ -80,7 +80,7 @@ impl AffineSystem {
         &self.channels
     }
 
-    /// Names of the force families whose work is told apart, those of channels first.
+    /// Names of the force families, whose work is computed separately; those of channels come first.
     pub fn families(&self) -> &[String] {
         &self.families
     }
@@ -114,7 +114,7 @@ impl AffineSystem {
         Ok(out)
     }
 
-    /// The whole system at an operating point.
+    /// The system at an operating point.
     ///
     /// # Errors
     /// As [`AffineSystem::assemble_into`].
@@ -124,7 +124,7 @@ impl AffineSystem {
         Ok(out)
     }
 
-    /// Writes the whole system at an operating point to `out`. Nothing is allocated if `out` already has its order and
+    /// Writes the system at an operating point to `out`. Nothing is allocated if `out` already has the order and number of
     /// states.
     ///
     /// # Errors
@@ -137,7 +137,7 @@ impl AffineSystem {
         Ok(())
     }
 
-    /// Writes what friction alone adds to `out`: m = 0, k without any elastic part.
+    /// Writes the contribution of friction alone to `out`: m = 0, k without any elastic part.
     ///
     /// # Errors
     /// As [`AffineSystem::assemble_into`].
@@ -168,7 +168,7 @@ impl AffineSystem {
         Ok(())
     }
 
-    /// Refuses an operating point of another system.
+    /// Checks that an operating point belongs to this system.
     ///
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
@@ -195,7 +195,7 @@ impl AffineSystem {
         }
     }
 
-    /// Gives `out` the order of this system and so many states, everything zero.
+    /// Gives `out` the order of this system and this number of states, with all matrices zero.
     fn clear(&self, out: &mut SecondOrder, states: usize) {
         if out.order() != self.order() {
             *out = SecondOrder::zeros(self.order(), states);

@@ -1,4 +1,4 @@
-//! Which degrees of freedom are free, and how to pass between the full and the free numbering.
+//! Which degrees of freedom are free, and the conversion between the full and the free numbering.
 
 use nalgebra::{DMatrix, DVector, Scalar};
 use num_traits::Zero;
@@ -7,7 +7,7 @@ use crate::LinsysError;
 
 /// Free and constrained degrees of freedom of a model with `total` of them.
 ///
-/// A constraint *eliminates*: the row and the column leave the matrices, nothing is penalised.
+/// A constraint eliminates the row and the column of its degree of freedom from the matrices; there is no penalty stiffness.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DofMap {
     free: Vec<usize>,
@@ -15,10 +15,10 @@ pub struct DofMap {
 }
 
 impl DofMap {
-    /// All of `total` degrees of freedom but `constrained` (indices from 0, any order).
+    /// `total` degrees of freedom, all free except `constrained` (indices from 0, any order).
     ///
     /// # Errors
-    /// An index out of range or named twice, or nothing left free.
+    /// An index out of range or named twice, or no degree of freedom left free.
     pub fn new(total: usize, constrained: &[usize]) -> Result<Self, LinsysError> {
         let mut is_free = vec![true; total];
         for &dof in constrained {
@@ -38,7 +38,7 @@ impl DofMap {
         Ok(Self { free, position })
     }
 
-    /// All of `total` degrees of freedom free.
+    /// `total` degrees of freedom, all free.
     pub fn all(total: usize) -> Self {
         Self { free: (0..total).collect(), position: (0..total).map(Some).collect() }
     }

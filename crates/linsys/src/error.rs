@@ -1,4 +1,4 @@
-//! What can be wrong with a system or a constraint.
+//! Errors of systems, constraints and files.
 
 use std::fmt;
 
@@ -42,15 +42,15 @@ pub enum LinsysError {
     /// A matrix does not have the shape that the others imply.
     #[error("the {matrix} matrix is {rows} x {columns}; expected {expected_rows} x {expected_columns}")]
     Shape {
-        /// Which one.
+        /// The matrix.
         matrix: Matrix,
         /// Its rows.
         rows: usize,
         /// Its columns.
         columns: usize,
-        /// What fits.
+        /// Rows that fit the other matrices.
         expected_rows: usize,
-        /// What fits.
+        /// Columns that fit the other matrices.
         expected_columns: usize,
     },
     /// A term of an affine system that is larger or smaller than the first one.
@@ -74,11 +74,11 @@ pub enum LinsysError {
     /// An operating point of another affine system.
     #[error("{found} {what}; expected {expected}")]
     Count {
-        /// What was counted.
+        /// What is counted: term coefficients or channel gains.
         what: &'static str,
-        /// How many there are.
+        /// Number given.
         found: usize,
-        /// How many fit.
+        /// Number that the system needs.
         expected: usize,
     },
     /// A coefficient that is NaN or infinite.
@@ -101,13 +101,13 @@ pub enum LinsysError {
     /// An entry is NaN or infinite.
     #[error("the {matrix} matrix has {value} in row {row}, column {column}; every entry must be finite")]
     NotFinite {
-        /// Which matrix.
+        /// The matrix.
         matrix: Matrix,
         /// Row, from 1.
         row: usize,
         /// Column, from 1.
         column: usize,
-        /// What stands there.
+        /// The entry.
         value: f64,
     },
     /// A Matrix Market file that cannot be read.
@@ -115,15 +115,15 @@ pub enum LinsysError {
     Market {
         /// The line, from 1.
         line: usize,
-        /// What is wrong there.
+        /// What is wrong in this line.
         problem: MarketProblem,
     },
-    /// A constraint names a degree of freedom that is not there.
+    /// A constraint names a degree of freedom that does not exist.
     #[error("constraint on degree of freedom {dof}; there are {total}, numbered from 0")]
     UnknownDof {
         /// The index asked for, from 0.
         dof: usize,
-        /// How many there are.
+        /// Number of degrees of freedom.
         total: usize,
     },
     /// A degree of freedom is constrained twice.
@@ -132,10 +132,10 @@ pub enum LinsysError {
         /// The index, from 0.
         dof: usize,
     },
-    /// Nothing is left to move.
+    /// All degrees of freedom are constrained.
     #[error("all {total} degrees of freedom are constrained")]
     AllConstrained {
-        /// How many there are.
+        /// Number of degrees of freedom.
         total: usize,
     },
 }

@@ -1,25 +1,25 @@
-//! The type that every stage passes on: a linear second-order system with optional internal states.
+//! Linear second-order systems with optional internal states, the type that all other crates exchange.
 //!
 //! ```text
 //! M u'' + C u' + K u = F z        u: n displacements,  M, C, K: n x n
 //!                 z' = -a z + E u'  z: s internal states, a: s, E: s x n, F: n x s
 //! ```
 //!
-//! Internal states are first order: LuGre's bristles, a Maxwell element of a viscoelastic shim. With
-//! `u(t) = Re(phi e^{lambda t})` they can be eliminated exactly, which leaves the n x n matrix
+//! Internal states are first order, such as the bristles of LuGre friction or a Maxwell element of a viscoelastic shim. With
+//! `u(t) = Re(phi e^{lambda t})` the internal states can be eliminated exactly, which leaves the n x n matrix
 //! `Q(lambda) = lambda^2 M + lambda C + K - lambda F diag(1 / (lambda + a)) E`; see
 //! [`SecondOrder::dynamic_stiffness`].
 //!
 //! | where | what |
 //! | --- | --- |
 //! | [`SecondOrder`] | M, C, K and internal states as numbers; `Q(lambda)` and its derivative |
-//! | [`AffineSystem`] | the same as a sum of named terms and friction channels, with coefficients that are drawn |
+//! | [`AffineSystem`] | a system as a sum of named terms and friction channels, with coefficients that are drawn |
 //! | [`DofMap`] | which degrees of freedom are free; constrained ones are eliminated |
 //! | [`read_market`] | matrices from Matrix Market files |
-//! | [`real_times_complex`] | the product that every stage needs |
+//! | [`real_times_complex`] | the product of a real matrix and a complex vector |
 //!
-//! This crate knows neither brakes nor eigenvalues. Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s; both
-//! are re-exported, because types of another version of them are other types.
+//! This crate knows neither brakes nor eigenvalues. Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both
+//! crates are re-exported, because the types of another version would not be accepted.
 //!
 //! ```
 //! use linsys::SecondOrder;

@@ -1,4 +1,4 @@
-//! A real matrix times a complex vector, which nalgebra has only for matrices made complex first.
+//! A real matrix times a complex vector; nalgebra needs a complex copy of the matrix.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -6,7 +6,7 @@ use num_complex::Complex;
 /// `A x` of a real n x m matrix and a complex vector of length m; length n. Entries beyond the shorter of m and the length of
 /// x are not read.
 ///
-/// Columns that vanish but for their diagonal entry cost one product: a mass matrix is often diagonal.
+/// A column with no entry off the diagonal costs one product, as in a diagonal mass matrix.
 #[must_use]
 pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let rows = a.nrows();
@@ -24,7 +24,8 @@ pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVecto
     product
 }
 
-/// Without a branch for each number, so that many are looked at together; the shift takes the sign off.
+/// Whether all numbers are zero of either sign. There is no branch per number, so that the compiler can use vector operations;
+/// the shift removes the sign bit.
 fn is_zero(numbers: &[f64]) -> bool {
     numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
 }

@@ -1,4 +1,4 @@
-//! The system itself.
+//! A second-order system as matrices, its dynamic stiffness Q(lambda) and the derivative Q'(lambda).
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -7,8 +7,8 @@ use crate::{LinsysError, Matrix};
 
 /// `M u'' + C u' + K u = F z`, `z' = -a z + E u'`.
 ///
-/// The fields are public so that a model can refill a system in place, sample after sample, without
-/// allocating; [`SecondOrder::check`] says whether what stands in them is a system.
+/// The fields are public so that a model can refill a system in place for each sample, without allocation;
+/// [`SecondOrder::check`] tells whether their contents are a system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SecondOrder {
     /// M, n x n.
@@ -69,7 +69,7 @@ impl SecondOrder {
         Ok(system)
     }
 
-    /// A buffer to be filled: all matrices zero.
+    /// A system with all matrices zero, to be filled.
     #[must_use]
     pub fn zeros(order: usize, states: usize) -> Self {
         let zero = || DMatrix::zeros(order, order);
@@ -86,12 +86,6 @@ impl SecondOrder {
             k: self.k.transpose(),
             internal: Internal { decay: decay.clone(), drive: force.transpose(), force: drive.transpose() },
         }
-    }
-
-    /// C alone, with M = K = 0 and no internal states: the dashpots as forces of their own.
-    #[must_use]
-    pub fn damping_alone(&self) -> Self {
-        Self { c: self.c.clone(), ..Self::zeros(self.order(), 0) }
     }
 
     /// n, the number of degrees of freedom.
@@ -112,10 +106,10 @@ impl SecondOrder {
         2 * self.order() + self.states()
     }
 
-    /// Shapes agree and every entry is finite.
+    /// Checks that shapes agree and every entry is finite.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first shape or entry that is wrong.
     pub fn check(&self) -> Result<(), LinsysError> {
         let (n, s) = (self.order(), self.states());
         if n == 0 {

@@ -12,7 +12,7 @@ use crate::summary::Summary;
 
 /// Draws the samples of `indices`, evaluates them in all scenes and enters them in `tally`, which is empty.
 ///
-/// Gives `None` when `stop` was raised meanwhile: the run has failed elsewhere and nobody waits for this block.
+/// Returns `None` where `stop` was set meanwhile: the run has failed in another block, and this one is not needed.
 pub(crate) fn evaluate<S: Experiment, T: Tally<S>>(
     experiment: &S,
     seed: u64,

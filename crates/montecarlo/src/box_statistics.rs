@@ -1,4 +1,4 @@
-//! What a box plot shows.
+//! Quantiles, and the numbers that a box plot shows.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub fn quantile(sorted: &[f64], p: f64) -> Result<f64, MonteCarloError> {
     Ok(interpolate(below, above, fraction))
 }
 
-/// The rank, from 0, at or below the quantile `p`, and the fraction of the way to the next one.
+/// The rank, from 0, at or below the quantile `p`, and the fraction of the way to the next rank.
 pub(crate) fn rank(last: u64, p: f64) -> Result<(u64, f64), MonteCarloError> {
     if !(0.0..=1.0).contains(&p) {
         return Err(MonteCarloError::Probability { name: "the quantile's probability", value: p, range: "in [0, 1]" });
@@ -28,16 +28,16 @@ pub(crate) fn rank(last: u64, p: f64) -> Result<(u64, f64), MonteCarloError> {
 }
 
 pub(crate) fn interpolate(below: f64, above: f64, fraction: f64) -> f64 {
-    // Not below + fraction (above - below), which overflows for huge values of opposite sign.
+    // The form below + fraction (above - below) would overflow for huge values of opposite sign.
     if fraction == 0.0 || below == above { below } else { (1.0 - fraction) * below + fraction * above }
 }
 
 /// Five numbers and the outliers: Tukey's box plot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoxStatistics {
-    /// How many values.
+    /// Number of values.
     pub count: usize,
-    /// The smallest value not more than 1.5 interquartile ranges below the lower quartile, or that quartile where every
+    /// The smallest value not more than 1.5 interquartile ranges below the lower quartile, or the lower quartile where every
     /// such value lies above it.
     pub lower_whisker: f64,
     /// The quantile at 1/4.
@@ -46,7 +46,7 @@ pub struct BoxStatistics {
     pub median: f64,
     /// The quantile at 3/4.
     pub upper_quartile: f64,
-    /// The largest value not more than 1.5 interquartile ranges above the upper quartile, or that quartile where every
+    /// The largest value not more than 1.5 interquartile ranges above the upper quartile, or the upper quartile where every
     /// such value lies below it.
     pub upper_whisker: f64,
     /// The values beyond the whiskers, ascending.
@@ -54,7 +54,7 @@ pub struct BoxStatistics {
 }
 
 impl BoxStatistics {
-    /// The statistics of some values in any order. Quartiles are type 7, see [`quantile`].
+    /// The statistics of values in any order. Quartiles are type 7, see [`quantile`].
     ///
     /// # Errors
     /// No values, or one that is not finite.

@@ -6,13 +6,13 @@
 //! {"seed": ..., "samples": ..., ...}         its summary so far
 //! ```
 //!
-//! JSON with exact floats rather than a format without field names: a tally whose type has changed is then refused, not
-//! misread. A new checkpoint is written beside the old one, forced to disk and renamed over it, so a file with this name
-//! is complete whenever the process or the machine stops.
+//! The format is JSON with exact floats because JSON has field names: a tally whose type has changed is refused, not misread.
+//! A new checkpoint is written beside the old one, forced to disk and renamed over it, so that a file with the name of the
+//! checkpoint is complete whenever the process or the machine stops.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -20,6 +20,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Damage, MonteCarloError};
+use crate::experiment::{Experiment, Tally};
 use crate::sampling::Sampling;
 use crate::summary::Summary;
 
@@ -33,12 +34,12 @@ pub struct Checkpoint {
     pub path: PathBuf,
     /// Time between two writes; zero writes after every block.
     pub every: Duration,
-    /// Whatever tells this experiment from others, and this version of its tally from others: a hash of the case, say.
+    /// Identifies the experiment and the version of its tally, for example by a hash of the case.
     pub fingerprint: String,
 }
 
-/// What must agree before a checkpoint is continued. The number of samples is not among it, so that a run can be extended,
-/// nor their number per block, on which no result depends.
+/// The properties of a run that must agree with those of a checkpoint. They do not include the number of samples, so that a
+/// run can be extended, nor the number of samples per block, on which no result depends.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Identity {
     fingerprint: String,
@@ -51,7 +52,7 @@ struct Identity {
 pub(crate) struct Store<'a> {
     checkpoint: &'a Checkpoint,
     identity: Identity,
-    /// How many samples the run shall have at its end.
+    /// Number of samples of the complete run.
     samples: u64,
     saved: Instant,
 }
@@ -64,7 +65,7 @@ impl<'a> Store<'a> {
     }
 
     /// The state in the file, or `None` if there is no file.
-    pub(crate) fn load<T: DeserializeOwned>(&self) -> Result<Option<Summary<T>>, MonteCarloError> {
+    pub(crate) fn load<S: Experiment, T: Tally<S>>(&self) -> Result<Option<Summary<T>>, MonteCarloError> {
         let path = &self.checkpoint.path;
         let bytes = match fs::read(path) {
             Ok(bytes) => bytes,
@@ -77,11 +78,39 @@ impl<'a> Store<'a> {
         let content = |error| damaged(Damage::Content(error));
         self.check_identity(&serde_json::from_slice(&body[..cut]).map_err(content)?)?;
         let state: Summary<T> = serde_json::from_slice(&body[cut..]).map_err(content)?;
+        self.check_state(&state).map_err(|field| damaged(Damage::State { field }))?;
         if state.samples > self.samples {
             let (found, wanted) = (state.samples, self.samples);
             return Err(MonteCarloError::CheckpointLonger { path: path.clone(), found, wanted });
         }
         Ok(Some(state))
+    }
+
+    /// Refuses a state that is not one of this identity: the field that does not fit.
+    fn check_state<S: Experiment, T: Tally<S>>(&self, state: &Summary<T>) -> Result<(), &'static str> {
+        let Identity { seed, first, scenes, .. } = self.identity;
+        for (field, fits) in [
+            ("seed", state.seed == seed),
+            ("first sample", state.first == first),
+            ("number of samples", state.first.checked_add(state.samples).is_some()),
+            ("failures", state.failures.may_be_of(scenes, state.samples)),
+            ("tally", state.tally.may_be_of(state.samples, &state.failures)),
+        ] {
+            if !fits {
+                return Err(field);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to write over the checkpoint of another run, which came there meanwhile.
+    fn check_what_stands_there(&self) -> Result<(), MonteCarloError> {
+        let Ok(file) = File::open(&self.checkpoint.path) else { return Ok(()) };
+        let found = BufReader::new(file).lines().nth(1).and_then(Result::ok);
+        match found.and_then(|line| serde_json::from_str(&line).ok()) {
+            Some(identity) => self.check_identity(&identity),
+            None => Ok(()),
+        }
     }
 
     fn check_identity(&self, found: &Identity) -> Result<(), MonteCarloError> {
@@ -100,7 +129,7 @@ impl<'a> Store<'a> {
         Ok(())
     }
 
-    /// Saves a state that is complete or whose turn has come.
+    /// Saves a state that is complete, or if the time between two writes has passed.
     pub(crate) fn save_when_due<T: Serialize + DeserializeOwned>(
         &mut self,
         state: &Summary<T>,
@@ -113,6 +142,7 @@ impl<'a> Store<'a> {
     }
 
     pub(crate) fn save<T: Serialize + DeserializeOwned>(&mut self, state: &Summary<T>) -> Result<(), MonteCarloError> {
+        self.check_what_stands_there()?;
         let path = &self.checkpoint.path;
         let not_storable = |source| MonteCarloError::NotStorable { path: path.clone(), source };
         let mut body = serde_json::to_vec(&self.identity).map_err(not_storable)?;
@@ -129,7 +159,7 @@ impl<'a> Store<'a> {
         let written = write_to_disk(&partial, &body).map_err(|source| (partial.clone(), source));
         let replaced = written.and_then(|()| replace(&partial, path).map_err(|source| (path.clone(), source)));
         if let Err((path, source)) = replaced {
-            // The run ends with the first error; that the leftover cannot be removed either adds nothing.
+            // The run ends with the first error; a second one, in removing the temporary file, is ignored.
             let _ = fs::remove_file(&partial);
             return Err(MonteCarloError::CheckpointIo { action: "write", path, source });
         }
@@ -139,7 +169,12 @@ impl<'a> Store<'a> {
 }
 
 fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    // What a killed run left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut file = File::create_new(path)?;
     writeln!(file, "{MAGIC} {VERSION} {} {:08x}", body.len(), crc32fast::hash(body))?;
     file.write_all(body)?;
     file.sync_all()
@@ -147,7 +182,7 @@ fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
 
 fn replace(partial: &Path, path: &Path) -> io::Result<()> {
     fs::rename(partial, path)?;
-    // The new name is on disk only once its folder is. Folders can be opened as files on Unix alone.
+    // The new name is on disk only when its folder is. Folders can be opened as files on Unix only.
     #[cfg(unix)]
     {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -156,7 +191,7 @@ fn replace(partial: &Path, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// What follows the header, if it is what the header announces.
+/// The bytes after the header, if they have the length and the checksum that the header announces.
 fn intact_body(bytes: &[u8]) -> Result<&[u8], Damage> {
     let cut = bytes.iter().position(|&byte| byte == b'\n').ok_or(Damage::Header)?;
     let header = str::from_utf8(&bytes[..cut]).map_err(|_| Damage::Header)?;

@@ -1,15 +1,15 @@
-//! Exact limits of a proportion.
+//! Exact confidence limits of a proportion.
 
 use statrs::function::beta::beta_reg;
 
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
 
-/// Relative width of the bracket at which the bisection for a limit ends; chosen, far below what a table prints.
+/// Largest relative width of the bracket at the end of the bisection for a limit; chosen, far below the digits of a table.
 const LARGEST_BRACKET: f64 = 1e-9;
 
-/// The interval of Clopper and Pearson for a proportion, from `hits` in `trials`: it covers at least as often as asked,
-/// however rare the hits, and is wider than [`wilson`](crate::wilson)'s, which covers as often on average.
+/// The interval of Clopper and Pearson for a proportion, from `hits` in `trials`. For every proportion it covers with at least
+/// the probability asked for; it is wider than [`wilson`](crate::wilson)'s interval, which has that probability on average.
 ///
 /// C. J. Clopper, E. S. Pearson, Biometrika 26 (1934) 404.
 ///
@@ -32,8 +32,8 @@ pub fn clopper_pearson(hits: u64, trials: u64, confidence: Confidence) -> Result
     Ok(Interval { lower: exact_lower_limit(hits, trials, tail), upper: exact_upper_limit(hits, trials, tail) })
 }
 
-/// The upper limit alone: the probability at which at most `hits` in `trials` has the probability `tail`. 1 without
-/// misses.
+/// The upper limit alone: the proportion at which at most `hits` in `trials` have the probability `tail`. It is 1 where all
+/// trials are hits.
 #[must_use]
 pub fn exact_upper_limit(hits: u64, trials: u64, tail: f64) -> f64 {
     if hits >= trials {
@@ -52,8 +52,8 @@ pub fn exact_upper_limit(hits: u64, trials: u64, tail: f64) -> f64 {
     high
 }
 
-/// The lower limit alone: the probability at which at least `hits` in `trials` has the probability `tail`. 0 without
-/// hits; more hits than trials count as all of them.
+/// The lower limit alone: the proportion at which at least `hits` in `trials` have the probability `tail`. It is 0 without
+/// hits; more hits than trials count as `trials` hits.
 #[must_use]
 pub fn exact_lower_limit(hits: u64, trials: u64, tail: f64) -> f64 {
     if hits == 0 { 0.0 } else { 1.0 - exact_upper_limit(trials.saturating_sub(hits), trials, tail) }
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn the_limits_keep_their_promise_for_any_probability() {
-        // P(upper limit < p) summed over all numbers of hits that have too small a limit.
+        // P(upper limit < p), summed over all numbers of hits whose limit is below p.
         let n = 50_u64;
         for p in [0.01, 0.1, 0.37, 0.8] {
             let mut term = (1.0_f64 - p).powi(50);

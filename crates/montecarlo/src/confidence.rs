@@ -1,4 +1,4 @@
-//! Confidence levels and the intervals they belong to.
+//! Confidence levels and intervals.
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -41,11 +41,11 @@ impl Confidence {
         -Normal::standard().inverse_cdf(self.tail())
     }
 
-    /// The same of Student's t with `freedom` degrees of freedom.
+    /// The deviate of Student's t with `freedom` degrees of freedom that leaves out [`tail`](Self::tail) on each side.
     ///
-    /// Above 1,000 degrees it is the expansion about the normal deviate of Abramowitz and Stegun 26.7.5, which agrees with
-    /// the inverted distribution there to 1e-11 for 95, 99 and 99.9 %. The inversion of statrs 0.19 loses digits from
-    /// 30,000 degrees on (1.83 instead of 1.96 at 10 million).
+    /// Above 1,000 degrees of freedom it is computed by the expansion about the normal deviate of Abramowitz and Stegun 26.7.5,
+    /// which agrees with the inverted distribution at 1,000 degrees to 1e-11 for 95, 99 and 99.9 %. The inversion of statrs
+    /// 0.19 loses digits above 30,000 degrees (1.83 instead of 1.96 at 10 million).
     #[must_use]
     pub fn t(self, freedom: u64) -> f64 {
         let nu = freedom as f64;
@@ -93,7 +93,7 @@ mod tests {
         assert_relative_eq!(Confidence::P95.t(1), (0.475 * std::f64::consts::PI).tan(), max_relative = 1e-10);
         assert_relative_eq!(Confidence::P95.t(10), 2.228, max_relative = 1e-4);
         assert_relative_eq!(Confidence::P95.t(120), 1.980, max_relative = 1e-3);
-        // On both sides of the switch to the expansion, and where the inversion would fail.
+        // On both sides of the switch to the expansion, and at a number of degrees where the inversion fails.
         assert_relative_eq!(Confidence::P95.t(1_000), 1.962_339_080_826, max_relative = 1e-11);
         assert_relative_eq!(Confidence::P95.t(1_001), 1.962_336_705_281, max_relative = 1e-11);
         assert_relative_eq!(Confidence::P95.t(10_000_000), 1.959_964_221_767, max_relative = 1e-11);

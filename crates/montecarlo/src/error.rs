@@ -1,4 +1,4 @@
-//! What can go wrong in a run, a checkpoint or a statistic.
+//! Errors of runs, checkpoints and statistics.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,10 +7,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MonteCarloError {
-    /// The sampling, or the experiment, has none of something it needs.
+    /// A number of the sampling or of the experiment is 0.
     #[error("the number of {what} is 0; at least 1 is needed")]
     Zero {
-        /// Samples, scenes, threads, samples per block.
+        /// What the number counts: samples, scenes, threads, or samples per block.
         what: &'static str,
     },
     /// The global indices of the sampling do not fit in 64 bits.
@@ -18,7 +18,7 @@ pub enum MonteCarloError {
     TooManySamples {
         /// First global index.
         first: u64,
-        /// How many from there.
+        /// Number of samples.
         samples: u64,
     },
     /// The thread pool could not be started.
@@ -36,24 +36,24 @@ pub enum MonteCarloError {
         /// Results returned.
         found: usize,
     },
-    /// Two summaries that are not two neighbouring parts of one run.
+    /// Two summaries that are not consecutive parts of one run.
     #[error("the summaries cannot be merged: {field} of the later one is {found}; {expected} is needed")]
     NotMergeable {
-        /// What differs.
+        /// The number that differs.
         field: &'static str,
-        /// What fits.
+        /// The number that would fit.
         expected: u64,
-        /// What the later summary has.
+        /// The number of the later summary.
         found: u64,
     },
     /// A checkpoint could not be read or written. A previous checkpoint, if any, is still there.
     #[error("cannot {action} checkpoint {}: {source}", path.display())]
     CheckpointIo {
-        /// Read or write.
+        /// "read" or "write".
         action: &'static str,
         /// The checkpoint, or the temporary file beside it.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A checkpoint is truncated or altered.
@@ -83,7 +83,7 @@ pub enum MonteCarloError {
         /// The value in the file.
         found: String,
     },
-    /// A checkpoint holds more samples than the run shall have.
+    /// A checkpoint holds more samples than the run is asked for.
     #[error(
         "checkpoint {} holds {found} samples already; samples = {wanted}; allowed: {found} or more, or another folder",
         path.display()
@@ -96,36 +96,36 @@ pub enum MonteCarloError {
         /// Samples asked for.
         wanted: u64,
     },
-    /// A tally that does not survive being written and read, for example because it holds an infinite float.
+    /// A tally that cannot be written and read back, for example because it holds an infinite float.
     #[error("the tally cannot be stored in checkpoint {}: {source}", path.display())]
     NotStorable {
         /// The checkpoint.
         path: PathBuf,
-        /// What the encoder or the decoder said.
+        /// The error of the encoder or the decoder.
         source: serde_json::Error,
     },
-    /// A statistic of nothing.
+    /// A statistic of no values.
     #[error("no values: {statistic} is not defined")]
     Empty {
-        /// Which statistic.
+        /// Name of the statistic.
         statistic: &'static str,
     },
     /// A value that is NaN or infinite.
     #[error("value {index} is {value}; every value must be finite")]
     NotFinite {
-        /// Where, from 0.
+        /// Index of the value, from 0.
         index: usize,
-        /// What stands there.
+        /// The value.
         value: f64,
     },
     /// A probability outside its range.
     #[error("{name} is {value}; it must lie {range}")]
     Probability {
-        /// What it is used for.
+        /// Name of the probability.
         name: &'static str,
         /// The value.
         value: f64,
-        /// What is allowed.
+        /// The allowed range.
         range: &'static str,
     },
     /// More hits than trials.
@@ -149,15 +149,15 @@ pub enum MonteCarloError {
     },
 }
 
-/// A parameter of a distribution that is not allowed. Who reads it from a file prints the field before the key.
+/// A parameter of a distribution that is not allowed. A reader of a file adds the field before the key.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{key} = {value}; allowed: {allowed}")]
 pub struct DistributionFault {
-    /// Its key, as in a file.
+    /// The key of the parameter, as in a file.
     pub key: &'static str,
-    /// What stands there.
+    /// The value found.
     pub value: String,
-    /// What may stand there.
+    /// The values allowed.
     pub allowed: String,
 }
 
@@ -171,26 +171,32 @@ pub enum Damage {
     /// Another version of the format.
     #[error("it has format version {found}, this program reads version {expected}")]
     Version {
-        /// In the file.
+        /// Version of the file.
         found: u32,
-        /// What this program writes.
+        /// Version that this program writes.
         expected: u32,
     },
-    /// Truncated, or something was appended.
+    /// The file was truncated, or bytes were appended to it.
     #[error("{found} bytes follow its header, which announces {expected}")]
     Length {
-        /// Announced.
+        /// Bytes announced in the header.
         expected: usize,
-        /// Present.
+        /// Bytes present.
         found: usize,
     },
     /// The bytes are not those that were written.
     #[error("its checksum is {found:08x}, its header announces {expected:08x}")]
     Checksum {
-        /// Announced.
+        /// Checksum announced in the header.
         expected: u32,
-        /// Of the bytes present.
+        /// Checksum of the bytes present.
         found: u32,
+    },
+    /// A state that cannot be one of the run whose identity stands above it: the file was made up.
+    #[error("its {field} cannot be that of the run that it names")]
+    State {
+        /// What does not fit.
+        field: &'static str,
     },
     /// Intact bytes that do not describe the state of such a run: the tally's type has changed since.
     #[error("its content is not the state of this run ({0})")]

@@ -1,27 +1,28 @@
-//! The seam: what is sampled, what is computed from it, and what is kept.
+//! The traits of a user: what is sampled and computed ([`Experiment`]), and what is kept ([`Tally`]).
 
 use std::fmt::Display;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::failures::Failures;
 use crate::stream::StreamRng;
 
 /// What is sampled and computed.
 ///
-/// The results must depend on the arguments alone, not on the order of calls or on earlier contents of the scratch: that
-/// is what makes a run reproducible.
+/// A run is reproducible only if the results depend on the arguments alone, not on the order of calls or on earlier contents of
+/// the scratch memory.
 pub trait Experiment: Sync {
     /// One draw of the uncertain parameters, used in every scene.
     type Sample;
-    /// What one evaluation gives.
+    /// The result of one evaluation.
     type Outcome;
-    /// Why one draw or evaluation failed; its text is listed in [`Failures`](crate::Failures).
+    /// The reason why a draw or an evaluation failed; its text is listed in [`Failures`](crate::Failures).
     type Error: Display;
-    /// Working memory. It begins as `default()` in every block of samples, so nothing passes from block to block.
+    /// Scratch memory. It is `default()` at the beginning of every block of samples, so that no data pass between blocks.
     type Scratch: Default;
 
-    /// How many situations each sample is evaluated in, at least 1; they are numbered from 0.
+    /// Number of scenes in which each sample is evaluated, at least 1; scenes are numbered from 0.
     fn scenes(&self) -> usize {
         1
     }
@@ -29,13 +30,13 @@ pub trait Experiment: Sync {
     /// Draws one sample from its own stream.
     ///
     /// # Errors
-    /// A failed draw is counted, listed, and missing from every scene; the run goes on.
+    /// A failed draw is counted, listed, and missing from every scene; the run continues.
     fn draw(&self, rng: &mut StreamRng) -> Result<Self::Sample, Self::Error>;
 
     /// Evaluates one sample in one scene.
     ///
     /// # Errors
-    /// A failed evaluation is counted and listed; the run goes on.
+    /// A failed evaluation is counted and listed; the run continues.
     fn evaluate(
         &self,
         scene: usize,
@@ -45,8 +46,8 @@ pub trait Experiment: Sync {
 
     /// Evaluates a block of samples in one scene and appends one result per sample to `out`, in order.
     ///
-    /// The default calls [`evaluate`](Self::evaluate) for each. An experiment that can treat several samples at
-    /// once (one per SIMD lane, say) overrides it; a sample's result must not depend on which others share its block.
+    /// The default calls [`evaluate`](Self::evaluate) for each sample. An experiment that can evaluate several samples at
+    /// once (one per SIMD lane, for example) overrides it; a result must not depend on the other samples of the block.
     fn evaluate_block(
         &self,
         scene: usize,
@@ -62,22 +63,23 @@ pub trait Experiment: Sync {
 pub struct Runs<'a, S: Experiment> {
     /// The sample's global index: the same in a run from 0, in a later part of it, and after a resume.
     pub index: u64,
-    /// What was drawn.
+    /// The sample.
     pub sample: &'a S::Sample,
-    /// One result per scene, in order. The failed ones are already counted and listed.
+    /// One result per scene, in order. Failed evaluations are already counted and listed.
     pub results: &'a [Result<S::Outcome, S::Error>],
 }
 
-/// Something that counts, and whose counts of two consecutive stretches of samples can be put together.
+/// A statistic of samples that can be merged with the statistic of the samples that follow.
 pub trait Merge {
-    /// Adds what was counted from later samples.
+    /// Adds the statistic of later samples.
     ///
-    /// It must be associative: `(a + b) + c` equals `a + (b + c)` to the last bit. Integers are, floating-point sums are
-    /// not; an [`IntegerMean`](crate::IntegerMean) or a [`QuantileSketch`](crate::QuantileSketch) does instead.
+    /// The operation must be associative: `(a + b) + c` equals `a + (b + c)` to the last bit. Sums of integers are associative,
+    /// sums of floating-point numbers are not; use an [`IntegerMean`](crate::IntegerMean) or a
+    /// [`QuantileSketch`](crate::QuantileSketch) instead of these.
     fn merge(&mut self, later: Self);
 }
 
-/// Element by element; an element that one side lacks counts as empty there.
+/// Merges element by element; an element that one of the two lacks counts as empty there.
 impl<M: Merge> Merge for Vec<M> {
     fn merge(&mut self, later: Self) {
         let mut later = later.into_iter();
@@ -86,8 +88,13 @@ impl<M: Merge> Merge for Vec<M> {
     }
 }
 
-/// What is kept of the samples of an experiment. Its size should not depend on their number.
+/// The statistic that is kept of the samples of an experiment. Its size should not depend on the number of samples.
 pub trait Tally<S: Experiment>: Merge + Serialize + DeserializeOwned + Send {
-    /// Enters one sample. Called in the order of the indices; a sample whose draw failed is not shown.
+    /// Enters one sample. Called in the order of the indices, but not for a sample whose draw failed.
     fn record(&mut self, runs: &Runs<'_, S>);
+
+    /// Whether these can be the counts of so many samples with these failures: asked of a checkpoint before it is continued.
+    fn may_be_of(&self, _samples: u64, _failures: &Failures) -> bool {
+        true
+    }
 }

@@ -1,10 +1,10 @@
-//! Failed draws and evaluations: counted always, listed as far as there is room.
+//! Failed draws and evaluations: all are counted, the first 1,000 are listed.
 
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::Merge;
 
-/// Most failures that are listed in full; chosen, so that a checkpoint stays small.
+/// Most failures that are listed; chosen, so that a checkpoint stays small.
 const MOST_LISTED: usize = 1_000;
 
 /// One failed draw or evaluation.
@@ -12,13 +12,13 @@ const MOST_LISTED: usize = 1_000;
 pub struct Failure {
     /// Global index of the sample.
     pub index: u64,
-    /// The scene, or `None` where the draw itself failed and so every scene lacks the sample.
+    /// The scene; `None` where the draw failed, so that the sample is missing from every scene.
     pub scene: Option<usize>,
     /// The experiment's error as text.
     pub message: String,
 }
 
-/// All failures of a run: counts per scene, and the first 1,000 by sample and scene in full.
+/// All failures of a run: counts per scene, and a list of the first 1,000 by sample and scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failures {
     draws: u64,
@@ -39,6 +39,15 @@ impl Failures {
         if self.listed.len() < MOST_LISTED {
             self.listed.push(failure);
         }
+    }
+
+    /// Whether these can be the failures of so many samples in so many scenes.
+    pub(crate) fn may_be_of(&self, scenes: usize, samples: u64) -> bool {
+        let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= samples);
+        let total = self.scenes.iter().try_fold(self.draws, |sum, &failed| sum.checked_add(failed));
+        self.scenes.len() == scenes
+            && self.scenes.iter().all(of_scene)
+            && total.is_some_and(|total| self.listed.len() as u64 == total.min(MOST_LISTED as u64))
     }
 
     /// Failed draws; each is missing from every scene.
@@ -63,12 +72,6 @@ impl Failures {
     #[must_use]
     pub fn listed(&self) -> &[Failure] {
         &self.listed
-    }
-
-    /// How many failures are counted but not listed.
-    #[must_use]
-    pub fn unlisted(&self) -> u64 {
-        self.total() - self.listed.len() as u64
     }
 }
 
@@ -106,7 +109,7 @@ mod tests {
         let whole = failures(0..1_500);
         assert_eq!(whole.total(), 1_500);
         assert_eq!((whole.draws(), whole.by_scene()), (500, &[500, 500][..]));
-        assert_eq!((whole.listed().len(), whole.unlisted()), (1_000, 500));
+        assert_eq!(whole.listed().len(), 1_000);
         assert_eq!(whole.listed()[999].index, 999);
     }
 }

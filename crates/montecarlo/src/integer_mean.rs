@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::confidence::{Confidence, Interval};
 use crate::experiment::Merge;
 
-/// Count, sum and sum of squares of integers, kept exactly, so that they are the same in whatever order and grouping the
-/// values were entered. For a mean over many scenes enter each sample's sum and divide afterwards.
+/// Count, sum and sum of squares of integers, kept exactly, so that they do not depend on the order and grouping in which the
+/// values were entered. For a mean over many scenes enter the sum of each sample and divide afterwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct IntegerMean {
     count: u64,
@@ -22,19 +22,19 @@ impl IntegerMean {
         self.sum_of_squares += u128::from(value.unsigned_abs()).pow(2);
     }
 
-    /// How many values.
+    /// Number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their exact sum.
+    /// The exact sum of the values.
     #[must_use]
     pub fn sum(&self) -> i128 {
         self.sum
     }
 
-    /// Their mean; `None` without values.
+    /// The mean of the values; `None` without values.
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum as f64 / self.count as f64)
@@ -43,8 +43,8 @@ impl IntegerMean {
     /// The unbiased sample variance; `None` with fewer than two values.
     ///
     /// With `q` and `r` the quotient and remainder of the sum by `n`, the squared deviations sum to
-    /// `S - r^2 / n`, `S = sum (x - q)^2`, or `(S - r) + r (n - r) / n`: integers but for the last division, so nothing
-    /// cancels.
+    /// `S - r^2 / n`, `S = sum (x - q)^2`, or `(S - r) + r (n - r) / n`. Up to the last division these are integers, so that
+    /// no digits cancel.
     #[must_use]
     pub fn variance(&self) -> Option<f64> {
         if self.count < 2 {

@@ -1,4 +1,4 @@
-//! How often things occur that bear a label, where a label may be uncertain.
+//! How often labels occur, where the label of a thing may be uncertain.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use crate::confidence::{Confidence, Interval};
 use crate::experiment::{Experiment, Merge, Runs, Tally};
 use crate::proportion::{Proportion, Trial};
 
-/// The labels that occur in one trial, from the candidate labels of each thing found in it: [`Trial::Yes`] where a label
-/// occurs for certain, [`Trial::Ambiguous`] where it may be another's.
+/// The labels that occur in one trial, from the candidate labels of each thing found in the trial: [`Trial::Yes`] for a label
+/// that occurs for certain, [`Trial::Ambiguous`] for one that may not.
 ///
-/// A thing with a single candidate bears that label. If k things share the same k candidates, all k labels occur, whichever
-/// thing bears which. A thing without candidates adds no label to these; it may bear any, which [`LabelTally`] counts.
-/// Candidates of one thing differ from each other; their order does not matter.
+/// A thing with a single candidate has that label. If k things have the same k candidates, all k labels occur for certain. A
+/// thing without candidates adds no label to these; it may have any, which [`LabelTally`] counts. The candidates of one thing
+/// must differ; their order does not matter.
 ///
 /// ```
 /// use montecarlo::{Trial, occurring_labels};
@@ -43,13 +43,13 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
     a.len() == b.len() && a.iter().all(|label| b.contains(label))
 }
 
-/// In how many trials each label occurs. Its size is that of the labels that ever occur. A thing without candidates may bear
-/// any label: its trial is ambiguous for each label that does not occur in it for certain.
+/// The number of trials in which each label occurs. The tally has one entry for each label that has occurred. A thing without
+/// candidates may have any label: its trial is ambiguous for each label that does not occur in it for certain.
 ///
 /// ```
 /// use montecarlo::{Confidence, LabelTally};
 ///
-/// // Which modes of a brake squeal in each of four trials; in the last it is one of two.
+/// // The modes of a brake that squeal in each of four trials; in the last trial it is one of two modes.
 /// let mut squeal = LabelTally::default();
 /// squeal.record(&[vec!["bell"]]);
 /// squeal.record(&[vec!["bell"], vec!["rotor"]]);
@@ -94,7 +94,7 @@ impl<L: Ord> Default for LabelTally<L> {
 }
 
 impl<L: Ord + Clone> LabelTally<L> {
-    /// Enters one trial, from the candidate labels of each thing that was found in it; see [`occurring_labels`].
+    /// Enters one trial, from the candidate labels of each thing found in the trial; see [`occurring_labels`].
     pub fn record<C: AsRef<[L]>>(&mut self, candidates: &[C]) {
         self.trials += 1;
         let is_unlabelled = candidates.iter().any(|candidates| candidates.as_ref().is_empty());
@@ -112,25 +112,25 @@ impl<L: Ord + Clone> LabelTally<L> {
 }
 
 impl<L: Ord> LabelTally<L> {
-    /// All trials.
+    /// Number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
         self.trials
     }
 
-    /// Trials with a thing without candidates.
+    /// The number of trials with a thing without candidates.
     #[must_use]
     pub fn unlabelled(&self) -> u64 {
         self.unlabelled
     }
 
-    /// Of one label; a label that never occurs has no certain hits.
+    /// The proportion of trials with a label; a label that never occurred has no certain hits.
     #[must_use]
     pub fn proportion(&self, label: &L) -> Proportion {
         self.of_hits(self.labels.get(label).copied().unwrap_or_default())
     }
 
-    /// Of every label that ever occurs, ascending.
+    /// Every label that has occurred, ascending, with its proportion.
     pub fn proportions(&self) -> impl Iterator<Item = (&L, Proportion)> {
         self.labels.iter().map(|(label, &hits)| (label, self.of_hits(hits)))
     }
@@ -147,7 +147,7 @@ impl<L: Ord> LabelTally<L> {
     }
 }
 
-/// One tally per scene, of experiments whose outcome is the candidate labels of each thing that was found.
+/// One tally per scene, for experiments whose outcome is the candidate labels of each thing found.
 impl<L, E> Tally<E> for Vec<LabelTally<L>>
 where
     L: Ord + Clone + Serialize + DeserializeOwned + Send,
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
     }
 
-    /// Trials with up to three things of up to three candidates among five labels.
+    /// Trials with up to three things, each with up to three candidates of five labels.
     fn trials() -> impl Strategy<Value = Vec<Vec<Vec<u8>>>> {
         let thing = prop::collection::btree_set(0_u8..5, 0..4).prop_map(|set| set.into_iter().collect());
         prop::collection::vec(prop::collection::vec(thing, 0..4), 0..30)

@@ -2,12 +2,12 @@
 //! intervals.
 //!
 //! One *sample* is one draw of the uncertain parameters. It is evaluated in every *scene* of the experiment (scenes share
-//! the draws, so they are compared on common random numbers) and then entered in a *tally*, after which it is forgotten:
-//! memory does not grow with the number of samples. A sample depends on the seed and its global index alone, and tallies
-//! are merged in the order of the indices, so the result is the same bytes with any number of threads, after any number
-//! of kills and resumes.
+//! the draws, so that they are compared on common random numbers), entered in a *tally* and then dropped: memory does not
+//! grow with the number of samples. A sample depends on the seed and its global index alone, and tallies are merged in the
+//! order of the indices, so that the result is the same bytes with any number of threads and after any number of kills and
+//! resumes.
 //!
-//! What a sample, a scene or an outcome *is* belongs to the [`Experiment`]; this crate knows no matrix and no model.
+//! The [`Experiment`] defines what a sample, a scene and an outcome are; this crate knows no matrix and no model.
 //!
 //! ```
 //! use montecarlo::rand::RngExt;
@@ -37,17 +37,17 @@
 //! | question | items |
 //! | --- | --- |
 //! | what is sampled, computed and kept? | [`Experiment`], [`Tally`], [`Merge`], [`Runs`] |
-//! | which samples, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
-//! | how is it run, stopped, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
-//! | what came of it? | [`Summary`], [`Failures`] |
+//! | which samples are drawn, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
+//! | how is a run started, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
+//! | what is the result of a run? | [`Summary`], [`Failures`] |
 //! | how is a parameter distributed? | [`Distribution`], [`redraw_until_at_least`] |
-//! | how often does something occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
+//! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
-//! | how large is something? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
-//! | how sure is that? | [`Confidence`], [`Interval`] |
+//! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
 //!
-//! Generators appear in public signatures, so [`rand`] is re-exported: a trait of another version of it does not fit
-//! [`StreamRng`]. The feature `progress`, on by default, has the progress bar and its dependency.
+//! Random number generators appear in public signatures, so [`rand`] is re-exported: [`StreamRng`] does not implement the
+//! traits of another version of `rand`. The feature `progress`, on by default, adds the progress bar and its dependency.
 
 pub use rand;
 

@@ -1,13 +1,13 @@
-//! Who is told how far the run has come.
+//! Reports of the progress of a run.
 
-/// Is told how far a run has come, in evaluations (one sample in one scene). `()` is silent.
+/// Receives the progress of a run, in evaluations (one sample in one scene). `()` ignores it.
 pub trait Progress: Sync {
-    /// Called once, before the first evaluation: `total` evaluations in the whole run, `done` of them by a run that was
-    /// broken off.
+    /// Called once, before the first evaluation: `total` evaluations in the whole run, `done` of them by an earlier run that
+    /// was interrupted.
     fn begin(&self, total: u64, done: u64);
-    /// Some more evaluations are done; called by the worker threads.
+    /// Called by the worker threads after some more `evaluations`.
     fn advance(&self, evaluations: u64);
-    /// The run has ended, well or badly.
+    /// Called once when the run has ended, with or without an error.
     fn end(&self);
 }
 

@@ -1,4 +1,4 @@
-//! How often something occurs.
+//! Proportions: how often an event occurs.
 
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +40,7 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
     let z2_n = confidence.z().powi(2) / n;
     let centre = p + z2_n / 2.0;
     let half_width = (z2_n * (p * (1.0 - p) + z2_n / 4.0)).sqrt();
-    // At the edges the formula gives 0 and 1 but for rounding.
+    // Without hits, and with hits only, the formula gives 0 and 1 up to rounding.
     Interval {
         lower: if hits == 0 { 0.0 } else { (centre - half_width) / (1.0 + z2_n) },
         upper: if hits == trials { 1.0 } else { (centre + half_width) / (1.0 + z2_n) },
@@ -75,15 +75,16 @@ pub fn trials_for_half_width(p: f64, half_width: f64, confidence: Confidence) ->
 /// Whether something occurred in one trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trial {
-    /// It did.
+    /// The event occurred.
     Yes,
-    /// It did not.
+    /// The event did not occur.
     No,
-    /// The trial does not tell.
+    /// The trial does not tell whether the event occurred.
     Ambiguous,
 }
 
-/// Counts of occurrences. Ambiguous trials widen the result: they are no hits for its lower limit and hits for its upper one.
+/// Counts of the trials in which an event occurs. Ambiguous trials widen estimate and interval: they are no hits for the lower
+/// limit and hits for the upper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Proportion {
     hits: u64,
@@ -92,7 +93,7 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    /// Of counts whose hits, certain and ambiguous, are of different trials.
+    /// A proportion from counts; no trial is counted both as a certain and as an ambiguous hit.
     pub(crate) fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
         Self { hits, ambiguous, trials }
     }
@@ -107,26 +108,26 @@ impl Proportion {
         }
     }
 
-    /// Trials in which it occurred for certain.
+    /// Number of trials in which the event occurred for certain.
     #[must_use]
     pub fn hits(&self) -> u64 {
         self.hits
     }
 
-    /// Trials that do not tell.
+    /// Number of ambiguous trials.
     #[must_use]
     pub fn ambiguous(&self) -> u64 {
         self.ambiguous
     }
 
-    /// All trials.
+    /// Number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
         self.trials
     }
 
-    /// The proportion of trials: from the certain hits alone to the ambiguous ones included. The two limits are equal
-    /// when nothing was ambiguous. `None` without trials.
+    /// The proportion of hits: the lower limit without the ambiguous trials, the upper one with them as hits. `None` without
+    /// trials.
     #[must_use]
     pub fn estimate(&self) -> Option<Interval> {
         let of_trials = |hits: u64| hits as f64 / self.trials as f64;
@@ -153,7 +154,7 @@ impl Merge for Proportion {
     }
 }
 
-/// One proportion per scene, each of the samples that were evaluated there.
+/// One proportion per scene, over the samples that were evaluated in it.
 impl<S: Experiment<Outcome = Trial>> Tally<S> for Vec<Proportion> {
     fn record(&mut self, runs: &Runs<'_, S>) {
         self.resize(runs.results.len(), Proportion::default());

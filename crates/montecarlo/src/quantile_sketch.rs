@@ -10,15 +10,16 @@ use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
 use crate::experiment::Merge;
 
-/// Bits of an `f64` that do not bear on its bucket: 10 of the 52 fraction bits remain, 1,024 buckets per octave.
+/// Number of low bits of an `f64` that its bucket does not depend on; chosen: 10 of the 52 fraction bits remain, which makes 1,024
+/// buckets per octave.
 const DROPPED: u32 = 42;
 
 /// Counts of values in logarithmic buckets, each 2^-10 of its lower limit wide.
 ///
-/// A value counts as the middle of its bucket, so it is known to [`RELATIVE_ACCURACY`](Self::RELATIVE_ACCURACY), whatever
-/// its sign and size (below the smallest normal number it counts as zero). The state is the same for any order and
-/// grouping of the values. There is at most one counter per bucket: values that span d decades fill at most 3,402 d + 1
-/// of each sign, however many they are.
+/// A value counts as the middle of its bucket, with a relative error of at most
+/// [`RELATIVE_ACCURACY`](Self::RELATIVE_ACCURACY); a value below the smallest normal number counts as zero. The state does not
+/// depend on the order and grouping of the values. Values that span d decades fill at most 3,402 d + 1 buckets of each
+/// sign, whatever their number.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct QuantileSketch {
     count: u64,
@@ -30,10 +31,10 @@ pub struct QuantileSketch {
 }
 
 impl QuantileSketch {
-    /// How far the stored middle of a bucket can be from a value in it, relative to the value: 2^-11.
+    /// Largest distance between the middle of a bucket and a value in it, relative to the value: 2^-11.
     pub const RELATIVE_ACCURACY: f64 = 1.0 / 2048.0;
 
-    /// Enters one value. NaN and infinities are counted apart, see [`not_finite`](Self::not_finite).
+    /// Enters one value. NaN and infinities are counted separately, see [`not_finite`](Self::not_finite).
     pub fn record(&mut self, value: f64) {
         if !value.is_finite() {
             self.not_finite += 1;
@@ -52,13 +53,13 @@ impl QuantileSketch {
         });
     }
 
-    /// How many finite values.
+    /// Number of finite values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// How many values were NaN or infinite; they are in no quantile.
+    /// Number of values that were NaN or infinite; they do not enter quantiles.
     #[must_use]
     pub fn not_finite(&self) -> u64 {
         self.not_finite
@@ -78,8 +79,8 @@ impl QuantileSketch {
         self.quantile(0.5)
     }
 
-    /// The quantile at probability `p`, type 7 as in [`quantile`](crate::quantile), between order statistics that are
-    /// each known to [`RELATIVE_ACCURACY`](Self::RELATIVE_ACCURACY).
+    /// The quantile at probability `p`, type 7 as in [`quantile`](crate::quantile), from order statistics with relative errors
+    /// of at most [`RELATIVE_ACCURACY`](Self::RELATIVE_ACCURACY).
     ///
     /// # Errors
     /// No values, or `p` outside [0, 1].
@@ -90,9 +91,9 @@ impl QuantileSketch {
     }
 
     /// A confidence interval for the quantile at `p` of the distribution that the values come from: two order statistics,
-    /// chosen by the binomial distribution of the number of values below it (H. A. David, Order Statistics, 2.5), so it
-    /// holds for any distribution and covers at least as often as asked. `None` where so few values, or so extreme a `p`,
-    /// leave a side unbounded.
+    /// chosen by the binomial distribution of the number of values below the quantile (H. A. David, Order Statistics, 2.5).
+    /// For any distribution it covers with at least the probability asked for. `None` where the values are too few, or `p` is
+    /// too near 0 or 1, for two finite limits.
     ///
     /// # Errors
     /// `p` not strictly between 0 and 1.
@@ -109,7 +110,7 @@ impl QuantileSketch {
             .then(|| Interval { lower: self.order_statistic(lower - 1), upper: self.order_statistic(upper - 1) }))
     }
 
-    /// The value of a rank from 0: exact at both ends, the middle of its bucket between them.
+    /// The value of a rank from 0: exact for the first and the last rank, the middle of its bucket for the others.
     fn order_statistic(&self, rank: u64) -> f64 {
         let Some(range) = self.range else { return f64::NAN };
         if rank == 0 {
@@ -121,7 +122,7 @@ impl QuantileSketch {
             rank < passed
         });
         match bucket {
-            // A bucket's middle may lie beyond the ends.
+            // The middle of a bucket may lie outside the range of the values.
             Some((&key, _)) if rank + 1 < self.count => middle(key).clamp(range.lower, range.upper),
             _ => range.upper,
         }
@@ -141,14 +142,15 @@ impl Merge for QuantileSketch {
     }
 }
 
-/// The leading bits of a finite value, made to ascend with it: negative numbers inverted, positive ones above them.
+/// The leading bits of a finite value, transformed so that they ascend with the value: the bits of negative numbers are
+/// inverted, the sign bit of positive numbers is set.
 fn key(value: f64) -> u32 {
     let bits = value.to_bits();
     let ordered = if value.is_sign_negative() { !bits } else { bits | 1 << 63 };
     (ordered >> DROPPED) as u32
 }
 
-/// The middle of a bucket; zero is a bucket of its own.
+/// The middle of a bucket; zero has its own bucket.
 fn middle(key: u32) -> f64 {
     const SIGN: u32 = 1 << (63 - DROPPED);
     let magnitude = if key >= SIGN { key - SIGN } else { !key & (SIGN - 1) };

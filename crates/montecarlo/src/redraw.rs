@@ -5,11 +5,10 @@ use rand_distr::Distribution;
 use crate::error::MonteCarloError;
 use crate::stream::StreamRng;
 
-/// Draws until the value is at least `bound`: the distribution truncated from below. Gives up after 1,000 draws, which a
-/// distribution with 1 % of its mass above the bound does once in 23,000 samples.
+/// Draws until the value is at least `bound`, at most 1,000 times: a value of the distribution truncated from below.
 ///
 /// # Errors
-/// No draw reached the bound.
+/// No draw reached the bound. With 1 % of the probability above the bound this happens once in 23,000 samples.
 ///
 /// ```
 /// use montecarlo::{redraw_until_at_least, stream};
@@ -22,7 +21,7 @@ pub fn redraw_until_at_least(
     bound: f64,
     rng: &mut StreamRng,
 ) -> Result<f64, MonteCarloError> {
-    /// Chosen: see above.
+    /// Most draws for one value; chosen.
     const MOST_ATTEMPTS: u32 = 1_000;
     for _ in 0..MOST_ATTEMPTS {
         let value = distribution.sample(rng);

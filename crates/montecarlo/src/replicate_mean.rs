@@ -1,9 +1,9 @@
-//! The mean over independent replicates, with the error that their scatter shows.
+//! The mean over independent replicates, with the standard error from their scatter.
 
 use crate::confidence::{Confidence, Interval};
 
-/// Mean and standard error of a quantity that was estimated several times independently: by randomly shifted or scrambled
-/// point sets, say.
+/// Mean and standard error of a quantity that was estimated several times independently, for example by randomly shifted or
+/// scrambled point sets.
 ///
 /// ```
 /// use montecarlo::{Confidence, ReplicateMean};
@@ -16,14 +16,14 @@ use crate::confidence::{Confidence, Interval};
 pub struct ReplicateMean {
     /// The mean.
     pub mean: f64,
-    /// Its standard error: the standard deviation of the replicates over the root of their number.
+    /// The standard error of the mean: the standard deviation of the replicates over the square root of their number.
     pub standard_error: f64,
-    /// How many replicates.
+    /// Number of replicates.
     pub replicates: u64,
 }
 
 impl ReplicateMean {
-    /// The mean of two replicates or more; `None` of fewer, whose scatter is not known.
+    /// The mean of at least two replicates; `None` for fewer, whose scatter is not known.
     #[must_use]
     pub fn of(replicates: impl IntoIterator<Item = f64, IntoIter: Clone>) -> Option<Self> {
         let values = replicates.into_iter();

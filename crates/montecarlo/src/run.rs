@@ -1,4 +1,4 @@
-//! The parallel run: blocks in any order, merged in theirs.
+//! The parallel run: blocks are evaluated in any order and merged in the order of their indices.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -16,8 +16,8 @@ use crate::progress::Progress;
 use crate::sampling::{Sampling, blocks};
 use crate::summary::Summary;
 
-/// Blocks that may be under way or waiting for an earlier one, per thread: enough that no thread idles behind a slow
-/// block, few enough that memory stays bounded.
+/// Most blocks per thread that are being evaluated or wait for an earlier block; chosen: enough that no thread is idle behind a
+/// slow block, and few because waiting blocks take memory.
 const BLOCKS_AHEAD: usize = 4;
 
 /// Runs a sampling to its end, without checkpoint or progress bar. `empty` makes an empty tally.
@@ -32,11 +32,12 @@ pub fn run<S: Experiment, T: Tally<S>>(
     run_with(experiment, sampling, empty, None, &())
 }
 
-/// Runs a sampling to its end, or from where its checkpoint stands to its end. `empty` makes an empty tally.
+/// Runs a sampling to its end, or continues it from a checkpoint to its end. `empty` makes an empty tally.
 ///
-/// The checkpoint is first written before the first evaluation, so that a folder that cannot be written is found at once,
-/// and last when the run is complete. A run whose checkpoint is complete returns its result without evaluating anything;
-/// one whose checkpoint has fewer samples, complete then or not, is continued and gives the bytes of a run at once.
+/// The checkpoint is written before the first evaluation, so that a folder that cannot be written is noticed at once, and last
+/// when the run is complete. A run whose checkpoint is complete returns its result without any evaluation. A run whose
+/// checkpoint has fewer samples, whether that run was complete or not, is continued; the result is the same bytes as that of
+/// an uninterrupted run.
 ///
 /// # Errors
 /// - a sampling of zero samples, threads or samples per block, or with indices beyond 64 bits; an experiment of no
@@ -46,7 +47,7 @@ pub fn run<S: Experiment, T: Tally<S>>(
 /// - an experiment whose `evaluate_block` gives a wrong number of results.
 ///
 /// # Panics
-/// A panic of the experiment or the tally goes on in the calling thread, with its own message.
+/// A panic of the experiment or the tally is resumed in the calling thread, with its own message.
 pub fn run_with<S: Experiment, T: Tally<S>>(
     experiment: &S,
     sampling: &Sampling,
@@ -63,7 +64,7 @@ pub fn run_with<S: Experiment, T: Tally<S>>(
     let mut store = checkpoint.map(|checkpoint| Store::new(checkpoint, sampling, scenes));
 
     let stored = match &store {
-        Some(store) => store.load()?,
+        Some(store) => store.load::<S, T>()?,
         None => None,
     };
     let state = match stored {
@@ -85,7 +86,7 @@ pub fn run_with<S: Experiment, T: Tally<S>>(
     result
 }
 
-/// Evaluates what is missing from `state`.
+/// Evaluates the samples that are missing from `state`.
 fn complete<S: Experiment, T: Tally<S>>(
     pool: &ThreadPool,
     experiment: &S,
@@ -109,7 +110,7 @@ fn complete<S: Experiment, T: Tally<S>>(
                 let sender = sender.clone();
                 scope.spawn(move |_| {
                     let work = || block::evaluate(experiment, sampling.seed, indices, empty(), progress, stop);
-                    // The receiver is gone when the run has failed; the result is then of no use.
+                    // The receiver is gone when the run has failed; the result is not needed then.
                     let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
                 });
             }

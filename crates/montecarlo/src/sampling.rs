@@ -4,30 +4,30 @@ use std::ops::Range;
 
 use crate::error::MonteCarloError;
 
-/// Which samples to draw and how to share out the work. Only `seed`, `first` and `samples` bear on the result.
+/// Which samples to draw and how to divide the work. The result depends on `seed`, `first` and `samples` only.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sampling {
-    /// Chooses the family of streams.
+    /// Seed of the random streams.
     pub seed: u64,
     /// Global index of the first sample: 0, or where another part of the same run ended.
     pub first: u64,
-    /// How many samples.
+    /// Number of samples.
     pub samples: u64,
     /// Samples per unit of work, evaluated together in each scene. Blocks begin at multiples of this number. All
     /// outcomes of one block, in every scene, are in memory at once for each thread.
     pub block: u64,
-    /// Worker threads; `None` is one per core.
+    /// Number of worker threads; `None` means one per core.
     pub threads: Option<usize>,
 }
 
 impl Sampling {
-    /// `samples` samples from index 0 on, in blocks of 8, on all cores.
+    /// `samples` samples from index 0, in blocks of 8, on all cores.
     #[must_use]
     pub fn new(seed: u64, samples: u64) -> Self {
         Self { seed, first: 0, samples, block: 8, threads: None }
     }
 
-    /// Refuses no samples, no samples per block, no threads, and indices beyond 64 bits.
+    /// An error for 0 samples, samples per block or threads, and for indices beyond 64 bits.
     pub(crate) fn check(&self) -> Result<(), MonteCarloError> {
         for (what, zero) in [
             ("samples", self.samples == 0),
@@ -45,7 +45,7 @@ impl Sampling {
     }
 }
 
-/// Cuts `from..end` at the multiples of `block`.
+/// The parts into which the multiples of `block` divide `from..end`.
 pub(crate) fn blocks(from: u64, end: u64, block: u64) -> impl Iterator<Item = Range<u64>> {
     let mut next = from;
     std::iter::from_fn(move || {

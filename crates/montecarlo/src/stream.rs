@@ -9,7 +9,7 @@ pub type StreamRng = ChaCha8Rng;
 /// The stream of the sample with a global index: ChaCha8 (Bernstein 2008) with the seed as the first eight bytes of its
 /// key (little endian, the rest zero) and the index as its 64-bit stream number.
 ///
-/// Streams of different indices are independent, so a sample needs none of those before it.
+/// Streams of different indices are independent, so that a sample can be drawn without the samples before it.
 ///
 /// ```
 /// use rand::Rng;

@@ -6,18 +6,18 @@ use crate::error::MonteCarloError;
 use crate::experiment::Merge;
 use crate::failures::Failures;
 
-/// What a stretch of samples gave. Also the state that a checkpoint holds.
+/// The result of consecutive samples; also the state that a checkpoint holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary<T> {
-    /// The sampling's seed.
+    /// The seed of the sampling.
     pub seed: u64,
     /// Global index of the first sample.
     pub first: u64,
-    /// How many samples from there.
+    /// Number of samples.
     pub samples: u64,
     /// Failed draws and evaluations.
     pub failures: Failures,
-    /// What was kept of the others.
+    /// The statistic of the others.
     pub tally: T,
 }
 
@@ -28,9 +28,8 @@ impl<T: Merge> Summary<T> {
         self.first + self.samples
     }
 
-    /// Puts two parts of one experiment together: the later one must begin where this one ends.
-    ///
-    /// Whether both belong to the same *experiment* is for the caller to know.
+    /// Merges two parts of one experiment: `later` must begin where this part ends. The caller has to know that both are of the
+    /// same experiment.
     ///
     /// # Errors
     /// Another seed, another number of scenes, or a gap or overlap between the two.

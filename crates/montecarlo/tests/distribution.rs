@@ -1,4 +1,4 @@
-//! Distributions: draws, distribution function and quantiles of each kind agree, and every slip is named.
+//! Draws, distribution function and quantiles of each kind of distribution agree, and wrong parameters are named.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
@@ -19,7 +19,7 @@ fn table(probabilities: &[f64], values: &[f64]) -> Distribution {
     Distribution::Quantiles { probabilities: probabilities.to_vec(), values: values.to_vec() }
 }
 
-/// Every kind that has a density, with no bound, one and two.
+/// Every kind of distribution that has a density, with no bound, one bound and two.
 fn kinds() -> Vec<Distribution> {
     vec![
         normal(0.5, 0.1, f64::NEG_INFINITY, None),
@@ -63,7 +63,7 @@ proptest! {
     }
 }
 
-/// Largest distance between the distribution function and that of the draws.
+/// Largest distance between the distribution function and the empirical one of the draws.
 fn kolmogorov_smirnov(distribution: &Distribution, mut draws: Vec<f64>) -> f64 {
     draws.sort_by(f64::total_cmp);
     let n = draws.len() as f64;
@@ -101,7 +101,7 @@ fn bounds_on_one_side_of_the_mean_hold_even_where_u_is_next_to_0_or_1() {
 
 #[test]
 fn a_draw_takes_the_same_random_numbers_in_every_version() {
-    // Studies keep their bytes only while these lines hold.
+    // The results of studies keep their bytes only while these draws stay the same.
     let drawn = |distribution: &Distribution| {
         let mut rng = stream(7, 3);
         let value = distribution.draw(&mut rng).unwrap();

@@ -1,4 +1,4 @@
-//! A process killed with SIGKILL, and its successor.
+//! A run killed with SIGKILL, and the run that continues it.
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
@@ -14,7 +14,7 @@ use montecarlo::run_with;
 const FOLDER: &str = "MONTECARLO_KILL_TEST_FOLDER";
 const SAMPLES: u64 = 2_000;
 
-/// Not a test of its own: what the killed process runs. At a millisecond per evaluation it would take three seconds.
+/// Not a test: the run of the process that is killed. At a millisecond per evaluation it would take three seconds.
 #[test]
 #[ignore = "run by the test below"]
 fn victim() {
@@ -23,7 +23,7 @@ fn victim() {
     run_with(&experiment, &sampling(SAMPLES, 2), Counts::default, Some(&checkpoint(Path::new(&folder))), &()).unwrap();
 }
 
-/// How many samples the checkpoint holds.
+/// Number of samples in the checkpoint.
 fn samples_done(path: &Path) -> u64 {
     let text = std::fs::read_to_string(path).unwrap_or_default();
     let state = text.lines().nth(2).unwrap_or("{}");

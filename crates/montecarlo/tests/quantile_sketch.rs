@@ -11,7 +11,7 @@ fn of(values: &[f64]) -> QuantileSketch {
     sketch
 }
 
-/// Values of either sign over many decades, zeros among them.
+/// Values of both signs over many decades, and zeros.
 fn values() -> impl Strategy<Value = Vec<f64>> {
     let signed = (-30.0f64..30.0, any::<bool>()).prop_map(|(decades, negative)| {
         let magnitude = 10f64.powf(decades);
@@ -26,7 +26,7 @@ proptest! {
         let mut sorted = values.clone();
         sorted.sort_by(f64::total_cmp);
         let exact = quantile(&sorted, p).unwrap();
-        // Interpolation between order statistics of opposite sign can cancel: the larger one sets the scale.
+        // Interpolation between order statistics of opposite sign can cancel, so the error is relative to the larger of the two.
         let position = (sorted.len() - 1) as f64 * p;
         let scale = sorted[position.floor() as usize].abs().max(sorted[position.ceil() as usize].abs());
         let error = (of(&values).quantile(p).unwrap() - exact).abs();

@@ -1,4 +1,4 @@
-//! A result depends on the seed and the indices alone.
+//! Results depend on the seed and the indices alone.
 
 mod common;
 
@@ -107,7 +107,7 @@ fn progress_counts_every_evaluation() {
     assert_eq!(observed.ended.into_inner(), 1);
 }
 
-/// Nothing is drawn; `evaluate_block` forgets one sample in scene 1.
+/// An experiment whose `evaluate_block` leaves out one sample in scene 1.
 struct Forgetful {
     scenes: usize,
 }

@@ -1,31 +1,32 @@
-//! A brake in one configuration, as everything after this crate sees it.
+//! A brake in one configuration.
 
 use linsys::{AffineSystem, DofMap};
 
 use crate::Sectors;
 
-/// A brake with its contacts and constraints fixed: the equations, and what the degrees of freedom in them stand for.
+/// A brake with its contacts and constraints fixed: the equations, and the meaning of their degrees of freedom.
 ///
-/// The lattice of this crate makes one, a case file with matrices another, a user's own type a third; a study treats all alike.
+/// A brake is made by the lattice of this crate, by a case file with matrices, or by a user's own type; a study does not
+/// distinguish between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Brake {
     /// The equations, affine in a few coefficients.
     pub system: AffineSystem,
     /// Which degrees of freedom of the unconstrained brake are free.
     pub dofs: DofMap,
-    /// The bodies whose net work is told apart.
+    /// The bodies whose net work is computed separately.
     pub bodies: Vec<Body>,
-    /// The parts into which a symmetry divides the system where all contacts have the same friction: one, the whole, where there
-    /// is no symmetry.
+    /// The sectors into which a symmetry divides the system where all contacts have the same friction; without a symmetry one
+    /// sector, the whole system.
     pub sectors: Sectors,
 }
 
 /// A group of degrees of freedom with a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Body {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// Its free degrees of freedom, as indices into the reduced system.
+    /// Free degrees of freedom of the body, as indices into the reduced system.
     pub dofs: Vec<usize>,
 }
 
@@ -36,7 +37,7 @@ impl AsRef<[usize]> for Body {
 }
 
 impl Brake {
-    /// A brake without constraints, bodies or symmetry: all of a system is one body called "all".
+    /// A brake without constraints and symmetry, with all degrees of freedom in one body called "all".
     pub fn new(system: AffineSystem) -> Self {
         let (order, channels) = (system.order(), system.channels().len());
         Self {

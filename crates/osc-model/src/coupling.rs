@@ -3,9 +3,9 @@
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 
-/// For each degree of freedom, and after them for each internal state, the first one that it is coupled with, directly or through
-/// others. Two are coupled by an entry other than zero in any matrix of any of the systems; these have one order, and either
-/// the same number of states or none.
+/// The smallest index with which each index is coupled, directly or through others, where the degrees of freedom come first and
+/// the internal states after them. Two indices are coupled by a nonzero entry in any matrix of any of the systems. All systems
+/// have the same order, and the same number of states or none.
 pub(crate) fn first_coupled(systems: &[SecondOrder]) -> Vec<usize> {
     let order = systems.iter().map(SecondOrder::order).max().unwrap_or(0);
     let states = systems.iter().map(SecondOrder::states).max().unwrap_or(0);
@@ -40,7 +40,7 @@ mod tests {
         structure.c[(4, 2)] = 1.0;
         friction.internal.drive[(1, 3)] = 1.0;
         assert_eq!(first_coupled(&[structure.clone(), friction.clone()]), [0, 1, 2, 1, 2, 5, 1]);
-        // A state that one drives and another feels couples both.
+        // A state that is driven by one degree of freedom and acts on another couples the two.
         friction.internal.force[(2, 1)] = 1.0;
         assert_eq!(first_coupled(&[structure, friction]), [0, 1, 1, 1, 1, 5, 1]);
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a brake, an arrangement, a constraint or a sliding state.
+//! Errors of brakes, arrangements, constraints and sliding states.
 
 use std::fmt;
 
@@ -6,34 +6,37 @@ use linsys::LinsysError;
 
 use crate::Dof;
 
+/// The largest size of a value, and the reciprocal of the smallest that must not be zero. Chosen: sums, products and squares of
+/// such numbers stay far from the ends of a double's range.
+const LARGEST: f64 = 1e100;
+
 /// The range that a value must lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
-    /// Finite.
+    /// At most 1e100 in size.
     Finite,
-    /// Finite and > 0.
+    /// From 1e-100 to 1e100.
     Positive,
-    /// Finite and >= 0.
+    /// From 0 to 1e100.
     NonNegative,
 }
 
 impl Allowed {
     pub(crate) fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::Positive => value > 0.0,
-                Self::NonNegative => value >= 0.0,
-            }
+        match self {
+            Self::Finite => value.abs() <= LARGEST,
+            Self::Positive => (1.0 / LARGEST..=LARGEST).contains(&value),
+            Self::NonNegative => (0.0..=LARGEST).contains(&value),
+        }
     }
 }
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Finite => "finite",
-            Self::Positive => "finite and > 0",
-            Self::NonNegative => "finite and >= 0",
+            Self::Finite => "finite, at most 1e100 in size",
+            Self::Positive => "finite and > 0, from 1e-100 to 1e100",
+            Self::NonNegative => "finite and >= 0, at most 1e100",
         })
     }
 }
@@ -44,11 +47,11 @@ pub enum OscModelError {
     /// A parameter of the lattice, or the preload, is out of its range.
     #[error("{field} = {value}; allowed: {allowed}")]
     Value {
-        /// The field as it is called, with the place in a list from 1: `contact_stiffness[3]`.
+        /// Name of the field, with the position in a list from 1: `contact_stiffness[3]`.
         field: String,
-        /// What was given.
+        /// The value given.
         value: f64,
-        /// What is allowed.
+        /// The allowed range.
         allowed: Allowed,
     },
     /// A list does not have one entry for each spring, dashpot or oscillator.
@@ -75,12 +78,12 @@ pub enum OscModelError {
         /// The most oscillators allowed.
         most: usize,
     },
-    /// An oscillator that is not there.
+    /// An oscillator that does not exist.
     #[error("oscillator {number} is not there; allowed: 1 to {oscillators}")]
     UnknownOscillator {
         /// The number asked for, from 1.
         number: usize,
-        /// How many there are.
+        /// Number of oscillators.
         oscillators: usize,
     },
     /// An arrangement names an oscillator twice.
@@ -94,10 +97,10 @@ pub enum OscModelError {
     TooManyInContact {
         /// Contacts asked for.
         in_contact: usize,
-        /// How many there are.
+        /// Number of oscillators.
         oscillators: usize,
     },
-    /// An arrangement of a lattice of another size.
+    /// An arrangement for a lattice of another size.
     #[error("the contact arrangement is for {arrangement} oscillators, the lattice has {oscillators}")]
     OtherLattice {
         /// Oscillators that the arrangement was made for.
@@ -113,21 +116,21 @@ pub enum OscModelError {
         /// The text.
         text: String,
     },
-    /// A degree of freedom of an oscillator that is not there.
+    /// A degree of freedom of an oscillator that does not exist.
     #[error("{dof} is not there; allowed: oscillators 1 to {oscillators}, and p")]
     UnknownDof {
         /// The degree of freedom.
         dof: Dof,
-        /// How many oscillators there are.
+        /// Number of oscillators.
         oscillators: usize,
     },
     /// A degree of freedom is constrained twice.
     #[error("{dof} is constrained twice; allowed: each once")]
     ConstrainedTwice {
-        /// Which one.
+        /// The degree of freedom.
         dof: Dof,
     },
-    /// A system, its operating point or its constraints.
+    /// An error of a system, its operating point or its constraints.
     #[error(transparent)]
     System(#[from] LinsysError),
     /// A sliding state does not have one entry per oscillator in contact.
@@ -145,20 +148,20 @@ pub enum OscModelError {
         oscillator: usize,
         /// The field of the contact.
         field: &'static str,
-        /// What was given.
+        /// The value given.
         value: f64,
-        /// What is allowed.
+        /// The allowed range.
         allowed: Allowed,
     },
     /// An operating point breaks the symmetry by which its brake is split.
     #[error("the contacts {first} and {second} differ; allowed: alike, where the brake is split into sectors")]
     UnequalContacts {
-        /// The name of a contact.
+        /// Name of a contact.
         first: String,
-        /// One that the symmetry carries it into.
+        /// Name of a contact that the symmetry exchanges with the first.
         second: String,
     },
-    /// A system that is not of the brake that was split.
+    /// A system of another brake than the one that was split.
     #[error(
         "a system of {order} degrees of freedom and {states} states; allowed: {expected}, and 0 or {channels} states"
     )]

@@ -1,16 +1,16 @@
 //! Brakes as affine systems with friction channels, and a lattice of friction oscillators that makes one.
 //!
-//! [`Brake`] is what studies, certificates and figures work on, whoever made it: terms, channels, bodies and symmetry.
-//! [`LatticeModel`] is one maker of it.
+//! Studies, certificates and figures work on a [`Brake`]: terms, channels, bodies and symmetry. [`LatticeModel`] is one of the
+//! models that make a brake.
 //!
 //! | module | what it holds |
 //! | --- | --- |
 //! | `brake` | [`Brake`] and [`Body`]: an affine system with constraints, bodies and symmetry |
-//! | `sectors` | [`Sectors`]: the smaller systems that a symmetric brake falls apart into |
-//! | `coupling` | what of a system is coupled with what |
-//! | `lattice` | [`LatticeModel`], the lattice before any arrangement is chosen |
-//! | `lattice::{parameters, readings, dof}` | what it is made of, how open questions are read, names of degrees of freedom |
-//! | `lattice::assembly` | its matrices without friction |
+//! | `sectors` | [`Sectors`]: the smaller systems into which a symmetric brake divides |
+//! | `coupling` | which degrees of freedom and internal states are coupled |
+//! | `lattice` | [`LatticeModel`], the lattice before an arrangement is chosen |
+//! | `lattice::{parameters, readings, dof}` | parameters, readings of open points, names of degrees of freedom |
+//! | `lattice::assembly` | matrices of the lattice without friction |
 //! | `lattice::{arrangement, symmetry, sectors}` | which oscillators are in contact, which arrangements are alike |
 //! | `lattice::prepared` | [`PreparedLattice`]: one arrangement as a [`Brake`], and the operating point of a [`Sliding`] state |
 //! | `lattice::preload` | normal loads, given or from static equilibrium |

@@ -1,17 +1,17 @@
-//! The smaller systems that a symmetric brake falls apart into, exactly.
+//! The smaller systems, called *sectors*, into which a symmetric brake divides exactly.
 //!
-//! Where a symmetry carries structure, constraints, contacts and operating point into themselves, every matrix commutes
-//! with it. Shapes that it either keeps or turns round, all of one *sector* by the same signs, then never meet those of
-//! another sector. They are combinations of the degrees of freedom that the symmetry carries into each other, with
-//! coefficients of one size: `e_i`, `(e_i +- e_j) / sqrt 2`, `(e_i +- e_j +- e_k +- e_l) / 2`. Channels and their internal
-//! states combine as their contacts do. With Q the orthonormal basis of a sector and U that of its states the sector is
+//! Where a symmetry maps structure, constraints, contacts and operating point onto themselves, every matrix commutes with the
+//! symmetry. Each of its operations multiplies the shapes of a sector by 1 or -1, and shapes of two sectors, which differ in one
+//! of these signs, are not coupled. The shapes of a sector are combinations of the degrees of freedom that the symmetry exchanges,
+//! with coefficients of one size: `e_i`, `(e_i +- e_j) / sqrt 2`, `(e_i +- e_j +- e_k +- e_l) / 2`. Channels and their internal
+//! states combine in the same way. With Q the orthonormal basis of a sector and U that of its states, the sector is the system
 //!
 //! ```text
 //! Q^T M Q,  Q^T C Q,  Q^T K Q,  U^T E Q,  Q^T F U,  a of one state of each combination
 //! ```
 //!
 //! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). The eigenvalues of all sectors
-//! together are those of the whole, but for the -a of states that act on nothing.
+//! together are those of the whole system, except the eigenvalues -a of states that act on no degree of freedom.
 
 use linsys::{AffineSystem, ChannelGain, Internal, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
@@ -20,32 +20,32 @@ use num_complex::Complex;
 use crate::OscModelError;
 use crate::coupling::first_coupled;
 
-/// Largest relative difference of two normal loads that count as equal: those of a static equilibrium keep the symmetry only up
-/// to rounding. Chosen, far above rounding and far below any difference that is meant.
+/// Largest relative difference of two normal loads that count as equal, because the loads of a static equilibrium are symmetric
+/// only up to rounding. Chosen, far above rounding errors and far below differences between given loads.
 const LARGEST_LOAD_DIFFERENCE: f64 = 1e-9;
 
-/// The sectors of a brake; one, the whole, where the brake has no symmetry and everything is coupled.
+/// The sectors of a brake. A brake without symmetry, in which all degrees of freedom are coupled, has one sector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sectors {
     sectors: Vec<Sector>,
-    /// For each channel the first of those that must have the same friction as it.
+    /// For each channel the first channel that must have the same friction.
     like: Vec<usize>,
 }
 
-/// One sector: an orthonormal basis of some shapes of the brake and of its channels.
+/// One sector: orthonormal bases of its shapes and of its channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sector {
-    /// Over the free degrees of freedom.
+    /// Basis of the shapes, over the free degrees of freedom.
     pub(crate) shapes: Vec<Combination>,
-    /// Over the channels.
+    /// Basis of the channels, over the channels of the brake.
     pub(crate) channels: Vec<Combination>,
-    /// Free degrees of freedom of the whole brake.
+    /// Number of free degrees of freedom of the brake.
     pub(crate) order: usize,
-    /// Channels of the whole brake.
+    /// Number of channels of the brake.
     pub(crate) channel_count: usize,
 }
 
-/// One basis vector: at some indices, ascending, entries `+size` or `-size`, the first of them positive.
+/// One basis vector: entries `+size` or `-size` at some ascending indices, the first of them positive.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Combination {
     pub signs: Vec<(usize, f64)>,
@@ -59,7 +59,7 @@ impl Combination {
 }
 
 impl Sectors {
-    /// The whole brake as its only sector, for any operating points.
+    /// The whole brake as its only sector, for all operating points.
     pub fn whole(order: usize, channels: usize) -> Self {
         let sector = Sector {
             shapes: (0..order).map(Combination::unit).collect(),
@@ -70,12 +70,12 @@ impl Sectors {
         Self { sectors: vec![sector], like: (0..channels).collect() }
     }
 
-    /// Sectors by a symmetry; `like` has for each channel the first of those that must have the same friction.
+    /// Sectors by a symmetry; `like` gives for each channel the first channel that must have the same friction.
     pub(crate) fn new(sectors: Vec<Sector>, like: Vec<usize>) -> Self {
         Self { sectors, like }
     }
 
-    /// Each sector divided into parts that none of the `whole` systems couples.
+    /// Divides each sector into parts that none of the `whole` systems couples.
     ///
     /// # Errors
     /// A system of another order.
@@ -85,13 +85,13 @@ impl Sectors {
         Ok(self)
     }
 
-    /// The sectors, the one that keeps all signs first.
+    /// The sectors; the first has the sign 1 under every operation of the symmetry.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &Sector> {
         self.sectors.iter()
     }
 
-    /// Writes the system of each sector at an operating point to one of `out`; `whole` is memory for that of the whole
-    /// brake. Nothing is allocated if all have their orders and states already.
+    /// Writes the system of each sector at an operating point to one of `out`; `whole` is scratch memory for the system of the
+    /// whole brake. Nothing is allocated if all systems already have their orders and states.
     ///
     /// # Errors
     /// An operating point of another system, or one that breaks the symmetry.
@@ -107,7 +107,7 @@ impl Sectors {
         self.sectors.iter().zip(out).try_for_each(|(sector, out)| sector.reduce(whole, out))
     }
 
-    /// Whether channels that the symmetry exchanges have the same friction.
+    /// Checks that channels that the symmetry exchanges have the same friction.
     fn check(&self, system: &AffineSystem, gains: &[ChannelGain]) -> Result<(), OscModelError> {
         for (i, (gain, &first)) in gains.iter().zip(&self.like).enumerate() {
             if !is_alike(gain, &gains[first]) {
@@ -115,7 +115,7 @@ impl Sectors {
                 return Err(OscModelError::UnequalContacts { first, second });
             }
         }
-        // A sector takes the states of a system for those of its first channels.
+        // `Sector::reduce` takes the states of a system as those of its first channels.
         let states = gains.iter().filter(|gain| gain.lag.is_some()).count();
         if self.sectors.len() > 1 && gains[..states].iter().any(|gain| gain.lag.is_none()) {
             let (order, channels) = (system.order(), gains.len());
@@ -125,12 +125,12 @@ impl Sectors {
     }
 }
 
-/// The combinations of the part whose first index is `first`.
+/// The combinations that belong to the part with the first index `first`.
 fn of_part(all: &[Combination], firsts: &[usize], first: usize) -> Vec<Combination> {
     all.iter().zip(firsts).filter(|(_, other)| **other == first).map(|(combination, _)| combination.clone()).collect()
 }
 
-/// Whether two gains differ by no more than rounding of their loads.
+/// Whether two gains are equal up to rounding errors of their loads.
 fn is_alike(gain: &ChannelGain, other: &ChannelGain) -> bool {
     let is_near = |a: f64, b: f64| (a - b).abs() <= LARGEST_LOAD_DIFFERENCE * b.abs();
     let lags = match (gain.lag, other.lag) {
@@ -161,11 +161,12 @@ impl Sector {
         self.shapes.len()
     }
 
-    /// Writes to `out` the part in this sector of a system that the symmetry leaves unchanged. Nothing is allocated if
-    /// `out` already has its order and states.
+    /// Writes the part of a symmetric system in this sector to `out`. Nothing is allocated if `out` already has the order and
+    /// number of states.
     ///
     /// # Errors
-    /// A system of another number of degrees of freedom, or with states in some channels only that are not the first.
+    /// A system with another number of degrees of freedom, or with states of which a symmetry exchanges some with channels
+    /// that have none.
     pub fn reduce(&self, whole: &SecondOrder, out: &mut SecondOrder) -> Result<(), OscModelError> {
         let is_whole = self.order() == self.order;
         // The states of a system are those of its first channels.
@@ -223,7 +224,7 @@ impl Sector {
         Ok(part)
     }
 
-    /// The directions of forces, n x m, and readings, m x n, of the channels in this sector, for channels that are alike.
+    /// The directions of forces, n x m, and readings, m x n, of the channels in this sector, for equal channels.
     pub fn channels(&self, system: &AffineSystem) -> [DMatrix<f64>; 2] {
         let (shapes, channels): (Vec<_>, Vec<_>) = (self.shapes.iter().collect(), self.channels.iter().collect());
         let mut force = DMatrix::zeros(shapes.len(), channels.len());
@@ -253,8 +254,8 @@ impl Sector {
     }
 }
 
-/// `R^T A C` of a matrix that commutes with the symmetry. Then `A C` is a combination of the vectors of R, and no two of these
-/// share their first index: one row of A tells the coefficient of each.
+/// `R^T A C` of a matrix A that commutes with the symmetry. `A C` is then a combination of the vectors of R, whose first indices
+/// all differ, so that the coefficient of each vector follows from one row of A.
 fn reduce(whole: &DMatrix<f64>, rows: &[&Combination], columns: &[&Combination], out: &mut DMatrix<f64>) {
     for (column, mut out) in columns.iter().zip(out.column_iter_mut()) {
         for (row, out) in rows.iter().zip(out.iter_mut()) {

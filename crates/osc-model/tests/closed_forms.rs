@@ -1,4 +1,4 @@
-//! One oscillator, small enough to solve by hand.
+//! One oscillator against closed forms.
 
 #![allow(clippy::unwrap_used)]
 
@@ -76,7 +76,7 @@ fn equilibrium_load_is_the_one_found_by_hand() {
     }
 }
 
-/// x1 held: the contact slides on, so the plate keeps the whole slope and a bristle that it drives alone.
+/// With x1 constrained the contact slides on: the plate keeps the whole slope, and drives the bristle alone.
 #[test]
 fn constraint_leaves_friction_on_the_plate() {
     let p = uniform(Grid::new(1, 1).unwrap());

@@ -1,4 +1,4 @@
-//! Laws that hold for any lattice: numbering and units do not matter, symmetric systems do not flutter.
+//! Properties of every lattice: eigenvalues do not depend on numbering and units, symmetric systems do not flutter.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,7 +12,7 @@ use osc_model::{
 };
 use proptest::prelude::*;
 
-/// A lattice, an arrangement and a sliding state, all irregular.
+/// A lattice, an arrangement and a sliding state without symmetry.
 #[derive(Debug, Clone)]
 struct Case {
     parameters: LatticeParameters,
@@ -115,7 +115,7 @@ fn case() -> impl Strategy<Value = Case> {
     })
 }
 
-/// Every list of the case in the order of the new labels.
+/// The case with every list in the order of new labels.
 fn relabelled(case: &Case, reversal: Reversal) -> Case {
     let grid = case.parameters.grid;
     let (rows, columns) = (grid.rows(), grid.columns());

@@ -1,4 +1,4 @@
-//! Sectors against the whole lattice: the same spectrum, shapes that solve the whole.
+//! Sectors against the whole lattice: equal spectra, and shapes that solve the whole system.
 
 #![allow(clippy::unwrap_used)]
 
@@ -24,7 +24,7 @@ fn tangents() -> [Tangent; 3] {
     [coulomb(0.5), Tangent { slope: -0.05, ..coulomb(0.45) }, lugre(0.4)]
 }
 
-/// One arrangement of each of the classes that fall apart.
+/// One arrangement of each class that has more than one sector.
 fn arrangements(model: &LatticeModel) -> Vec<ContactArrangement> {
     let all: Vec<_> = [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect();
     let classes = model.symmetry_classes(&all).unwrap();
@@ -49,7 +49,7 @@ fn orders(sectors: &Sectors) -> Vec<usize> {
     sectors.iter().map(Sector::order).collect()
 }
 
-/// Adds the decay rates of bristles that act on nothing: in no sector, but in the whole.
+/// Adds the eigenvalues -a of bristles that act on no degree of freedom, which the whole has and no sector.
 fn with_idle_bristles(mut together: Vec<Complex<f64>>, whole: &SecondOrder) -> Vec<Complex<f64>> {
     assert!(together.len() <= whole.dimension());
     if let Some(&decay) = whole.internal.decay.iter().next() {
@@ -63,11 +63,11 @@ fn nine_in_contact_fall_into_15_6_6_and_3() {
     let sectors =
         |lateral, constraints| orders(&model(lateral, constraints).sectors(&ContactArrangement::full(9)).unwrap());
     assert_eq!(sectors(Lateral::Vector, CONSTRAINTS[0]), [15, 6, 6, 3]);
-    // One of the four combinations of the corners goes from each, and one of the two of 4 and 6. Where the first row moves
-    // against the last, nothing but the held x joins the corners with 2 and 8.
+    // Constraining x of the corners takes one of their four combinations from each sector, constraining x4 and x6 one of their
+    // two. Where the first row moves against the last, only these x couple the corners with 2 and 8.
     assert_eq!(sectors(Lateral::Vector, CONSTRAINTS[1]), [14, 5, 2, 3, 2]);
     assert_eq!(sectors(Lateral::Vector, CONSTRAINTS[2]), [13, 4, 2, 3, 2]);
-    // Without friction across the sliding nothing is coupled with yp.
+    // Without friction across the sliding yp is not coupled with other degrees of freedom.
     assert_eq!(sectors(Lateral::None, CONSTRAINTS[0]), [14, 1, 6, 6, 3]);
     let lonely = ContactArrangement::new(9, &[0, 1, 2, 3, 4, 6, 8]).unwrap();
     assert_eq!(orders(&model(Lateral::None, "x1").sectors(&lonely).unwrap()), [28, 1]);
@@ -79,7 +79,7 @@ fn half_of_the_classes_fall_apart() {
     let (model, mut with) = (model(Lateral::Vector, ""), [0; 5]);
     for class in model.symmetry_classes(&all).unwrap() {
         let sectors = model.sectors(&all[class.representative]).unwrap().iter().len();
-        // Of the four reversals those that change an arrangement make its class, the others its sectors.
+        // Of the four reversals, those that change an arrangement give its class, the others its sectors.
         assert_eq!(class.members.len() * sectors, 4);
         with[sectors] += 1;
     }
@@ -117,7 +117,7 @@ fn a_sector_is_the_projection_of_the_whole() {
                 let q = basis(sector);
                 for (whole, part) in [(&whole.m, &part.m), (&whole.c, &part.c), (&whole.k, &part.k)] {
                     assert!((q.transpose() * whole * &q - part).amax() <= 1e-14 * whole.amax());
-                    // Nothing leads out of the sector.
+                    // The matrices do not couple the sector to the others.
                     assert!((whole * &q - &q * part).amax() <= 1e-14 * whole.amax());
                 }
                 let force = &whole.internal.force * &whole.internal.drive;
@@ -194,7 +194,7 @@ fn without_symmetry_the_whole_is_the_only_sector() {
     ];
     for (model, arrangement, sectors) in one {
         let lattice = model.prepare(arrangement).unwrap();
-        // Any contacts are allowed then, those with and without bristles side by side too.
+        // Any contacts are allowed with one sector, also some with and some without bristles.
         let mut sliding = shared(lugre(0.4), arrangement.in_contact().len());
         sliding.contacts[1] = contact(coulomb(0.3));
         assert_eq!(parts(&sectors, &lattice, &sliding), [lattice.linearised(&sliding).unwrap()]);
@@ -218,7 +218,7 @@ fn what_breaks_the_symmetry_is_refused() {
     assert_eq!(refused(&|sliding| sliding.contacts[8].normal_load *= 1.001), Err(corner.clone()));
     assert_eq!(refused(&|sliding| sliding.contacts[8].tangent.mu += 0.001), Err(corner.clone()));
     assert_eq!(refused(&|sliding| sliding.contacts[8] = contact(coulomb(0.4))), Err(corner));
-    // The one in the middle is like none.
+    // The contact in the middle is exchanged with no other.
     assert_eq!(refused(&|sliding| sliding.contacts[4].tangent.mu += 0.001), Ok(()));
     let bristles = refused(&|sliding| sliding.contacts[4] = contact(coulomb(0.4)));
     assert_eq!(bristles, Err(OscModelError::OtherSystem { order: 30, states: 8, expected: 30, channels: 9 }));
@@ -240,7 +240,7 @@ fn loads_of_a_static_equilibrium_keep_the_symmetry() {
     }
 }
 
-/// A lattice of any size whose arrangement and constraints some reversals carry into themselves.
+/// A lattice of any size with an arrangement and constraints that some reversals map onto themselves.
 fn symmetric() -> impl Strategy<Value = (LatticeModel, ContactArrangement)> {
     let group = prop::sample::select(vec![
         vec![Reversal::Rows],

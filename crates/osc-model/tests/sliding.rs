@@ -1,4 +1,4 @@
-//! Sliding states: refilling in place, the parts of a system, preloads, contacts that fade, and what is refused.
+//! Sliding states: refilling in place, the parts of a system, preloads, contacts of vanishing load, and refused states.
 
 #![allow(clippy::unwrap_used)]
 
@@ -80,7 +80,7 @@ fn a_contact_enters_the_matrices_as_its_equations_say() {
         }
         assert!((k - &friction.k).amax() < 1e-14 * friction.k.amax());
         assert!((c - &friction.c).amax() < 1e-14 * friction.c.amax());
-        // The relative velocity is v + x_p' - x_i'; its friction drags the oscillator along.
+        // The relative velocity is v + x_p' - x_i'; friction drags the oscillator along with the plate.
         let internal = &friction.internal;
         assert_eq!((internal.drive[(0, x)], internal.drive[(0, xp)]), (-bristle.drive, bristle.drive));
         assert_eq!((internal.force[(x, 0)], internal.force[(xp, 0)]), (n * bristle.force, -n * bristle.force));
@@ -98,7 +98,7 @@ fn preloads_add_up() {
     assert_eq!(six.normal_loads(Preload::Clamp(5400.0), &contacts[3..]).unwrap(), [900.0; 6]);
     let message = |preload: Preload| lattice.normal_loads(preload, &contacts).unwrap_err().to_string();
     for bad in [Preload::PerContact(-1.0), Preload::Clamp(-1.0), Preload::Equilibrium(-1.0)] {
-        assert_eq!(message(bad), "preload = -1; allowed: finite and > 0");
+        assert_eq!(message(bad), "preload = -1; allowed: finite and > 0, from 1e-100 to 1e100");
     }
 }
 
@@ -111,16 +111,31 @@ fn names_what_it_refuses_in_a_sliding_state() {
     let lattice = lattice_of(&[2, 5, 7]);
     let message = |sliding: Sliding| lattice.linearised(&sliding).unwrap_err().to_string();
     assert_eq!(message(shared(coulomb(0.5), 2)), "the sliding state has 2 contacts; the arrangement has 3");
-    assert_eq!(message(Sliding { speed: 0.0, ..shared(coulomb(0.5), 3) }), "speed = 0; allowed: finite and > 0");
+    assert_eq!(
+        message(Sliding { speed: 0.0, ..shared(coulomb(0.5), 3) }),
+        "speed = 0; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
     let changed = |change: &dyn Fn(&mut ContactPoint)| {
         let mut sliding = shared(coulomb(0.5), 3);
         change(&mut sliding.contacts[1]);
         message(sliding)
     };
-    assert_eq!(changed(&|p| p.normal_load = -5.0), "normal_load of oscillator 5 = -5; allowed: finite and >= 0");
-    assert_eq!(changed(&|p| p.tangent.mu = f64::NAN), "tangent.mu of oscillator 5 = NaN; allowed: finite and >= 0");
-    assert_eq!(changed(&|p| p.tangent.slope = f64::INFINITY), "tangent.slope of oscillator 5 = inf; allowed: finite");
-    assert_eq!(changed(&|p| p.lateral_mu = -0.1), "lateral_mu of oscillator 5 = -0.1; allowed: finite and >= 0");
+    assert_eq!(
+        changed(&|p| p.normal_load = -5.0),
+        "normal_load of oscillator 5 = -5; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(
+        changed(&|p| p.tangent.mu = f64::NAN),
+        "tangent.mu of oscillator 5 = NaN; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(
+        changed(&|p| p.tangent.slope = f64::INFINITY),
+        "tangent.slope of oscillator 5 = inf; allowed: finite, at most 1e100 in size"
+    );
+    assert_eq!(
+        changed(&|p| p.lateral_mu = -0.1),
+        "lateral_mu of oscillator 5 = -0.1; allowed: finite and >= 0, at most 1e100"
+    );
 }
 
 #[test]
@@ -130,13 +145,25 @@ fn names_what_it_refuses_in_a_lattice() {
         change(&mut p);
         LatticeModel::new(p, Lateral::None, &[]).unwrap_err().to_string()
     };
-    assert_eq!(refused(&|p| p.contact_stiffness[2] = 0.0), "contact_stiffness[3] = 0; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.oscillator_mass[8] = -0.39), "oscillator_mass[9] = -0.39; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.x_stiffness[0] = -1.0), "x_stiffness[1] = -1; allowed: finite and >= 0");
-    assert_eq!(refused(&|p| p.y_damping[11] = f64::NAN), "y_damping[12] = NaN; allowed: finite and >= 0");
-    assert_eq!(refused(&|p| p.theta = f64::INFINITY), "theta = inf; allowed: finite");
-    assert_eq!(refused(&|p| p.plate.mass = 0.0), "plate.mass = 0; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.plate.damping[1] = -1.0), "plate.damping[2] = -1; allowed: finite and >= 0");
+    assert_eq!(
+        refused(&|p| p.contact_stiffness[2] = 0.0),
+        "contact_stiffness[3] = 0; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
+    assert_eq!(
+        refused(&|p| p.oscillator_mass[8] = -0.39),
+        "oscillator_mass[9] = -0.39; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
+    assert_eq!(refused(&|p| p.x_stiffness[0] = -1.0), "x_stiffness[1] = -1; allowed: finite and >= 0, at most 1e100");
+    assert_eq!(
+        refused(&|p| p.y_damping[11] = f64::NAN),
+        "y_damping[12] = NaN; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(refused(&|p| p.theta = f64::INFINITY), "theta = inf; allowed: finite, at most 1e100 in size");
+    assert_eq!(refused(&|p| p.plate.mass = 0.0), "plate.mass = 0; allowed: finite and > 0, from 1e-100 to 1e100");
+    assert_eq!(
+        refused(&|p| p.plate.damping[1] = -1.0),
+        "plate.damping[2] = -1; allowed: finite and >= 0, at most 1e100"
+    );
     assert_eq!(refused(&|p| p.z_damping.truncate(8)), "z_damping has 8 entries; the lattice of 3 x 3 needs 9");
 
     let constrained = |names: &str| LatticeModel::new(table_1(), Lateral::None, &held(names)).unwrap_err().to_string();
@@ -146,7 +173,7 @@ fn names_what_it_refuses_in_a_lattice() {
     assert_eq!(other, "the contact arrangement is for 4 oscillators, the lattice has 9");
 }
 
-/// `h(lambda) - h(0)` is of order |lambda| / a: a hundred times stiffer bristles, a hundred times closer spectra.
+/// `h(lambda) - h(0)` is of order |lambda| / a: with bristles a hundred times stiffer, the spectra are a hundred times closer.
 #[test]
 fn stiff_bristles_follow_the_stribeck_curve() {
     let curve = StribeckParameters { mu_s: 0.55, mu_k: 0.45, v_s: 0.6, sigma2: 0.004 };

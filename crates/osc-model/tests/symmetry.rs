@@ -1,4 +1,4 @@
-//! Relabelling: classes of arrangements.
+//! Symmetry classes of arrangements.
 
 #![allow(clippy::unwrap_used)]
 

@@ -40,7 +40,7 @@
 //! let system = SecondOrder::new(dmatrix![0.4, 0.0; 0.0, 0.4], dmatrix![100.0, 0.0; 0.0, 100.0], k)?;
 //! let mut work = Workspace::default();
 //! let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
-//! let verdicts = spectrum.oscillatory().map(|lambda| verdict(&system, lambda, spectrum.scale, &mut work));
+//! let verdicts = spectrum.oscillatory().map(|lambda| verdict(&system, lambda, &spectrum, &mut work));
 //! assert_eq!(verdicts.collect::<Result<Vec<_>, _>>()?, [Verdict::Unstable, Verdict::Stable]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -78,6 +78,9 @@ pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
 mod fingerprint;
+mod folder;
+#[cfg(feature = "case-files")]
+mod input;
 pub mod output;
 pub mod report;
 mod run;

@@ -47,7 +47,7 @@ fn full(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Verd
     let modes = Modes::classify(system, spectrum, work).unwrap();
     let (mut unstable, mut open) = (Vec::new(), 0);
     for (index, &lambda) in modes.oscillatory.iter().enumerate() {
-        match verdict(system, lambda, spectrum.scale, work).unwrap() {
+        match verdict(system, lambda, spectrum, work).unwrap() {
             Verdict::Unstable => unstable.push(modes.rank(index)),
             Verdict::Stable => {}
             Verdict::Marginal { .. } | Verdict::Undecided { .. } => open += 1,

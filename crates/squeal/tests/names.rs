@@ -54,9 +54,9 @@ fn followed(
         let system = sector.reduced(&whole).unwrap();
         let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
         let mut unstable = Modes::classify(&system, &spectrum, &mut work).unwrap().oscillatory;
-        unstable.retain(|&lambda| verdict(&system, lambda, spectrum.scale, &mut work).unwrap() == Verdict::Unstable);
+        unstable.retain(|&lambda| verdict(&system, lambda, &spectrum, &mut work).unwrap() == Verdict::Unstable);
         let modes = Mode::at(&system, &unstable, &mut work).unwrap();
-        let Reference { system: end, modes: known, names } = reference;
+        let Reference { system: end, modes: known, names, .. } = reference;
         let path =
             Path { start: PathStart::System(&system), start_modes: &modes, end: PathEnd { system: end, modes: known } };
         let shapes = mac(&modes, known, &system.m);

@@ -1,39 +1,44 @@
-//! Branches of eigenvalues over one real parameter: which eigenvalue at one value of it continues which at another.
+//! Branches of eigenvalues over one real parameter: which eigenvalue at one parameter continues which eigenvalue at another.
 //!
-//! From both ends of a step the tangents are drawn to its middle. Those of one analytic branch meet there up to the third
-//! order of the step and differ in direction by its first; those of different branches do not, also where the
-//! eigenvalues cross. A link is clear where its tangents meet far better than those of any rival; a step without a clear
-//! link is halved.
+//! The tangents at both ends of a step are extended to its middle. The two tangents of one analytic branch miss each other
+//! there by the third power of the step, and their slopes differ by its first power; those of two branches miss by more, also
+//! where the eigenvalues cross. A link is clear where its tangents meet far better than those of every other link from the
+//! same mode; a step without a clear link is halved.
 
 use std::collections::BTreeSet;
 
+use cea::{CeaError, Workspace, left_vector, right_vector};
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use crate::step_control::PredictorErrors;
 
-/// Weight of a change of direction against a change of place in the error of a link; chosen.
+/// Weight of the change of slope, relative to the distance of the tangents, in the error of a link; chosen.
 const DIRECTION_WEIGHT: f64 = 0.25;
-/// Largest error of a clear link, as a part of that of its best rival; chosen.
+/// Largest error of a clear link, as a part of the error of the second best link; chosen.
 const CLEAR_LINK_ERROR: f64 = 0.25;
-/// How many eigenvalues nearest to the tangent are compared; chosen: only those can be linked, and the derivatives of all others
-/// need not be computed.
+/// Number of eigenvalues nearest to the tangent at the middle of the step that are compared as links; chosen: the derivatives
+/// of the others need not be computed.
 const COMPARED_EIGENVALUES: usize = 4;
-/// Steps that an interval is divided into before any halving; chosen.
+/// Number of steps that an interval is divided into before any step is halved; chosen.
 const FIRST_STEPS: usize = 16;
+/// Bound of the rounding error of one evaluation of `Q(lambda) x`, in units of epsilon times the norms of its terms; chosen.
+const ROUNDINGS: f64 = 8.0;
 
-/// An eigenvalue and how it moves with the parameter.
+/// An eigenvalue and its derivative by the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchPoint {
-    /// rad/s.
+    /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
     /// d lambda / d parameter.
     pub rate: Complex<f64>,
 }
 
-/// An eigenvalue, refined, with a bound of its error.
+/// A refined eigenvalue with a bound of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefinedPoint {
-    /// lambda, rad/s, after one Newton step with both vectors.
+    /// lambda, rad/s, after one Newton step with the left and the right eigenvector.
     pub lambda: Complex<f64>,
     /// d lambda / d parameter.
     pub rate: Complex<f64>,
@@ -41,15 +46,60 @@ pub struct RefinedPoint {
     pub bound: f64,
 }
 
+impl RefinedPoint {
+    /// The eigenvalue of `system` next to `lambda`, refined by its vectors x and y, with
+    /// `d lambda / d p = -y^H (d Q / d p) x / y^H Q' x` (Lancaster, Numer. Math. 6, 1964); `derivative` is d Q / d p at `lambda`,
+    /// n x n.
+    ///
+    /// # Errors
+    /// Those of [`right_vector`].
+    pub fn new(
+        system: &SecondOrder,
+        derivative: &DMatrix<Complex<f64>>,
+        lambda: Complex<f64>,
+        work: &mut Workspace,
+    ) -> Result<Self, CeaError> {
+        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
+        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
+        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
+        let (l, internal) = (lambda.norm(), &system.internal);
+        let states = internal.drive.norm() * internal.force.norm();
+        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
+        Ok(Self {
+            lambda: lambda - residual / slope,
+            rate: -left.dotc(&(derivative * &right)) / slope,
+            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
+        })
+    }
+}
+
+/// A parameter, never NaN, as an ordered key of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrderedParameter(pub f64);
+
+impl Eq for OrderedParameter {}
+
+impl PartialOrd for OrderedParameter {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for OrderedParameter {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
 /// The eigenvalues of systems with one real parameter, computed where they are asked for and kept.
 ///
-/// A trait, because what a derivative by the parameter is, and how a spectrum is found, is known to the maker of the systems
-/// alone. All methods are asked many times for the same parameter.
+/// This is a trait because only the maker of the systems knows how to find a spectrum and the derivative by the parameter.
+/// All methods are called many times with the same parameter.
 pub trait Branches {
-    /// What can stand in the way.
+    /// The error of a system or of a solution.
     type Error;
 
-    /// One eigenvalue of each pair, rad/s, ascending in frequency, as many everywhere.
+    /// One eigenvalue of each conjugate pair, rad/s, ascending in frequency; equally many at every parameter.
     ///
     /// # Errors
     /// Those of the systems and of the solver.
@@ -67,32 +117,32 @@ pub trait Branches {
     /// As [`Branches::point`].
     fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, Self::Error>;
 
-    /// The parameters from one to another at which spectra are known, ascending, both included where known.
+    /// The parameters at which spectra are known, between two parameters and including them, ascending.
     fn known_between(&self, from: f64, to: f64) -> Vec<f64>;
 }
 
-/// How an eigenvalue continues over a step.
+/// The mode at the end of a step that best continues a mode at its beginning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BranchLink {
-    /// Index at the other end.
+    /// Index of the mode at the end of the step.
     pub to: usize,
-    /// By how much the tangents miss each other, rad/s.
+    /// The [`link_error`], rad/s.
     pub error: f64,
-    /// Whether no other link comes near.
+    /// Whether the error is far below those of all other links of the two modes.
     pub is_clear: bool,
 }
 
-/// By how much the tangents at both ends of a step miss each other half-way, in place and in direction, rad/s: the error of the
-/// trapezoidal rule and a part of the change of slope. `changes` are the derivatives at the ends times the step; where there
-/// are several parameters, the sum over them.
+/// The error of a link, rad/s: the distance of the tangents from both ends of a step at its middle, which is the error of the
+/// trapezoidal rule, plus a quarter of the change of slope. `changes` are the derivatives at the two ends times the step; with
+/// several parameters, the sum over the parameters.
 ///
-/// An analytic branch misses the mean of its derivatives by the third power of the step, and they differ by its second; those
-/// of another branch differ by the first, also where the two cross half-way.
+/// Along one analytic branch the first term is of the third order of the step and the second of the second; between two
+/// branches they are of the first order, also where the branches cross in the middle.
 pub fn link_error(ends: [Complex<f64>; 2], changes: [Complex<f64>; 2]) -> f64 {
     PredictorErrors::new(ends, changes, 1.0).trapezoid + DIRECTION_WEIGHT * (changes[1] - changes[0]).norm()
 }
 
-/// [`link_error`] of a step over the one parameter.
+/// [`link_error`] of a step of one parameter.
 fn step_error(from: BranchPoint, to: BranchPoint, step: f64) -> f64 {
     link_error([from.lambda, to.lambda], [from.rate * step, to.rate * step])
 }
@@ -110,7 +160,7 @@ pub fn link<B: Branches + ?Sized>(branches: &mut B, a: f64, index: usize, b: f64
     Ok(BranchLink { to: best.0, error: best.1, is_clear })
 }
 
-/// The mode at `b` with the least error as a continuation of `from`, its error and that of the second best.
+/// The mode at `b` with the least link error from `from`, that error, and the error of the second best mode.
 fn two_best<B: Branches + ?Sized>(
     branches: &mut B,
     from: BranchPoint,
@@ -141,8 +191,9 @@ pub(crate) fn first_steps(from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> 
     (0..FIRST_STEPS).map(move |i| [at(i), at(i + 1)])
 }
 
-/// The modes at `b` that the mode `index` at `a` may have become: one, unless a coalescence lies nearer to the branch than
-/// steps of the `smallest` length tell. Steps over the known spectra, halved where a link is not clear.
+/// The modes at `b` that the mode `index` at `a` may have become: one mode, unless a coalescence lies so near to the branch
+/// that a step of the length `smallest` leaves a doubt. The steps lead from one known spectrum to the next, and are halved
+/// where a link is not clear.
 ///
 /// # Errors
 /// Those of the branches.

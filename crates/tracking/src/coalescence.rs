@@ -1,22 +1,24 @@
-//! Through the neighbourhood of a coalescence: a pair of modes is continued instead of one mode.
+//! Continuation through the neighbourhood of a coalescence: a pair of modes is continued instead of one mode.
 //!
-//! The mean m and the square s of `lambda = m +- sqrt(s)` are smooth where the two modes are not. Which of the two square
-//! roots continues the mode follows from how s turns about 0 on the path.
+//! Of the two eigenvalues `lambda = m +- sqrt(s)`, the mean m and the squared half gap s are smooth functions of the path where
+//! the eigenvalues are not. The square root that continues the mode follows from how s turns about 0 on the path.
 
 use cea::{EigenvaluePair, GainPath, Workspace};
 use num_complex::Complex;
 
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
-/// The first step, as a part of the path; chosen, as short as next to a coalescence.
+/// The first step, as a part of the path; chosen: steps next to a coalescence are about as short.
 const FIRST_PAIR_STEP: f64 = 0.01;
-/// Shortest step that is taken, as a part of the path; chosen.
+/// Shortest step, as a part of the path; chosen.
 const SHORTEST_PAIR_STEP: f64 = 1.0 / 4096.0;
-/// How often a step is halved at most in following the turns of s: 0 is then passed at rounding distance.
+/// Most halvings of a step in which the turn of s about 0 is followed; chosen: a step 2^24 times shorter that still turns by
+/// more than 60 degrees passes 0 at a distance of rounding.
 const MOST_HALVINGS: u32 = 24;
-/// By how much the cubic polynomial of a step may miss s, as a part of the difference between the trapezoidal rule and s.
+/// Assumed error of the cubic interpolation of s over a step, as a part of the error of the trapezoidal rule; chosen.
 const CUBIC_ERROR: f64 = 0.25;
-/// Acceptance radius: largest distance of a mode from where its pair has it, relative to the distance of the two.
+/// Largest distance between an eigenvalue and the same eigenvalue computed from its pair, as a part of the distance between
+/// the two eigenvalues of the pair; chosen. In squares the same bound applies to s.
 pub(crate) const ACCEPTANCE_RADIUS: f64 = 0.01;
 /// Distance past the coalescence, as a part of the path, at which single-mode continuation resumes: eight of its shortest steps.
 const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
@@ -27,21 +29,21 @@ struct PairContinuation<'a> {
     steps: StepControl,
     here: EigenvaluePair,
     rate: EigenvaluePair,
-    /// The square root of s that the mode is.
+    /// The square root of s for which `m + root` is the eigenvalue of the followed mode.
     root: Complex<f64>,
 }
 
 /// Two modes past their coalescence.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PastCoalescence {
-    /// Part of the path that lies behind.
+    /// Position on the path.
     pub t: f64,
-    /// The eigenvalue that continues the one followed, and the other.
+    /// The eigenvalue of the followed mode, and that of the other mode of the pair.
     pub lambdas: [Complex<f64>; 2],
 }
 
-/// Continues each mode with the mode next to it past their coalescence, or as far as that goes; `None` where that is not at
-/// all.
+/// Continues each mode together with the mode next to it past their coalescence, or as far as steps succeed; `None` where
+/// not even the first does.
 pub(crate) fn continue_pairs(
     from: &[(GainPath<'_>, f64, Complex<f64>)],
     work: &mut Workspace,
@@ -77,7 +79,7 @@ impl<'a> PairContinuation<'a> {
         (self.path, self.steps.t + step, self.here.moved(&self.rate, step))
     }
 
-    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not; `false` at the end.
+    /// Takes the next step to the pair `there` if its error ratio is small, and makes the step shorter if not; `false` at the end.
     fn advance(&mut self, there: Option<[EigenvaluePair; 2]>) -> bool {
         let step = self.steps.step();
         let tried = there.and_then(|[there, rate]| {
@@ -93,7 +95,7 @@ impl<'a> PairContinuation<'a> {
         !is_past && !self.steps.is_over(SHORTEST_PAIR_STEP)
     }
 
-    /// How badly a step can be trusted, as that of a mode alone.
+    /// The error ratio of a step: the larger of those of the mean and of s.
     fn ratio(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> f64 {
         let size = self.here.mean.norm();
         let distance = self.here.half_gap_squared.norm().max(there.half_gap_squared.norm()).sqrt();
@@ -103,7 +105,7 @@ impl<'a> PairContinuation<'a> {
         mean.ratio(NEGLIGIBLE_ERROR * size).max(square.ratio(NEGLIGIBLE_ERROR * (size * distance)))
     }
 
-    /// The root at the end of a step on which s is a cubic polynomial; `None` where that is too near to 0 to tell.
+    /// The root at the end of a step, with s interpolated by a cubic polynomial; `None` where s comes too near to 0.
     fn turned(&self, there: &EigenvaluePair, rate: &EigenvaluePair, step: f64) -> Option<Complex<f64>> {
         let ends = [self.here.half_gap_squared, there.half_gap_squared];
         let rates = [self.rate.half_gap_squared, rate.half_gap_squared].map(|rate| rate * step);
@@ -118,18 +120,18 @@ impl<'a> PairContinuation<'a> {
     }
 }
 
-/// The square root of a function at the end of an interval that goes on from `root` at its beginning; `None` where the
-/// function, known to `miss`, is too near to 0.
+/// The square root of the function `square` at the end of an interval, continued from `root` at the beginning; `None` where
+/// the function, known up to the absolute `error`, is too near to 0.
 fn turn(
     square: &dyn Fn(f64) -> Complex<f64>,
     [from, to]: [f64; 2],
     root: Complex<f64>,
-    miss: f64,
+    error: f64,
     halvings: u32,
 ) -> Option<Complex<f64>> {
     let middle = 0.5 * (from + to);
     let [first, half, last] = [from, middle, to].map(square);
-    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * miss) {
+    if [first, half, last].iter().any(|s| s.norm() <= 2.0 * error) {
         return None;
     }
     let is_straight = |a: Complex<f64>, b: Complex<f64>| (b / a).re > 0.5 * (b / a).norm();
@@ -138,8 +140,8 @@ fn turn(
         return Some(if (end - root).norm_sqr() <= (end + root).norm_sqr() { end } else { -end });
     }
     let halvings = halvings.checked_sub(1)?;
-    let root = turn(square, [from, middle], root, miss, halvings)?;
-    turn(square, [middle, to], root, miss, halvings)
+    let root = turn(square, [from, middle], root, error, halvings)?;
+    turn(square, [middle, to], root, error, halvings)
 }
 
 #[cfg(test)]

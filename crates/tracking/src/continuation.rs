@@ -1,11 +1,11 @@
-//! Single-mode continuation: one mode along a path by its own derivative, without the spectra on the path.
+//! Single-mode continuation: one mode is followed along a path by the derivative of its eigenvalue; no spectrum is computed.
 //!
-//! Predictor: a parabola through the last two points and their derivatives. Corrector: Newton's method, by the secular
-//! equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the predictor errors can be
-//! trusted ([`step_control`](crate::step_control)) and the shape has hardly changed. What does not get on with steps of
-//! reasonable length is next to a coalescence: on a path of gains it is continued together with its neighbour
-//! ([`coalescence`](crate::coalescence)), and what is left then is left to adaptive subdivision
-//! ([`subdivision`](crate::subdivision)), which sees all modes on the path.
+//! Predictor: a parabola through the last point, with the derivatives at the last two points. Corrector: Newton's method, by
+//! the secular equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the ratio of the
+//! predictor errors is small ([`step_control`](crate::step_control)) and the shape has hardly changed. A mode whose steps
+//! become too short is next to a coalescence: on a path of gains it is continued together with the mode it coalesces with
+//! ([`coalescence`](crate::coalescence)); a mode that is lost all the same is left to adaptive subdivision
+//! ([`subdivision`](crate::subdivision)), which computes all modes at points of the path.
 
 use cea::{GainPath, Mode, Workspace};
 use num_complex::Complex;
@@ -16,21 +16,22 @@ use crate::mac::{Match, mac, match_modes};
 use crate::path::{Path, PathPoint};
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
-/// The first step, as a part of the path; chosen: most modes that are followed go far.
+/// The first step, as a part of the path; chosen: most continued modes allow long steps.
 const FIRST_MODE_STEP: f64 = 0.2;
 /// Least MAC of the shapes before and after a step; chosen.
 const LEAST_MAC_OF_STEP: f64 = 0.8;
-/// Shortest step, as a part of the path: shorter ones are next to a coalescence; chosen.
+/// Shortest step, as a part of the path; chosen: a mode that needs a shorter one is next to a coalescence.
 const SHORTEST_MODE_STEP: f64 = 1.0 / 512.0;
-/// How often a mode is continued at most as one of a pair; chosen.
+/// Most coalescences that one mode is continued past; chosen.
 const MOST_COALESCENCES: usize = 6;
-/// Least distance of the second nearest known mode from the end of a continuation, in negligible errors.
+/// Least distance of the second nearest known eigenvalue from the end of a continuation, as a multiple of the distance
+/// `NEGLIGIBLE_ERROR` within which the nearest must lie; chosen.
 const LEAST_SEPARATION: f64 = 10.0;
 
 /// One mode that is being continued.
 struct Continuation<'a> {
     path: Path<'a>,
-    /// Whether MAC with the end may end it.
+    /// Whether the continuation ends as soon as MAC with the modes at the end of the path is clear.
     near: bool,
     steps: StepControl,
     here: ModeOnPath,
@@ -46,7 +47,8 @@ enum Advance {
 
 /// The index of the mode at the end of each path that the mode at its beginning becomes; `None` where that is in doubt.
 ///
-/// Where a path is `near`, continuation ends as soon as MAC with the end is beyond doubt, and goes all the way where not.
+/// With `near`, a continuation ends as soon as MAC with the modes at the end of the path is clear; without, it covers the
+/// whole path.
 pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mut Workspace) -> Vec<Option<usize>> {
     let mut ends = vec![None; of.len()];
     let start = |(path, mode): &(Path<'a>, &Mode)| PathPoint { path: *path, t: 0.0, lambda: mode.lambda };
@@ -69,8 +71,7 @@ pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mu
     ends
 }
 
-/// Continues each mode alone from a place on its path. Enters the `ends` that are reached, and returns the modes that are
-/// lost.
+/// Continues each mode by itself from a point of its path. Enters the `ends` that are reached; returns the modes that are lost.
 fn continue_alone<'a>(
     from: &[(usize, PathPoint<'a>)],
     near: bool,
@@ -100,8 +101,9 @@ fn continue_alone<'a>(
     lost
 }
 
-/// Where the modes that are lost next to a coalescence are past it. The two of a pair exchange their shapes there, or
-/// not: shapes that are alike before and after are one mode, as everywhere; where none are, eigenvalues are continued.
+/// A point past the coalescence for each mode that was lost next to one; `None` where pair continuation fails. The two modes
+/// of a pair may exchange their shapes at a coalescence: a shape that is clearly alike before and after belongs to one mode;
+/// where none is, the eigenvalue decides.
 fn pass_coalescences<'a>(
     lost: &[(usize, GainPath<'a>, Continuation<'a>)],
     work: &mut Workspace,
@@ -119,7 +121,7 @@ fn pass_coalescences<'a>(
     pairs.into_iter().zip(lost).map(&mut continued).collect()
 }
 
-/// The known mode that a continuation has ended at.
+/// The known mode at `lambda`, where a continuation has ended; `None` where none is near enough or two are.
 fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
     let mut order: Vec<(f64, usize)> =
         known.iter().enumerate().map(|(j, mode)| ((mode.lambda - lambda).norm(), j)).collect();
@@ -131,10 +133,10 @@ fn nearest(known: &[Mode], lambda: Complex<f64>) -> Option<usize> {
 }
 
 impl<'a> Continuation<'a> {
-    /// From a point at which the corrector found `here`; `None` where that is another mode.
+    /// A continuation that begins at a point where the corrector found `here`; `None` where that is another mode.
     fn new(PathPoint { path, t, lambda }: PathPoint<'a>, near: bool, here: ModeOnPath) -> Option<Self> {
-        let is_it = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
-        is_it.then_some(Self {
+        let is_same = (here.mode.lambda - lambda).norm() <= NEGLIGIBLE_ERROR * lambda.norm();
+        is_same.then_some(Self {
             path,
             near,
             steps: StepControl::new(t, FIRST_MODE_STEP),
@@ -143,14 +145,14 @@ impl<'a> Continuation<'a> {
         })
     }
 
-    /// Where the next step leads, and the eigenvalue to be expected there.
+    /// The end of the next step, and the eigenvalue predicted there.
     fn predict(&self) -> PathPoint<'a> {
         let step = self.steps.step();
         let change = (self.here.rate + self.curvature * (0.5 * step)) * step;
         PathPoint { path: self.path, t: self.steps.t + step, lambda: self.here.mode.lambda + change }
     }
 
-    /// Goes `there`, where the next step leads, if that can be trusted, and makes the step shorter if not.
+    /// Takes the next step to the mode `there` if its error ratio is small, and makes the step shorter if not.
     fn advance(&mut self, there: Option<ModeOnPath>) -> Advance {
         let step = self.steps.step();
         let ratio = there.as_ref().map(|there| self.error_ratio(there, step));
@@ -165,7 +167,7 @@ impl<'a> Continuation<'a> {
         if self.steps.is_over(SHORTEST_MODE_STEP) { Advance::Lost } else { Advance::UnderWay }
     }
 
-    /// The known mode at the end that this one is or, beyond doubt, becomes.
+    /// The known mode at the end of the path that this mode is (at the end) or becomes (by a clear MAC).
     fn end(&self) -> Option<usize> {
         let known = self.path.end.modes;
         if self.steps.t == 1.0 {
@@ -175,7 +177,7 @@ impl<'a> Continuation<'a> {
         if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
     }
 
-    /// The ratio that decides on a step; infinite where the shape changes too much.
+    /// The error ratio of the step to `there`; infinite where the shape changes too much.
     fn error_ratio(&self, there: &ModeOnPath, step: f64) -> f64 {
         let ModeOnPath { mode: Mode { lambda, .. }, rate } = &self.here;
         let errors = PredictorErrors::new([*lambda, there.mode.lambda], [*rate, there.rate], step);
@@ -184,13 +186,13 @@ impl<'a> Continuation<'a> {
         if is_alike { errors.ratio(NEGLIGIBLE_ERROR * lambda.norm()) } else { f64::INFINITY }
     }
 
-    /// Where this mode is past a coalescence, with what the corrector found of both modes there.
+    /// The point of this mode past a coalescence; `found` are the two modes of the pair as corrected there.
     fn past(&self, past: PastCoalescence, found: [Option<ModeOnPath>; 2]) -> Option<PathPoint<'a>> {
         let PastCoalescence { t, lambdas } = past;
         let radius = ACCEPTANCE_RADIUS * (lambdas[1] - lambdas[0]).norm();
-        let is_it = |point: &ModeOnPath, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= radius;
+        let is_same = |point: &ModeOnPath, lambda: Complex<f64>| (point.mode.lambda - lambda).norm() <= radius;
         let [Some(first), Some(second)] = found else { return None };
-        if !is_it(&first, lambdas[0]) || !is_it(&second, lambdas[1]) {
+        if !is_same(&first, lambdas[0]) || !is_same(&second, lambdas[1]) {
             return None;
         }
         let both = [first.mode, second.mode];

@@ -1,4 +1,4 @@
-//! The corrector: the mode next to a guess of its eigenvalue at a place on its path.
+//! The corrector: from a guess of an eigenvalue at a point of a path to the mode there, by Newton's method.
 
 use cea::{Mode, NewtonStep, Workspace, mass_norm_squared};
 use num_complex::Complex;
@@ -6,12 +6,13 @@ use num_complex::Complex;
 use crate::evaluator::{Guess, PathEvaluator, Shape};
 use crate::path::PathPoint;
 
-/// Relative correction of an eigenvalue below which it counts as converged: Newton's method leaves the square of it.
+/// Relative correction at or below which an eigenvalue counts as converged; chosen: the error left is of the order of the
+/// square of the correction, 2.5e-9.
 const CONVERGED_CORRECTION: f64 = 5e-5;
-/// Corrections of a guess at most; chosen: a guess that needs more is of another mode.
+/// Most corrections of one guess; chosen: a guess that needs more is near another mode.
 const MOST_CORRECTIONS: usize = 4;
 
-/// A mode at a place on its path.
+/// A mode at a point of its path.
 #[derive(Debug, Clone)]
 pub(crate) struct ModeOnPath {
     pub mode: Mode,
@@ -19,7 +20,7 @@ pub(crate) struct ModeOnPath {
     pub rate: Complex<f64>,
 }
 
-/// The mode next to each guess; `None` where there is none.
+/// The mode that Newton's method finds from each guess; `None` where Newton's method does not converge.
 pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<Option<ModeOnPath>> {
     let mut found = Vec::with_capacity(at.len());
     for group in at.chunk_by(|a, b| a.path.as_gains().is_some() == b.path.as_gains().is_some()) {
@@ -39,7 +40,7 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
     found.into_iter().zip(at).map(mode).collect()
 }
 
-/// Newton's method from each guess, all that are still to be corrected together.
+/// Newton's method from each guess; each step corrects all guesses that have not converged yet.
 fn converged<P: PathEvaluator>(mut at: Vec<Guess<P>>, work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
     let mut found: Vec<Option<(NewtonStep, P::Vector)>> = vec![None; at.len()];
     let mut open: Vec<usize> = (0..at.len()).collect();

@@ -1,4 +1,4 @@
-//! What can go wrong in following branches over a parameter.
+//! Errors of following modes and branches.
 
 use cea::CeaError;
 use linsys::LinsysError;
@@ -6,7 +6,7 @@ use linsys::LinsysError;
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrackingError {
-    /// An eigenvalue or a vector.
+    /// An eigenvalue or an eigenvector could not be computed.
     #[error(transparent)]
     Cea(#[from] CeaError),
     /// The search for an onset within a bracket did not converge.
@@ -16,9 +16,9 @@ pub enum TrackingError {
         from: f64,
         /// Upper end.
         to: f64,
-        /// The last step.
+        /// Length of the last step.
         left: f64,
-        /// Steps taken.
+        /// Number of steps taken.
         steps: usize,
     },
     /// The spectra between two onsets contradict the onsets found.
@@ -31,7 +31,7 @@ pub enum TrackingError {
         /// Unstable modes by counting onsets.
         expected: i64,
     },
-    /// Branches so entangled that no step resolves them.
+    /// The limit of spectra was reached before the branches were told apart.
     #[error("the branches around the parameter {at} are not resolved after {spectra} spectra")]
     Unresolved {
         /// The parameter.
@@ -54,12 +54,12 @@ pub enum TrackingError {
         at: f64,
         /// Oscillating modes there.
         found: usize,
-        /// How many should.
+        /// Oscillating modes at the first parameter.
         expected: usize,
     },
 }
 
-/// Refuses what is no interval.
+/// An error unless `from` and `to` are finite and `from` < `to`.
 pub(crate) fn check_interval(from: f64, to: f64) -> Result<(), TrackingError> {
     if from < to && (to - from).is_finite() { Ok(()) } else { Err(TrackingError::Interval { from, to }) }
 }

@@ -1,10 +1,10 @@
-//! The escalation: each mode is followed by the cheapest means that leaves no doubt.
+//! The escalation: each mode is followed by the cheapest method that identifies it.
 //!
-//! MAC straight between two far states is too weak: from nine oscillators in contact to six its median is 0.53.
-//! Between *near* states it is strong. A mode that it leaves in doubt is continued along the path by its derivative, and
-//! one that continuation loses is followed by subdivision, in steps that are cut again until every match is beyond doubt. A
-//! pair that stays in doubt at the smallest step passes so near a coalescence that which of the two is which has no answer;
-//! such modes are reported with all their candidates.
+//! MAC between the modes of two distant systems is too weak: from nine oscillators in contact to six its median is 0.53. Between
+//! *near* systems MAC identifies most modes. A mode that MAC leaves in doubt is continued along the path by its derivative; a
+//! mode that continuation loses is followed by subdivision, in steps that are cut until every match is clear. Two modes that
+//! are in doubt at the shortest step pass so near a coalescence that they cannot be told apart; each is reported with all its
+//! candidates.
 
 use cea::{CeaError, EigenSolver, Mode, Workspace};
 
@@ -13,10 +13,10 @@ use crate::mac::{Match, match_modes};
 use crate::path::{Links, Path, PathEnd};
 use crate::subdivision::Subdivision;
 
-/// Sample points at least on the path to a system that is not known to be near; chosen.
+/// Least number of sample points of a subdivision between systems that are not known to be near; chosen.
 const SAMPLE_POINTS_OF_FAR_PATHS: usize = 7;
 
-/// Follows the modes over the whole path, whether MAC between its ends would tell or not.
+/// Follows the modes over the whole path; MAC between the modes at its two ends is not used.
 ///
 /// # Errors
 /// Those of the solver and of the eigenvectors on the path.
@@ -24,8 +24,8 @@ pub fn follow(solver: &dyn EigenSolver, path: Path<'_>, work: &mut Workspace) ->
     link_all(solver, &[path], false, work).remove(0)
 }
 
-/// Which of the known modes the modes at the beginning are: by MAC where that is beyond doubt, by following those
-/// where it is not.
+/// Links the modes at the two ends of a path between near systems: by MAC where the match is clear, otherwise by following
+/// the mode along the path.
 ///
 /// # Errors
 /// As [`follow`].
@@ -33,7 +33,7 @@ pub fn identify(solver: &dyn EigenSolver, path: Path<'_>, work: &mut Workspace) 
     identify_all(solver, &[path], work).remove(0)
 }
 
-/// [`identify`] on many paths, one result each: what has to be followed shares the solver's lanes.
+/// [`identify`] on many paths, one result each; the modes to be followed are computed together, which is cheaper.
 pub fn identify_all(
     solver: &dyn EigenSolver,
     paths: &[Path<'_>],
@@ -42,11 +42,10 @@ pub fn identify_all(
     link_all(solver, paths, true, work)
 }
 
-/// A mode at the beginning of a path: the index of the path and that of the mode.
+/// A mode at the beginning of a path: the index of the path and the index of the mode.
 type StartMode = (usize, usize);
 
-/// Links all modes: by MAC where it is beyond doubt and the systems are `near`; those left each by continuation; and those
-/// that are then left by subdivision, with all their rivals.
+/// Links all modes of all paths: by clear matches of MAC if the systems are `near`, then by continuation, then by subdivision.
 fn link_all(
     solver: &dyn EigenSolver,
     paths: &[Path<'_>],
@@ -73,13 +72,13 @@ fn link_all(
     links
 }
 
-/// The matches by MAC that are beyond doubt.
+/// The clear matches by MAC.
 fn clear_matches(path: &Path<'_>) -> Vec<Option<usize>> {
     let clear = |found: Match| found.to.filter(|_| found.is_clear());
     match_modes(path.start_modes, path.end.modes, &path.inertia().m).into_iter().map(clear).collect()
 }
 
-/// Continues the modes without an end and enters those found; returns the modes that are lost, ascending.
+/// Continues the modes whose entry in `ends` is empty and fills the entries found; returns the modes that are lost, ascending.
 fn link_by_continuation(
     paths: &[Path<'_>],
     near: bool,
@@ -94,7 +93,7 @@ fn link_by_continuation(
     for (&(at, i), end) in in_doubt.iter().zip(continue_modes(&asked, near, work)) {
         ends[at][i] = end;
     }
-    // Two modes do not become one.
+    // Two continuations that end at one mode are both lost.
     let is_sure = |&(at, i): &StartMode| {
         ends[at][i].is_some_and(|to| ends[at].iter().filter(|end| **end == Some(to)).count() == 1)
     };
@@ -103,14 +102,14 @@ fn link_by_continuation(
     lost
 }
 
-/// Modes of one path that are left to subdivision, and the known modes that no other one became.
+/// The modes of one path that are left to subdivision, and the known modes at its end that no other mode is linked to.
 struct Lost {
     /// Index of the path.
     path: usize,
     /// Indices of the modes at its beginning.
     modes: Vec<usize>,
     left: Vec<Mode>,
-    /// Index of each of `left` among all known modes.
+    /// For each mode of `left`, its index among all known modes.
     originals: Vec<usize>,
 }
 

@@ -1,5 +1,5 @@
-//! The two ways to evaluate a path: by the secular equation, where it leads from one gain to another, and by the matrices
-//! of the systems at its ends.
+//! The two ways to evaluate a path: the secular equation, where the path leads from one gain to another, and the matrices of
+//! the systems at its ends.
 
 use cea::{GainPath, NewtonStep, Workspace, singular_vectors};
 use linsys::SecondOrder;
@@ -8,30 +8,30 @@ use num_complex::Complex;
 
 use crate::path::{Path, PathStart};
 
-/// How far aside of the predicted eigenvalue Q is factorised, relatively: on an eigenvalue there is no left vector but
-/// rounding. Its square, by which a Newton step errs, is rounding.
+/// Relative distance from the predicted eigenvalue at which Q is factorised; chosen: exactly at an eigenvalue Q x, from which the
+/// left vector is taken, is rounding error only. A Newton step errs by the square of this distance, which is rounding.
 const FACTORISATION_OFFSET: f64 = 1e-7;
 
 /// A shape over the degrees of freedom, up to a factor.
 pub(crate) type Shape = DVector<Complex<f64>>;
 
-/// A place t on a path and a guess of an eigenvalue there, rad/s.
+/// A path, a position t on it and a guess of an eigenvalue there, rad/s.
 pub(crate) type Guess<P> = (P, f64, Complex<f64>);
 
-/// What continuation asks of a path, of many paths at a time.
+/// The operations of continuation on a path; each takes many paths at a time.
 pub(crate) trait PathEvaluator: Copy {
-    /// What a Newton step finds of the shape.
+    /// The part of the shape that a Newton step computes in passing.
     type Vector: Clone;
 
-    /// One step of Newton's method at each guess; `None` where it leads nowhere.
+    /// One step of Newton's method at each guess; `None` where the step is not finite.
     fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Self::Vector)>>;
 
-    /// The shapes at converged eigenvalues, with what the last steps found of them.
+    /// The shapes at converged eigenvalues, given with the vectors that their last Newton steps computed.
     fn shapes(at: Vec<(Guess<Self>, Self::Vector)>, work: &mut Workspace) -> Vec<Option<Shape>>;
 }
 
 impl PathEvaluator for GainPath<'_> {
-    /// The secular equation tells shapes apart from eigenvalues: only those of converged ones are asked for.
+    /// Empty: a Newton step of the secular equation computes no shape. Shapes are computed at converged eigenvalues only.
     type Vector = ();
 
     fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, ())>> {
@@ -47,14 +47,14 @@ impl PathEvaluator for GainPath<'_> {
 
 /// The straight line between two systems.
 ///
-/// The singular vectors x and y of the smallest singular value of `Q(lambda, t)` next to an eigenvalue give that eigenvalue
-/// to second order and how it moves along the path,
+/// Next to an eigenvalue, the right and left singular vectors x and y of the smallest singular value of `Q(lambda, t)` give
+/// that eigenvalue, with an error of second order, and its derivative along the path:
 ///
 /// ```text
 /// lambda - y^H Q x / y^H Q' x,        d lambda / d t = -y^H (d Q / d t) x / y^H Q' x
 /// ```
 ///
-/// (Lancaster, Numer. Math. 6, 1964). One factorisation of Q is a small part of the price of a spectrum.
+/// (Lancaster, Numer. Math. 6, 1964). One factorisation of Q costs a small part of a spectrum.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SystemPath<'a> {
     path: Path<'a>,
@@ -87,7 +87,7 @@ impl PathEvaluator for SystemPath<'_> {
 }
 
 impl SystemPath<'_> {
-    /// One step next to an eigenvalue whose right singular vector at `lambda` is x.
+    /// One Newton step from `lambda`, where `stiffness` is Q and x the right singular vector of its smallest singular value.
     fn newton(
         &self,
         system: &SecondOrder,
@@ -113,7 +113,7 @@ impl SystemPath<'_> {
         for (a, b, factor) in matrices {
             let columns = a.as_slice().chunks_exact(x.len()).zip(b.as_slice().chunks_exact(x.len()));
             for ((a, b), x) in columns.zip(x) {
-                // Few columns change.
+                // In most paths few columns change; the others are skipped.
                 if a != b {
                     let factor = factor * x;
                     change.iter_mut().zip(a.iter().zip(b)).for_each(|(change, (a, b))| *change += factor * (b - a));
@@ -132,7 +132,7 @@ impl SystemPath<'_> {
 }
 
 impl<'a> Path<'a> {
-    /// This path where the secular equation evaluates it.
+    /// This path if the secular equation evaluates it.
     pub(crate) fn as_gains(&self) -> Option<GainPath<'a>> {
         match self.start {
             PathStart::System(_) => None,
@@ -140,7 +140,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// This path where matrices evaluate it.
+    /// This path if the matrices of its ends evaluate it.
     pub(crate) fn as_systems(&self) -> Option<SystemPath<'a>> {
         match self.start {
             PathStart::System(from) => Some(SystemPath { path: *self, from }),

@@ -1,34 +1,35 @@
-//! Following modes from one system to another: which mode of the one becomes which of the other.
+//! Following modes from one system to another: which mode of the first system becomes which mode of the second.
 //!
-//! Frequencies cross and shapes change, so neither a rank nor a shape names a mode. A mode is followed along a [`Path`]
-//! between two systems by one escalation, each step of which is tried only where the one before leaves a doubt:
+//! Frequencies cross and shapes change, so neither its rank by frequency nor its shape identifies a mode. A mode is followed
+//! along a [`Path`] between two systems by four methods in order; each is tried on the modes that the method before left in
+//! doubt:
 //!
 //! 1. **MAC** ([`mac`]): the assignment of shapes with the largest sum of the modal assurance criterion;
 //! 2. **single-mode continuation**: predictor and corrector by the derivative of the eigenvalue, with step-size control;
-//! 3. **a pair** next to a coalescence, where neither of two modes is smooth but their mean and squared distance are;
+//! 3. **continuation of a pair** next to a coalescence, where the two eigenvalues are not smooth functions of the path but
+//!    their mean and their squared distance are;
 //! 4. **adaptive subdivision**: spectra at sample points, in steps that are cut until every match is clear.
 //!
-//! What is still in doubt then passes a coalescence and is reported with all its candidates. Where a step is beyond doubt is a
-//! rule, not a proof: docs/error-bounds.md, section 14, states it and how often it was checked.
+//! A mode that subdivision leaves in doubt passes a coalescence; it is reported with all its candidates. When a step is beyond
+//! doubt is a rule, not a proof: docs/error-bounds.md, section 14, gives the rule and how often it was checked.
 //!
 //! | module | what it holds |
 //! | --- | --- |
 //! | `path` | [`Path`], from a system or a gain to a system |
 //! | `escalation` | [`identify`], [`identify_all`], [`follow`] |
 //! | `mac` | the criterion and the assignment |
-//! | `continuation` | the predictor, and when it is over |
-//! | `corrector` | Newton's method next to a prediction |
+//! | `continuation` | single-mode continuation: the predictor and the end of a continuation |
+//! | `corrector` | Newton's method from a predicted eigenvalue |
 //! | `evaluator` | the two ways to evaluate a path: matrices and the secular equation |
-//! | `step_control` | predictor errors, and the step that follows from them |
+//! | `step_control` | predictor errors, and the length of the next step |
 //! | `coalescence` | continuation of a pair |
-//! | `subdivision` | the last resort |
+//! | `subdivision` | adaptive subdivision |
 //! | `branch` | branches over one real parameter: [`link`], [`follow_branch`] of any [`Branches`] |
-//! | `onset` | where they cross the imaginary axis: [`find_onsets`] |
+//! | `onset` | where branches cross the imaginary axis: [`find_onsets`] |
 //! | `locus` | the root locus: [`root_locus`] |
-//! | `kept_spectra` | the spectra behind branches, computed where they are asked for: [`KeptSpectra`] |
-//! | `family` | both for any function that makes a system from a number: [`onsets`], [`branches`] |
+//! | `family` | onsets and root locus of any function that makes a system from a number: [`onsets`], [`branches`] |
 //!
-//! Two modes that friction couples; a stiffness grows until their frequencies have changed order:
+//! Example: friction couples two modes, and a stiffness grows until their frequencies have changed order.
 //!
 //! ```
 //! use cea::{EigenSolver, Mode, Modes, QrSolver, Workspace};
@@ -75,7 +76,7 @@ mod path;
 mod step_control;
 mod subdivision;
 
-pub use branch::{BranchLink, BranchPoint, Branches, RefinedPoint, follow_branch, link, link_error};
+pub use branch::{BranchLink, BranchPoint, Branches, OrderedParameter, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;
 pub use escalation::{follow, identify, identify_all};
 pub use family::{branches, onsets};

@@ -1,4 +1,4 @@
-//! The root locus: eigenvalues over one real parameter, each as far as it is known to be one branch.
+//! The root locus: eigenvalues over one real parameter, joined to branches as far as the links between them are clear.
 
 use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, first_steps, link};
@@ -7,40 +7,41 @@ use crate::error::check_interval;
 /// One branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Branch {
-    /// Its eigenvalue at each parameter, ascending: denser where branches turn or come near each other.
+    /// The parameter, ascending, and the eigenvalue there; denser where branches turn or come near each other.
     pub points: Vec<(f64, BranchPoint)>,
 }
 
-/// A step over which it has no answer which branch continues which: a coalescence lies in it or too near to it.
+/// A step of the parameter over which branches cannot be continued, because a coalescence lies in the step or near it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ambiguity {
     /// Lower end.
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// The branches that end there, as indices.
+    /// Indices of the branches that end at `from`.
     pub before: Vec<usize>,
-    /// The branches that begin there, as many: each may continue any of those.
+    /// Indices of the branches that begin at `to`, as many as `before`: each may continue any branch of `before`.
     pub after: Vec<usize>,
 }
 
 /// All branches on an interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RootLocus {
-    /// First those at the lower end of the interval, ascending in frequency, then those that begin after an ambiguity.
+    /// First the branches that begin at the lower end of the interval, ascending in frequency; then the branches that begin
+    /// after an ambiguity.
     pub branches: Vec<Branch>,
-    /// Where branches end and others begin, ascending.
+    /// The steps in which branches end and others begin, ascending.
     pub ambiguities: Vec<Ambiguity>,
 }
 
-/// A step, and the mode at its end that each at its beginning becomes, where that is clear.
+/// The upper end of a step, and for each mode at its lower end the mode that it is linked to; `None` where no link is clear.
 struct LocusStep {
     to: f64,
     links: Vec<Option<usize>>,
 }
 
-/// The root locus from one parameter to another, in steps that are halved until all links are clear, or shorter than the
-/// `smallest`.
+/// The root locus between two values of the parameter. Steps are halved until all links are clear or the step is not longer
+/// than `smallest`.
 ///
 /// # Errors
 /// Those of the branches; [`TrackingError::Interval`].
@@ -56,7 +57,7 @@ where
     }
     let count = branches.lambdas(from)?.len();
     let mut locus = RootLocus { branches: vec![Branch::default(); count], ambiguities: Vec::new() };
-    // The branch of each mode at the parameter reached.
+    // `here[i]` is the branch that mode i at the parameter `reached` belongs to.
     let (mut reached, mut here): (f64, Vec<usize>) = (from, (0..count).collect());
     locus.enter(branches, reached, &here)?;
     for LocusStep { to, links } in steps {
@@ -67,7 +68,7 @@ where
     Ok(locus)
 }
 
-/// Halves a step until all its links are clear.
+/// Enters the step into `steps`, or its halves where a link is not clear.
 fn subdivide<B: Branches + ?Sized>(
     branches: &mut B,
     a: f64,
@@ -91,15 +92,15 @@ fn subdivide<B: Branches + ?Sized>(
 }
 
 impl RootLocus {
-    /// Enters the eigenvalues at a parameter, of modes whose branches are given.
-    fn enter<B: Branches + ?Sized>(&mut self, branches: &mut B, at: f64, of: &[usize]) -> Result<(), B::Error> {
-        for (index, &branch) in of.iter().enumerate() {
+    /// Enters the eigenvalues at a parameter; mode i there belongs to the branch `branch_of[i]`.
+    fn enter<B: Branches + ?Sized>(&mut self, branches: &mut B, at: f64, branch_of: &[usize]) -> Result<(), B::Error> {
+        for (index, &branch) in branch_of.iter().enumerate() {
             self.branches[branch].points.push((at, branches.point(at, index)?));
         }
         Ok(())
     }
 
-    /// The branches of the modes at the end of a step; those without a clear link begin anew.
+    /// The branch of each mode at the end of a step; a mode that no link leads to begins a new branch.
     fn step(&mut self, [from, to]: [f64; 2], here: &[usize], links: &[Option<usize>]) -> Vec<usize> {
         let mut there: Vec<Option<usize>> = vec![None; here.len()];
         let mut before = Vec::new();

@@ -1,19 +1,19 @@
-//! Modal assurance criterion, and matching two sets of modes by it.
+//! Modal assurance criterion (MAC), and matching two sets of modes by MAC.
 
 use cea::Mode;
 use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-/// Least MAC of a match that is beyond doubt whatever else is there. A match below it is still beyond doubt where its MAC is at
+/// Least MAC of a match that is clear whatever other modes there are. A match with a smaller MAC is still clear where it is at
 /// least half of this and no other mode has more than 1 minus this. Chosen.
 const LEAST_CLEAR_MAC: f64 = 0.8;
-/// Largest difference of MAC between the match and a rival of it; chosen.
+/// Largest amount by which the MAC of a rival is below that of the assigned mode; chosen.
 const RIVAL_MAC_MARGIN: f64 = 0.4;
-/// Largest distance of the eigenvalue of a rival, in distances of that of the match; chosen.
+/// Largest distance of a rival's eigenvalue from the old one, as a multiple of the assigned eigenvalue's distance; chosen.
 const RIVAL_DISTANCE_RATIO: f64 = 8.0;
 
-/// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes, rows for `old`, columns for `new`
+/// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes phi (`old`, rows) and psi (`new`, columns)
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
 pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
     let weighted: Vec<_> = old.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect();
@@ -25,7 +25,7 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
 pub(crate) struct Match {
     /// Index of the new mode by optimal assignment; `None` where there are fewer new modes.
     pub to: Option<usize>,
-    /// New modes that it could as well be; empty for a match beyond doubt.
+    /// Other new modes that the old mode may be; empty for a clear match.
     pub rivals: Vec<usize>,
 }
 
@@ -37,9 +37,10 @@ impl Match {
 
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
 ///
-/// A match is beyond doubt, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is a mode with a MAC above 0.2,
-/// within 0.4 of the match's, or any above 0.2 where that is below 0.8; its eigenvalue is less than 8 times as far from the old
-/// one as the match's. docs/error-bounds.md, section 14, has how often the rule was checked.
+/// A match is clear, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is another new mode with a MAC above
+/// 0.2 that is within 0.4 of that of the match, or any above 0.2 where that of the match is below 0.8, and whose eigenvalue is
+/// less than 8 times as far from the old one as that of the match. docs/error-bounds.md, section 14, says how often the rule
+/// was checked.
 pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
     if old.is_empty() || new.is_empty() {
         return vec![Match { to: None, rivals: Vec::new() }; old.len()];
@@ -61,7 +62,7 @@ pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Ve
             });
             let mut rivals: Vec<_> = rivals.collect();
             if rivals.is_empty() && mac[(i, best)] < LEAST_CLEAR_MAC / 2.0 {
-                // Nothing looks like the old mode: no match at all, and every new mode is as good.
+                // No new mode has a similar shape: the modes with the nearest eigenvalues are rivals, at least the assigned one.
                 rivals = (0..new.len()).filter(|&j| j != best && distance(j) < 2.0 * distance(best)).collect();
                 if rivals.is_empty() {
                     rivals.push(best);

@@ -1,11 +1,12 @@
 //! Every onset over one real parameter: where an eigenvalue crosses the imaginary axis (a Hopf point), whichever way.
 //!
-//! The interval is halved until in each step every branch that could reach the axis either keeps its distance or crosses
-//! it once. What a branch does between two spectra is judged by its tangents: where both differ from the chord by less than
-//! half of it, Re lambda is monotonic; otherwise, on an arc of parabola, it leaves the chord by |s_b - s_a| h / 8, and four
-//! times this is allowed for. All spectra then have to agree with the onsets found. This is a rule, not a proof: a branch that
-//! crosses the axis twice within one step, faster than [`RATE_MARGIN`] or four times such a parabola would, is overlooked
-//! (docs/error-bounds.md, section 10, has how often that was looked for).
+//! The interval is halved until in each step every branch that could reach the axis either stays off the axis or crosses
+//! it once. A branch between two spectra is judged by the slopes s_a and s_b of Re lambda at the ends of the step of length h:
+//! where both differ from the slope of the chord by less than half of it, Re lambda counts as monotonic. Otherwise Re lambda is
+//! taken for a parabola, which departs from its chord by |s_b - s_a| h / 8, and the branch has to stay four times as far from
+//! the axis. At the end the number of unstable modes of every spectrum has to agree with the onsets found.
+//! This is a rule, not a proof: a branch that crosses the axis twice within one step, faster than [`RATE_MARGIN`] or four times
+//! such a parabola allows for, is overlooked (docs/error-bounds.md, section 10, says how often that was looked for).
 
 use num_complex::Complex;
 
@@ -13,9 +14,9 @@ use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, RefinedPoint, first_steps, link};
 use crate::error::check_interval;
 
-/// A branch is watched if it could reach the axis moving this many times faster than it does at either end; chosen.
+/// A branch is watched in a step if it would reach the axis at this multiple of its speed at one end of the step; chosen.
 const RATE_MARGIN: f64 = 2.0;
-/// Steps of the root search at most; chosen: bisection alone takes about 50.
+/// Most steps of the root search; chosen: bisection alone takes about 50.
 const MOST_ROOT_STEPS: usize = 60;
 
 /// Where an eigenvalue crosses the imaginary axis.
@@ -23,7 +24,7 @@ const MOST_ROOT_STEPS: usize = 60;
 pub struct Onset {
     /// The parameter.
     pub at: f64,
-    /// Bound of its error.
+    /// Bound of the error of `at`.
     pub error: f64,
     /// Im lambda, rad/s.
     pub omega: f64,
@@ -31,16 +32,16 @@ pub struct Onset {
     pub destabilises: bool,
 }
 
-/// What was found on an interval.
+/// All onsets on an interval, and the steps in which the search could not decide.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Onsets {
-    /// Ascending.
+    /// The onsets, ascending in the parameter.
     pub onsets: Vec<Onset>,
-    /// Steps of the smallest length in which a branch touches the axis so closely that it was not decided.
+    /// Steps of the smallest length in which a branch comes so near the axis that the search cannot tell whether it crosses.
     pub unresolved: Vec<(f64, f64)>,
 }
 
-/// A watched branch over a step: its mode at both ends.
+/// A watched branch over a step: the indices of its mode at the lower and at the upper end.
 type Watched = (usize, usize);
 
 /// What the branches do in a step.
@@ -53,7 +54,7 @@ enum StepVerdict {
     Unclear,
 }
 
-/// Every onset from one parameter to another; steps are not halved below the `smallest` length.
+/// Every onset between two values of the parameter; steps not longer than `smallest` are not halved.
 ///
 /// # Errors
 /// Those of the branches; [`TrackingError::OnsetNotConverged`], [`TrackingError::OnsetsContradicted`],
@@ -98,7 +99,6 @@ where
     }
 }
 
-/// Judges a step.
 fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<StepVerdict, B::Error> {
     let h = b - a;
     let mut crossing = Vec::new();
@@ -138,12 +138,12 @@ fn judge<B: Branches + ?Sized>(branches: &mut B, a: f64, b: f64) -> Result<StepV
     Ok(if crossing.is_empty() { StepVerdict::Quiet } else { StepVerdict::Once(crossing) })
 }
 
-/// On the axis counts as unstable, so that an onset at a parameter with a spectrum lies in one of the two steps there.
+/// An eigenvalue on the axis counts as unstable, so that an onset exactly at the end of two steps lies in one of them.
 fn is_unstable(lambda: &Complex<f64>) -> bool {
     lambda.re >= 0.0
 }
 
-/// Modes at a parameter that could reach the axis within a step of length `h`, or are past it.
+/// Modes at a parameter that could reach the imaginary axis within a step of length `h` or are unstable.
 fn watched<B: Branches + ?Sized>(branches: &mut B, at: f64, h: f64) -> Result<Vec<usize>, B::Error> {
     let mut watched = Vec::new();
     for i in 0..branches.lambdas(at)?.len() {
@@ -155,8 +155,8 @@ fn watched<B: Branches + ?Sized>(branches: &mut B, at: f64, h: f64) -> Result<Ve
     Ok(watched)
 }
 
-/// The one onset of a branch between two parameters, given with the mode that it is there, to full accuracy: Newton's method
-/// kept within the bracket. Re lambda must have different signs at the ends.
+/// The one onset of a branch between the parameters `a` and `b`, where the branch is the mode `f` and `j`, to full accuracy:
+/// Newton's method kept within the bracket. Re lambda must have different signs at the two ends.
 ///
 /// # Errors
 /// Those of the branches; [`TrackingError::OnsetNotConverged`].
@@ -169,7 +169,7 @@ where
     let destabilises = !is_unstable(&first.lambda);
     let (mut low, mut high) = (a, b);
     let mut left = f64::INFINITY;
-    // The chord's root to begin with.
+    // The search begins where the chord crosses the axis.
     let start = a + (b - a) * first.lambda.re / (first.lambda.re - last.re);
     let mut guess = first.lambda + first.rate * (start - a);
     let mut at = a.max(start);
@@ -195,7 +195,7 @@ where
     Err(TrackingError::OnsetNotConverged { from: a, to: b, left, steps: MOST_ROOT_STEPS }.into())
 }
 
-/// Every spectrum known has as many unstable modes as the onsets below it leave.
+/// Checks that every known spectrum has as many unstable modes as follow from the spectrum at `from` and the onsets between.
 fn check<B>(branches: &mut B, [from, to]: [f64; 2], smallest: f64, found: &Onsets) -> Result<(), B::Error>
 where
     B: Branches + ?Sized,

@@ -1,4 +1,4 @@
-//! The path from one system to another, and where it is evaluated.
+//! The path from one system to another, and the points of a path.
 
 use std::borrow::Cow;
 
@@ -7,18 +7,18 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-/// From some modes of one system to another system whose modes are known.
+/// A path from one system, with the modes to be followed, to another system whose modes are known.
 ///
 /// The path is the straight line `Q(lambda, t) = (1 - t) Q_start(lambda) + t Q_end(lambda)`, 0 <= t <= 1 (a homotopy), between two
-/// systems with as many degrees of freedom; internal states may differ, in number too. Where the systems differ in the
-/// stiffness of a contact, this is the continuation in that stiffness.
+/// systems with equally many degrees of freedom; their internal states may differ, also in number. Where the systems differ
+/// in the stiffness of a contact, this is the continuation in that stiffness.
 #[derive(Debug, Clone, Copy)]
 pub struct Path<'a> {
-    /// Where it begins.
+    /// The system at t = 0.
     pub start: PathStart<'a>,
-    /// Those modes at the beginning that are asked for.
+    /// The modes at t = 0 that are to be followed.
     pub start_modes: &'a [Mode],
-    /// Where it ends.
+    /// The system at t = 1 and its modes.
     pub end: PathEnd<'a>,
 }
 
@@ -27,8 +27,8 @@ pub struct Path<'a> {
 pub enum PathStart<'a> {
     /// A system: the path is evaluated by its matrices.
     System(&'a SecondOrder),
-    /// A structure with a gain, where the end of the path is that structure with another one: the path is evaluated by the
-    /// secular equation, which is cheaper.
+    /// A structure with a gain, where the end of the path is the same structure with another gain: the path is evaluated by
+    /// the secular equation, which is cheaper.
     Gain(GainPath<'a>),
 }
 
@@ -41,22 +41,22 @@ pub struct PathEnd<'a> {
     pub modes: &'a [Mode],
 }
 
-/// For each mode at the beginning of a path, the indices of those at its end that it may have become: one where it is known,
-/// none where it ceased to oscillate.
+/// For each mode at the beginning of a path, the indices of the modes at its end that it may have become: one index where the
+/// mode is identified, none where it ceased to oscillate.
 pub type Links = Vec<Vec<usize>>;
 
-/// A place on a path, and an eigenvalue there or a guess of one.
+/// A point of a path, and an eigenvalue there or a guess of one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PathPoint<'a> {
     pub path: Path<'a>,
-    /// Part of the path that lies behind.
+    /// Position on the path, 0 at its beginning and 1 at its end.
     pub t: f64,
     /// rad/s.
     pub lambda: Complex<f64>,
 }
 
 impl<'a> PathStart<'a> {
-    /// A system with the mass at the beginning.
+    /// A system whose mass matrix is that of the beginning.
     fn inertia(&self) -> &'a SecondOrder {
         match self {
             Self::System(system) => system,
@@ -74,12 +74,12 @@ impl<'a> PathStart<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// A system with the mass at the beginning.
+    /// A system whose mass matrix is that of the beginning.
     pub(crate) fn inertia(&self) -> &'a SecondOrder {
         self.start.inertia()
     }
 
-    /// The system at t. It has the states of both ends, whose forces come and go.
+    /// The system at t. It has the internal states of both ends; their forces are scaled by 1 - t and t.
     pub(crate) fn system_at(&self, t: f64) -> SecondOrder {
         let (start, end) = (self.start.system(), self.end.system);
         let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);

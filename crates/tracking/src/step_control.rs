@@ -1,30 +1,31 @@
-//! Step-size control: steps as long as they can be trusted, and the errors of the predictor that say so.
+//! Step-size control by the ratio of two predictor errors: that of the trapezoidal rule over that of the tangent.
 //!
-//! With d the distance to the next branch point, an eigenvalue there is a smooth function plus a square root; a step s errs
-//! by `s / 4 d` times as much by the trapezoidal rule for `d lambda / d t` as by the tangent alone, whatever value and slope
-//! of the smooth function. A step is taken where that ratio is small; one that would jump to another mode has a ratio near 1.
+//! At a distance d from the next branch point, an eigenvalue is a smooth function plus a square root. Over a step s the error of
+//! the trapezoidal rule for `d lambda / d t` is then `s / 4 d` times the error of the tangent, whatever the value and slope
+//! of the smooth function. A step is taken where this ratio is small; a step that jumps to another mode has a ratio near 1.
 
 use num_complex::Complex;
 
 /// Largest ratio of the error of the trapezoidal rule to that of the tangent in a step that is taken; chosen: such a step is
 /// 1.2 times the distance to the next branch point.
 const LARGEST_ERROR_RATIO: f64 = 0.3;
-/// The next step aims at the largest ratio divided by this; chosen, so that most steps are taken at once.
+/// Safety factor: the next step is chosen for a ratio of the largest divided by this; chosen, so that most steps are taken at
+/// the first attempt.
 const RATIO_SAFETY: f64 = 1.5;
-/// Least and largest factor from a step that was taken to the next; chosen.
+/// Least and largest factor between a step that was taken and the next; chosen.
 const GROWTH: (f64, f64) = (0.6, 2.0);
-/// Least and largest factor from a step that was refused to the next; chosen.
+/// Least and largest factor between a step that was refused and the next; chosen.
 const REDUCTION: (f64, f64) = (0.25, 0.6);
-/// Error of the tangent, relative to the eigenvalue, below which it counts as this much: the corrector leaves errors of
-/// its own, whose ratio says nothing.
+/// Least error of the tangent in the ratio, relative to the eigenvalue; chosen, above the errors that the corrector leaves,
+/// whose ratio has no meaning.
 pub(crate) const NEGLIGIBLE_ERROR: f64 = 1e-5;
-/// Attempts at most, taken or refused; chosen, far beyond what any path needs that gets to its end.
+/// Most attempts at a step, taken or refused; chosen, far more than any path needs that is followed to its end.
 const MOST_ATTEMPTS: usize = 48;
 
-/// A place on a path, and the step that is tried next.
+/// A point of a path, and the step that is tried next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepControl {
-    /// Part of the path that lies behind.
+    /// Position on the path, 0 at its beginning and 1 at its end.
     pub t: f64,
     step: f64,
     attempts: usize,
@@ -35,7 +36,7 @@ impl StepControl {
         Self { t, step, attempts: 0 }
     }
 
-    /// The next step, which does not lead beyond the end.
+    /// The next step, which does not lead beyond t = 1.
     pub fn step(&self) -> f64 {
         self.step.min(1.0 - self.t)
     }
@@ -45,7 +46,7 @@ impl StepControl {
         ratio <= LARGEST_ERROR_RATIO
     }
 
-    /// Takes the next step if its ratio of errors is known and small, and makes it shorter if not.
+    /// Takes the next step if its error ratio is known and small, and makes the step shorter if not.
     pub fn advance(&mut self, ratio: Option<f64>) {
         self.attempts += 1;
         let step = self.step();
@@ -55,20 +56,20 @@ impl StepControl {
                 self.step = step * (LARGEST_ERROR_RATIO / (RATIO_SAFETY * ratio)).clamp(GROWTH.0, GROWTH.1);
             }
             other => {
-                // The larger of a NaN and a number is the number.
+                // `f64::max` of a NaN and a number is the number.
                 let ratio = other.unwrap_or(f64::INFINITY).max(LARGEST_ERROR_RATIO);
                 self.step = step * (LARGEST_ERROR_RATIO / (RATIO_SAFETY * ratio)).clamp(REDUCTION.0, REDUCTION.1);
             }
         }
     }
 
-    /// Whether it does not go on, at the end or for steps shorter than this.
+    /// Whether no step follows: t = 1, the step is below `shortest`, or the attempts are used up.
     pub fn is_over(&self, shortest: f64) -> bool {
         self.t == 1.0 || self.step < shortest || self.attempts >= MOST_ATTEMPTS
     }
 }
 
-/// By how much two predictors miss the end of a step.
+/// Distances of two predictions from the corrected value at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PredictorErrors {
     /// The tangent at the beginning.
@@ -78,7 +79,7 @@ pub(crate) struct PredictorErrors {
 }
 
 impl PredictorErrors {
-    /// Of a function with these values and derivatives at the ends of a step.
+    /// The errors for a function with the values `ends` and the derivatives `rates` at the two ends of a step.
     pub fn new(ends: [Complex<f64>; 2], rates: [Complex<f64>; 2], step: f64) -> Self {
         let moved = ends[1] - ends[0];
         Self {
@@ -87,7 +88,7 @@ impl PredictorErrors {
         }
     }
 
-    /// The ratio that decides on a step; errors of the tangent below `negligible` count as this.
+    /// The error ratio that decides on a step; errors of the tangent below `negligible` count as `negligible`.
     pub fn ratio(&self, negligible: f64) -> f64 {
         self.trapezoid / self.tangent.max(negligible)
     }

@@ -1,5 +1,5 @@
-//! Adaptive subdivision: spectra at sample points on the path, in steps that are cut until every match by MAC is clear; many
-//! paths at once, each in steps of its own length.
+//! Adaptive subdivision: spectra at sample points on the path, in steps that are cut until every match by MAC is clear. Many
+//! paths are subdivided together, each in steps of its own length, so that their systems are solved together.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,21 +10,22 @@ use num_complex::Complex;
 use crate::mac::match_modes;
 use crate::path::{Links, Path};
 
-/// Where a step is cut, as a part of it: aside of round fractions, where symmetric paths have their crossings.
+/// The part of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
 const CUT_FRACTION: f64 = 0.382;
-/// How often a step is cut at once: sample points that fill the solver's lanes cost little more than one.
+/// Sample points that are asked for when a step is cut; chosen: the solver takes four systems at little more than the cost of one.
 const CUTS_AT_ONCE: usize = 3;
-/// Steps are not cut below this part of the path; chosen: shorter ones are as near to a coalescence as rounding.
+/// Longest step that is not cut any more, as a part of the path; chosen: a step that needs a cut there passes a coalescence.
 const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
-/// Largest relative distance of eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart; chosen.
+/// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
+/// chosen.
 const MULTIPLE_SEPARATION: f64 = 1e-4;
-/// How many eigenvalues nearest to a followed one are its candidates in a step; chosen.
+/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
 const CANDIDATES_OF_STEP: usize = 3;
 
 /// The modes being followed on one path, and what each mode at its beginning may have become.
 pub(crate) struct Subdivision<'a> {
     path: Path<'a>,
-    /// Part of the path that lies behind.
+    /// Position on the path, up to which the modes have been followed.
     at: f64,
     modes: Vec<Mode>,
     /// Index of each followed mode in the set it was last matched to.
@@ -32,7 +33,7 @@ pub(crate) struct Subdivision<'a> {
     /// For each mode at the beginning, positions in `modes`.
     candidates: Vec<BTreeSet<usize>>,
     /// Where on the path systems are to be solved next.
-    asked: Vec<f64>,
+    requested: Vec<f64>,
     /// Sample points ahead, the next one last. The end of the path is not among them.
     sample_points: Vec<SamplePoint>,
 }
@@ -42,13 +43,13 @@ struct SamplePoint {
     at: f64,
     system: SecondOrder,
     lambdas: Vec<Complex<f64>>,
-    /// Those modes that were asked for, by index in `lambdas`.
+    /// The modes whose shapes have been computed, by index in `lambdas`.
     modes: BTreeMap<usize, Mode>,
 }
 
 impl<'a> Subdivision<'a> {
-    /// With `start`, modes at the beginning of a path, to be followed over this many `sample_points` in any case and more where
-    /// there is a doubt.
+    /// `start` are the modes to be followed; `sample_points` is the number of points solved in any case. More are added where a
+    /// match is not clear.
     pub(crate) fn new(path: Path<'a>, start: Vec<Mode>, sample_points: usize) -> Self {
         let place = |i: usize| (i as f64 + 1.0 - CUT_FRACTION) / (sample_points as f64 + 1.0);
         Self {
@@ -57,7 +58,7 @@ impl<'a> Subdivision<'a> {
             indices: (0..start.len()).collect(),
             candidates: (0..start.len()).map(|i| BTreeSet::from([i])).collect(),
             modes: start,
-            asked: (0..sample_points).rev().map(place).collect(),
+            requested: (0..sample_points).rev().map(place).collect(),
             sample_points: Vec::new(),
         }
     }
@@ -93,27 +94,27 @@ impl<'a> Subdivision<'a> {
         let next = self.sample_points.pop();
         let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
         let last_try = place - self.at <= SHORTEST_SUBDIVISION;
-        let is_there = match &next {
-            Some(sample_point) => self.go_over(&sample_point.modes_near(&self.modes), last_try),
-            None => self.go_over(self.path.end.modes, last_try),
+        let is_taken = match &next {
+            Some(sample_point) => self.step_to(&sample_point.modes_near(&self.modes), last_try),
+            None => self.step_to(self.path.end.modes, last_try),
         };
-        if is_there {
+        if is_taken {
             self.at = place;
         } else {
             let mut part = place - self.at;
             for _ in 0..CUTS_AT_ONCE {
                 part *= CUT_FRACTION;
-                self.asked.push(self.at + part);
+                self.requested.push(self.at + part);
             }
             self.sample_points.extend(next);
         }
         true
     }
 
-    /// Goes over to `new` if every match is clear, or cannot become so: at the last try, or in a multiple eigenvalue.
-    fn go_over(&mut self, new: &[Mode], last_try: bool) -> bool {
+    /// Steps to the modes `new` if every match is clear, or cannot become clear: at the last try, or in a multiple eigenvalue.
+    fn step_to(&mut self, new: &[Mode], last_try: bool) -> bool {
         let matches = match_modes(&self.modes, new, &self.path.inertia().m);
-        // A pair that is multiple before and after the step; one that only crosses is told apart by a longer step.
+        // Two modes with equal eigenvalues before and after the step; modes that only cross are told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
             let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));
             let before = other.is_some_and(|g| is_multiple(&self.modes[f], &self.modes[g]));
@@ -125,7 +126,7 @@ impl<'a> Subdivision<'a> {
         if !last_try && !(0..matches.len()).all(is_decided) {
             return false;
         }
-        // Who ends where: first the assigned ones, then rivals that nobody else became.
+        // The new modes that are followed on: those assigned to an old mode, then rivals that are assigned to none.
         let mut indices: Vec<usize> = Vec::new();
         let mut position = |j: usize| {
             indices.iter().position(|&x| x == j).unwrap_or_else(|| {
@@ -135,7 +136,7 @@ impl<'a> Subdivision<'a> {
         };
         let reach: Vec<BTreeSet<usize>> =
             matches.iter().map(|m| m.to.iter().chain(&m.rivals).map(|&j| position(j)).collect()).collect();
-        // A doubt binds both: what may be confused with a rival may be where the rival is.
+        // Two modes that share a rival are in doubt together: either may be where the other is, so their candidates are joined.
         for set in &mut self.candidates {
             let mut grown: BTreeSet<usize> = set.iter().flat_map(|&f| reach[f].iter().copied()).collect();
             loop {
@@ -168,7 +169,7 @@ impl SamplePoint {
             let distance = |&i: &usize| (self.lambdas[i] - mode.lambda).norm_sqr();
             let mut order: Vec<usize> = (0..self.lambdas.len()).collect();
             order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-            // Where most are followed each is somebody's successor.
+            // Where more than half of the modes are followed, nearly all shapes at the sample point are needed.
             let few = if 2 * followed.len() < order.len() { CANDIDATES_OF_STEP } else { order.len() };
             wanted.extend(order.into_iter().take(few));
         }
@@ -180,7 +181,7 @@ impl SamplePoint {
     }
 }
 
-/// Solves the systems that the paths asked for, all together.
+/// Solves the systems at the sample points that the paths asked for, in one call of the solver.
 fn solve_sample_points(
     solver: &dyn EigenSolver,
     paths: &mut [Result<Subdivision<'_>, CeaError>],
@@ -189,7 +190,7 @@ fn solve_sample_points(
     let (mut places, mut systems) = (Vec::new(), Vec::new());
     for (i, of_path) in paths.iter_mut().enumerate() {
         let Ok(of_path) = of_path else { continue };
-        for at in of_path.asked.drain(..) {
+        for at in of_path.requested.drain(..) {
             places.push((i, at));
             systems.push(of_path.path.system_at(at));
         }
@@ -211,7 +212,7 @@ fn solve_sample_points(
     }
 }
 
-/// Finds the shapes that the next steps need, all together.
+/// Finds the shapes that the next step of each path needs, in one call.
 fn find_shapes(paths: &mut [Result<Subdivision<'_>, CeaError>], work: &mut Workspace) {
     let missing: Vec<Vec<usize>> =
         paths.iter().map(|of_path| of_path.as_ref().map(Subdivision::missing_shapes).unwrap_or_default()).collect();

@@ -1,8 +1,8 @@
-//! Paths of gains against the same paths through whole systems.
+//! Paths evaluated by the secular equation against the same paths evaluated by matrices.
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
-#[allow(dead_code)] // The chains that the tests of the secular equation use, of which these need few.
+#[allow(dead_code)] // Shared with the tests of the secular equation; not all of it is used here.
 #[path = "../../cea/tests/secular/chains.rs"]
 mod chains;
 
@@ -31,7 +31,7 @@ impl End {
     }
 }
 
-/// The links of a path and what they cost, as a path of gains of gains or without one.
+/// The links of a path and their cost, by the secular equation where `secular` is given and by matrices otherwise.
 fn linked(ends: &[End; 2], secular: Option<&Secular>, near: bool) -> (Links, Counters) {
     let [from, to] = ends;
     let gains = secular.map(|secular| PathStart::Gain(GainPath { secular, from: from.gain, to: to.gain }));
@@ -43,23 +43,23 @@ fn linked(ends: &[End; 2], secular: Option<&Secular>, near: bool) -> (Links, Cou
     (links, work.counters)
 }
 
-/// What was compared.
+/// Numbers of compared paths and modes.
 #[derive(Debug, Default, Clone, Copy)]
 struct Count {
     paths: usize,
     modes: usize,
-    /// Modes that change places with others by frequency.
+    /// Modes whose rank by frequency changes.
     crossed: usize,
     /// Modes that had to be followed.
     followed: u64,
-    /// Paths on which some mode was left to spectra.
+    /// Paths on which some mode was left to subdivision.
     subdivided: usize,
-    /// Paths linked otherwise than without a path of gains: only where one of the two was left to spectra, which leave more names open
-    /// next to coalescences than pairs do.
+    /// Paths whose links by the two evaluations differ: only where one of them needed subdivision, which leaves more modes open
+    /// next to coalescences than pair continuation does.
     differ: usize,
 }
 
-/// Compares paths with and without a path of gains.
+/// Links paths by the secular equation and by matrices, and compares.
 fn compare(cases: impl Strategy<Value = (Brake, [Gain; 2])>, near: bool) -> Count {
     let count = Cell::new(Count::default());
     let check = |(brake, gains): (Brake, [Gain; 2])| {
@@ -71,7 +71,7 @@ fn compare(cases: impl Strategy<Value = (Brake, [Gain; 2])>, near: bool) -> Coun
         prop_assert_eq!(of_gains.continuations, of_system.continuations);
         prop_assert_eq!(of_gains.secular_values > 0, of_gains.continuations > 0);
         prop_assert_eq!(of_system.secular_values, 0);
-        // Continuation costs factorisations without a path of gains only.
+        // Only continuation by matrices costs factorisations.
         prop_assert_eq!(of_system.factorisations > 0, of_system.continuations > 0);
         let [is_subdivided, other] = [of_gains, of_system].map(|counters| counters.eigenvalue_solves > 0);
         if !is_subdivided {
@@ -94,7 +94,7 @@ fn compare(cases: impl Strategy<Value = (Brake, [Gain; 2])>, near: bool) -> Coun
     count.get()
 }
 
-/// A chain with the gains at the ends of a path of it: parts of this mu, slopes and decay rates that go with them.
+/// A chain, and the gains at the two ends of a path: each has `part * mu`, and a slope or lag in proportion to the part.
 fn path(brake: Brake, parts: [f64; 2], mu: f64, has_lag: bool) -> (Brake, [Gain; 2]) {
     let size = brake.feedback.force.norm_squared();
     let gains = parts.map(|part| {
@@ -107,12 +107,12 @@ fn path(brake: Brake, parts: [f64; 2], mu: f64, has_lag: bool) -> (Brake, [Gain;
     (brake, gains)
 }
 
-/// Parts of a mu at both ends of a path, in either order.
+/// A small and a large part of mu for the two ends of a path, in either order.
 fn parts(small: Range<f64>, large: Range<f64>) -> impl Strategy<Value = [f64; 2]> {
     (small, large, any::<bool>()).prop_map(|(a, b, is_back)| if is_back { [b, a] } else { [a, b] })
 }
 
-/// Springs in the ports of friction: frequencies veer, and pass each other where damping keeps modes apart.
+/// Springs in place of friction: frequencies veer, or cross where damping keeps the eigenvalues apart.
 fn veering() -> impl Strategy<Value = (Brake, [Gain; 2])> {
     (brake(0.001..0.05, 0.01), parts(0.0..0.3, 1.0..3.0), any::<bool>()).prop_map(|(mut brake, parts, has_lag)| {
         brake.feedback.reading = brake.feedback.force.transpose();
@@ -120,7 +120,7 @@ fn veering() -> impl Strategy<Value = (Brake, [Gain; 2])> {
     })
 }
 
-/// Two chains that nothing couples, springs in the ports of friction in one: its frequencies cross those of the other.
+/// Two uncoupled chains, with springs in place of friction in one: its frequencies cross those of the other.
 fn crossing() -> impl Strategy<Value = (Brake, [Gain; 2])> {
     let both = (brake(0.001..0.05, 0.01), brake(0.001..0.05, 0.01));
     (both, parts(0.0..0.3, 1.0..3.0), any::<bool>()).prop_map(|((one, other), parts, has_lag)| {
@@ -138,7 +138,7 @@ fn crossing() -> impl Strategy<Value = (Brake, [Gain; 2])> {
     })
 }
 
-/// Friction up to the first instability and beyond.
+/// Friction between 0 and 1.5 times the mu of the first instability.
 fn coalescing() -> impl Strategy<Value = (Brake, [Gain; 2])> {
     (brake(0.001..0.05, 0.01), parts(0.0..0.5, 0.5..1.5), any::<bool>()).prop_map(|(brake, parts, has_lag)| {
         let critical = brake.critical(0.0).unwrap_or(1.0);
@@ -147,7 +147,7 @@ fn coalescing() -> impl Strategy<Value = (Brake, [Gain; 2])> {
 }
 
 #[test]
-fn lines_link_modes_as_systems_do() {
+fn the_secular_equation_links_modes_as_matrices_do() {
     let [veering, coalescing] =
         [[true, false].map(|near| compare(veering(), near)), [true, false].map(|near| compare(coalescing(), near))];
     let crossing = compare(crossing(), true);

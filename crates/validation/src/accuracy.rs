@@ -1,4 +1,4 @@
-//! Everything measured in one run.
+//! All measurements of accuracy and cost in one run.
 
 use std::path::Path;
 
@@ -18,25 +18,25 @@ use crate::route_comparison::{SystemGroup, compare_routes};
 use crate::stress_cases::{around_exceptional_point, around_onset, extremes};
 use crate::time_to_tolerance::time_to_tolerance;
 
-/// How much is measured.
+/// The extent of the measurements.
 #[derive(Debug, Clone)]
 pub struct Effort {
-    /// Every how many-th class of arrangements is a scene of the estimators.
+    /// One of this many classes of arrangements is a scene of the estimators.
     pub every: usize,
-    /// Sizes of plain Monte Carlo.
+    /// Numbers of samples of plain Monte Carlo.
     pub plain: Vec<u64>,
-    /// Sizes of each scrambling of quasi-Monte Carlo.
+    /// Numbers of points per scrambling of quasi-Monte Carlo.
     pub quasi: Vec<u32>,
-    /// Scramblings.
+    /// Number of scramblings.
     pub scramblings: u32,
-    /// Systems of a route away from coalescence.
+    /// Number of systems per route away from coalescence.
     pub systems: u64,
-    /// Every how many-th class of arrangements is brought to a tenth of a percentage point under every law.
+    /// One of this many classes of arrangements is estimated to a tenth of a percentage point with every law.
     pub every_to_tolerance: usize,
 }
 
 impl Effort {
-    /// A minute.
+    /// Measurements of about a minute.
     pub fn quick() -> Self {
         Self {
             every: 15,
@@ -48,7 +48,7 @@ impl Effort {
         }
     }
 
-    /// Some minutes.
+    /// Measurements of several minutes.
     pub fn full() -> Self {
         Self {
             every: 3,
@@ -64,10 +64,10 @@ impl Effort {
 /// Distances in mu from an exceptional point, below and above.
 const DISTANCES: [f64; 10] = [-1e-4, -1e-6, -1e-8, -1e-10, 1e-10, 1e-9, 1e-8, 1e-6, 1e-4, 1e-3];
 
-/// Measures everything on the lattice of `case`, and on the problems in `nlevp`.
+/// Measures all routes and estimators on the lattice of `case`, and routes on the problems in the folder `nlevp`.
 ///
 /// # Errors
-/// A case without Coulomb friction shared by all contacts; what the solvers and the files say.
+/// A case without Coulomb friction shared by all contacts; those of the solvers and files.
 pub fn accuracy(case: &LatticeCase, nlevp: &Path, effort: &Effort) -> Result<AccuracyReport, ValidationError> {
     let with_laws = |laws: Vec<Law>| {
         let mut case = case.clone();

@@ -1,8 +1,8 @@
-//! Which modes an expansion about the median cannot describe up to their onset.
+//! The modes whose Taylor series about the median does not reach the onset.
 //!
-//! The eigenvalue of a mode is an analytic function of mu up to the nearest point of the complex plane where it coalesces
-//! with another, a branch point: there its Taylor series about the median ends, and it converges slowly before. Two
-//! eigenvalues coalesce where `(lambda_1 - lambda_2)^2`, which is analytic, vanishes; to first order from a real mu that is at
+//! The Taylor series of an eigenvalue about the median converges up to the nearest branch point, a point in the complex plane of
+//! mu where the eigenvalue coalesces with another one; near the branch point it converges slowly. Two eigenvalues coalesce
+//! where `(lambda_1 - lambda_2)^2`, which is analytic, vanishes. To first order from a real mu this is at
 //! `mu - (lambda_1 - lambda_2) / (2 (lambda_1' - lambda_2'))`.
 
 use std::collections::BTreeSet;
@@ -14,16 +14,16 @@ use squeal::tracking::{Branches, link};
 
 use crate::ValidationError;
 
-/// Distance of a branch point from the real mu that shows it, up to which first order is relied on: half of the standard
-/// deviation of mu in the paper's case; chosen.
+/// Largest distance between a branch point and the real mu at which it is computed to first order; chosen, half of the standard
+/// deviation of mu in the paper's case.
 const LARGEST_BRANCH_POINT_OFFSET: f64 = 0.05;
-/// Real mu on either side of the median that are asked for branch points; with a third of them branches are lost at sharp
-/// turns.
+/// Number of real mu on each side of the median at which branch points are computed; chosen: with a third of this number,
+/// branches are lost at sharp turns.
 const STEPS_PER_SIDE: usize = 64;
-/// Part of the probability in which a mode without an onset is judged; chosen.
+/// Probability of the interval about the median in which a mode without an onset is judged; chosen.
 const CENTRAL_PROBABILITY: f64 = 0.99;
 
-/// The modes with a branch point nearer to the median than their farthest onset; for those without an onset, than the ends
+/// The modes with a branch point nearer to the median than their farthest onset or, for modes without an onset, than the ends
 /// of the central part of the distribution.
 pub(crate) fn near_coalescence(
     reference: &Reference,
@@ -48,8 +48,8 @@ pub(crate) fn near_coalescence(
     Ok(near)
 }
 
-/// How far from `median` the nearest branch point of a mode is, among those near the real mu within `radius`. All modes
-/// share the steps of `widest`, and so their spectra.
+/// Distance from `median` of the nearest branch point of a mode, among those near the real mu within `radius`. The steps are
+/// parts of `widest` for all modes, so that all modes use the same spectra.
 fn nearest_branch_point(
     family: &mut OneParameterFamily<'_>,
     median: f64,
@@ -74,7 +74,7 @@ fn nearest_branch_point(
     Ok(nearest)
 }
 
-/// Where the mode `index` at `mu` coalesces with each other mode, to first order.
+/// The points at which the mode `index` at `mu` coalesces with each other mode, to first order.
 fn branch_points(
     family: &mut OneParameterFamily<'_>,
     mu: f64,

@@ -1,4 +1,4 @@
-//! How sensitive an eigenvalue is, and how near a number is to being one.
+//! The condition number of an eigenvalue, and the backward error of a number as an eigenvalue.
 
 use cea::Workspace;
 use linsys::SecondOrder;
@@ -7,7 +7,7 @@ use num_complex::Complex;
 
 use crate::ValidationError;
 
-/// The condition number of [`crate::RefinedEigenvalue::condition`]; `together` are the eigenvalues of the pair, or the one.
+/// [`crate::RefinedEigenvalue::condition`]; `together` are the eigenvalues refined together with `lambda`.
 pub(crate) fn condition(
     system: &SecondOrder,
     lambda: Complex<f64>,
@@ -22,8 +22,8 @@ pub(crate) fn condition(
     Ok(size(system, lambda) / (lambda.norm() * slope.singular_values().min()))
 }
 
-/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share: what relative changes of M, C, K, E, F and a amount to in
-/// Q(lambda). A state's gain g = lambda / (lambda + a) changes by `|a / (lambda + a)|` of itself.
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of the internal states: the change of Q(lambda) by relative changes of
+/// order one of M, C, K, E, F and a. The gain lambda / (lambda + a) of a state changes by its `|a / (lambda + a)|`-fold.
 fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
     let l = lambda.norm();
     let states = (0..system.states()).map(|s| {
@@ -42,7 +42,7 @@ pub(crate) fn least_backward_error(system: &SecondOrder, lambda: Complex<f64>) -
     least_singular_value(system.dynamic_stiffness(lambda)) / size(system, lambda).max(f64::MIN_POSITIVE)
 }
 
-/// By inverse iteration from both sides in turn; 0 where the factorisation finds an exact zero.
+/// The least singular value, by inverse iteration with Q and its adjoint in turn; 0 where Q is exactly singular.
 fn least_singular_value(q: DMatrix<Complex<f64>>) -> f64 {
     let mut x = DVector::from_fn(q.nrows(), |i, _| Complex::from_polar(1.0, ((i + 1) * (i + 2)) as f64)).normalize();
     let (adjoint, factor) = (q.adjoint().lu(), q.lu());

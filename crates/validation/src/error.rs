@@ -1,27 +1,27 @@
-//! What can stand in the way of a validation.
+//! Errors of a validation.
 
 /// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidationError {
-    /// An estimator of occurrences.
+    /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(#[from] squeal::estimators::EstimatorError),
-    /// The model, a law or the case.
+    /// An error of the model, a friction law or the case.
     #[error(transparent)]
     Study(#[from] squeal::Error),
-    /// A solver.
+    /// An error of a solver.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
-    /// Matrices that make no system.
+    /// An error of a system's matrices.
     #[error(transparent)]
     Linsys(#[from] linsys::LinsysError),
-    /// A case without scenes of a law that is needed.
+    /// The case has no scene with a law that is needed.
     #[error("the case has no scene of the law {law:?}")]
     NoScene {
         /// The law.
         law: squeal::case::Law,
     },
-    /// An eigenvalue without a derivative.
+    /// An eigenvalue has no derivative.
     #[error("lambda = {lambda} is defective or multiple: it has no Taylor series")]
     Defective {
         /// The eigenvalue.
@@ -30,11 +30,11 @@ pub enum ValidationError {
     /// A search that did not converge.
     #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
     NoConvergence {
-        /// What was searched.
+        /// What was searched for.
         what: &'static str,
-        /// Residual.
+        /// The residual left.
         left: f64,
-        /// Steps taken.
+        /// Number of steps taken.
         steps: usize,
     },
 }

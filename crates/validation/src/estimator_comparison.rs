@@ -1,4 +1,4 @@
-//! Estimators of occurrences side by side: time against error, away from coalescence and near it.
+//! A comparison of estimators of occurrences: time against error, away from coalescence and near it.
 
 use std::collections::BTreeSet;
 use std::time::Instant;
@@ -13,33 +13,33 @@ use crate::branch_points::near_coalescence;
 use crate::perturbation::{TaylorOrder, perturbation};
 use crate::time_to_tolerance::samples_to_tolerance;
 
-/// An estimator of occurrences.
+/// Time and errors of one estimator with one number of samples.
 #[derive(Debug, Clone, Serialize)]
 pub struct EstimatorAccuracy {
-    /// Which, without its size.
+    /// Name of the estimator.
     pub estimator: &'static str,
-    /// Samples per scene; 0 where there are none.
+    /// Samples per scene; 0 for an estimator without samples.
     pub samples: u64,
     /// Mean time of a scene, seconds.
     pub seconds: f64,
     /// Mean number of spectra per scene.
     pub spectra: f64,
-    /// Largest error of an occurrence of a mode whose expansion no coalescence ends before the onset.
+    /// Largest error of an occurrence, over the modes without a coalescence between the median and the onset.
     pub max_error_away: f64,
-    /// Largest error of an occurrence of the other modes.
+    /// Largest error of an occurrence, over the other modes.
     pub max_error_near: f64,
 }
 
 /// All estimators on some scenes.
 #[derive(Debug, Clone, Serialize)]
 pub struct Estimators {
-    /// Scenes, one for each class of arrangements chosen.
+    /// Number of scenes, one for each class of arrangements chosen.
     pub scenes: usize,
-    /// Occurrences compared away from coalescence, and near it.
+    /// Numbers of occurrences compared, away from coalescence and near it.
     pub occurrences: [usize; 2],
-    /// Largest bound of the exact integral's own error.
+    /// Largest error bound of the exact integral.
     pub reference_bound: f64,
-    /// Samples with which plain Monte Carlo has the worst of these occurrences to 0.1 percentage points, 95 %.
+    /// Number of samples with which plain Monte Carlo has each of these occurrences to 0.1 percentage points, 95 %.
     pub samples_to_tolerance: f64,
     /// One row per estimator and size.
     pub rows: Vec<EstimatorAccuracy>,
@@ -53,13 +53,13 @@ struct Exactly {
     is_near: bool,
 }
 
-/// What the estimators are compared with.
+/// The occurrences by the exact integral, with which the estimators are compared.
 #[derive(Default)]
 struct ExactOccurrences {
     occurrences: Vec<Exactly>,
-    /// Scenes and names of all modes near a coalescence, also of those that are never unstable.
+    /// Scene and name of each mode near a coalescence, also of modes that are never unstable.
     near: BTreeSet<(usize, ModeLabel)>,
-    /// Largest bound of an error.
+    /// Largest error bound.
     bound: f64,
     seconds: f64,
     spectra: u64,
@@ -163,7 +163,7 @@ impl ExactOccurrences {
                 largest = largest.max((lower - one.value).abs()).max((upper - one.value).abs());
             }
         }
-        // Modes that are never unstable and were said to be.
+        // Modes that are never unstable, for which the estimator gives an occurrence.
         for (scene, estimate) in found {
             for &(name, [_, upper]) in &estimate.occurrences {
                 let is_known = self.occurrences.iter().any(|one| one.scene == *scene && one.name == name);
@@ -176,7 +176,7 @@ impl ExactOccurrences {
     }
 }
 
-/// What an estimator says of one scene.
+/// The result of an estimator for one scene.
 struct SceneEstimate {
     occurrences: Vec<(ModeLabel, [f64; 2])>,
     spectra: u64,

@@ -1,9 +1,9 @@
-//! Exceptional points of a lattice: where two modes coalesce, value and shape.
+//! Exceptional points of a lattice, at which two modes coalesce in eigenvalue and shape.
 //!
 //! Without damping they lie at real friction coefficients: two frequencies approach each other, meet, and part as a growing
 //! and a decaying mode. The eigenvalues have a branch point there, but `(lambda_1 - lambda_2)^2` is analytic with a simple
-//! zero, from `-(omega_1 - omega_2)^2` on one side to the square of a growth rate on the other (Kirillov, Nonconservative
-//! Stability Problems of Modern Physics, 2013): the secant method finds it to nearly full precision.
+//! zero: it is `-(omega_1 - omega_2)^2` on one side and the square of a growth rate on the other (Kirillov, Nonconservative
+//! Stability Problems of Modern Physics, 2013). The secant method finds the zero to nearly full precision.
 
 use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
@@ -11,28 +11,28 @@ use num_complex::Complex;
 
 use crate::ValidationError;
 
-/// Steps of the search for a growing mode; chosen.
+/// Number of steps of the search for a growing mode; chosen.
 const SEARCH_STEPS: usize = 64;
-/// Growth rate, as a part of |lambda|, that no rounding makes: at an exceptional point it makes about 1e-8. Chosen.
+/// Least growth rate, as a part of |lambda|, of a mode that counts as growing; chosen: rounding at an exceptional point makes
+/// growth rates of about 1e-8.
 const SURE_GROWTH: f64 = 1e-5;
-/// Bisections that bring the growing mode close to where it began to grow; chosen.
+/// Number of bisections between a parameter without and one with a growing mode; chosen.
 const BISECTIONS: usize = 40;
 /// Most steps of the secant method; chosen.
 const MOST_SECANT_STEPS: usize = 40;
-/// Squared relative distance of the eigenvalues below which rounding takes over: some tens of epsilon; chosen.
+/// Squared relative distance of the eigenvalues at or below which the secant method ends; chosen, some tens of epsilon.
 const ROUNDED_SQUARE: f64 = 1e-14;
-
-/// Relative distance of the two eigenvalues beyond which the search has failed; chosen.
+/// Largest relative distance of the two eigenvalues at the end of a successful search; chosen.
 const LARGEST_DISTANCE: f64 = 1e-5;
 
-/// Where two eigenvalues coalesce.
+/// A parameter at which two eigenvalues coalesce.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExceptionalPoint {
     /// The parameter.
     pub mu: f64,
     /// The coalescing eigenvalue, rad/s: the mean of the two.
     pub lambda: Complex<f64>,
-    /// What is left of the relative distance of the two.
+    /// The relative distance of the two eigenvalues that is left.
     pub distance: f64,
 }
 
@@ -87,7 +87,7 @@ pub fn exceptional_point(
     if best.distance > LARGEST_DISTANCE { Err(none(best.distance)) } else { Ok(best) }
 }
 
-/// The fastest growing eigenvalue, if one grows for certain.
+/// The fastest growing eigenvalue; `None` where none grows faster than [`SURE_GROWTH`].
 fn growing(system: &SecondOrder) -> Result<Option<Complex<f64>>, ValidationError> {
     let spectrum = QrSolver.eigenvalues(system, &mut Workspace::default())?;
     let fastest = spectrum.oscillatory().max_by(|a, b| a.re.total_cmp(&b.re));

@@ -1,4 +1,4 @@
-//! Every route on a problem: ours, whose verdicts rest on bounds, and the libraries.
+//! Judges every route on a problem: those of this project, whose verdicts use error bounds, and those of libraries.
 
 use cea::{CeaError, Verdict, Workspace, certified, verdict};
 use num_complex::Complex;
@@ -6,15 +6,15 @@ use num_complex::Complex;
 use crate::library_baselines::judge_libraries;
 use crate::problem::{ReferenceProblem, RouteOutcome, structural_eigenvalues};
 
-/// The route of the study, by its name in reports.
+/// Name of the route of a study in reports.
 pub(crate) const STANDARD: &str = "QrSolver + verdict";
-/// The route for any dense problem, by its name in reports.
+/// Name of the route for any dense problem in reports.
 pub(crate) const GENERAL: &str = "general + certify";
 
 type Verdicts = Result<Vec<(Complex<f64>, Verdict)>, CeaError>;
 
 impl ReferenceProblem {
-    /// Both certified routes on this problem, or why one refused it, and what users script.
+    /// The results of both routes of this project and of the libraries.
     pub fn judge(&self) -> Vec<RouteOutcome> {
         let mut outcomes = vec![self.outcome(STANDARD, self.standard()), self.outcome(GENERAL, self.general())];
         outcomes.extend(judge_libraries(self));
@@ -28,11 +28,11 @@ impl ReferenceProblem {
         }
     }
 
-    /// The eigenvalues as a study sees them.
+    /// The eigenvalues with verdicts as in a study.
     fn standard(&self) -> Verdicts {
         let mut work = Workspace::default();
-        let (lambdas, scale) = structural_eigenvalues(&self.system)?;
-        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, scale, &mut work)?))).collect()
+        let (lambdas, spectrum) = structural_eigenvalues(&self.system)?;
+        lambdas.into_iter().map(|l| Ok((l, verdict(&self.system, l, &spectrum, &mut work)?))).collect()
     }
 
     fn general(&self) -> Verdicts {

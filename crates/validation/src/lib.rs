@@ -1,16 +1,16 @@
-//! How right the answers are, and at what price. Users of `squeal` never compile this crate.
+//! Accuracy and cost of solvers and estimators. Users of `squeal` never compile this crate.
 //!
 //! | where | what |
 //! | --- | --- |
-//! | `accuracy`, `report`, `markdown`, `tolerance_table` | everything in one run, its files, its text |
+//! | `accuracy`, `report`, `markdown`, `tolerance_table` | all measurements in one run, its files, its text |
 //! | `refine`, `refine_equations`, `conditioning` | [`refine()`]: eigenvalues to more digits than a double has, their condition and backward error |
 //! | `problem`, `judge` | [`ReferenceProblem`]: a system with reference eigenvalues, on which routes are judged |
-//! | `stress_cases`, `exceptional_point` | systems of the lattice on which a solver or a verdict could go wrong |
+//! | `stress_cases`, `exceptional_point` | systems of the lattice that are hard for a solver or a verdict |
 //! | `nlevp` | problems from files, with references of 25 digits |
-//! | `library_baselines` | what users script: LAPACK and nalgebra on the textbook matrices |
-//! | `routes`, `route_comparison` | [`SolverRoute`]: ways to all eigenvalues, time against error |
-//! | `perturbation`, `branch_points`, `estimator_comparison` | estimators of an occurrence against the exact integral; where a Taylor series cannot reach an onset |
-//! | `time_to_tolerance` | [`TimeToTolerance`]: what every occurrence to 0.1 percentage points costs, against plain Monte Carlo |
+//! | `library_baselines` | LAPACK and nalgebra on the textbook matrices |
+//! | `routes`, `route_comparison` | [`SolverRoute`]: methods for all eigenvalues, time against error |
+//! | `perturbation`, `branch_points`, `estimator_comparison` | estimators of an occurrence against the exact integral; modes whose Taylor series does not reach the onset |
+//! | `time_to_tolerance` | [`TimeToTolerance`]: cost of every occurrence to 0.1 percentage points, against plain Monte Carlo |
 //!
 //! ```
 //! use nalgebra::dmatrix;

@@ -1,7 +1,7 @@
-//! What users script: a library's eigenvalues of the textbook matrices, as they stand, in the units given.
+//! Baselines: eigenvalues of the textbook matrices by libraries, as a user would compute them in a script.
 //!
-//! Nothing is scaled before, nothing is refined after, and the sign of Re lambda is the verdict. LAPACK's `dgeev` balances
-//! its matrix by itself, `dggev` and nalgebra's Schur form do not.
+//! The matrices are not scaled, the eigenvalues are not refined, and the sign of Re lambda is the verdict. LAPACK's `dgeev`
+//! balances its matrix, `dggev` and nalgebra's Schur form do not.
 
 use cea::Verdict;
 use linsys::SecondOrder;
@@ -12,13 +12,13 @@ use crate::problem::{ReferenceProblem, RouteOutcome};
 use crate::routes::raw_pencil;
 use crate::routes::{by_schur, raw_state};
 
-/// A library's way to all eigenvalues.
+/// A function of a library for all eigenvalues.
 struct Library {
     name: &'static str,
     solve: fn(&SecondOrder) -> Option<Vec<Complex<f64>>>,
 }
 
-/// Those that are compiled in: LAPACK with the feature `lapack` only.
+/// The libraries that are compiled in: LAPACK with the feature `lapack` only.
 const LIBRARIES: &[Library] = &[
     Library { name: "nalgebra Schur", solve: |system| by_schur(raw_state(system)?) },
     #[cfg(feature = "lapack")]

@@ -1,4 +1,4 @@
-//! The report for people, in Markdown.
+//! The report in Markdown.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::route_comparison::RouteAccuracy;
 use crate::tolerance_table;
 
 impl AccuracyReport {
-    /// The report for people.
+    /// The report in Markdown.
     pub fn markdown(&self) -> String {
         let mut text = String::from("# Accuracy\n\nEverything here was measured in one run, on one thread.\n");
         text += "\n## Solver routes\n\nErrors are relative, against eigenvalues refined in double-double.\n\n";
@@ -79,7 +79,7 @@ impl AccuracyReport {
     }
 }
 
-/// The routes of ours, whose verdicts rest on bounds.
+/// The rows of this project's routes, whose verdicts use error bounds.
 fn certified_table(text: &mut String, results: &[RouteOutcome]) {
     *text += "| case | route | judged | forward | backward | wrong signs | false instabilities | marginal | undecided | bare sign |\n";
     *text += "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
@@ -88,7 +88,7 @@ fn certified_table(text: &mut String, results: &[RouteOutcome]) {
     }
 }
 
-/// A row for each case, a column for each route.
+/// A table with a row for each case and a column for each route.
 fn side_by_side(text: &mut String, results: &[RouteOutcome]) {
     let mut routes: Vec<&str> = Vec::new();
     for result in results {

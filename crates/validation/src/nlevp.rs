@@ -53,7 +53,7 @@ fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     let reference = wanted.iter().zip(nearest_pairs(&wanted, &lambdas)).map(refined).collect();
     let case = ReferenceProblem { name: case, system, reference };
     let mut judged = case.compare(GENERAL, &found);
-    // The certificate's own: with the vector that it has, and not the best one.
+    // The backward error of the certificate, which uses its own vector and not the best one.
     judged.max_backward_error = certified.eigenvalues.iter().map(|c| c.backward_error).fold(0.0, f64::max);
     if infinite != spectrum.infinite || wanted.len() != found.len() {
         judged.max_error = f64::INFINITY;

@@ -8,27 +8,26 @@
 //! [ x^H   0   ] [l' ] = - [   0   ]     [ x^H   0   ] [l''  ] = - [                    0                    ]
 //! ```
 //!
-//! The series converges up to the nearest coalescence in the complex plane of mu, and no farther.
+//! The series converges up to the nearest coalescence in the complex plane of mu.
 
 use cea::Workspace;
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex;
-use squeal::estimators::OneParameterFamily;
-use squeal::estimators::{Integral, integrate};
+use squeal::estimators::{Integral, OneParameterFamily, integrate};
 use squeal::study::Reference;
 use squeal::tracking::Branches;
 
 use crate::ValidationError;
 
-/// Relative distance of two eigenvalues up to which they are expanded as one that is double; chosen.
+/// Largest relative distance of two eigenvalues that are expanded as one double eigenvalue; chosen.
 const DOUBLE_DISTANCE: f64 = 1e-9;
 
-/// Where a Taylor series stops.
+/// The last term of a Taylor series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TaylorOrder {
-    /// After the slope.
+    /// The slope.
     First,
-    /// After the curvature.
+    /// The curvature.
     Second,
 }
 
@@ -46,7 +45,7 @@ pub struct Expansion {
 /// Expands the eigenvalue `lambda` at `mu`.
 ///
 /// # Errors
-/// `lambda` is no eigenvalue, or a defective one.
+/// `lambda` is no eigenvalue, or is defective.
 pub fn expand(
     family: &mut OneParameterFamily<'_>,
     mu: f64,
@@ -60,7 +59,7 @@ pub fn expand(
     let q = system.dynamic_stiffness(lambda);
     let derivative = system.dynamic_stiffness_derivative(lambda);
     let mass = system.m.map(Complex::from);
-    // The border in proportion to Q, or the pivots would lose digits.
+    // The border is scaled to the size of Q, so that the pivots lose no digits.
     let slope = &derivative * &x;
     let (size, weight) = (q.norm(), q.norm() / slope.norm());
     let mut bordered = DMatrix::zeros(n + 1, n + 1);
@@ -108,7 +107,7 @@ fn expand_double(
     Ok([0, 1].map(|i| Expansion { lambda: pair[i], first: slopes[(i, i)], second: Complex::default() }))
 }
 
-/// Occurrences of a scene as the expansions about the median have them.
+/// Occurrences of a scene from the expansions about the median.
 ///
 /// # Errors
 /// Those of [`expand`] and of the solver.

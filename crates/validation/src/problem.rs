@@ -1,6 +1,6 @@
-//! A problem with reference eigenvalues, and how the eigenvalues and verdicts of a route compare with them.
+//! A problem with reference eigenvalues, with which the eigenvalues and verdicts of a route are compared.
 
-use cea::{CeaError, EigenSolver, Modes, QrSolver, Verdict, Workspace};
+use cea::{CeaError, EigenSolver, Modes, QrSolver, Spectrum, Verdict, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use serde::Serialize;
@@ -10,64 +10,62 @@ use crate::conditioning::least_backward_error;
 use crate::refine::{RefinedEigenvalue, refine, refine_all};
 use crate::routes::nearest_pairs;
 
-/// Largest |Re lambda| / |lambda| of a refined eigenvalue that counts as exactly neutral: the accuracy to which refinement
-/// is accepted.
+/// Largest |Re lambda| / |lambda| of a refined eigenvalue that counts as exactly neutral; equal to the accuracy of refinement.
 const NEUTRAL_RATIO: f64 = 1e-18;
-
-/// Largest |Im lambda| / |lambda| of a pair that may be two real eigenvalues made one pair by rounding; chosen.
+/// Largest |Im lambda| / |lambda| of a complex pair that may be a double real eigenvalue split by rounding; chosen.
 const NEARLY_REAL_RATIO: f64 = 1e-7;
 
 /// A system with reference eigenvalues.
 pub struct ReferenceProblem {
-    /// What is hard about it.
+    /// Name, which tells the difficulty.
     pub name: String,
     /// The system.
     pub system: SecondOrder,
-    /// Eigenvalues of its structure with Im lambda >= 0, those that could be refined.
+    /// Refined eigenvalues of the structure with Im lambda >= 0; those that could not be refined are left out.
     pub reference: Vec<RefinedEigenvalue>,
 }
 
-/// What became of a problem on one route.
+/// The result of a route for a problem.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 pub enum RouteOutcome {
-    /// Its eigenvalues were judged.
+    /// The eigenvalues were judged.
     Judged(Judgement),
-    /// It was refused.
+    /// The route could not solve the problem.
     Refused {
         /// The case.
         case: String,
         /// The route.
         route: &'static str,
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }
 
-/// How a route did on a problem.
+/// Errors and verdicts of a route for a problem.
 #[derive(Debug, Clone, Serialize)]
 pub struct Judgement {
     /// The case.
     pub case: String,
     /// The route.
     pub route: &'static str,
-    /// Eigenvalues judged.
+    /// Number of eigenvalues judged.
     pub modes: usize,
     /// Largest relative error of an eigenvalue.
     pub max_error: f64,
     /// Largest relative error in units of condition number times machine epsilon.
     pub max_error_in_condition_epsilon: f64,
-    /// Largest backward error, the least one with which the number found is an eigenvalue.
+    /// Largest backward error: of each eigenvalue the least with which it is exact.
     pub max_backward_error: f64,
-    /// Decided verdicts that are wrong.
+    /// Number of wrong verdicts among the decided ones.
     pub wrong_signs: usize,
-    /// Modes called unstable that are stable or neutral.
+    /// Number of stable or neutral modes with the verdict unstable.
     pub false_instabilities: usize,
-    /// Modes that are on the axis as far as doubles tell.
+    /// Number of modes with the verdict marginal.
     pub marginal: usize,
-    /// Modes within the bound of their error.
+    /// Number of modes with the verdict undecided.
     pub undecided: usize,
-    /// Modes that a bare `Re lambda > 0` puts on the wrong side.
+    /// Number of modes whose stability the test `Re lambda > 0` gets wrong.
     pub wrong_by_bare_sign: usize,
 }
 
@@ -86,7 +84,7 @@ impl RouteOutcome {
 }
 
 impl ReferenceProblem {
-    /// A problem whose eigenvalues are refined from those of QrSolver, without those of internal states alone.
+    /// A problem whose reference is refined from the eigenvalues of QrSolver, without those of internal states.
     ///
     /// # Errors
     /// Those of the solver and of [`Modes::classify`].
@@ -97,7 +95,7 @@ impl ReferenceProblem {
         Ok(Self { name, system, reference })
     }
 
-    /// How eigenvalues with verdicts compare with the reference.
+    /// Compares eigenvalues with verdicts with the reference.
     pub(crate) fn compare(&self, route: &'static str, found: &[(Complex<f64>, Verdict)]) -> Judgement {
         let wanted: Vec<_> = self.reference.iter().map(|r| r.lambda).collect();
         let lambdas: Vec<_> = found.iter().map(|f| f.0).collect();
@@ -122,7 +120,7 @@ impl ReferenceProblem {
             };
             let exact = refined.lambda;
             if exact == Complex::default() {
-                // An exact zero has no relative error: it is found as such or missed.
+                // The relative error of an exactly zero eigenvalue is 0 where it is found as zero, and infinite otherwise.
                 judged.max_error = if lambda == exact { judged.max_error } else { f64::INFINITY };
                 continue;
             }
@@ -148,13 +146,13 @@ impl ReferenceProblem {
     }
 }
 
-/// QrSolver's eigenvalues of the structure with Im lambda >= 0, and the scale of their errors. Of two equal real ones that
-/// rounding made a pair both are there.
-pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, f64), CeaError> {
+/// Eigenvalues of the structure with Im lambda >= 0 by QrSolver, and the spectrum that they are of. Of a pair that may be a double
+/// real eigenvalue split by rounding both members are included.
+pub(crate) fn structural_eigenvalues(system: &SecondOrder) -> Result<(Vec<Complex<f64>>, Spectrum), CeaError> {
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(system, &mut work)?;
     let modes = Modes::classify(system, &spectrum, &mut work)?;
     let nearly_real = modes.oscillatory.iter().filter(|l| l.im <= NEARLY_REAL_RATIO * l.norm()).map(|l| l.conj());
     let real = modes.real.iter().map(|&l| Complex::from(l));
-    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum.scale))
+    Ok((modes.oscillatory.iter().copied().chain(nearly_real).chain(real).collect(), spectrum))
 }

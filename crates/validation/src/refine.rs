@@ -1,16 +1,16 @@
-//! Eigenvalues to more digits than a double has, as references: Newton's method on (lambda, x) with the residual in
+//! Reference eigenvalues to more digits than a double has, by Newton's method on (lambda, x) with the residual in
 //! double-double arithmetic.
 //!
 //! Internal states stay in the vector, `w = (x, z)`, so that the equations are polynomial. For k eigenvalues that are equal
-//! or nearly so, k vectors are found together with a k x k matrix S whose eigenvalues they are:
+//! or nearly equal, k vectors are found together with a k x k matrix S that has these eigenvalues:
 //!
 //! ```text
 //! M X S^2 + C X S + K X - F Z = 0,   Z S + a Z - E X S = 0,   W_0^H W = I,   W = (X, Z)
 //! ```
 //!
-//! The matrix of the Newton steps, with S near lambda I, is factored in double precision; only the residual decides where
-//! they end (Tisseur, SIAM J. Matrix Anal. Appl. 22, 2001; Kressner, Numer. Math. 114, 2009 for S). The result is right to
-//! the last bit or the one before it.
+//! The matrix of the Newton steps, with S near lambda I, is factored in double precision; the limit of the steps depends on the
+//! residual only (Tisseur, SIAM J. Matrix Anal. Appl. 22, 2001; Kressner, Numer. Math. 114, 2009 for S). The result is right
+//! to the last bit or the one before it.
 
 use cea::Workspace;
 use linsys::SecondOrder;
@@ -22,39 +22,39 @@ use crate::ValidationError;
 use crate::conditioning::condition;
 use crate::refine_equations::{Long, bordered, long, product, residuals, short};
 
-/// Most Newton steps; each gains the digits that the factorisation is good for. Chosen.
+/// Most Newton steps; chosen: each step gains the digits to which the factorisation is accurate.
 const MOST_NEWTON_STEPS: usize = 30;
-/// Relative size of a step after which there is no other: ten times below the accuracy of double-double; chosen.
+/// Relative size of a step at or below which the iteration ends; chosen.
 const LAST_STEP: f64 = 1e-22;
-/// Largest relative size of a last step that is accepted: where the condition number is above 1e8, double-double goes no
-/// further.
+/// Largest relative size of the last step of an accepted result; chosen: with a condition number above 1e8, double-double is no
+/// more accurate.
 const LARGEST_LAST_STEP: f64 = 1e-18;
-/// Largest relative distance of eigenvalues that may be one multiple eigenvalue: rounding parts a double one by 1e-8.
+/// Largest relative distance of eigenvalues that may be one multiple eigenvalue; chosen: rounding splits a double one by 1e-8.
 const MULTIPLE_DISTANCE: f64 = 1e-7;
 
-/// An eigenvalue known better than any double-precision solver can know it.
+/// A refined eigenvalue, more accurate than a double-precision solver can compute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RefinedEigenvalue {
     /// lambda, rad/s, each part rounded to a double.
     pub lambda: Complex<f64>,
     /// Normwise relative condition number `(|lambda|^2 |M| + |lambda| |C| + |K|) |psi| |phi| / (|lambda| |psi^H Q' phi|)`
-    /// (Tisseur, Linear Algebra Appl. 309, 2000, theorem 5), with the share of internal states where there are some; for a
-    /// multiple eigenvalue with the least singular value of `Psi^H Q' Phi` in place of the scalar.
+    /// (Tisseur, Linear Algebra Appl. 309, 2000, theorem 5), with the terms of internal states where there are some; for a
+    /// multiple eigenvalue, the scalar `psi^H Q' phi` is replaced by the least singular value of `Psi^H Q' Phi`.
     pub condition: f64,
 }
 
 /// Refines the simple eigenvalue nearest to `start`.
 ///
 /// # Errors
-/// [`ValidationError::NoConvergence`] for a multiple eigenvalue or a start that is none.
+/// [`ValidationError::NoConvergence`] for a multiple eigenvalue, or a start that is no eigenvalue.
 pub fn refine(system: &SecondOrder, start: Complex<f64>) -> Result<RefinedEigenvalue, ValidationError> {
     Ok(refine_block(system, &[start])?.swap_remove(0))
 }
 
-/// Refines all of `starts`, the eigenvalues of a system that are wanted; multiple ones together.
+/// Refines the eigenvalues `starts` of a system, multiple ones together.
 ///
 /// # Errors
-/// [`ValidationError::NoConvergence`] for most defective eigenvalues, and for a start that is none.
+/// [`ValidationError::NoConvergence`] for most defective eigenvalues, and for a start that is no eigenvalue.
 pub fn refine_all(system: &SecondOrder, starts: &[Complex<f64>]) -> Result<Vec<RefinedEigenvalue>, ValidationError> {
     let mut refined: Vec<Option<RefinedEigenvalue>> = vec![None; starts.len()];
     for (i, &start) in starts.iter().enumerate() {
@@ -139,7 +139,7 @@ fn small_eigenvalues(small: &[Vec<Long>]) -> Option<Vec<Complex<f64>>> {
             Some(vec![short(mean + long(root)), short(mean - long(root))])
         }
         [a] => Some(vec![short(a[0])]),
-        // The offsets from the mean are small, and so are the errors of their eigenvalues.
+        // The differences from the mean are small, so that the errors of their eigenvalues are small too.
         _ => {
             let of_mean = Long::new(TwoFloat::from(1.0 / k as f64), TwoFloat::from(0.0));
             let mean = (0..k).fold(long(Complex::default()), |sum, j| sum + small[j][j]) * of_mean;
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_double_eigenvalue_is_refined_as_a_pair() {
-        // Two equal oscillators, coupled through a full K in coordinates that hide it: 3 -1; -1 3 would split them.
+        // Two equal, uncoupled oscillators in coordinates in which M, C and K are full.
         let system =
             SecondOrder::new(dmatrix![2.0, 1.0; 1.0, 2.0], dmatrix![0.2, 0.1; 0.1, 0.2], dmatrix![6.0, 3.0; 3.0, 6.0])
                 .unwrap();
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn three_eigenvalues_that_differ_in_their_last_digits_are_told_apart() {
-        // K = I + 1e-11 diag(0, 1, 2), seen in turned coordinates.
+        // K = I + 1e-11 diag(0, 1, 2) in turned coordinates.
         let axis = DVector::from_vec(vec![0.6, 0.48, 0.64]);
         let turn = DMatrix::identity(3, 3) - &axis * axis.transpose() * 2.0;
         let offsets = DMatrix::from_diagonal(&DVector::from_vec(vec![0.0, 1e-11, 2e-11]));

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use twofloat::TwoFloat;
 
-/// A complex number of twice a double's digits.
+/// A complex number with twice the digits of doubles.
 pub(crate) type Long = Complex<TwoFloat>;
 
 /// The Jacobian of the equations with S = lambda I, (n + s + k) x (n + s + k).
@@ -44,7 +44,7 @@ pub(crate) fn bordered(
     matrix
 }
 
-/// The left-hand sides of the equations but the last in double-double, rounded at the end; W, W S and W S^2 given.
+/// The left-hand sides of the first two equations, from W, W S and W S^2, computed in double-double and rounded at the end.
 pub(crate) fn residuals(
     system: &SecondOrder,
     w: &[Vec<Long>],
@@ -74,7 +74,7 @@ pub(crate) fn residuals(
     w.iter().zip(first).zip(second).map(of_column).collect()
 }
 
-/// `W S`, both by columns.
+/// `W S`, where both matrices are given by columns.
 pub(crate) fn product(w: &[Vec<Long>], small: &[Vec<Long>]) -> Vec<Vec<Long>> {
     let entry = |row: usize, column: &Vec<Long>| {
         w.iter().zip(column).fold(long(Complex::default()), |sum, (w, &s)| sum + w[row] * s)
@@ -89,12 +89,12 @@ fn add(sum: &mut Long, factor: Long, entry: f64) {
     }
 }
 
-/// Exactly.
+/// The same number in double-double.
 pub(crate) fn long(z: Complex<f64>) -> Long {
     Complex::new(TwoFloat::from(z.re), TwoFloat::from(z.im))
 }
 
-/// Rounded to a double in each part.
+/// The number with each part rounded to a double.
 pub(crate) fn short(z: Long) -> Complex<f64> {
     Complex::new(f64::from(z.re), f64::from(z.im))
 }

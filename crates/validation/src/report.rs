@@ -6,12 +6,12 @@ use serde::Serialize;
 use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::{make_folder, write};
 
-use crate::estimator_comparison::Estimators;
+use crate::estimator_comparison::{EstimatorAccuracy, Estimators};
 use crate::problem::RouteOutcome;
 use crate::route_comparison::RouteAccuracy;
 use crate::time_to_tolerance::TimeToTolerance;
 
-/// All that was measured.
+/// The results of all measurements.
 #[derive(Debug, Clone, Serialize)]
 pub struct AccuracyReport {
     /// Time per system against largest relative error.
@@ -44,15 +44,8 @@ impl AccuracyReport {
 
     fn routes_figure(&self) -> LogLogFigure {
         let panel = |near: bool, title: &str| {
-            let mut series: Vec<LogLogSeries> = Vec::new();
-            for row in self.routes.iter().filter(|row| row.near_coalescence == near && row.max_error.is_finite()) {
-                let point = [row.us, row.max_error];
-                match series.iter_mut().find(|s| s.name == row.route) {
-                    Some(one) => one.points.push(point),
-                    None => series.push(LogLogSeries { name: row.route.into(), points: vec![point], joined: false }),
-                }
-            }
-            LogLogPanel { title: title.into(), series }
+            let rows = self.routes.iter().filter(|row| row.near_coalescence == near && row.max_error.is_finite());
+            panel_by_name(title, false, rows.map(|row| (row.route, [row.us, row.max_error])))
         };
         LogLogFigure {
             title: "Solver routes".into(),
@@ -64,15 +57,9 @@ impl AccuracyReport {
 
     fn estimators_figure(&self) -> LogLogFigure {
         let panel = |near: bool, title: &str| {
-            let mut series: Vec<LogLogSeries> = Vec::new();
-            for row in &self.estimators.rows {
-                let point = [row.seconds, if near { row.max_error_near } else { row.max_error_away }];
-                match series.iter_mut().find(|s| s.name == row.estimator) {
-                    Some(one) => one.points.push(point),
-                    None => series.push(LogLogSeries { name: row.estimator.into(), points: vec![point], joined: true }),
-                }
-            }
-            LogLogPanel { title: title.into(), series }
+            let error = |row: &EstimatorAccuracy| if near { row.max_error_near } else { row.max_error_away };
+            let rows = self.estimators.rows.iter();
+            panel_by_name(title, true, rows.map(|row| (row.estimator, [row.seconds, error(row)])))
         };
         LogLogFigure {
             title: "Estimators of an occurrence".into(),
@@ -81,4 +68,16 @@ impl AccuracyReport {
             panels: vec![panel(false, "No coalescence before the onset"), panel(true, "Past a coalescence")],
         }
     }
+}
+
+/// A panel with one series for each name.
+fn panel_by_name(title: &str, joined: bool, points: impl Iterator<Item = (&'static str, [f64; 2])>) -> LogLogPanel {
+    let mut series: Vec<LogLogSeries> = Vec::new();
+    for (name, point) in points {
+        match series.iter_mut().find(|series| series.name == name) {
+            Some(series) => series.points.push(point),
+            None => series.push(LogLogSeries { name: name.into(), points: vec![point], joined }),
+        }
+    }
+    LogLogPanel { title: title.into(), series }
 }

@@ -1,4 +1,4 @@
-//! Solver routes side by side: time against error, away from coalescence and near it.
+//! A comparison of solver routes: time against error, away from coalescence and near it.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::problem::ReferenceProblem;
 use crate::routes::{relative_errors, routes};
 
-/// Times that a route solves its systems; the median counts. Chosen.
+/// Number of times that a route solves its systems, of which the median time is reported; chosen.
 const SOLVES_TIMED: usize = 5;
 
 /// A route on one set of systems.
@@ -19,7 +19,7 @@ pub struct RouteAccuracy {
     pub route: &'static str,
     /// The systems.
     pub systems: String,
-    /// Whether they are near a coalescence.
+    /// Whether the systems are near a coalescence.
     pub near_coalescence: bool,
     /// Degrees of freedom.
     pub n: usize,
@@ -27,9 +27,9 @@ pub struct RouteAccuracy {
     pub states: usize,
     /// Median time of one system, microseconds.
     pub us: f64,
-    /// Systems.
+    /// Number of systems.
     pub count: usize,
-    /// Those among them that the route did not solve.
+    /// Number of systems that the route did not solve.
     pub failed: usize,
     /// Largest relative error of an oscillating eigenvalue of the systems solved.
     pub max_error: f64,
@@ -37,15 +37,15 @@ pub struct RouteAccuracy {
 
 /// Systems that routes are compared on, with their reference eigenvalues.
 pub struct SystemGroup {
-    /// What they are.
+    /// Description of the systems.
     pub systems: String,
-    /// Whether they are near a coalescence.
+    /// Whether the systems are near a coalescence.
     pub near_coalescence: bool,
     /// The systems, of one shape.
     pub problems: Vec<ReferenceProblem>,
 }
 
-/// Each route on each group of systems; the refined eigenvalues are the reference.
+/// Measures each route on each group of systems against their refined eigenvalues.
 pub fn compare_routes(groups: &[SystemGroup]) -> Vec<RouteAccuracy> {
     let mut rows = Vec::new();
     for SystemGroup { systems, near_coalescence, problems } in groups {

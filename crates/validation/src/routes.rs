@@ -1,26 +1,26 @@
-//! Solver routes side by side: the same systems, all eigenvalues.
+//! Solver routes: methods that compute all eigenvalues of a system.
 
 use cea::{BatchSolver, EigenSolver, QrSolver, StandardForm, Workspace, certified};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
-/// Most steps of nalgebra's QR iteration in all, which has no cap of its own; chosen.
+/// Most steps of nalgebra's QR iteration for one matrix; chosen: by default the iteration has no limit.
 const MOST_NALGEBRA_STEPS: usize = 100_000;
 
 /// All eigenvalues of each system, `None` where the route fails.
 pub type Spectra = Vec<Option<Vec<Complex<f64>>>>;
 
-/// A way to all eigenvalues.
+/// A method for all eigenvalues.
 #[derive(Clone, Copy)]
 pub struct SolverRoute {
-    /// What it is called in a report.
+    /// Name in reports.
     pub name: &'static str,
     /// The eigenvalues of systems of one shape.
     pub solve: fn(&[SecondOrder]) -> Spectra,
 }
 
-/// The routes of this project and what they are compared with.
+/// The routes of this project, and those of nalgebra for comparison.
 pub fn routes() -> Vec<SolverRoute> {
     vec![
         SolverRoute { name: "QrSolver", solve: |systems| by(&QrSolver, systems) },
@@ -50,7 +50,7 @@ fn by_schur_raw(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {
     by_schur(raw_state(system)?)
 }
 
-/// The state matrix as textbooks print it, `[0 I 0; -M^-1 K, -M^-1 C, M^-1 F; 0 E -a]`; none where M is singular.
+/// The state matrix of textbooks, `[0 I 0; -M^-1 K, -M^-1 C, M^-1 F; 0 E -a]`; `None` where M is singular.
 pub(crate) fn raw_state(system: &SecondOrder) -> Option<DMatrix<f64>> {
     let n = system.order();
     let (mut state, _) = raw_pencil(system);
@@ -59,7 +59,7 @@ pub(crate) fn raw_state(system: &SecondOrder) -> Option<DMatrix<f64>> {
     Some(state)
 }
 
-/// A and B of the pencil A - lambda B as textbooks print it, `[0 I 0; -K -C F; 0 E -a]` and `diag(I, M, I)`.
+/// A and B of the pencil A - lambda B of textbooks, `[0 I 0; -K -C F; 0 E -a]` and `diag(I, M, I)`.
 pub(crate) fn raw_pencil(system: &SecondOrder) -> (DMatrix<f64>, DMatrix<f64>) {
     let (n, s) = (system.order(), system.states());
     let (mut a, mut b) = (DMatrix::zeros(2 * n + s, 2 * n + s), DMatrix::identity(2 * n + s, 2 * n + s));
@@ -78,7 +78,8 @@ pub(crate) fn by_schur(state: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// For each of `wanted` the place of the eigenvalue that a route has for it: nearest first, none twice.
+/// For each of `wanted` the index in `found` that it is paired with. The nearest pairs are made first, and no index is used
+/// twice.
 pub(crate) fn nearest_pairs(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<Option<usize>> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, w) in wanted.iter().enumerate() {
@@ -95,7 +96,7 @@ pub(crate) fn nearest_pairs(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> 
     place
 }
 
-/// The relative error of each of `wanted` in what a route found; infinite where nothing is left to be compared with.
+/// The relative error of each of `wanted` in the eigenvalues `found` by a route; infinite where none is left to be paired with.
 pub fn relative_errors(wanted: &[Complex<f64>], found: &[Complex<f64>]) -> Vec<f64> {
     let places = nearest_pairs(wanted, found).into_iter().zip(wanted);
     places.map(|(at, w)| at.map_or(f64::INFINITY, |at| (found[at] - w).norm() / w.norm())).collect()

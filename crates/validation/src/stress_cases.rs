@@ -1,4 +1,4 @@
-//! Stress cases of the lattice: systems on which a solver or a verdict could go wrong.
+//! Stress cases: systems of the lattice that are hard for a solver or a verdict.
 
 use cea::CeaError;
 use linsys::SecondOrder;
@@ -13,10 +13,10 @@ use crate::ValidationError;
 use crate::exceptional_point::ExceptionalPoint;
 use crate::problem::ReferenceProblem;
 
-/// The system of a scene with one draw in all contacts, its lateral coefficient given apart.
+/// The system of a scene with one draw in all contacts and a separate lateral coefficient.
 ///
 /// # Errors
-/// A draw that the law refuses.
+/// Those of the friction law.
 pub fn with_lateral(
     brake: &LatticeBrake,
     scene: &Scene,
@@ -29,7 +29,7 @@ pub fn with_lateral(
     Ok(brake.lattice(scene).linearised(&at).map_err(squeal::Error::from)?)
 }
 
-/// Systems around an onset, from 1e-12 below to 1e-12 above, for a scene of Coulomb friction.
+/// Systems around an onset, from 1e-9 below to 1e-9 above, for a scene of Coulomb friction.
 ///
 /// # Errors
 /// Those of [`ReferenceProblem::new`].
@@ -110,13 +110,13 @@ pub fn extremes(
     Ok(cases)
 }
 
-/// The quantile at which the speed of a scene is `v`, m/s; its quantile function goes on below the range of the speed.
+/// The probability at which the quantile of the speed of a scene is `v`, m/s; it is negative below the range of the speed.
 fn speed_quantile(brake: &LatticeBrake, scene: &Scene, v: f64) -> f64 {
     let range = scene.key.speed.map(|at| &brake.case.speeds[at]);
     range.map_or(0.5, |range| (v / range.from).ln() / (range.to / range.from).ln())
 }
 
-/// Block diagonal, the matrix twice.
+/// The block diagonal matrix of two copies.
 fn twice(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
     let mut both = DMatrix::zeros(2 * n, 2 * n);

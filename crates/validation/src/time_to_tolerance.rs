@@ -1,10 +1,10 @@
 //! Time to +-0.1 percentage points of every occurrence, against plain Monte Carlo with LAPACK.
 //!
-//! Two factors say what an estimator gains, and they are told apart. *Fewer* evaluations: plain sampling needs
-//! [`trials_for_half_width`] samples for its occurrence nearest to one half, an estimator all the systems that it solves.
-//! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the estimator's time
-//! per evaluation, vectors, names, and all its overhead included. Times are processor times of all threads, measured next
-//! to each other. Without the feature `lapack` the second is not measured.
+//! The gain of an estimator is given by two factors. *Fewer* evaluations: the samples that plain sampling needs for its
+//! occurrence nearest to one half, by [`trials_for_half_width`], over the number of systems that the estimator solves.
+//! *Cheaper* evaluations: the time of `dgeev` on one sample of the same scene, eigenvalues alone, over the time of the estimator
+//! per evaluation, with vectors, names, and all its overhead. Times are processor times of all threads, measured one after the
+//! other. The second factor is measured only with the feature `lapack`.
 
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ProcessTime;
@@ -19,76 +19,76 @@ use crate::ValidationError;
 
 /// The tolerance, a tenth of a percentage point.
 const HALF_WIDTH: f64 = 1e-3;
-/// Sobol points of each scrambling; chosen.
+/// Number of Sobol points per scrambling; chosen.
 const POINTS: u32 = 1 << 15;
-/// Scramblings; chosen.
+/// Number of scramblings; chosen.
 const SCRAMBLINGS: u32 = 32;
 /// Seed of the samples solved in full.
 const SEED: u64 = 1;
-/// Samples that `dgeev` is timed on; chosen.
+/// Number of samples on which `dgeev` is timed; chosen.
 #[cfg(feature = "lapack")]
 const DGEEV_SAMPLES: u64 = 16;
-/// Times that it solves them; the shortest counts. Chosen.
+/// Number of times that `dgeev` solves these samples, of which the shortest time is reported; chosen.
 #[cfg(feature = "lapack")]
 const DGEEV_REPEATS: usize = 3;
 
-/// What it took for the scenes of a law and speed range.
+/// The cost of the scenes of a law and speed range.
 #[derive(Debug, Clone, Serialize)]
 pub struct TimeToTolerance {
     /// Law and speed range.
     pub scenes_of: String,
-    /// Scenes, one for each class of arrangements.
+    /// Number of scenes, one for each class of arrangements.
     pub scenes: usize,
-    /// Occurrences in them.
+    /// Number of occurrences in these scenes.
     pub occurrences: usize,
-    /// Scenes in which every half width is at most 0.1 percentage points.
+    /// Number of scenes in which every half width is at most 0.1 percentage points.
     pub reached: usize,
-    /// Largest half width of a 95 % interval; of the exact integral its error bound. What open names leave open is not
-    /// in it, since it is no error of the estimator.
+    /// Largest half width of a 95 % interval, or largest error bound of the exact integral. The part that is due to open names
+    /// is left out, because it is no error of the estimator.
     pub largest_half_width: f64,
-    /// Largest part of an occurrence that open names leave open.
+    /// Largest part of an occurrence that is due to open names.
     pub largest_open: f64,
-    /// Seconds for all scenes.
+    /// Time for all scenes, seconds.
     pub seconds: f64,
-    /// Systems solved for all scenes; of the exact integral its spectra.
+    /// Number of systems solved for all scenes; for the exact integral its number of spectra.
     pub evaluations: u64,
-    /// Largest number of a scene.
+    /// Largest number of evaluations of a scene.
     pub most_evaluations: u64,
-    /// What the control variate solved them for.
+    /// The evaluations of the control variate by their purpose.
     pub kinds: Option<Evaluations>,
-    /// Samples that plain Monte Carlo needs for all scenes.
+    /// Number of samples that plain Monte Carlo needs for all scenes.
     pub plain_samples: f64,
-    /// Seconds that they take with dgeev.
+    /// Time of these samples with dgeev, seconds.
     pub plain_seconds: Option<f64>,
     /// Smallest [`TimeToTolerance::fewer`] of a scene.
     pub least_fewer: f64,
     /// Smallest [`TimeToTolerance::cheaper`] of a scene.
     pub least_cheaper: Option<f64>,
-    /// Mean of dgeev's time, microseconds.
+    /// Mean time of dgeev, microseconds.
     pub dgeev_us: Option<f64>,
 }
 
 impl TimeToTolerance {
-    /// Samples of plain Monte Carlo for each evaluation.
+    /// Number of samples of plain Monte Carlo over the number of evaluations.
     pub fn fewer(&self) -> f64 {
         self.plain_samples / self.evaluations as f64
     }
 
-    /// The time of a sample with dgeev over that of an evaluation.
+    /// The time of a sample with dgeev over the time of an evaluation.
     pub fn cheaper(&self) -> Option<f64> {
         let by_dgeev = self.plain_seconds? / self.plain_samples;
         Some(by_dgeev / (self.seconds / self.evaluations as f64))
     }
 }
 
-/// What it took for one scene.
+/// The cost of one scene.
 struct OneScene {
     half_width: f64,
     occurrences: Vec<OccurrenceBounds>,
     seconds: f64,
     evaluations: u64,
     kinds: Option<Evaluations>,
-    /// Of one dgeev on one sample.
+    /// Time of dgeev for one sample.
     dgeev_seconds: Option<f64>,
 }
 
@@ -106,7 +106,8 @@ impl OneScene {
     }
 }
 
-/// Every `every`-th class of unconstrained arrangements, from the last on, under each law of `case` and each speed range.
+/// The cost for every `every`-th class of unconstrained arrangements, beginning at the last, with each law of `case` and each speed
+/// range.
 ///
 /// # Errors
 /// Those of the estimators.
@@ -117,7 +118,7 @@ pub fn time_to_tolerance(case: &LatticeCase, every: usize) -> Result<Vec<TimeToT
         one.laws = vec![law];
         one.constraints.truncate(1);
         let mut brake = LatticeBrake::new(one)?;
-        // Net work is no part of an occurrence.
+        // Net work is not needed for occurrences.
         brake.plan.scenes.iter_mut().for_each(|scene| scene.wants_work = false);
         let (study, plan) = (Study::new(&brake, &BatchSolver)?, &brake.plan);
         let mut keys: Vec<SceneKey> = plan.scenes.iter().map(|scene| SceneKey { panel: 0, ..scene.key }).collect();
@@ -210,13 +211,13 @@ fn by_control_variate(
     })
 }
 
-/// Im lambda of the mode nearest to growing at median parameters in any of the scenes, rad/s.
+/// Im lambda, rad/s, of the mode with the largest Re lambda at median parameters, over all of the scenes.
 fn least_stable_frequency(study: &Study<'_, LatticeBrake>, scenes: &[usize]) -> f64 {
     let modes = scenes.iter().flat_map(|&scene| &study.references()[scene].modes).map(|mode| mode.lambda);
     modes.max_by(|a, b| a.re.total_cmp(&b.re)).map_or(0.0, |lambda| lambda.im)
 }
 
-/// Seconds of one `dgeev` on samples of a scene.
+/// Time of one `dgeev` on samples of a scene, seconds.
 #[cfg(feature = "lapack")]
 fn dgeev_seconds(brake: &LatticeBrake, scene: usize) -> Result<Option<f64>, ValidationError> {
     use cea::{EigenSolver, LapackSolver, Workspace};

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::time_to_tolerance::TimeToTolerance;
 
-/// What it took, in Markdown.
+/// The table in Markdown.
 pub(crate) fn markdown(rows: &[TimeToTolerance]) -> String {
     let mut text = String::from(
         "\n## Every occurrence to 0.1 percentage points\n\nUnconstrained scenes; 95 % for each occurrence. Amontons-Coulomb by \
@@ -40,7 +40,7 @@ pub(crate) fn markdown(rows: &[TimeToTolerance]) -> String {
     text + &together(rows)
 }
 
-/// What the evaluations of a scene were for, on average.
+/// The mean numbers of evaluations of each kind per scene.
 fn kinds(row: &TimeToTolerance) -> String {
     let Some(kinds) = row.kinds else { return "spectra".into() };
     let all = [kinds.sample_points, kinds.pilots, kinds.clear, kinds.uncertain];

@@ -103,7 +103,7 @@ fn the_lattice_at_its_extremes_is_solved_to_its_targets() {
     let brake = LatticeBrake::new(case).unwrap();
     let scene = |law| brake.plan.scenes.iter().find(|scene| brake.law(scene.key) == law).unwrap();
     for case in extremes(&brake, scene(Law::AmontonsCoulomb), scene(Law::LuGre)).unwrap() {
-        // Strong dashpots take nine of thirty modes the oscillation: two real eigenvalues each.
+        // With strong dashpots nine of thirty modes are overdamped and have two real eigenvalues each.
         let modes = case.system.order() + if case.name.starts_with("lateral") { 9 } else { 0 };
         assert_eq!(case.reference.len(), modes, "{}", case.name);
         for result in case.judge().iter().filter(|r| ["QrSolver + verdict", "general + certify"].contains(&r.route())) {

@@ -23,7 +23,7 @@ struct Solved {
 
 #[derive(Default)]
 struct Reference {
-    /// Exactly zero ones among them.
+    /// Number of exactly zero eigenvalues.
     finite: Vec<Complex<f64>>,
     zeros: usize,
     infinite: usize,

@@ -1,4 +1,4 @@
-//! What can be wrong with a mode whose work is asked for.
+//! Errors in computing the work in a mode.
 
 use linsys::LinsysError;
 use num_complex::Complex;
@@ -7,7 +7,7 @@ use num_complex::Complex;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorkError {
-    /// No family was given, so there is no force whose work could be asked for.
+    /// No force family was given.
     #[error("no force family is given; work needs at least one")]
     NoFamily,
     /// The mass matrix is not square.
@@ -44,14 +44,14 @@ pub enum WorkError {
         /// What is wrong with it.
         source: LinsysError,
     },
-    /// A body owns a degree of freedom that is not there.
+    /// A body lists a degree of freedom that does not exist.
     #[error("body {body} owns degree of freedom {dof}; there are {order}, numbered from 0")]
     UnknownDof {
         /// The body, from 0.
         body: usize,
         /// The degree of freedom, from 0.
         dof: usize,
-        /// How many there are.
+        /// Number of degrees of freedom.
         order: usize,
     },
     /// `phi^H M phi` cannot normalise the work.
@@ -60,7 +60,7 @@ pub enum WorkError {
         /// Its value.
         value: f64,
     },
-    /// The eigenvalue is that of an uncoupled internal state: the state's amplitude does not follow from phi.
+    /// The eigenvalue belongs to an uncoupled internal state, whose amplitude does not follow from phi.
     #[error("lambda = {lambda} equals minus the decay rate of internal state {state} of the force family {family:?}")]
     InternalPole {
         /// Name of the family.

@@ -8,15 +8,15 @@ use num_complex::Complex;
 
 use crate::WorkError;
 
-/// Forces whose work is told apart from that of all others: friction, dashpots, gyroscopic forces.
+/// A group of forces whose work is computed separately: friction, dashpots, gyroscopic forces.
 #[derive(Debug, Clone, Copy)]
 pub struct ForceFamily<'a> {
-    /// What the forces are called in results and errors.
+    /// Name of the family in results and errors.
     pub name: &'a str,
-    /// Their C, K and internal states, with the signs of `M u'' + C u' + K u = F z`; M is not read.
+    /// C, K and internal states of the forces, with the signs of `M u'' + C u' + K u = F z`; M is not read.
     ///
-    /// Forces that do no net work in any mode, such as those of an elastic, symmetric K, are best left out: their work
-    /// on single bodies only moves energy between them.
+    /// Forces that do no net work in any mode, such as those of an elastic, symmetric K, should be left out: their work on
+    /// single bodies only moves energy between the bodies.
     pub system: &'a SecondOrder,
 }
 
@@ -25,25 +25,25 @@ pub struct ForceFamily<'a> {
 pub struct FamilyWork {
     /// Name of the family.
     pub name: String,
-    /// Its work on each body.
+    /// Work of the family on each body.
     pub bodies: Vec<f64>,
 }
 
 /// Work per cycle in one mode, per `phi^H M phi`: J/(kg m^2) = 1/s^2. Positive work feeds the mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeWork {
-    /// Of each family, in the order in which they were given.
+    /// Work of each family, in the order given.
     pub families: Vec<FamilyWork>,
-    /// Net work of all families over all degrees of freedom, whether they belong to a body or not.
+    /// Net work of all families over all degrees of freedom, also those that belong to no body.
     pub total: f64,
-    /// `2 pi Re(lambda) Im(lambda)`, what `total` is where all that is left out is symmetric and elastic.
+    /// `2 pi Re(lambda) Im(lambda)`, the value of `total` where all forces left out are elastic with a symmetric K.
     pub expected_total: f64,
-    /// Sum of the magnitudes of all work, over families and degrees of freedom: what rounding errors are relative to.
+    /// Sum of the magnitudes of the work over families and degrees of freedom, which rounding errors are relative to.
     pub magnitude: f64,
 }
 
 impl ModeWork {
-    /// Net work, all families together, on each body.
+    /// Net work of all families on each body.
     #[must_use]
     pub fn net(&self) -> Vec<f64> {
         let mut families = self.families.iter();
@@ -58,8 +58,8 @@ impl ModeWork {
 
     /// `|total - expected_total|` over the larger of [`ModeWork::magnitude`] and `|expected_total|`.
     ///
-    /// At rounding level where (lambda, phi) is an eigenpair and the elastic forces are symmetric; 0 where nothing
-    /// does any work.
+    /// It is at rounding level where (lambda, phi) is an eigenpair and the elastic forces are symmetric, and 0 where no force
+    /// does work.
     #[must_use]
     pub fn identity_residual(&self) -> f64 {
         let scale = self.magnitude.max(self.expected_total.abs());
@@ -79,7 +79,7 @@ impl ModeWork {
 /// use num_complex::Complex;
 /// use work::{ForceFamily, family_work};
 ///
-/// // 2 kg on a spring of 50 N/m; a dashpot of 3 Ns/m against friction whose slope is worth -7 Ns/m.
+/// // 2 kg on a spring of 50 N/m, with a dashpot of 3 Ns/m and friction whose slope acts as -7 Ns/m.
 /// let of_dashpot = |c: f64| SecondOrder::new(dmatrix![0.0], dmatrix![c], dmatrix![0.0]);
 /// let (friction, dashpot) = (of_dashpot(-7.0)?, of_dashpot(3.0)?);
 /// let families = [ForceFamily { name: "friction", system: &friction }, ForceFamily { name: "dashpots", system: &dashpot }];
@@ -125,7 +125,7 @@ pub fn family_work(
     Ok(found)
 }
 
-/// Whether the sizes fit each other.
+/// Checks that the sizes fit each other.
 fn check(mass: &DMatrix<f64>, families: &[ForceFamily<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
     let (rows, columns) = mass.shape();
     if rows != columns {

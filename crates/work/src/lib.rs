@@ -7,17 +7,16 @@
 //! W_j = pi Im(conj(phi_j) f_j),    f = -(lambda C + K) phi + F z,    z = lambda E phi / (lambda + a)
 //! ```
 //!
-//! with C, K, F, E and a of one family of forces. `W > 0` feeds the mode, `W < 0` drains it. All results are divided by
-//! `phi^H M phi`, so they do not depend on how phi is scaled: J/(kg m^2) = 1/s^2.
+//! with C, K, F, E and a of one family of forces. `W > 0` feeds energy into the mode, `W < 0` takes energy from it. All results
+//! are divided by `phi^H M phi`, so that they do not depend on the scale of phi: J/(kg m^2) = 1/s^2.
 //!
-//! Which families there are is the caller's choice: *friction*, all of a system that friction makes; *damping*, the
-//! dashpots of the structure; *gyroscopic* forces of a rotor. Elastic forces are symmetric and do no net work, so they
-//! are left out, which leaves the identity
-//! `sum W = 2 pi Re(lambda) Im(lambda) phi^H M phi`: a mode grows exactly as fast as the net work feeds it.
-//! [`ModeWork::identity_residual`] says how well it holds.
+//! The caller chooses the families, for example *friction*, the contribution of friction to a system; *damping*, the dashpots
+//! of the structure; *gyroscopic* forces of a rotor. Elastic forces have a symmetric K and do no net work. Without them the
+//! identity `sum W = 2 pi Re(lambda) Im(lambda) phi^H M phi` holds: the growth rate follows from the net work.
+//! [`ModeWork::identity_residual`] tells how well it holds.
 //!
-//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. [`family_work`] is its one
-//! function and has an example.
+//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. Its one function is
+//! [`family_work`], which has an example.
 
 mod error;
 mod family_work;

@@ -1,4 +1,4 @@
-//! Work against its definition in time, and the energy identity on random systems.
+//! Work against a time integral of its definition, and the energy identity on random systems.
 
 #![allow(clippy::unwrap_used)]
 
@@ -14,7 +14,7 @@ use work::{ForceFamily, ModeWork, WorkError, family_work};
 const ORDER: usize = 5;
 const STATES: usize = 2;
 
-/// A structure with symmetric matrices and any friction part at all.
+/// A structure with symmetric matrices, and a friction part of any kind.
 fn systems() -> impl Strategy<Value = (SecondOrder, SecondOrder)> {
     let entries = |count: usize| prop::collection::vec(-1.0..1.0, count);
     let square = ORDER * ORDER;
@@ -48,7 +48,7 @@ fn sum(structure: &SecondOrder, friction: &SecondOrder) -> SecondOrder {
     SecondOrder::with_internal(structure.m.clone(), c, k, friction.internal.clone()).unwrap()
 }
 
-/// Work of friction and of the dashpots of the structure, in this order.
+/// Work of friction and of the structure's dashpots, in this order.
 fn two_families(
     structure: &SecondOrder,
     friction: &SecondOrder,
@@ -56,7 +56,7 @@ fn two_families(
     phi: &DVector<Complex<f64>>,
     bodies: &[Vec<usize>],
 ) -> Result<ModeWork, WorkError> {
-    let damping = structure.damping_alone();
+    let damping = SecondOrder { c: structure.c.clone(), ..SecondOrder::zeros(structure.order(), 0) };
     let families =
         [ForceFamily { name: "friction", system: friction }, ForceFamily { name: "damping", system: &damping }];
     family_work(&structure.m, &families, lambda, phi, bodies)
@@ -104,12 +104,12 @@ fn work_is_the_integral_of_force_times_velocity() {
     let found = two_families(&structure, &friction, lambda, &dvector![u], &[vec![0]]).unwrap();
     assert!((found.families[0].bodies[0] - integral(friction_force) / modal_mass).abs() < 1e-12);
     assert!((found.families[1].bodies[0] - integral(damping_force) / modal_mass).abs() < 1e-12);
-    // Not an eigenpair, so the identity must fail visibly.
+    // This is no eigenpair, so that the identity fails.
     assert!((found.expected_total - 2.0 * PI * 0.25 * 4.5).abs() < 1e-12);
     assert!(found.identity_residual() > 0.01);
 }
 
-/// Splitting a family into its terms, in any order, moves nothing between bodies and changes no sum.
+/// Splitting a family into its terms, in any order, changes neither the work on a body nor a sum.
 #[test]
 fn families_add_up() {
     let mass = dmatrix![2.0, 0.0; 0.0, 1.0];
@@ -141,7 +141,7 @@ fn families_add_up() {
             apart.families.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(),
             ["gyroscopic", "follower", "dashpots"]
         );
-        // Dashpots take from every body.
+        // Dashpots take energy from every body.
         assert!(apart.families[2].bodies.iter().all(|&work| work < 0.0));
         modes += 1;
     }

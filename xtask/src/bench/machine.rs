@@ -1,4 +1,4 @@
-//! The machine, and what one core of it can do at most: fused multiply-adds in registers alone.
+//! The machine, and the peak of one core: the rate of fused multiply-adds on registers.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -6,21 +6,21 @@ use std::time::Instant;
 use pulp::{Arch, Simd, WithSimd};
 use serde::Serialize;
 
-/// Independent sums: more than latency times throughput of current cores, fewer than they have registers.
+/// Number of independent sums; chosen: more than latency times throughput of current cores, and fewer than their registers.
 const INDEPENDENT_SUMS: usize = 12;
-/// Additions to each sum in one repetition, a millisecond or less.
+/// Number of additions to each sum in one repetition; chosen, a millisecond or less.
 const ADDITIONS_PER_SUM: usize = 100_000;
-/// Repetitions, of which the fastest counts; chosen.
+/// Number of repetitions, of which the fastest is reported; chosen.
 const PEAK_REPEATS: usize = 50;
 
-/// Where the bench ran.
+/// The machine on which the bench ran.
 #[derive(Debug, Clone, Serialize)]
 pub struct Machine {
-    /// The processor's name.
+    /// Name of the processor.
     pub processor: String,
-    /// Its cores, as far as this process may use them.
+    /// Number of cores that this process may use.
     pub cores: usize,
-    /// Numbers in a vector register, as BatchSolver uses it.
+    /// Number of lanes of the vector registers that BatchSolver uses.
     pub lanes: usize,
     /// Multiplications and additions of doubles per nanosecond, one thread.
     pub peak_gflops: f64,

@@ -1,4 +1,4 @@
-//! What it costs: every route to the eigenvalues against library baselines, then the study by its stages and as a whole.
+//! `cargo xtask bench`: the time of every route to eigenvalues, and of the study by stages and as a whole.
 
 mod machine;
 mod problems;
@@ -17,7 +17,7 @@ use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
 use squeal::commands::override_run;
-use squeal::output::{make_folder, write};
+use squeal::output::{make_folder, note, say, write};
 
 use crate::again::run_again;
 use crate::error::TaskError;
@@ -42,13 +42,13 @@ pub struct BenchArgs {
     /// Samples per arrangement, law and speed range of the study [default: the case's, 1000]
     #[arg(long, value_name = "N")]
     samples: Option<u64>,
-    /// Does everything work? A single round, and the study of cases/two-by-two.toml
+    /// A single round, and the study of cases/two-by-two.toml, to check that everything works
     #[arg(long)]
     quick: bool,
 }
 
 impl BenchArgs {
-    /// The task and its options but `--features`.
+    /// The task and its options, without `--features`.
     fn words(&self) -> Vec<OsString> {
         let mut words = vec!["bench".into()];
         words.extend(self.quick.then(|| "--quick".into()));
@@ -58,7 +58,7 @@ impl BenchArgs {
     }
 }
 
-/// All that was measured.
+/// The results of all measurements.
 #[derive(Debug, Serialize)]
 struct BenchReport {
     machine: Machine,
@@ -75,27 +75,27 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     let mut studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
     override_run((&mut studied.samples, &mut studied.seed), args.samples, None, None)?;
     let rounds = if args.quick { 1 } else { 25 };
-    // A folder that cannot be made is found before minutes have gone by.
+    // A folder that cannot be made is an error before the measurements of several minutes.
     if let Some(folder) = args.json.as_deref().and_then(Path::parent) {
         make_folder(folder)?;
     }
 
     let machine = Machine::this();
     let problems = SIZES.iter().map(|size| Problem::new(&case, size, args.quick)).collect::<Result<Vec<_>, _>>()?;
-    println!("{}", table::heading(&machine, &problems, rounds));
+    say(&(table::heading(&machine, &problems, rounds) + "\n"))?;
     let mut rows = Vec::new();
     let mut has_python = true;
     for problem in &problems {
-        eprintln!("n = {}, {} internal states", problem.n, problem.states);
+        note(&format!("n = {}, {} internal states", problem.n, problem.states));
         let mut python = if has_python { start_python(problem) } else { None };
         has_python = python.is_some();
         rows.extend(measure(problem, python.as_mut(), rounds)?);
     }
-    println!("{}", table::routes(&rows));
+    say(&(table::routes(&rows) + "\n"))?;
 
     let brake = LatticeBrake::new(studied)?;
     let study = StudyTimes::measure(&brake, &root.join("target/bench"))?;
-    print!("{}", table::study(&study));
+    say(&table::study(&study))?;
     if let Some(path) = &args.json {
         let report = BenchReport { machine, routes: rows, study };
         write(path, report.json().as_bytes())?;
@@ -105,17 +105,17 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
 
 impl BenchReport {
     fn json(&self) -> String {
-        // Plain numbers and strings: there is nothing that could fail to serialise.
+        // The report has numbers and strings only, whose serialisation cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 }
 
-/// Python with the matrices of a problem, or a line that says why not.
+/// Python with the matrices of a problem; where it cannot be started, prints the reason in one line.
 fn start_python(problem: &Problem) -> Option<Python> {
     match Python::start(problem) {
         Ok(python) => Some(python),
         Err(error) => {
-            println!("Without numpy and scipy: {error}\n");
+            note(&format!("Without numpy and scipy: {error}"));
             None
         }
     }
@@ -153,7 +153,7 @@ mod tests {
             assert!(line.contains(row["route"].as_str().unwrap()), "{line}");
             assert!(row["n"] == 10 && row["states"] == 0 && row["us"].as_f64().unwrap() > 0.0, "{row}");
             let limit = if row["route"].as_str().unwrap().contains("raw") { 1e-6 } else { 1e-12 };
-            // Where no mode of the draws with known eigenvalues grows, there is none to be compared.
+            // Where no mode of the draws with known eigenvalues grows, the route of growing modes has no error.
             let is_growing = row["route"] == secular::SECULAR_ROUTE_NAME;
             assert!(row["max_error"].as_f64().map_or(is_growing, |error| error < limit), "{row}");
             assert_eq!(row["ratio_to_dgeev"].is_null(), !cfg!(feature = "lapack"), "{row}");

@@ -1,4 +1,4 @@
-//! What is solved: lattices of the paper's kind in several sizes, with drawn friction, and their refined eigenvalues.
+//! The problems of the bench: lattices of the paper's kind in several sizes, with drawn friction, and refined eigenvalues.
 
 use cea::{EigenSolver, QrSolver, Workspace};
 use num_complex::Complex;
@@ -18,12 +18,12 @@ use super::secular::SecularRoute;
 pub struct Size {
     rows: usize,
     columns: usize,
-    /// Degrees of freedom held so that n comes out.
+    /// Constrained degrees of freedom, by which n gets the value wanted.
     held: &'static [&'static str],
     law: Law,
-    /// Draws solved in one round: whole batches, and enough of them to be timed.
+    /// Number of draws solved in one round; chosen: whole batches, and enough of them to be timed.
     draws: u64,
-    /// Draws among them whose eigenvalues are refined.
+    /// Number of draws whose eigenvalues are refined.
     refined: usize,
 }
 
@@ -42,7 +42,7 @@ pub const SIZES: [Size; 5] = [
 
 /// Draws of one size.
 pub struct Problem {
-    /// The lattice and the law, for people.
+    /// Description of the lattice and the law.
     pub description: String,
     /// Degrees of freedom.
     pub n: usize,
@@ -57,7 +57,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The draws of one size; one batch of eight and one reference where `few` are wanted.
+    /// The draws of one size; with `few`, one batch of eight draws and one reference.
     ///
     /// # Errors
     /// Those of the model and of the refinement.
@@ -95,7 +95,7 @@ impl Problem {
 fn reference(system: &SecondOrder) -> Result<Vec<Complex<f64>>, ValidationError> {
     let mut found = QrSolver.eigenvalues(system, &mut Workspace::default())?.eigenvalues;
     let mut exact = Vec::new();
-    // Bristles that nothing drives, where the static coefficient is the kinetic one, decay each by itself.
+    // Where the static coefficient equals the kinetic one, no velocity drives the bristles, and their eigenvalues are not compared.
     if system.states() > 0 && system.internal.drive.amax() == 0.0 {
         found.retain(|lambda| lambda.im != 0.0);
         exact.extend(system.internal.decay.iter().map(|&decay| Complex::from(-decay)));
@@ -103,7 +103,7 @@ fn reference(system: &SecondOrder) -> Result<Vec<Complex<f64>>, ValidationError>
     Ok(refine_all(system, &found)?.into_iter().map(|refined| refined.lambda).chain(exact).collect())
 }
 
-/// The lattice with as many rows and columns as `grid`, made of the same springs, dashpots and masses.
+/// A lattice with the rows and columns of `grid`, made of the same springs, dashpots and masses.
 fn resized(lattice: &LatticeParameters, grid: Grid) -> LatticeParameters {
     // A chain begins at a wall; its second spring is an inner one.
     let x = |list: &[f64]| grid.x_chains(list[0], list[1]);
@@ -138,7 +138,7 @@ mod tests {
         for problem in &problems {
             assert!(problem.references.iter().all(|r| r.len() == 2 * problem.n + problem.states));
             assert!(problem.systems.iter().all(|s| s.k != s.k.transpose()), "friction makes K unsymmetric");
-            // The trace knows nothing of any iteration.
+            // The trace is a reference that depends on no iteration.
             for (system, reference) in problem.systems.iter().zip(&problem.references) {
                 let sum: Complex<f64> = reference.iter().sum();
                 let damping: f64 = (0..problem.n).map(|i| system.c[(i, i)] / system.m[(i, i)]).sum();

@@ -1,4 +1,4 @@
-//! numpy and scipy, in a Python process that takes its turn in every round.
+//! numpy and scipy, in a Python process that solves its routes in every round.
 
 use std::io::{BufRead, BufReader, Error, ErrorKind, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -10,7 +10,7 @@ use validation::Spectra;
 
 use super::problems::Problem;
 
-/// What runs there; it times itself.
+/// The script of the Python process, which measures its own times.
 const SCRIPT: &str = include_str!("python.py");
 
 /// A Python process that holds the scaled state matrices of one problem.
@@ -18,7 +18,7 @@ pub struct Python {
     child: Child,
     input: ChildStdin,
     output: BufReader<ChildStdout>,
-    /// What its routes are called.
+    /// Names of the routes.
     pub routes: Vec<String>,
     /// The eigenvalues that each route found.
     pub spectra: Vec<Spectra>,
@@ -36,7 +36,7 @@ impl Python {
     /// Starts `python3` and hands the state matrices over.
     ///
     /// # Errors
-    /// [`ErrorKind::NotFound`] where there is no Python; what Python says where it lacks numpy.
+    /// [`ErrorKind::NotFound`] where there is no Python; the message of Python where it has no numpy.
     pub fn start(problem: &Problem) -> Result<Self, Error> {
         let forms = problem.systems.iter().map(StandardForm::new).collect::<Result<Vec<_>, _>>();
         let forms = forms.map_err(Error::other)?;
@@ -53,7 +53,7 @@ impl Python {
         let mut input = child.stdin.take().ok_or_else(|| pipe("input"))?;
         let mut output = BufReader::new(child.stdout.take().ok_or_else(|| pipe("output"))?);
         let bytes: Vec<u8> = forms.iter().flat_map(|form| form.state.iter()).flat_map(|x| x.to_le_bytes()).collect();
-        // A Python that ended early says why in what is read next.
+        // If Python has ended early, the line read next gives the reason.
         let _ = input.write_all(&bytes).and_then(|()| input.flush());
         let mut line = String::new();
         output.read_line(&mut line)?;
@@ -69,10 +69,10 @@ impl Python {
         Ok(Self { child, input, output, routes: greeting.routes, spectra })
     }
 
-    /// The time that a route takes for all systems, seconds.
+    /// The time of a route for all systems, seconds.
     ///
     /// # Errors
-    /// A process that ended.
+    /// The process ended.
     pub fn time(&mut self, route: usize) -> Result<f64, Error> {
         writeln!(self.input, "{route}")?;
         self.input.flush()?;
@@ -84,7 +84,7 @@ impl Python {
 
 impl Drop for Python {
     fn drop(&mut self) {
-        // It waits for a route that will not come.
+        // The process waits for the next route.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

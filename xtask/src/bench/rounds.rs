@@ -1,5 +1,5 @@
-//! Timing in rounds: every route once in each, so that a disturbance hits all alike. What counts is the processor time of
-//! the thread, to which other processes add little.
+//! Timing in rounds, each of which runs every route once, so that a disturbance affects all routes. The times are processor times
+//! of the thread, on which other processes have little effect.
 
 use cpu_time::ThreadTime;
 use num_complex::Complex;
@@ -26,31 +26,31 @@ pub struct RouteTime {
     pub us: f64,
     /// Quartiles of that time.
     pub us_quartiles: [f64; 2],
-    /// Median over the rounds of its time over that of dgeev; `null` where that is not built in.
+    /// Median over the rounds of the time over that of dgeev; `null` where dgeev is not built in.
     pub ratio_to_dgeev: Option<f64>,
-    /// Largest relative error of an eigenvalue asked for, infinite where one is missing; nothing where no system was solved
-    /// whose eigenvalues are known.
+    /// Largest relative error of a wanted eigenvalue, infinite where one is missing; `null` where no system with known
+    /// eigenvalues was solved.
     pub max_error: Option<f64>,
-    /// Problems solved in a round.
+    /// Number of problems in a round.
     pub problems: usize,
-    /// Those among them that the route did not solve.
+    /// Number of problems that the route did not solve.
     pub failed: usize,
 }
 
-/// One route's name, its eigenvalues and its times, one per round, seconds.
+/// The name of a route, its eigenvalues, and its times, one per round, seconds.
 struct Timed {
     name: String,
     spectra: Spectra,
     seconds: Vec<f64>,
 }
 
-/// Each route on one problem. Python takes part where it could be started.
+/// Times each route on one problem, including those of Python where it could be started.
 ///
 /// # Errors
-/// A Python process that ended.
+/// The Python process ended.
 pub fn measure(problem: &Problem, python: Option<&mut Python>, rounds: usize) -> Result<Vec<RouteTime>, TaskError> {
     let routes = routes();
-    // The eigenvalues come from a first call each, which also warms up memory and caches.
+    // The first call of each route gives the eigenvalues, and warms up memory and caches.
     let mut timed: Vec<Timed> = routes
         .iter()
         .map(|r| Timed { name: r.name.into(), spectra: (r.solve)(&problem.systems), seconds: Vec::new() })

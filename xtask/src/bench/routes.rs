@@ -1,4 +1,4 @@
-//! The routes written in Rust: this project's, and library baselines behind features.
+//! The routes written in Rust: those of this project, and library baselines behind features.
 
 use validation::SolverRoute;
 
@@ -13,7 +13,7 @@ pub fn routes() -> Vec<SolverRoute> {
     validation::routes().into_iter().chain(baselines.iter().copied()).collect()
 }
 
-/// The route that the others are compared with.
+/// Name of the route with which the others are compared.
 pub const DGEEV_ROUTE_NAME: &str = "LAPACK dgeev, scaled";
 
 #[cfg(any(feature = "lapack", feature = "faer"))]

@@ -1,4 +1,4 @@
-//! The growing modes alone, by the secular equation: what a study asks of most of its samples.
+//! The route of a study for most of its samples: the growing modes alone, by the secular equation.
 
 use cea::{Anchors, BatchSolver, EigenSolver, Feedback, Gain, Secular, Workspace};
 use squeal::Error;
@@ -6,7 +6,7 @@ use squeal::osc_model::{PreparedLattice, Sliding};
 use squeal::study::common_gain;
 use validation::Spectra;
 
-/// How the route is called.
+/// Name of the route.
 pub const SECULAR_ROUTE_NAME: &str = "secular equation, growing modes";
 
 /// One lattice and its draws.

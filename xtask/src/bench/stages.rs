@@ -1,4 +1,4 @@
-//! Where the time of a study goes: some of its samples in all scenes, on one thread.
+//! The time of a study by stages: some of its samples in all scenes, on one thread.
 
 use std::time::Duration;
 
@@ -10,13 +10,13 @@ use squeal::study::{Scratch, Spent, Study, StudyTally, timed};
 
 use crate::error::TaskError;
 
-/// Samples evaluated together, as in a run.
+/// Number of samples, evaluated together as in a run; chosen.
 const SAMPLES_TIMED: u64 = 128;
 
 /// One stage of a study.
 #[derive(Debug, Clone, Serialize)]
 pub struct Stage {
-    /// What is done.
+    /// Name of the stage.
     pub stage: &'static str,
     /// Processor time per sample solved, in all its sectors, microseconds.
     pub us: f64,

@@ -1,4 +1,4 @@
-//! The whole study of the paper's case, timed.
+//! The time of the whole study of the paper's case.
 
 use std::path::Path;
 
@@ -11,28 +11,28 @@ use squeal::run_study;
 use super::stages::{Stage, stages};
 use crate::error::TaskError;
 
-/// The study, from its references to its figures.
+/// Times of the study, from its references to its figures.
 #[derive(Debug, Clone, Serialize)]
 pub struct StudyTimes {
-    /// Complex eigenvalue analyses that the results stand for.
+    /// Number of complex eigenvalue analyses that the results represent.
     pub ceas: u64,
-    /// Eigenvalue problems solved for them.
+    /// Number of eigenvalue problems solved for these.
     pub solved: u64,
-    /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
+    /// Number of these that a certificate shows to be stable up to rounding, without a spectrum.
     pub certified: u64,
-    /// Samples of each scene.
+    /// Number of samples per scene.
     pub samples: u64,
-    /// Wall-clock time of all of it.
+    /// Wall-clock time of the whole study.
     pub seconds: f64,
     /// Processor time of all threads.
     pub processor_seconds: f64,
-    /// Wall-clock time of its parts.
+    /// Wall-clock time of the parts of the study.
     pub parts: Times,
-    /// Most memory that the process has held, megabytes; `null` where the system does not tell.
+    /// Largest memory of the process, megabytes; `null` where the operating system does not give it.
     pub peak_mb: Option<f64>,
-    /// Worker threads.
+    /// Number of worker threads.
     pub threads: usize,
-    /// Where the time of the samples goes, on one thread.
+    /// Time of the samples by stages, on one thread.
     pub stages: Vec<Stage>,
 }
 
@@ -42,7 +42,7 @@ impl StudyTimes {
     /// # Errors
     /// Those of the study.
     pub fn measure(brake: &LatticeBrake, folder: &Path) -> Result<Self, TaskError> {
-        // A study that is found finished is not run again.
+        // A finished study in the folder would not be run again.
         if folder.exists() {
             let failed = |source| TaskError::Remove { path: folder.to_owned(), source };
             std::fs::remove_dir_all(folder).map_err(failed)?;

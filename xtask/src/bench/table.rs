@@ -1,4 +1,4 @@
-//! The report for people, in Markdown.
+//! The report in Markdown.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use super::problems::Problem;
 use super::rounds::RouteTime;
 use super::study::StudyTimes;
 
-/// Where it ran and what was solved.
+/// The machine and the problems.
 pub fn heading(machine: &Machine, problems: &[Problem], rounds: usize) -> String {
     let Machine { processor, cores, lanes, peak_gflops } = machine;
     let mut text = format!(
@@ -28,12 +28,12 @@ pub fn heading(machine: &Machine, problems: &[Problem], rounds: usize) -> String
     text
 }
 
-/// n, and the internal states where there are some.
+/// n, and the number of internal states where there are some.
 fn size(n: usize, states: usize) -> String {
     if states == 0 { n.to_string() } else { format!("{n} + {states}") }
 }
 
-/// Every route on every size.
+/// The table of routes and sizes.
 pub fn routes(rows: &[RouteTime]) -> String {
     let mut lines = vec![["n", "route", "us", "quartiles", "ratio", "dgeev / route", "error"].map(String::from)];
     for (at, row) in rows.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn routes(rows: &[RouteTime]) -> String {
     aligned(&lines, 2)
 }
 
-/// The stages, then the whole run.
+/// The table of stages, and the whole run.
 pub fn study(study: &StudyTimes) -> String {
     let mut lines = vec![["stage", "us per sample", "share"].map(String::from)];
     for row in &study.stages {
@@ -75,13 +75,13 @@ pub fn study(study: &StudyTimes) -> String {
     )
 }
 
-/// Three significant figures or all before the point.
+/// A number with three significant figures, or with all digits before the point.
 fn figures(x: f64) -> String {
     let decimals = if x < 10.0 { 2 } else { usize::from(x < 100.0) };
     format!("{x:.decimals$}")
 }
 
-/// A Markdown table whose columns line up; the first `left` of them flush left, the others flush right.
+/// A Markdown table with aligned columns: the first `left` columns flush left, the others flush right.
 fn aligned<const N: usize>(lines: &[[String; N]], left: usize) -> String {
     let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0).max(3);
     let mut text = String::new();

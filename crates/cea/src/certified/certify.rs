@@ -4,11 +4,12 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::clusters::{Cluster, ClusterKind, groups, nearly_defective, semisimple};
+use super::clusters::{Cluster, ClusterKind, Enclosed, Semisimple, enclose, nearly_defective};
+use super::expansion::Disc;
 use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::solve::{GeneralSpectrum, extend};
-use super::verdict::{Group, decide, gap};
-use crate::{CeaError, Verdict, Workspace};
+use super::verdict::{decide, gap};
+use crate::{CeaError, JudgedEigenvalue, Verdict, Workspace};
 
 /// One finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +23,8 @@ pub struct CertifiedEigenvalue {
     /// change of lambda per relative change of the matrices. Infinite for lambda = 0; that of the null space for a
     /// semisimple multiple eigenvalue.
     pub condition: f64,
-    /// What |lambda - exact| is estimated not to exceed, rad/s, for the matrices as given and for any that differ from
-    /// them by a rounding error.
+    /// What |lambda - exact| does not exceed, rad/s, for the matrices as given and for any that differ from them by a rounding
+    /// error: certified up to rounding, docs/error-bounds.md, sections 3 and 7. Infinite where nothing encloses lambda.
     pub bound: f64,
     /// Whether the motion grows.
     pub verdict: Verdict,
@@ -32,6 +33,9 @@ pub struct CertifiedEigenvalue {
     /// psi, `psi^H Q(lambda) = 0`, as phi.
     pub left: DVector<Complex<f64>>,
 }
+
+/// Positions of the members of a group, and what it is.
+type Group = (Vec<usize>, ClusterKind);
 
 /// The certificates of a spectrum, and which of its eigenvalues belong together.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,8 +48,9 @@ pub struct Certified {
 
 /// Backward errors, condition numbers and verdicts of all finite eigenvalues of `spectrum`.
 ///
-/// Costs one factorisation of Q(lambda) for each conjugate pair, and a second one with residuals in double-double where
-/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states.
+/// Costs one factorisation of Q(lambda) for each conjugate pair, a second one with residuals in double-double where
+/// the backward error is more than rounding, |Re lambda| is within its bound, or the system has internal states, and two
+/// for each group that is tried for an eigenvalue whose first-order bound does not hold.
 ///
 /// # Errors
 /// [`CeaError::NoEigenvector`] where an eigenvalue is none of this system.
@@ -64,22 +69,19 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
             (None, true) => {
                 next_zero.next().cloned().ok_or(CeaError::NoEigenvector { lambda: sigma, residual: 1.0 })?
             }
-            (None, false) => {
-                work.counters.factorisations += 1;
-                work.counters.eigenvectors += 2;
-                // The norms of matrices extended by internal states hide what is wrong in their small entries.
-                let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
-                problem.first_look(sigma, gap(&sigmas, i), threshold)?
-            }
+            (None, false) => look(&problem, system, &sigmas, i, work)?,
         };
         found.push(state);
     }
-    let mut groups = classify_groups(&problem, &mut found);
+    let (discs, mut groups) = enclose_groups(&problem, &mut found, &conjugates);
     groups.extend(nearly_defective_pairs(&found, &conjugates, &groups));
     for i in 0..found.len() {
         match conjugates[i] {
             Some(first) => found[i] = found[first].conjugate(),
-            None => decide(&problem, &mut found, i, &groups),
+            None => {
+                let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
+                found[i] = decide(&problem, found[i].clone(), gap(&sigmas, i), discs[i]);
+            }
         }
     }
     if spectrum.zeros > 1 {
@@ -89,6 +91,58 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
         groups.push((members, if complete { ClusterKind::Semisimple } else { ClusterKind::Defective }));
     }
     Ok(in_given_units(&problem, found, groups))
+}
+
+/// Bounds and verdicts of single eigenvalues of one system, found by whatever route.
+pub(crate) struct SingleCertifier<'a> {
+    system: &'a SecondOrder,
+    problem: Measure,
+}
+
+impl<'a> SingleCertifier<'a> {
+    pub(crate) fn new(system: &'a SecondOrder) -> Self {
+        Self { system, problem: Measure::new(&extend(system)) }
+    }
+
+    /// Bound and verdict of the `i`-th of all eigenvalues; it may be improved.
+    ///
+    /// # Errors
+    /// [`CeaError::NoEigenvector`] where it is none of this system.
+    pub(crate) fn certify(
+        &self,
+        eigenvalues: &[Complex<f64>],
+        i: usize,
+        work: &mut Workspace,
+    ) -> Result<JudgedEigenvalue, CeaError> {
+        let (problem, lambda) = (&self.problem, eigenvalues[i]);
+        if lambda == Complex::default() {
+            let verdict = Verdict::Undecided { bound: f64::INFINITY };
+            return Ok(JudgedEigenvalue { lambda, bound: f64::INFINITY, verdict });
+        }
+        let gamma = problem.scaled.gamma;
+        let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
+        let state = look(problem, self.system, &sigmas, i, work)?;
+        sigmas[i] = state.sigma;
+        let first_order = state.first_order();
+        let enclosed = if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, first_order) };
+        let decided = decide(problem, state, gap(&sigmas, i), enclosed.map(|group| group.disc));
+        Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
+    }
+}
+
+/// The vectors of eigenvalue `i` and what they say of it.
+fn look(
+    problem: &Measure,
+    system: &SecondOrder,
+    sigmas: &[Complex<f64>],
+    i: usize,
+    work: &mut Workspace,
+) -> Result<State, CeaError> {
+    work.counters.factorisations += 1;
+    work.counters.eigenvectors += 2;
+    // The norms of matrices extended by internal states hide what is wrong in their small entries.
+    let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
+    problem.first_look(sigmas[i], gap(sigmas, i), threshold)
 }
 
 /// For each eigenvalue the earlier one that it is the conjugate of, if any.
@@ -106,32 +160,54 @@ fn conjugates(sigmas: &[Complex<f64>]) -> Vec<Option<usize>> {
     partners
 }
 
-/// Finds groups and takes the members of semisimple ones from their common null space.
-fn classify_groups(problem: &Measure, found: &mut [State]) -> Vec<Group> {
+/// Discs around the eigenvalues that are not simple, alone or as groups, and the groups, with those of the conjugates; members
+/// of semisimple ones are taken from their common null space.
+fn enclose_groups(
+    problem: &Measure,
+    found: &mut [State],
+    conjugates: &[Option<usize>],
+) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-    let shifts: Vec<_> = found.iter().map(State::shift).collect();
-    let mut classified = Vec::new();
-    for members in groups(&sigmas, &shifts) {
-        let own: Vec<_> = members.iter().map(|&i| sigmas[i]).collect();
-        let Some(space) = semisimple(&problem.scaled, &own) else {
-            classified.push((members, ClusterKind::Defective));
+    let (mut discs, mut groups) = (vec![None; found.len()], Vec::new());
+    for i in 0..found.len() {
+        if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
+            continue;
+        }
+        let Some(Enclosed { members, disc, space }) = enclose(&problem.scaled, &sigmas, i, found[i].first_order())
+        else {
             continue;
         };
-        let mean = own.iter().sum::<Complex<f64>>() / own.len() as f64;
-        let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
-        for (at, &i) in members.iter().enumerate() {
-            let sigma = space.sigmas.as_ref().map_or(sigmas[i], |s| s[at]);
-            let (x, y) = (space.right[at].clone(), space.left[at].clone());
-            let member = problem.state(sigma, x, y);
-            // Members that are told apart have vectors of their own, and a wide group may be worse than they.
-            if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
-                found[i] = member;
-            }
-            (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
+        for &j in members.iter().filter(|&&j| !found[j].is_simple) {
+            discs[j] = discs[j].or(Some(disc));
         }
-        classified.push((members, ClusterKind::Semisimple));
+        let kind = if space.is_some() { ClusterKind::Semisimple } else { ClusterKind::Defective };
+        if let Some(space) = space {
+            adopt(problem, found, &members, disc.centre, &space);
+        }
+        if members.len() > 1 {
+            groups.push((members, kind));
+        }
     }
-    classified
+    let mirrored = groups.iter().filter_map(|(members, kind)| {
+        let mirror = members.iter().map(|&i| conjugates.iter().position(|&first| first == Some(i)));
+        Some((mirror.collect::<Option<Vec<_>>>()?, *kind))
+    });
+    groups.extend(mirrored.collect::<Vec<_>>());
+    (discs, groups)
+}
+
+/// Gives the members of a semisimple group the vectors and eigenvalues of their common null space.
+fn adopt(problem: &Measure, found: &mut [State], members: &[usize], mean: Complex<f64>, space: &Semisimple) {
+    let (scaled_condition, condition) = problem.conditions(mean, &space.right, &space.left);
+    for (at, &i) in members.iter().enumerate() {
+        let sigma = space.sigmas.as_ref().map_or(found[i].sigma, |s| s[at]);
+        let member = problem.state(sigma, space.right[at].clone(), space.left[at].clone());
+        // Members that are told apart have vectors of their own, and a wide group may be worse than they.
+        if member.error() <= ROUNDING_ONLY.max(found[i].error()) {
+            found[i] = member;
+        }
+        (found[i].scaled_condition, found[i].condition) = (scaled_condition, condition);
+    }
 }
 
 /// Pairs of the same half plane that belong to no group and have nearly parallel vectors.

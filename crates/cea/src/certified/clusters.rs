@@ -4,12 +4,11 @@ use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
 use super::dd::DdComplex;
+use super::expansion::{Disc, Expansion};
 use super::refine::residual;
 use super::scaled::Scaled;
-use super::vectors::{Factor, Vector};
+use super::vectors::Vector;
 
-/// Relative distance below which eigenvalues are looked at together whatever their bounds: some 1e5 rounding errors. Chosen.
-const SAME_EIGENVALUE: f64 = 1e-11;
 /// Relative distance within which a pair is called nearly defective: a convention, for a reader's attention alone.
 const NEARLY_DEFECTIVE_GAP: f64 = 1e-3;
 /// Squared cosine between right vectors from which a pair is called nearly defective: 1.8 degrees. A convention too.
@@ -47,31 +46,51 @@ impl Cluster {
     }
 }
 
-/// Largest relative distance of two members, whatever their bounds: eigenvalues known to less than two digits are not grouped
-/// with everything in reach.
-const WIDEST_GAP: f64 = 1e-2;
+/// Expansions tried around one eigenvalue: each costs a factorisation. Chosen.
+const MOST_EXPANSIONS: usize = 6;
+/// A group is tried where the next eigenvalue is this many times as far from its mean as its own farthest member: on a circle
+/// between them the group's own power of the distance is to outweigh the other terms of its series. Chosen.
+const CLEARANCE: f64 = 1.5;
+/// How far outside its farthest member the smallest circle around a group is tried. Chosen.
+const MARGIN: f64 = 1.05;
 
-/// Groups of nonzero eigenvalues closer than SAME_EIGENVALUE or than four times what each may move by (first order, `shifts`).
-pub(super) fn groups(eigenvalues: &[Complex<f64>], shifts: &[f64]) -> Vec<Vec<usize>> {
-    let count = eigenvalues.len();
-    let mut group: Vec<usize> = (0..count).collect();
-    for i in 0..count {
-        for j in 0..i {
-            let distance = (eigenvalues[i] - eigenvalues[j]).norm();
-            let size = eigenvalues[i].norm().min(eigenvalues[j].norm());
-            let reach = (4.0 * shifts[i].min(shifts[j])).clamp(SAME_EIGENVALUE * size, WIDEST_GAP * size);
-            if size > 0.0 && distance <= reach && group[i] != group[j] {
-                let (from, to) = (group[i].max(group[j]), group[i].min(group[j]));
-                group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
-            }
+/// Eigenvalues that are enclosed together.
+pub(super) struct Enclosed {
+    pub(super) members: Vec<usize>,
+    /// Holds as many eigenvalues of every problem within rounding of this one.
+    pub(super) disc: Disc,
+    /// Members of a semisimple group from its common null space.
+    pub(super) space: Option<Semisimple>,
+}
+
+/// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many; not it
+/// alone where others are as near as its `first_order` bound.
+pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize, first_order: f64) -> Option<Enclosed> {
+    let mut nearest: Vec<usize> = (0..eigenvalues.len()).collect();
+    let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
+    nearest.sort_by(|&a, &b| distance(a, eigenvalues[i]).total_cmp(&distance(b, eigenvalues[i])));
+    let mut tried = 0;
+    for count in 1..=nearest.len() {
+        let (members, others) = nearest.split_at(count);
+        let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
+        let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
+        let next = others.iter().map(|&j| distance(j, mean)).fold(f64::INFINITY, f64::min);
+        if next < CLEARANCE * spread || next == 0.0 || (count == 1 && next < first_order) {
+            continue;
+        }
+        if tried == MOST_EXPANSIONS {
+            break;
+        }
+        tried += 1;
+        let Some(expansion) = Expansion::new(s, mean, count) else { continue };
+        if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
+            let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();
+            let semisimple = count > 1 && expansion.is_semisimple();
+            let space = semisimple.then(|| project(s, mean, &own, expansion.right, expansion.left)).flatten();
+            return Some(Enclosed { members: members.to_vec(), disc, space });
         }
     }
-    let mut found = vec![Vec::new(); count];
-    for (i, &g) in group.iter().enumerate() {
-        found[g].push(i);
-    }
-    found.retain(|members| members.len() > 1);
-    found
+    None
 }
 
 /// Two eigenvalues that are told apart, with nearly parallel vectors.
@@ -87,22 +106,18 @@ pub(super) struct Semisimple {
     pub(super) sigmas: Option<Vec<Complex<f64>>>,
 }
 
-/// The members of a cluster from the projection of Q on its null spaces, or nothing where these are too small.
+/// The members of a semisimple group from the projection of Q on its null spaces, or nothing where this fails.
 ///
 /// With orthonormal X and Y, `det(Y^H Q(mu) X + delta Y^H Q'(mu) X) = 0` gives the offsets delta from the mean mu; an
 /// error of X and one of Y enter only as their product.
-pub(super) fn semisimple(s: &Scaled, members: &[Complex<f64>]) -> Option<Semisimple> {
+fn project(
+    s: &Scaled,
+    mean: Complex<f64>,
+    members: &[Complex<f64>],
+    right: Vec<Vector>,
+    left: Vec<Vector>,
+) -> Option<Semisimple> {
     let count = members.len();
-    let mean = members.iter().sum::<Complex<f64>>() / count as f64;
-    let spread = members.iter().map(|l| (l - mean).norm()).fold(0.0, f64::max);
-    let factor = Factor::new(s, mean);
-    let (right, left) = factor.null_pairs(count)?;
-    let size = s.norms.size(mean.norm());
-    let rounding = s.order() as f64 * f64::EPSILON;
-    let negligible = size * (4.0 * spread / mean.norm() + 10.0 * rounding);
-    if right.iter().any(|x| factor.residual(x).norm() > negligible) {
-        return None;
-    }
     let images: Vec<_> = right
         .iter()
         .map(|x| residual(s, mean.into(), &x.iter().map(|&z| DdComplex::from(z)).collect::<Vec<_>>()))

@@ -10,7 +10,7 @@ use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
-use super::vectors::{Factor, Vector, orthonormalise};
+use super::vectors::{Factor, NORM_ESTIMATES, Vector, frobenius_norm, orthonormalise};
 use crate::{CeaError, Verdict};
 
 /// Half the distance from 1 to the next double: the relative size of a rounding error.
@@ -38,6 +38,8 @@ pub(super) struct State {
     /// |sigma - exact| estimated, in the scaled problem.
     pub(super) bound: f64,
     pub(super) verdict: Verdict,
+    /// Whether the first-order bound holds: section 3 of docs/error-bounds.md.
+    pub(super) is_simple: bool,
 }
 
 impl State {
@@ -48,6 +50,11 @@ impl State {
     /// The larger backward error.
     pub(super) fn error(&self) -> f64 {
         self.backward_error.max(self.scaled_error)
+    }
+
+    /// The first-order bound.
+    pub(super) fn first_order(&self) -> f64 {
+        FIRST_ORDER_SAFETY * self.shift()
     }
 
     /// How far sigma may move, to first order, for its own backward error or that of rounded data.
@@ -105,6 +112,7 @@ impl Measure {
             bound: 0.0,
             // Exactly zero for the matrices as given.
             verdict: Verdict::Marginal { tolerance: 0.0 },
+            is_simple: true,
             x,
             y,
         };
@@ -118,13 +126,40 @@ impl Measure {
         let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
         let mut state = self.state(sigma, x[0].clone(), y[0].clone());
         if state.error() > threshold {
-            let reach = (4.0 * FIRST_ORDER_SAFETY * state.shift()).min(0.45 * gap);
+            let reach = (4.0 * state.first_order()).min(0.45 * gap);
             match self.refine(&state, reach) {
                 Some((better, _)) if better.error() <= ROUNDING_ONLY.max(state.error()) => state = better,
                 _ => {}
             }
         }
+        let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
+        let couplings = [
+            self.scaled.derivative_times(state.sigma, &state.x).norm(),
+            self.scaled.derivative_adjoint_times(state.sigma, &state.y).norm(),
+        ];
+        // Without a solve where no norm would do.
+        state.is_simple = self.second_order_is_small(&state, gap, couplings, 0.0)
+            && NORM_ESTIMATES.iter().any(|&estimate| {
+                let inverse = frobenius_norm(self.scaled.order(), estimate, solve);
+                self.second_order_is_small(&state, gap, couplings, inverse)
+            });
         Ok(state)
+    }
+
+    /// Whether exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.
+    ///
+    /// With unit null vectors x and y and D for Q between their complements, Q(z) is singular at z = sigma + d only where
+    /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| is at most `r |y^H Q'| + r^2 |M| + eps s`, |c| likewise with Q' x, D
+    /// changes by at most `beta = r |Q'| + r^2 |M| + eps s`, and `inverse` is the norm of D^-1 at sigma. On the circle |d| = r the second term is `eps s = 4 max(eta, u) s` by definition of r. It
+    /// outweighs the others (Rouché's theorem), since the first is eta s, its perturbation 1.5 u s and the last two eps s / 4 at most.
+    fn second_order_is_small(&self, state: &State, gap: f64, couplings: [f64; 2], inverse: f64) -> bool {
+        let (norms, size, radius) = (&self.scaled.norms, state.sigma.norm(), state.first_order());
+        let (here, on_circle) = (norms.size(size), norms.size(size + radius));
+        let noise = FIRST_ORDER_SAFETY * state.scaled_error.max(UNIT_ROUNDOFF) * here;
+        let changed = |slope: f64| radius * slope + radius * radius * norms.m + 1.5 * noise;
+        let ([c, b], beta) = (couplings.map(changed), changed(norms.slope(size)));
+        let second = radius * radius * norms.m + b * c * inverse / (1.0 - beta * inverse);
+        2.0 * radius < gap && on_circle <= 1.5 * here && beta * inverse < 0.5 && second <= 0.25 * noise
     }
 
     /// The eigenvalue refined within `reach`, and how far it may still be from the exact one of these matrices.
@@ -139,7 +174,8 @@ impl Measure {
         let (scaled_error, backward_error) = self.errors(sigma, &x);
         let verdict = Verdict::Undecided { bound: f64::INFINITY };
         let bound = f64::INFINITY;
-        State { sigma, x, y, backward_error, condition, scaled_error, scaled_condition, bound, verdict }
+        let is_simple = false;
+        State { sigma, x, y, backward_error, condition, scaled_error, scaled_condition, bound, verdict, is_simple }
     }
 
     /// Backward errors of the scaled and of the given problem.

@@ -32,6 +32,7 @@
 mod certify;
 mod clusters;
 mod dd;
+mod expansion;
 mod field;
 mod kernels;
 mod lane;
@@ -47,6 +48,7 @@ mod structure;
 mod vectors;
 mod verdict;
 
+pub(crate) use certify::SingleCertifier;
 pub use certify::{Certified, CertifiedEigenvalue, certify};
 pub use clusters::{Cluster, ClusterKind};
 pub use solve::{GeneralSpectrum, Route, solve};

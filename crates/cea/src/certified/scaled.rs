@@ -51,6 +51,11 @@ impl Norms {
     pub(crate) fn size(&self, lambda: f64) -> f64 {
         (lambda * self.m + self.c) * lambda + self.k
     }
+
+    /// `2 |lambda| |M| + |C|`.
+    pub(crate) fn slope(&self, lambda: f64) -> f64 {
+        2.0 * lambda * self.m + self.c
+    }
 }
 
 /// The Frobenius norm without overflow of the squares.
@@ -133,6 +138,30 @@ impl Scaled {
     pub(crate) fn derivative_times(&self, sigma: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         real_times_complex(&self.m, x) * (sigma * 2.0) + real_times_complex(&self.c, x)
     }
+
+    /// `Q~'(sigma)^H y`.
+    pub(crate) fn derivative_adjoint_times(
+        &self,
+        sigma: Complex<f64>,
+        y: &DVector<Complex<f64>>,
+    ) -> DVector<Complex<f64>> {
+        adjoint_times(&self.m, y) * (sigma.conj() * 2.0) + adjoint_times(&self.c, y)
+    }
+
+    /// `M~^H y`.
+    pub(crate) fn mass_adjoint_times(&self, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        adjoint_times(&self.m, y)
+    }
+
+    /// `M~ x`.
+    pub(crate) fn mass_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        real_times_complex(&self.m, x)
+    }
+}
+
+/// `A^T y`.
+fn adjoint_times(a: &DMatrix<f64>, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    DVector::from_fn(a.ncols(), |j, _| a.column(j).iter().zip(y).map(|(&entry, z)| z * entry).sum())
 }
 
 /// gamma: sqrt(|K| / |M|), or what the damping says where one of them vanishes.

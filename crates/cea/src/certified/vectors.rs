@@ -1,5 +1,7 @@
 //! One factorisation of the scaled Q(sigma) near an eigenvalue, and the null vectors it gives from both sides.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
@@ -65,29 +67,39 @@ impl Lu {
             x.swap_rows(k, pivot);
         }
         for k in 0..n {
-            let head = x[k];
-            for i in k + 1..n {
-                x[i] -= self.at(i, k) * head;
-            }
+            self.subtract_column(k, k + 1..n, x[k], x);
         }
         for k in (0..n).rev() {
             x[k] /= self.at(k, k);
-            let head = x[k];
-            for i in 0..k {
-                x[i] -= self.at(i, k) * head;
-            }
+            self.subtract_column(k, 0..k, x[k], x);
         }
+    }
+
+    /// x -= column k times `head`, in some rows.
+    fn subtract_column(&self, k: usize, rows: Range<usize>, head: Complex<f64>, x: &mut Vector) {
+        let (re, im) = (self.re.column(k), self.im.column(k));
+        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
+        for (z, (&re, &im)) in x.as_mut_slice()[rows].iter_mut().zip(factors) {
+            *z -= Complex::new(re, im) * head;
+        }
+    }
+
+    /// The sum of conjugate entries of column k times x, in some rows.
+    fn column_dot(&self, k: usize, rows: Range<usize>, x: &Vector) -> Complex<f64> {
+        let (re, im) = (self.re.column(k), self.im.column(k));
+        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
+        x.as_slice()[rows].iter().zip(factors).map(|(z, (&re, &im))| Complex::new(re, -im) * z).sum()
     }
 
     /// x := A^-H x.
     pub(crate) fn solve_adjoint(&self, x: &mut Vector) {
         let n = x.len();
         for k in 0..n {
-            let sum: Complex<f64> = (0..k).map(|i| self.at(i, k).conj() * x[i]).sum();
+            let sum = self.column_dot(k, 0..k, x);
             x[k] = (x[k] - sum) / self.at(k, k).conj();
         }
         for k in (0..n).rev() {
-            let sum: Complex<f64> = (k + 1..n).map(|i| self.at(i, k).conj() * x[i]).sum();
+            let sum = self.column_dot(k, k + 1..n, x);
             x[k] -= sum;
         }
         for (k, &pivot) in self.swaps.iter().enumerate().rev() {
@@ -211,7 +223,16 @@ pub(crate) struct Factor<'a> {
 
 impl<'a> Factor<'a> {
     pub(crate) fn new(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
-        let least = f64::EPSILON * f64::EPSILON * problem.norms.size(sigma.norm());
+        Self::with_least_pivot(problem, sigma, f64::EPSILON * f64::EPSILON)
+    }
+
+    /// For several null vectors: no pivot is below a rounding error, or the first vector drowns the others.
+    pub(crate) fn for_several(problem: &'a Scaled, sigma: Complex<f64>) -> Self {
+        Self::with_least_pivot(problem, sigma, f64::EPSILON)
+    }
+
+    fn with_least_pivot(problem: &'a Scaled, sigma: Complex<f64>, relative: f64) -> Self {
+        let least = relative * problem.norms.size(sigma.norm());
         let lu = Lu::of_parts(problem.polynomial_parts(sigma), least.max(LEAST_PIVOT));
         Self { problem, sigma, lu }
     }
@@ -240,6 +261,14 @@ impl<'a> Factor<'a> {
         self.null_pairs(1).map_or(f64::INFINITY, |(x, _)| self.residual(&x[0]).norm())
     }
 
+    /// The inverse of Q(sigma) between the complements of y and x, its left and right null vectors, applied to g.
+    pub(crate) fn deflated_solve(&self, x: &Vector, y: &Vector, mut g: Vector) -> Vector {
+        g.axpy(-y.dotc(&g), y, Complex::from(1.0));
+        self.lu.solve(&mut g);
+        g.axpy(-x.dotc(&g), x, Complex::from(1.0));
+        g
+    }
+
     /// Without a symmetry to be orthogonal to the wanted vector by; real for a real sigma, as all that follows.
     fn start(&self, v: usize) -> Vector {
         DVector::from_fn(self.problem.order(), |i, _| {
@@ -253,6 +282,27 @@ impl<'a> Factor<'a> {
     pub(crate) fn residual(&self, x: &Vector) -> Vector {
         self.problem.times(self.sigma, x)
     }
+}
+
+/// Vectors for the norm of a linear map, and how many times it may exceed what they show. If their phases were random it would
+/// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
+/// the next line is for where the one before leaves a doubt.
+pub(crate) const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
+
+/// The Frobenius norm of a linear map of n-vectors, from above: `safety` times what `probes` vectors of phases without a pattern
+/// give, or exactly from the unit vectors where these are no more.
+pub(crate) fn frobenius_norm(n: usize, (probes, safety): (usize, f64), apply: impl Fn(Vector) -> Vector) -> f64 {
+    let squares = |count: usize, vector: &dyn Fn(usize) -> Vector| {
+        (0..count).map(|k| apply(vector(k)).norm_squared()).sum::<f64>()
+    };
+    if n <= probes {
+        return squares(n, &|k| Vector::from_fn(n, |i, _| Complex::from(f64::from(u8::from(i == k))))).sqrt();
+    }
+    // The golden angle times a polynomial of degree two, another one for each vector.
+    let phases = |k: usize| {
+        Vector::from_fn(n, |i, _| Complex::cis(2.399_963_229_728_653 * ((i + 1) * (i + 3 + 5 * k) + k * k) as f64))
+    };
+    safety * (squares(probes, &phases) / probes as f64).sqrt()
 }
 
 /// Gram and Schmidt, twice; nothing where a vector is not finite or depends on the others.

@@ -1,24 +1,14 @@
 //! From bound to verdict, through refinement where the bound leaves it open.
 
-use std::f64::consts::TAU;
-
 use num_complex::Complex;
 
-use super::clusters::ClusterKind;
-use super::measure::{FIRST_ORDER_SAFETY, Measure, State, UNIT_ROUNDOFF};
-use super::vectors::Factor;
+use super::expansion::Disc;
+use super::measure::{FIRST_ORDER_SAFETY, Measure, State};
 use crate::Verdict;
 
 /// [`Verdict::Marginal`] is said only where its tolerance is at most this times the larger of |lambda| and gamma:
 /// an eigenvalue that rounding moves by more is not known to be neutral or anything else.
 const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
-
-/// Points on a circle around a defective group. Between them the smallest singular value is not looked at: a heuristic, and
-/// docs/error-bounds.md, section 7, says what it relies on.
-const POINTS_ON_CIRCLE: usize = 8;
-
-/// Members of a group and what it is.
-pub(super) type Group = (Vec<usize>, ClusterKind);
 
 /// Distance to the nearest other eigenvalue.
 pub(super) fn gap(sigmas: &[Complex<f64>], i: usize) -> f64 {
@@ -26,73 +16,63 @@ pub(super) fn gap(sigmas: &[Complex<f64>], i: usize) -> f64 {
     others.map(|(_, s)| (s - sigmas[i]).norm()).fold(f64::INFINITY, f64::min)
 }
 
-/// Bound and verdict of eigenvalue `i`, which is refined if need be.
-pub(super) fn decide(problem: &Measure, found: &mut [State], i: usize, groups: &[Group]) {
-    let gamma = problem.scaled.gamma;
-    let state = &found[i];
-    let sigma = state.sigma;
-    if sigma == Complex::default() {
-        return;
+/// Bound and verdict of an eigenvalue: by its first-order bound where that holds, refined if need be; else by the disc around
+/// its group; undecided where there is neither. `gap` is the distance to the nearest other eigenvalue.
+pub(super) fn decide(problem: &Measure, mut state: State, gap: f64, disc: Option<Disc>) -> State {
+    if state.sigma == Complex::default() {
+        return state;
     }
-    let (mut bound, mut tolerance) = (FIRST_ORDER_SAFETY * state.shift(), FIRST_ORDER_SAFETY * state.data_shift());
-    let group = groups.iter().find(|(members, kind)| members.contains(&i) && *kind != ClusterKind::NearlyDefective);
-    // Re sigma is known to this; sharp where that is no more than rounded data allow. A projection determines a semisimple group to second order.
-    let (mut known_to, mut is_sharp) = (bound, false);
-    match group {
-        Some((members, ClusterKind::Defective)) => {
-            bound = root_bound(problem, found, members);
-            (tolerance, known_to, is_sharp) = (bound, bound, true);
-        }
-        Some(_) => (known_to, is_sharp) = (tolerance, true),
-        None if sigma.re.abs() <= bound => {
-            let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-            let reach = (4.0 * bound).min(0.45 * gap(&sigmas, i));
-            if let Some(refined) = problem.refine(state, reach) {
-                (known_to, is_sharp) = (refined.1, true);
-                found[i] = refined.0;
-            }
-            let size = found[i].sigma.norm();
-            if size <= tolerance {
-                // Rounded data do not tell it from zero: so much for its real part.
-                tolerance += size;
-                (known_to, is_sharp) = (tolerance, true);
-            }
-        }
-        None => {}
-    }
-    let re = found[i].sigma.re;
-    let verdict = if re.abs() > known_to.max(tolerance) {
-        Verdict::of(Complex::from(re), 0.0)
-    } else if is_sharp && tolerance <= LARGEST_MARGINAL_TOLERANCE * sigma.norm().max(1.0) {
-        Verdict::Marginal { tolerance: tolerance * gamma }
-    } else {
-        Verdict::Undecided { bound: known_to.max(tolerance) * gamma }
+    let (bound, verdict) = match disc {
+        _ if state.is_simple => decide_simple(problem, &mut state, gap),
+        Some(disc) => ((state.sigma - disc.centre).norm() + disc.radius, by_disc(disc)),
+        None => (f64::INFINITY, Verdict::Undecided { bound: f64::INFINITY }),
     };
-    (found[i].bound, found[i].verdict) = (bound, verdict);
+    let gamma = problem.scaled.gamma;
+    let in_given_units = match verdict {
+        Verdict::Marginal { tolerance } => Verdict::Marginal { tolerance: tolerance * gamma },
+        Verdict::Undecided { bound } => Verdict::Undecided { bound: bound * gamma },
+        decided => decided,
+    };
+    State { bound, verdict: in_given_units, ..state }
 }
 
-/// How far a member of a defective group may move for its backward error or that of rounded data.
-///
-/// The smallest radius, in steps of two, of a circle around the group on which Q is farther from singular than that
-/// (the pseudospectrum; Tisseur and Higham, SIAM J. Matrix Anal. Appl. 23, 2001): no perturbation of this size puts an
-/// eigenvalue on the circle, so none moves one across it. The circle is sampled.
-fn root_bound(problem: &Measure, found: &[State], members: &[usize]) -> f64 {
-    let s = &problem.scaled;
-    let count = members.len() as f64;
-    let mean = members.iter().map(|&j| found[j].sigma).sum::<Complex<f64>>() / count;
-    let spread = members.iter().map(|&j| (found[j].sigma - mean).norm()).fold(0.0, f64::max);
-    let error = members.iter().map(|&j| found[j].scaled_error).fold(UNIT_ROUNDOFF, f64::max);
-    let mut radius = (1.1 * spread).max((FIRST_ORDER_SAFETY * error).powf(1.0 / count) * mean.norm() / 8.0);
-    while radius < mean.norm() {
-        let free = (0..POINTS_ON_CIRCLE).all(|k| {
-            let at = mean + Complex::from_polar(radius, (k as f64 + 0.5) * TAU / POINTS_ON_CIRCLE as f64);
-            Factor::new(s, at).smallest() > FIRST_ORDER_SAFETY * error * s.norms.size(at.norm())
-        });
-        if free {
-            // From a member to any point of the disc.
-            return radius + spread;
+/// An eigenvalue that the first-order bound holds for; the verdict in scaled units.
+fn decide_simple(problem: &Measure, state: &mut State, gap: f64) -> (f64, Verdict) {
+    let (bound, mut tolerance) = (state.first_order(), FIRST_ORDER_SAFETY * state.data_shift());
+    // Re sigma is known to this; sharp where that is no more than rounded data allow.
+    let (mut known_to, mut is_sharp) = (bound, false);
+    if state.sigma.re.abs() <= bound {
+        // Within the bound there is one eigenvalue.
+        if let Some((refined, left)) = problem.refine(state, bound.min(0.45 * gap)) {
+            (known_to, is_sharp) = (left, true);
+            *state = refined;
         }
-        radius *= 2.0;
+        let size = state.sigma.norm();
+        if size <= tolerance {
+            // Rounded data do not tell it from zero: so much for its real part.
+            tolerance += size;
+            (known_to, is_sharp) = (tolerance, true);
+        }
     }
-    f64::INFINITY
+    (bound, of_real_part(state.sigma, known_to, tolerance, is_sharp))
+}
+
+/// The members of a disc, whichever they are.
+fn by_disc(disc: Disc) -> Verdict {
+    let tolerance = disc.radius + disc.centre.re.abs();
+    match Verdict::of(disc.centre, disc.radius) {
+        Verdict::Undecided { .. } => of_real_part(disc.centre, tolerance, tolerance, true),
+        decided => decided,
+    }
+}
+
+/// The verdict on an eigenvalue whose real part is known to `known_to`, while rounding the data may move it by `tolerance`.
+fn of_real_part(sigma: Complex<f64>, known_to: f64, tolerance: f64, is_sharp: bool) -> Verdict {
+    let larger = known_to.max(tolerance);
+    match Verdict::of(sigma, larger) {
+        Verdict::Undecided { .. } if is_sharp && tolerance <= LARGEST_MARGINAL_TOLERANCE * sigma.norm().max(1.0) => {
+            Verdict::Marginal { tolerance }
+        }
+        verdict => verdict,
+    }
 }

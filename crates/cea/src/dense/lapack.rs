@@ -1,4 +1,4 @@
-//! LAPACK as an oracle and a peer to measure against, behind the feature `lapack` (system OpenBLAS).
+//! LAPACK as a reference for results and times, behind the feature `lapack` (system OpenBLAS).
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
@@ -24,14 +24,14 @@ impl EigenSolver for LapackSolver {
     }
 }
 
-/// Eigenvalues of a square matrix by `dgeev`, which balances it first; none where it fails.
+/// Eigenvalues of a square matrix by `dgeev`, which balances the matrix first; `None` where it fails.
 pub fn dgeev(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let found = Eigen::new(matrix, false, false)?;
     Some(found.eigenvalues_re.iter().zip(&found.eigenvalues_im).map(|(&re, &im)| Complex::new(re, im)).collect())
 }
 
-/// Eigenvalues of the pencil `a - lambda b` by `dggev`, which does not balance; none where it fails. Those with
-/// `beta = 0`, which it takes for infinite, are left out.
+/// Eigenvalues of the pencil `a - lambda b` by `dggev`, which does not balance; `None` where it fails. Eigenvalues with
+/// `beta = 0` are infinite and left out.
 pub fn dggev(a: DMatrix<f64>, b: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let found = GeneralizedEigen::try_new(a, b)?;
     let ratios = found.raw_eigenvalues();

@@ -10,7 +10,7 @@ use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
 /// One oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
-    /// lambda.
+    /// lambda, rad/s.
     pub lambda: Complex<f64>,
     /// phi, length n, `phi^H M phi = 1`, largest component real and positive.
     pub shape: DVector<Complex<f64>>,
@@ -25,7 +25,7 @@ impl Mode {
         Self::of_all(&[(system, lambdas)], work).remove(0)
     }
 
-    /// [`Mode::at`] of several systems, one result each: cheaper together.
+    /// [`Mode::at`] of several systems, one result each; cheaper than one call per system.
     pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
         let shapes = right_vectors_of_all(of, work);
         let modes = |(&(system, lambdas), shapes): (&(&SecondOrder, &[Complex<f64>]), Result<Vec<_>, _>)| {
@@ -34,7 +34,7 @@ impl Mode {
         of.iter().zip(shapes).map(modes).collect()
     }
 
-    /// The mode of `system` at `lambda` with a multiple of this shape.
+    /// The mode of `system` at `lambda` with this shape, normalised.
     #[must_use]
     pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
         fix_phase(&mut shape);

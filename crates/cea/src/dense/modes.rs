@@ -1,4 +1,4 @@
-//! Which eigenvalues are modes, and the two ways of numbering them by frequency.
+//! Which eigenvalues are modes, and the two ways of numbering modes by frequency.
 
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::DVector;
@@ -6,17 +6,18 @@ use num_complex::Complex;
 
 use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, right_vector};
 
-/// How far an eigenvalue may lie from the decay rate of its internal state, as a part of it, to be told by it alone.
-/// Chosen; it is asked only where there are just as many real eigenvalues as states.
+/// Largest distance of a real eigenvalue from minus the decay rate of an internal state, as a part of that rate, at which the
+/// eigenvalue is attributed to the state without its vector. Chosen; used only where there are as many real eigenvalues as states.
 const LARGEST_SHIFT_OF_DECAY: f64 = 0.5;
-/// |Im lambda| / |lambda| up to which an eigenvalue may be a real one that rounding has spread: that of a defective pair
-/// by 1.5e-8, of a triple by 6e-6. An oscillating mode below it has a damping ratio within 5e-9 of critical.
+/// Largest |Im lambda| / |lambda| of a multiple real eigenvalue that rounding has split into complex ones. Chosen: rounding
+/// splits a defective pair by 1.5e-8 and a triple by 6e-6, and an oscillating mode with a smaller ratio has a damping ratio
+/// within 5e-9 of critical.
 const LARGEST_SPREAD_OF_REAL: f64 = 1e-4;
 
 /// A spectrum sorted into modes of the structure and internal states.
 ///
-/// Internal (bristle) eigenvalues are never numbered, counted or drawn. They are told by their eigenvector, not by
-/// being real: an overdamped mode is real too.
+/// The eigenvalues of internal states are neither numbered nor counted. They are recognised by their eigenvectors, because the
+/// eigenvalues of an overdamped mode are real too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     /// Oscillating modes: the eigenvalue with Im lambda > 0 of each pair, ascending in frequency as [`rank_order`] has it, rad/s.
@@ -30,8 +31,8 @@ pub struct Modes {
 impl Modes {
     /// Sorts the spectrum of `system`.
     ///
-    /// Eigenvectors are computed only where counting leaves a doubt: where the real eigenvalues do not pair off with
-    /// the decay rates of the internal states.
+    /// Eigenvectors are computed only where the real eigenvalues are not as many as the internal states and near their decay
+    /// rates.
     ///
     /// # Errors
     /// Those of [`right_vector`].
@@ -47,7 +48,7 @@ impl Modes {
             let (oscillatory, real) = (spectrum.oscillatory().collect(), spectrum.real().collect());
             return Ok(Self { oscillatory, real, internal: Vec::new() });
         }
-        // Equal bristles make a multiple real eigenvalue, which rounding may turn into pairs just off the axis.
+        // Equal internal states make a multiple real eigenvalue, which rounding may split into complex pairs.
         let (near_real, far): (Vec<_>, Vec<_>) =
             spectrum.eigenvalues.iter().partition(|l| l.im.abs() <= LARGEST_SPREAD_OF_REAL * l.norm());
         if near_real.len() == system.states() && all_near_decay(&near_real, system) {
@@ -72,7 +73,7 @@ impl Modes {
         self.oscillatory.len() + self.overdamped()
     }
 
-    /// Overdamped modes, each two real eigenvalues.
+    /// Number of overdamped modes; each has two real eigenvalues.
     #[must_use]
     pub fn overdamped(&self) -> usize {
         self.real.len() / 2
@@ -86,14 +87,17 @@ impl Modes {
 }
 
 /// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
-/// its order. As [`Modes::rank`] of the one, by [`rank_order`]; equal eigenvalues rank in the order of their systems.
+/// its order. As [`Modes::rank`] of the one, by [`rank_order`]; of equal eigenvalues those of a system with fewer modes rank first,
+/// else those of the first system: not the last bit decides.
 #[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
     let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
     let places = |(system, modes): (usize, &&Modes)| (0..modes.oscillatory.len()).map(move |index| (system, index));
-    let all: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
-    let lambdas: Vec<Complex<f64>> = systems.iter().flat_map(|modes| modes.oscillatory.iter().copied()).collect();
+    let mut by_size: Vec<usize> = (0..systems.len()).collect();
+    by_size.sort_by_key(|&system| systems[system].oscillatory.len());
+    let all: Vec<(usize, usize)> = by_size.into_iter().flat_map(|system| places((system, &systems[system]))).collect();
+    let lambdas: Vec<Complex<f64>> = all.iter().map(|&(system, index)| systems[system].oscillatory[index]).collect();
     for (place, at) in rank_order(&lambdas).into_iter().enumerate() {
         let (system, index) = all[at];
         ranks[system][index] = overdamped + place + 1;
@@ -101,9 +105,9 @@ pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     ranks
 }
 
-/// Numbers of a mode among all 2 n eigenvalues ordered by |Im lambda|: 2 r - 1 and 2 r for rank r.
+/// The two numbers of a mode among all 2 n eigenvalues ordered by |Im lambda|: 2 r - 1 and 2 r for rank r.
 ///
-/// A paper that speaks of "mode 29" of a system with 30 degrees of freedom may mean rank 29 or, so, rank 15.
+/// "Mode 29" of a system with 30 degrees of freedom may be rank 29 or, in this numbering, rank 15.
 #[must_use]
 pub fn pair_numbers(rank: usize) -> (usize, usize) {
     (2 * rank - 1, 2 * rank)
@@ -117,7 +121,7 @@ fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
     real.iter().zip(&decay).all(|(l, a)| (l - a).abs() <= LARGEST_SHIFT_OF_DECAY * a.abs())
 }
 
-/// More than half of the scaled state vector is internal.
+/// Whether the internal states make up more than half of the squared norm of the scaled state vector.
 fn is_internal(
     system: &SecondOrder,
     form: &StandardForm,
@@ -127,7 +131,7 @@ fn is_internal(
     let decay = &system.internal.decay;
     let phi = match right_vector(system, lambda, work) {
         Ok(phi) => phi,
-        // A state that nothing couples to the structure has no structural vector: its eigenvalue is -a itself.
+        // A state that is not coupled to the structure has no structural vector, and its eigenvalue is -a exactly.
         Err(CeaError::NoEigenvector { .. }) if decay.iter().any(|a| (lambda + a).norm() <= 1e-6 * a) => {
             return Ok(true);
         }
@@ -179,9 +183,16 @@ mod tests {
             real: real.to_vec(),
             internal: Vec::new(),
         };
-        // Of the three real eigenvalues two are an overdamped mode, whichever system they are of.
+        // Of the three real eigenvalues, each of another system, two count as one overdamped mode.
         let systems = [modes(&[2.0, 5.0], &[-1.0]), modes(&[], &[-3.0]), modes(&[1.0, 2.0, 7.0], &[-4.0])];
         assert_eq!(ranks_together(&systems.each_ref()), [vec![3, 5], vec![], vec![2, 4, 6]]);
+        // Nor does it hang on rounding which of two equal frequencies is the lower one.
+        for rounding in [-4e-16, 0.0, 4e-16] {
+            let nearly = [modes(&[2.0 * (1.0 + rounding), 5.0], &[]), modes(&[1.0, 2.0], &[])];
+            assert_eq!(ranks_together(&nearly.each_ref()), [vec![2, 4], vec![1, 3]]);
+            let small_last = [modes(&[1.0, 2.0 * (1.0 + rounding)], &[]), modes(&[2.0], &[])];
+            assert_eq!(ranks_together(&small_last.each_ref()), [vec![1, 3], vec![2]]);
+        }
         let one = modes(&[1.0, 2.0, 2.0, 5.0, 7.0], &[-4.0, -3.0, -1.0]);
         assert_eq!(ranks_together(&[&one])[0], [0, 1, 2, 3, 4].map(|index| one.rank(index)));
     }

@@ -1,8 +1,8 @@
 //! Null vectors of many complex matrices at once, one matrix per lane.
 //!
-//! Householder's `Q = U R` needs no pivoting, so all lanes do the same; then inverse iteration with `R^H R = Q^H Q` finds
-//! the right singular vector of the smallest singular value, which is the vector of smallest backward error. U is not
-//! needed for it. 8/3 n^3 fused multiply-adds, and twice those of one LU factorisation that would need its rows exchanged.
+//! Householder's factorisation `Q = U R` needs no pivoting, so that all lanes run the same operations. Inverse iteration with
+//! `R^H R = Q^H Q` then finds the right singular vector of the smallest singular value, which is the vector of smallest
+//! backward error; U is not needed. The factorisation takes 8/3 n^3 fused multiply-adds, twice those of an LU factorisation.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -10,18 +10,18 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
 
-/// Inverse iterations with `Q^H Q`; the first does nearly all.
+/// Number of inverse iterations with `Q^H Q`; chosen: the first nearly converges.
 const SINGULAR_VECTOR_ITERATIONS: usize = 3;
 
-/// A unit vector x and `|Q x|`, after the last but one and the last step of the iteration.
+/// A unit vector x, and `|Q x|` after the last but one and after the last iteration.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NullVector {
     pub vector: DVector<Complex<f64>>,
     pub residuals: [f64; 2],
 }
 
-/// The vector that each matrix, all of one size, makes shortest, starting from `start`; `None` where its entries are
-/// too large or too small to be squared.
+/// The unit vector x with the least `|Q x|` for each matrix Q, all of one size, by iteration from `start`; `None` where the
+/// entries of a matrix are too large or too small to be squared.
 pub(crate) fn null_vectors(
     matrices: &[DMatrix<Complex<f64>>],
     start: &DVector<Complex<f64>>,
@@ -77,7 +77,7 @@ impl WithSimd for NullVectorsInLanes<'_> {
     }
 }
 
-/// One matrix in each lane, column by column; the spare lanes hold the first.
+/// Writes one matrix into each lane, column by column; the spare lanes hold the first matrix.
 #[inline(always)]
 fn fill<S: Simd>(r: &mut [[S::f64s; 2]], matrices: &[DMatrix<Complex<f64>>]) {
     let lanes = S::F64_LANES;
@@ -90,7 +90,7 @@ fn fill<S: Simd>(r: &mut [[S::f64s; 2]], matrices: &[DMatrix<Complex<f64>>]) {
     }
 }
 
-/// Overwrites the upper triangle with R: `H = I - g v v^H` in turn takes each column to a multiple of the unit vector.
+/// Overwrites the upper triangle with R, by a reflection `H = I - g v v^H` for each column in turn.
 #[inline(always)]
 fn factorise<S: Simd>(o: Ops<S>, r: &mut [[S::f64s; 2]], v: &mut [[S::f64s; 2]], n: usize) {
     let (zero, one) = (o.splat(0.0), o.splat(1.0));
@@ -148,7 +148,7 @@ fn reflect<S: Simd, const W: usize>(o: Ops<S>, columns: [&mut [[S::f64s; 2]]; W]
     }
 }
 
-/// What a diagonal entry of R counts at least: epsilon times the largest.
+/// Least size of a diagonal entry of R in a division: epsilon times the largest entry.
 #[inline(always)]
 fn floor<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], n: usize) -> S::f64s {
     let mut largest = o.splat(0.0);
@@ -158,7 +158,7 @@ fn floor<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], n: usize) -> S::f64s {
     o.mul(o.sqrt(largest), o.splat(f64::EPSILON))
 }
 
-/// `d / |d|^2`, for the division by a diagonal entry or its conjugate; one that vanishes counts as `floor`.
+/// `d / |d|^2`, for the division by a diagonal entry or its conjugate; an entry that vanishes counts as `floor`.
 #[inline(always)]
 fn inverse<S: Simd>(o: Ops<S>, d: [S::f64s; 2], floor: S::f64s) -> ComplexLanes<S::f64s> {
     let zero = o.splat(0.0);
@@ -168,7 +168,7 @@ fn inverse<S: Simd>(o: Ops<S>, d: [S::f64s; 2], floor: S::f64s) -> ComplexLanes<
     scale(o, d, o.div(o.splat(1.0), square(o, d, zero)))
 }
 
-/// x becomes `(R^H R)^-1 x` at unit length.
+/// Replaces x by `(R^H R)^-1 x`, scaled to unit length.
 #[inline(always)]
 fn iterate<S: Simd>(o: Ops<S>, r: &[[S::f64s; 2]], x: &mut [[S::f64s; 2]], floor: S::f64s) {
     let n = x.len();
@@ -224,7 +224,7 @@ mod tests {
     use nalgebra::dvector;
     use pulp::Scalar;
 
-    /// Entries in the unit square without a pattern.
+    /// Pseudo-random entries in the unit square.
     fn noise(rows: usize, columns: usize, seed: u64) -> DMatrix<Complex<f64>> {
         let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
         let mut next = || {

@@ -4,15 +4,15 @@ use linsys::SecondOrder;
 
 use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, certified, francis, sort};
 
-/// QR steps allowed per eigenvalue: LAPACK's cap. A healthy matrix takes 2 to 4; clusters of equal bristles have been
-/// seen to take more than 60.
+/// Most QR steps per eigenvalue: LAPACK's limit. Most matrices take 2 to 4; clusters of equal internal states have been seen
+/// to take more than 60.
 pub(crate) const MOST_QR_STEPS: usize = 300;
 
-/// One system at a time by Francis' QR iteration on the [`StandardForm`], with a cap on its steps.
+/// One system at a time by Francis' QR iteration on the [`StandardForm`], with a limit on its steps.
 ///
 /// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster, the
 /// iteration has no digits left for slow eigenvalues: [`certified::solve`] and [`certified::certify`] take its place, up to a
-/// hundred times slower.
+/// hundred times slower; a [`Workspace`] may bound how often.
 ///
 /// ```
 /// use cea::{EigenSolver, QrSolver, Workspace};
@@ -36,7 +36,13 @@ impl EigenSolver for QrSolver {
         let form = StandardForm::new(system)?;
         let (gamma, dimension) = (form.gamma, form.state.nrows());
         let scale = gamma * form.state.norm();
+        let ratio = form.steepness();
         let Some(blocks) = form.into_blocks() else {
+            let solves = work.counters.certified_solves;
+            if work.most_certified_solves.is_some_and(|most| solves >= most) {
+                return Err(CeaError::TooStiff { ratio, solves });
+            }
+            work.counters.certified_solves += 1;
             let spectrum = certified::solve(system, work)?;
             let certified = certified::certify(system, &spectrum, work)?;
             let mut eigenvalues: Vec<_> = certified.eigenvalues.iter().map(|c| c.lambda).collect();
@@ -101,15 +107,29 @@ mod tests {
     }
 
     #[test]
+    fn a_workspace_bounds_how_often_more_digits_are_called_for() {
+        let system = |c: f64| SecondOrder::new(dmatrix![1.0], dmatrix![c], dmatrix![1.0]).unwrap();
+        let mut work = Workspace::with_most_certified_solves(2);
+        for _ in 0..2 {
+            assert!(QrSolver.eigenvalues(&system(1e6), &mut work).is_ok());
+        }
+        let refused = QrSolver.eigenvalues(&system(1e6), &mut work);
+        assert!(matches!(refused, Err(CeaError::TooStiff { solves: 2, ratio }) if ratio > 9e5), "{refused:?}");
+        // What needs none is solved as ever.
+        assert!(QrSolver.eigenvalues(&system(1.0), &mut work).is_ok());
+        assert_eq!(work.counters.certified_solves, 2);
+    }
+
+    #[test]
     fn a_fast_state_leaves_the_vibration_its_digits() {
-        // (lambda^2 + 4)(lambda + a) - a f lambda = 0 with f = 1e-3: as a grows, a dashpot of -f.
+        // (lambda^2 + 4)(lambda + a) - a f lambda = 0 with f = 1e-3: for large a the state acts as a dashpot of -f.
         for a in [1e4, 1e7, 1e10, 1e13] {
             let internal = Internal { decay: dvector![a], drive: dmatrix![a.sqrt()], force: dmatrix![1e-3 * a.sqrt()] };
             let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
             let found = eigenvalues(&system);
             let gain = system.internal.drive[0] * system.internal.force[0];
             let vibration = found.iter().find(|l| l.im > 0.0).unwrap();
-            // Newton's correction to the eliminated equation, which has no large numbers in it.
+            // Newton's correction of the equation with the state eliminated, which has no large coefficients.
             let q = vibration * vibration + 4.0 - vibration * gain / (vibration + a);
             assert!((q / (2.0 * vibration)).norm() < 2e-15, "{a:e}: {q}");
         }

@@ -1,10 +1,10 @@
-//! The scaled standard form: without it a QR iteration loses eight digits on a physical system.
+//! The scaled standard form. Without scaling, a QR iteration loses eight digits on a physical system.
 //!
-//! Two exact changes of variables precede every solve. The mass matrix is taken out symmetrically,
+//! Two exact changes of variables precede every solve. The mass matrix is eliminated symmetrically,
 //! `y = L^T u` with `M = L L^T`, so that a symmetric stiffness stays symmetric; and time is measured in units of
 //! `1 / gamma` with `gamma = sqrt(|K~| / |M~|)`, `M~ = I` (Fan, Lin, Van Dooren, SIAM J. Matrix Anal. Appl. 26,
-//! 2004), so that stiffness and mass have the same weight whatever the units. With `p = y' / gamma` and internal
-//! states scaled so that what drives them and what they drive weigh the same:
+//! 2004), so that stiffness and mass have the same norm in any units. With `p = y' / gamma` and internal
+//! states scaled by d so that their rows and columns have the same norm:
 //!
 //! ```text
 //!     d  [y]   [     0            I          0     ] [y]
@@ -18,17 +18,17 @@ use nalgebra::{DMatrix, DVector};
 use super::split::split;
 use crate::CeaError;
 
-/// Largest `|C~| / gamma`, Frobenius norm, that a QR iteration is used for: a slow eigenvalue that strong dashpots leave
-/// has the square of it as a factor on its error.
+/// Largest `|C~| / gamma`, Frobenius norm, for which a QR iteration is used; chosen: the error of a slow eigenvalue grows with
+/// the square of this ratio.
 pub(crate) const STRONGEST_DAMPING: f64 = 100.0;
-/// Largest `a / gamma` of a state that the scalar iteration takes with the rest. It errs by rounding errors of the fastest
-/// state; splitting that off costs next to nothing.
+/// Largest `a / gamma` of an internal state that the scalar iteration does not split off; chosen: the iteration errs by rounding
+/// errors of the fastest state, and a split costs little.
 const FASTEST_STATE_UNSPLIT: f64 = 40.0;
-/// The same for the batched iteration, which has no split: 128 times condition number times epsilon was the worst of its
-/// errors up to here, and to hand a lane back costs several spectra.
+/// Largest `a / gamma` of an internal state in the batched iteration, which has no split; chosen: up to here its largest error
+/// was 128 times condition number times epsilon, and solving a system by the scalar route instead costs several spectra.
 pub(crate) const FASTEST_STATE_IN_LANE: f64 = 100.0;
 
-/// A state matrix of order one, and what its eigenvalues must be multiplied by.
+/// A state matrix with a norm of order one, and the unit of its eigenvalues.
 #[derive(Debug, Clone)]
 pub struct StandardForm {
     /// The scaled state matrix, (2 n + s) x (2 n + s), states ordered y, p, z.
@@ -88,13 +88,13 @@ impl StandardForm {
         Ok(Self { state, gamma, state_weights })
     }
 
-    /// Dashpots or internal states are so much faster than the rest that the batched iteration would lose digits.
+    /// Whether dashpots or internal states are so much faster than the vibrations that the batched iteration would lose digits.
     pub(crate) fn is_steep(&self) -> bool {
         self.is_strongly_damped() || self.fastest_state() > FASTEST_STATE_IN_LANE
     }
 
-    /// Matrices that a QR iteration can take, whose eigenvalues together are those of the state matrix; none where the
-    /// dashpots or some but not all of the states are too fast.
+    /// Matrices for a QR iteration whose eigenvalues together are those of the state matrix; `None` where the dashpots are too
+    /// strong, or some but not all internal states are too fast.
     pub(crate) fn into_blocks(self) -> Option<Vec<DMatrix<f64>>> {
         if self.is_strongly_damped() {
             None
@@ -105,9 +105,19 @@ impl StandardForm {
         }
     }
 
+    /// How much faster dashpots or internal states are than the rest.
+    pub(crate) fn steepness(&self) -> f64 {
+        self.damping().max(self.fastest_state())
+    }
+
     fn is_strongly_damped(&self) -> bool {
+        self.damping() > STRONGEST_DAMPING
+    }
+
+    /// `|C~| / gamma`, Frobenius norm.
+    fn damping(&self) -> f64 {
         let n = (self.state.nrows() - self.state_weights.len()) / 2;
-        self.state.view((n, n), (n, n)).norm() > STRONGEST_DAMPING
+        self.state.view((n, n), (n, n)).norm()
     }
 
     fn fastest_state(&self) -> f64 {
@@ -116,7 +126,7 @@ impl StandardForm {
     }
 }
 
-/// The root L of a mass matrix `M = L L^T`, which takes it out of the equations: with `y = L^T u` the mass is the identity.
+/// The factor L of a mass matrix `M = L L^T`: in the coordinates `y = L^T u` the mass matrix is the identity.
 pub(crate) enum MassRoot {
     /// `L^-1` of a diagonal mass matrix.
     Diagonal(DVector<f64>),
@@ -135,7 +145,7 @@ impl MassRoot {
         }
     }
 
-    /// `L^-1 a`: what acts as a force.
+    /// `L^-1 a`, the transformation of forces.
     pub(crate) fn force(&self, a: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
         match self {
             Self::Diagonal(w) => Ok(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * w[i])),
@@ -145,7 +155,7 @@ impl MassRoot {
         }
     }
 
-    /// `a L^-T`: what reads displacements or velocities.
+    /// `a L^-T`, the transformation of readings of displacements or velocities.
     pub(crate) fn reading(&self, a: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
         match self {
             Self::Diagonal(w) => Ok(DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * w[j])),
@@ -165,10 +175,8 @@ fn cholesky(m: &DMatrix<f64>) -> Result<DMatrix<f64>, CeaError> {
     if let Some(row) = (0..m.nrows()).find(|&i| (0..i).any(|j| (m[(i, j)] - m[(j, i)]).abs() > tolerance)) {
         return Err(CeaError::MassNotPositiveDefinite { row: row + 1 });
     }
-    let first_bad = || {
-        // The leading minor that fails, for the message.
-        (1..=m.nrows()).find(|&k| m.view((0, 0), (k, k)).into_owned().cholesky().is_none()).unwrap_or(m.nrows())
-    };
+    let first_bad =
+        || (1..=m.nrows()).find(|&k| m.view((0, 0), (k, k)).into_owned().cholesky().is_none()).unwrap_or(m.nrows());
     match m.clone().cholesky() {
         Some(factor) => Ok(factor.unpack()),
         None => Err(CeaError::MassNotPositiveDefinite { row: first_bad() }),

@@ -1,4 +1,4 @@
-//! The seam between those who need eigenvalues and the solvers that compute them.
+//! The trait of the solvers that compute all eigenvalues of a system.
 
 use linsys::SecondOrder;
 
@@ -6,13 +6,12 @@ use crate::{CeaError, Spectrum, Workspace};
 
 /// Finds all eigenvalues of a second-order system.
 ///
-/// Eigenvectors are another matter: [`right_vector`](crate::right_vector) and
-/// [`left_vector`](crate::left_vector) find those that a scene asks for, whatever the solver.
+/// Eigenvectors are computed separately, by [`right_vector`](crate::right_vector) and [`left_vector`](crate::left_vector).
 pub trait EigenSolver: Sync {
     /// All 2 n + s eigenvalues.
     ///
     /// # Errors
-    /// What the route cannot do (a singular mass matrix, say), or no convergence.
+    /// A system that the solver does not support (one with a singular mass matrix, for example), or no convergence.
     fn eigenvalues(&self, system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError>;
 
     /// The eigenvalues of several systems of one shape; `out` is cleared and filled in their order.

@@ -1,24 +1,23 @@
-//! Internal states that decay fast, split off exactly: what remains has the norm of the vibrations.
+//! Splits fast internal states off a state matrix, exactly; the remaining matrix has the norm of the vibrations.
 //!
-//! A QR iteration errs by rounding errors of the norm of its matrix, so a state a thousand times faster than the
-//! vibrations costs them three digits. With the fast states last, the similarity
+//! A QR iteration errs by rounding errors of the norm of its matrix, so that a state a thousand times faster than the
+//! vibrations costs the vibrations three digits. With the fast states last, the similarity
 //!
 //! ```text
 //! [ I  0 ] [ A11  A12 ] [ I  0 ]   [ A11 + A12 L      A12      ]
 //! [ -L I ] [ A21  A22 ] [ L  I ] = [      0       A22 - L A12  ],     A22 L = L (A11 + A12 L) - A21
 //! ```
 //!
-//! takes them apart. A22 is diagonal and large, so that the equation for L is its own fixed-point iteration, with a
+//! separates the two blocks. A22 is diagonal and large, so that the equation for L is solved by fixed-point iteration, with a
 //! contraction of about `|A11| / |A22|` (the slow manifold of singular perturbation theory; Kokotovic, Automatica 11,
 //! 1975).
 
 use nalgebra::DMatrix;
 
-/// Steps of the fixed-point iteration; each gains the ratio of slow to fast, and at a ratio of one half, the worst that
-/// is gone on with, 53 reach rounding.
+/// Most steps of the fixed-point iteration: at a contraction of one half, the slowest accepted, 53 steps reach rounding.
 const MOST_FIXED_POINT_STEPS: usize = 60;
 
-/// `A11 + A12 L` and `A22 - L A12` for the last `fast` states, or nothing where they are not fast enough to converge.
+/// `A11 + A12 L` and `A22 - L A12` for the last `fast` states; `None` where they are too slow for the iteration to converge.
 pub(crate) fn split(state: &DMatrix<f64>, fast: usize) -> Option<[DMatrix<f64>; 2]> {
     let slow = state.nrows() - fast;
     let (a11, a12) = (state.view((0, 0), (slow, slow)), state.view((0, slow), (slow, fast)));
@@ -34,7 +33,6 @@ pub(crate) fn split(state: &DMatrix<f64>, fast: usize) -> Option<[DMatrix<f64>; 
         if step <= 4.0 * f64::EPSILON * l.norm() {
             return Some([a11 + a12 * &l, a22 - &l * a12]);
         }
-        // A contraction by half is the least that is worth the rounding errors of the steps.
         if step.is_nan() || step > 0.5 * last {
             return None;
         }

@@ -1,8 +1,7 @@
 //! Chosen eigenvectors by inverse iteration on the n x n matrix `Q(lambda)`.
 //!
-//! A Schur form with vectors costs twice one without, and most scenes want none or a few. One factorisation of
-//! `Q(lambda)`, internal states eliminated, gives the right or the left vector of one eigenvalue (Ipsen, SIAM
-//! Review 39, 1997).
+//! A Schur form with vectors costs twice one without, and most analyses need few vectors. One factorisation of `Q(lambda)`,
+//! internal states eliminated, gives the right or the left vector of one eigenvalue (Ipsen, SIAM Review 39, 1997).
 
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
@@ -11,10 +10,10 @@ use num_complex::Complex;
 use super::null_vectors::{NullVector, null_vectors};
 use crate::{CeaError, Workspace};
 
-/// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes,
-/// a number that is none does not.
+/// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes, a
+/// number that is no eigenvalue does not.
 const LARGEST_BACKWARD_ERROR: f64 = 1e-9;
-/// Solves with one factorisation; one nearly always does.
+/// Most solves with one factorisation; chosen: one nearly always suffices.
 const MOST_INVERSE_ITERATIONS: usize = 4;
 
 /// phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
@@ -57,10 +56,10 @@ pub fn right_vectors(
 
 /// [`right_vectors`] of several systems, one result each; those of one size share the vector registers.
 ///
-/// A vector does not depend on its neighbours, to the last bit, but on earlier, nearly equal eigenvalues of its own system.
-/// Inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector comes
-/// out parallel to that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to it; where
-/// this leaves no vector (a defective pair) the parallel one stands, as it should.
+/// A vector does not depend on other systems, to the last bit, but on earlier, nearly equal eigenvalues of its own system:
+/// inverse iteration alone would find the same vector twice where an eigenvalue is multiple. Where a vector is parallel to
+/// that of an earlier, nearly equal eigenvalue, the iteration is repeated orthogonally to the earlier vector; where this finds
+/// no vector (a defective pair), the parallel one is kept.
 pub fn right_vectors_of_all(
     of: &[(&SecondOrder, &[Complex<f64>])],
     work: &mut Workspace,
@@ -112,9 +111,9 @@ fn make_independent(
     }
 }
 
-/// The right singular vector of the smallest singular value of each of some n x n matrices, unit length: where `Q(lambda)` is
-/// nearly singular, the vector of smallest backward error. All in one batch; `None` where the entries of a matrix are too
-/// large or too small to be squared. Counts as one factorisation each.
+/// The right singular vector (unit length) of the smallest singular value of each of some n x n matrices, in one batch: for a
+/// nearly singular `Q(lambda)` the vector of smallest backward error. `None` where the entries of a matrix are too large or too
+/// small to be squared. Counts as one factorisation per matrix.
 pub fn singular_vectors(
     matrices: &[DMatrix<Complex<f64>>],
     work: &mut Workspace,
@@ -132,8 +131,8 @@ pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<
     (system.dynamic_stiffness(lambda) * phi).norm() / (size(system, lambda) * phi.norm())
 }
 
-/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the states' share, the size of a perturbation of order one.
-pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+/// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of the internal states: the norm that backward errors are relative to.
+fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
     let l = lambda.norm();
     let states = (0..system.states()).map(|s| {
         let gain = (lambda / (lambda + system.internal.decay[s])).norm();
@@ -165,7 +164,7 @@ fn null_vector(
         }
     };
     let factor = q.clone().lu();
-    // An exactly singular Q has a zero pivot; a pivot of rounding size gives the same vector.
+    // An exactly singular Q has a zero pivot; adding a rounding error gives a factorisation with the same null vector.
     let factor = if factor.is_invertible() {
         factor
     } else {
@@ -196,8 +195,8 @@ fn null_vector(
     Ok(x)
 }
 
-/// Any start with a part along the vector will do; this one has no symmetry to be orthogonal to it by, and differs
-/// from the start that found the vectors to avoid.
+/// The start of an inverse iteration: a vector without the symmetries by which it could be orthogonal to an eigenvector. It
+/// depends on the number of vectors to avoid, so that it differs from the starts that found those.
 pub(crate) fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
     DVector::from_fn(n, |i, _| {
         let angle = 2.399_963_229_728_653 * (i as f64 + 1.0) * (i + 2 + to_avoid) as f64;
@@ -205,12 +204,12 @@ pub(crate) fn start(n: usize, to_avoid: usize) -> DVector<Complex<f64>> {
     })
 }
 
-/// From the last two backward errors: at rounding, or small and no longer falling.
+/// Whether the last backward error is at rounding, or small and hardly less than the one before.
 fn has_converged([before, now]: [f64; 2]) -> bool {
     now <= 1e-14 || (now <= LARGEST_BACKWARD_ERROR && now >= 0.5 * before)
 }
 
-/// Turns the largest component real and positive.
+/// Multiplies by a phase that makes the largest component real and positive.
 pub(crate) fn fix_phase(x: &mut DVector<Complex<f64>>) {
     let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
     let largest = x.iter().fold(Complex::from(0.0), larger);

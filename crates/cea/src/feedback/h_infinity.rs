@@ -1,5 +1,5 @@
-//! How much may be added to a stable system before any eigenvalue can cross the axis: a bound of the H-infinity norm,
-//! certified up to rounding (docs/error-bounds.md, section 12).
+//! A bound of the H-infinity norm of a stable system, certified up to rounding: the size of a change below which no eigenvalue
+//! can cross the imaginary axis (docs/error-bounds.md, section 12).
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
@@ -8,27 +8,27 @@ use num_complex::Complex;
 use crate::dense::{MOST_QR_STEPS, MassRoot};
 use crate::{CeaError, StandardForm, Workspace, francis};
 
-/// How far above the largest gain that was seen the next bound is tried. Only a bound above the peak passes, so
-/// that this one per cent is given up for having few to try.
+/// The ratio of the next bound tried to the largest gain found so far; chosen: a larger ratio needs fewer attempts, and makes the
+/// bound less tight by as much.
 const ABOVE_SEEN: f64 = 1.01;
-/// The factor from the bound that passed to the one that is given, for rounding in the gains and in the
-/// Hamiltonian's eigenvalues. Chosen: the rounding is bounded to first order, its constant is not.
+/// Safety factor on the bound that passed, for rounding errors in the gains and in the eigenvalues of the Hamiltonian matrix;
+/// chosen: these errors are known to be of first order in epsilon, their constant is not.
 const ROUNDING_RESERVE: f64 = 1.01;
-/// An eigenvalue nearer to the axis than this part of the matrix's norm counts as on it: a pair that a rounding error
-/// splits moves by the square root of it, sqrt(2.2e-16) = 1.5e-8.
+/// An eigenvalue nearer to the axis than this part of the matrix norm counts as on the axis: the square root of epsilon,
+/// sqrt(2.2e-16) = 1.5e-8, by which a rounding error moves a double eigenvalue.
 const ON_AXIS: f64 = 1.5e-8;
-/// Bounds tried before the search is given up; it converges quadratically and takes two or three.
+/// Most bounds tried; chosen: the search converges quadratically and takes two or three.
 const MOST_BOUNDS: usize = 12;
 
-/// Where a change of a system may enter: `Q(lambda) = Q_0(lambda) + force Delta (position + lambda velocity)`, with
-/// Delta any complex m x p matrix.
+/// The channels of a change Delta, any complex m x p matrix, of a system:
+/// `Q(lambda) = Q_0(lambda) + force Delta (position + lambda velocity)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channels {
-    /// The forces through which a change acts, n x m.
+    /// Directions of the forces that the change applies, n x m.
     pub force: DMatrix<f64>,
-    /// What it reads of the displacements, p x n.
+    /// The displacements that the change depends on, p x n.
     pub position: DMatrix<f64>,
-    /// What it reads of the velocities, p x n.
+    /// The velocities that the change depends on, p x n.
     pub velocity: DMatrix<f64>,
 }
 
@@ -89,17 +89,17 @@ impl AxisMargins {
     }
 }
 
-/// Why [`h_infinity_norm_bound`] has none to give.
+/// Why [`h_infinity_norm_bound`] gives no bound.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoNormBound {
-    /// The system itself may be unstable: an eigenvalue is not left of the axis by more than a rounding error may move it.
+    /// The system itself may be unstable: an eigenvalue lies nearer to the axis than a rounding error may move it, or right of it.
     #[error("the system itself is not surely stable: its rightmost eigenvalue has Re lambda = {rightmost:e} 1/s")]
     NotSurelyStable {
         /// The largest real part, rad/s.
         rightmost: f64,
     },
-    /// The channels have no gain at any frequency that was looked at: what they act on they do not read.
+    /// The gain is zero at every eigenfrequency: the readings do not respond to the forces.
     #[error("the channels have no gain at any eigenfrequency")]
     NoGain,
     /// The gain overflows, or Q is singular to rounding on the axis.
@@ -108,25 +108,25 @@ pub enum NoNormBound {
     /// The QR iteration on the state matrix or on the Hamiltonian did not converge.
     #[error("the QR iteration did not converge")]
     NoConvergence,
-    /// Every bound tried was crossed.
+    /// The gain exceeds every bound tried.
     #[error("none of {tried} bounds was found to be above the gain")]
     BoundsExhausted {
-        /// How many were tried.
+        /// Number of bounds tried.
         tried: usize,
     },
 }
 
-/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies: while `|Delta| < 1 / g` in the 2-norm, also with Delta a function of lambda, no
-/// eigenvalue has `Re lambda >= 0`. Certified up to rounding, with the reserves that this file's constants say; or the reason
-/// for which no g is given.
+/// A bound g of the H-infinity norm of the channels, the largest gain over all frequencies; or the reason why there is none.
+/// While `|Delta| < 1 / g` in the 2-norm, also where Delta is a function of lambda, no eigenvalue has `Re lambda >= 0`. The bound
+/// is certified up to rounding errors, for which it has a reserve of one per cent.
 ///
 /// With `T(lambda) = (position + lambda velocity) Q_0(lambda)^-1 force`, `det Q = det Q_0 det(I + Delta T)`, which does
 /// not vanish where `|Delta| |T| < 1` (small gain: Zames, IEEE Trans. Autom. Control 11, 1966). T has no pole in
-/// `Re lambda >= 0` and vanishes at infinity, so |T| is largest on the axis. It stays below g there just if the
+/// `Re lambda >= 0` and vanishes at infinity, so |T| is largest on the axis. |T| stays below g on the axis if and only if the
 /// Hamiltonian matrix of the standard form, `[A, B B^T / g; -C^T C / g, -A^T]`, has no eigenvalue on the axis (Boyd,
-/// Balakrishnan, Kabamba, Math. Control Signals Systems 2, 1989). Where it has some, |T| at the middle between them is the
-/// next bound to try (Bruinsma, Steinbuch, Systems & Control Letters 14, 1990). The g given is at most some 2 per cent
-/// above the largest |T|.
+/// Balakrishnan, Kabamba, Math. Control Signals Systems 2, 1989). Where the matrix has eigenvalues there, |T| in the middle
+/// between neighbouring ones gives the next bound to try (Bruinsma, Steinbuch, Systems & Control Letters 14, 1990). The bound g
+/// is about 2 per cent above the largest |T| at most.
 ///
 /// # Errors
 /// [`CeaError::MassNotPositiveDefinite`], and [`CeaError::Channels`] for internal states in the system or channels of another
@@ -145,7 +145,7 @@ pub fn h_infinity_norm_bound(
     let Some(poles) = francis::eigenvalues(state.clone(), MOST_QR_STEPS) else {
         return Ok(Err(NoNormBound::NoConvergence));
     };
-    // Not `re >= -near`, which a NaN would pass.
+    // Written so that a NaN is refused too.
     if !poles.iter().all(|pole| pole.re < -near) {
         let rightmost = poles.iter().map(|pole| pole.re * gamma).fold(f64::NEG_INFINITY, f64::max);
         return Ok(Err(NoNormBound::NotSurelyStable { rightmost }));
@@ -177,7 +177,7 @@ pub fn h_infinity_norm_bound(
             return Ok(Ok(NormBound { bound: ROUNDING_RESERVE * bound, margins }));
         }
         crossings.sort_unstable_by(f64::total_cmp);
-        // Two that rounding has merged have nothing higher between them: the next bound is higher in any case.
+        // Crossings that rounding has merged have no middle to look at; `bound` makes the next bound higher in any case.
         seen = crossings.windows(2).map(|pair| gain(0.5 * (pair[0] + pair[1]), work)).fold(bound, f64::max);
     }
     Ok(Err(NoNormBound::BoundsExhausted { tried: MOST_BOUNDS }))
@@ -192,12 +192,11 @@ fn gain_at(system: &SecondOrder, channels: &Channels, omega: f64, work: &mut Wor
     };
     let reading = channels.position.zip_map(&channels.velocity, |p, v| p + lambda * v);
     let transfer = reading * response;
-    // The largest singular value from the smaller side, squared.
     let square = transfer.adjoint() * &transfer;
     square.symmetric_eigenvalues().max().max(0.0).sqrt()
 }
 
-/// What its parts are at g = 1.
+/// The blocks of the Hamiltonian matrix at g = 1: A, B B^T and C^T C.
 struct Hamiltonian<'a> {
     state: &'a DMatrix<f64>,
     into: DMatrix<f64>,
@@ -205,7 +204,7 @@ struct Hamiltonian<'a> {
 }
 
 impl<'a> Hamiltonian<'a> {
-    /// The channels in the standard form, whose states are y and `y' / gamma`, its time in units of 1 / gamma.
+    /// Transforms the channels to the standard form, whose states are y and `y' / gamma`, with time in units of 1 / gamma.
     fn new(state: &'a DMatrix<f64>, gamma: f64, root: &MassRoot, channels: &Channels) -> Result<Self, CeaError> {
         let n = state.nrows() / 2;
         let force = root.force(&channels.force)? / (gamma * gamma);
@@ -218,7 +217,7 @@ impl<'a> Hamiltonian<'a> {
 
     fn at(&self, bound: f64) -> DMatrix<f64> {
         let order = self.state.nrows();
-        // The similarity diag(I, w I) gives the two off-diagonal blocks one norm.
+        // The similarity diag(I, w I) gives the two off-diagonal blocks the same norm.
         let weight = (self.out_of.norm() / self.into.norm()).sqrt();
         DMatrix::from_fn(2 * order, 2 * order, |i, j| match (i < order, j < order) {
             (true, true) => self.state[(i, j)],
@@ -319,10 +318,10 @@ mod tests {
                 let re = most(&system.c + &into * &channels.velocity, &system.k + &into * &channels.position);
                 prop_assert!(re < 0.0, "{re:e}");
             }
-            // The bound is tight for complex changes: within three per cent Q is singular at some point of the axis.
+            // The bound is within three per cent of the largest gain on the axis.
             let mut work = Workspace::default();
             let grid = (0..20_000).map(|i| 3.0 * f64::from(i) / 2e4);
-            // A resonance of little damping is narrower than the grid.
+            // A lightly damped resonance is narrower than the grid and gets a finer one.
             let poles = QrSolver.eigenvalues(&system, &mut work).unwrap().eigenvalues;
             let fine = poles.iter().flat_map(|pole| (-60..=60).map(|i| pole.im + 0.05 * f64::from(i) * pole.re));
             let peak = grid.chain(fine).map(|omega| gain_at(&system, &channels, omega, &mut work)).fold(0.0, f64::max);

@@ -1,5 +1,5 @@
-//! Structures with feedback, friction among others: a bound within which nothing becomes unstable, and the growing modes
-//! without a spectrum.
+//! Structures with feedback, such as friction: a bound of the feedback below which no mode becomes unstable, and the growing
+//! modes without a spectrum.
 
 mod h_infinity;
 mod secular;

@@ -3,7 +3,7 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::first_order::{NEAR_AXIS, bounded};
+use super::screen::{Judge, is_clear};
 use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 
 /// One eigenvalue, what its error is at most, and whether its motion grows.
@@ -11,7 +11,7 @@ use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
 pub struct JudgedEigenvalue {
     /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
     pub lambda: Complex<f64>,
-    /// What |lambda - exact| is estimated not to exceed, rad/s.
+    /// What |lambda - exact| does not exceed, rad/s, certified up to rounding; infinite where nothing encloses it.
     pub bound: f64,
     /// Whether its motion grows.
     pub verdict: Verdict,
@@ -61,7 +61,7 @@ impl StabilityCensus {
 
 /// Which eigenvalues of a system grow, which are damped, and of which this cannot be said.
 ///
-/// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the first-order
+/// The fast route comes first: [`QrSolver`], and for each eigenvalue that is not clearly left of the axis the
 /// bound of [`verdict`](crate::verdict). Where this leaves one eigenvalue undecided (undamped systems have all theirs on
 /// the axis), or the route cannot solve the system at all (a singular M), [`certified::solve`] and [`certified::certify`]
 /// judge them all, some ten times slower.
@@ -91,7 +91,7 @@ impl StabilityCensus {
 /// A malformed system, and those of [`certified::solve`] and [`certified::certify`].
 pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
     system.check()?;
-    match by_first_order_bounds(system, work) {
+    match by_single_bounds(system, work) {
         // What the fast route cannot do is no error: the general one may.
         Ok(Some(census)) => Ok(census),
         Ok(None) | Err(_) => by_certificates(system, work),
@@ -99,20 +99,17 @@ pub fn stability_census(system: &SecondOrder, work: &mut Workspace) -> Result<St
 }
 
 /// `None` as soon as one eigenvalue is left undecided.
-fn by_first_order_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
+fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option<StabilityCensus>, CeaError> {
     let spectrum = QrSolver.eigenvalues(system, work)?;
-    let near_axis = NEAR_AXIS * spectrum.scale;
-    let mut census = StabilityCensus::default();
+    let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, &spectrum));
     for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
-        if lambda.re < -near_axis {
+        if lambda.re < 0.0 && is_clear(lambda, &spectrum) {
             census.damped += 1;
             continue;
         }
-        let (lambda, bound) = bounded(system, lambda, work)?;
-        match Verdict::of(lambda, bound) {
-            verdict @ (Verdict::Stable | Verdict::Unstable) => {
-                census.enter(JudgedEigenvalue { lambda, bound, verdict })
-            }
+        let judged = judge.bounded(lambda, work)?;
+        match judged.verdict {
+            Verdict::Stable | Verdict::Unstable => census.enter(judged),
             _ => return Ok(None),
         }
     }

@@ -1,7 +1,7 @@
 //! Whether motions grow: the verdict on one eigenvalue, the census of a system.
 
 mod census;
-mod first_order;
+mod screen;
 
 pub use census::{JudgedEigenvalue, StabilityCensus, stability_census};
-pub use first_order::verdict;
+pub use screen::{verdict, verdicts};

@@ -1,4 +1,4 @@
-//! Chains with feedback, and what QR says of them.
+//! Chains with feedback, and their modes by QR.
 
 use cea::{Anchors, EigenSolver, Feedback, Gain, Growing, LeftOpen, QrSolver, Secular, Spectrum, Workspace};
 use linsys::{Internal, SecondOrder};
@@ -44,7 +44,7 @@ pub fn brake(damping: impl Strategy<Value = f64>, dashpots: f64) -> impl Strateg
 }
 
 impl Brake {
-    /// The whole system, for a spectrum of its own.
+    /// The system with feedback.
     pub fn whole(&self, gain: &Gain) -> SecondOrder {
         let (Feedback { force, reading }, mut system) = (&self.feedback, self.structure.clone());
         system.k += gain.mu * force * reading;
@@ -60,7 +60,7 @@ impl Brake {
         QrSolver.eigenvalues(&self.whole(gain), &mut Workspace::default()).unwrap()
     }
 
-    /// The modes by QR, ascending in frequency; not what rounding makes of equal internal states.
+    /// The modes by QR, ascending in frequency, without the pairs into which rounding splits equal internal eigenvalues.
     pub fn modes(&self, gain: &Gain) -> Vec<Complex<f64>> {
         self.spectrum(gain).oscillatory().filter(|l| l.im > 1e-2 * l.norm()).collect()
     }
@@ -69,7 +69,7 @@ impl Brake {
         self.spectrum(gain).eigenvalues.iter().map(|l| l.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The first proportional gain of either sign, up to 10, at which something grows by more than `growth`.
+    /// The smallest proportional gain up to 10, of either sign, at which an eigenvalue has a real part above `growth`.
     pub fn critical(&self, growth: f64) -> Option<f64> {
         let at = |mu: f64| Gain { mu, ..Gain::default() };
         let grows = |mu: f64| self.growth(&at(mu)) > growth;
@@ -87,13 +87,13 @@ impl Brake {
     }
 }
 
-/// What is found with each gain, whatever the frequencies of others.
+/// The growing modes with each gain, without frequencies to keep apart from.
 pub fn growing(secular: &Secular, anchors: &Anchors, gains: &[Gain]) -> Vec<Result<Growing, LeftOpen>> {
     let gains: Vec<(Gain, &[f64])> = gains.iter().map(|&gain| (gain, &[][..])).collect();
     secular.growing(anchors, &gains, &mut Workspace::default())
 }
 
-/// The last number towards `lower` at which it holds, to rounding.
+/// The number nearest to `lower` at which a condition holds, by bisection to rounding.
 pub fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = 0.5 * (lower + upper);
@@ -102,7 +102,7 @@ pub fn bisect(mut lower: f64, mut upper: f64, holds: impl Fn(f64) -> bool) -> f6
     upper
 }
 
-/// Gains about the first instability of a structure: unit numbers for mu, slope and decay.
+/// Gains about the first instability of a structure, each from three numbers for mu, slope and decay.
 pub fn gains(brake: &Brake, critical: f64, units: &[[f64; 3]], has_lag: bool) -> Vec<Gain> {
     let size = brake.feedback.force.norm_squared();
     let gain = |&[mu, slope, decay]: &[f64; 3]| {
@@ -113,7 +113,7 @@ pub fn gains(brake: &Brake, critical: f64, units: &[[f64; 3]], has_lag: bool) ->
     units.iter().map(gain).collect()
 }
 
-/// The same cases at every run.
+/// A runner with a fixed seed.
 pub fn runner(cases: u32) -> TestRunner {
     let config = Config { failure_persistence: None, ..Config::with_cases(cases) };
     TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))

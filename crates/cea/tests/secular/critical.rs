@@ -1,4 +1,4 @@
-//! Where modes coalesce and where they begin to grow.
+//! The secular equation at gains where modes coalesce or begin to grow.
 
 use std::cell::Cell;
 
@@ -8,7 +8,8 @@ use proptest::test_runner::TestCaseError;
 
 use crate::chains::{ANCHORS, Brake, bisect, brake, gains, growing, runner};
 
-/// What is said of gains next to `at`, at which `grow[0]` modes below become `grow[1]` above: how many are left open, damp, grow.
+/// The results at gains next to `at`, below which `grow[0]` modes grow and above which `grow[1]` do: the numbers of gains left
+/// open, without and with growing modes.
 fn check_about(
     anchors: (&Secular, &Anchors),
     at: Gain,
@@ -49,7 +50,7 @@ fn next_to_critical_gains_no_verdict_is_wrong() {
         prop_assume!(critical.iter().all(Option::is_some));
         let [coalescence, threshold] = critical.map(Option::unwrap);
         let proportional = |mu: f64| Gain { mu, ..Gain::default() };
-        // Flutter of one pair, not divergence, and no other threshold next to it.
+        // The threshold is the flutter of one pair, not divergence, and no other threshold is near.
         let beyond = uneven.modes(&proportional(threshold * 1.002));
         prop_assume!(beyond.len() == brake.structure.order());
         prop_assume!(beyond.iter().filter(|mode| mode.re > 0.0).count() == 1);
@@ -65,7 +66,7 @@ fn next_to_critical_gains_no_verdict_is_wrong() {
         add(1, check_about((&secular, &anchors), proportional(threshold), nudge, [0, 1])?);
         prop_assert!(growing(&secular, &anchors, &[proportional(threshold)])[0].is_err());
 
-        // None is surely damped.
+        // No gain here has only damped modes for certain.
         let (secular, known) = (undamped.secular(), gains(&undamped, threshold, &units, false));
         let anchors = undamped.anchors(&secular, &known);
         let counts = check_about((&secular, &anchors), proportional(coalescence), nudge, [0, 1])?;

@@ -14,12 +14,12 @@ use num_complex::Complex;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 
-/// Part of the unit that rounding may move Re lambda by, in either solver: nearer to the axis no verdict is wrong.
+/// Largest error of Re lambda by rounding in either solver, in units: nearer to the axis no verdict is checked.
 const AXIS: f64 = 1e-9;
-/// Eigenvalues this near to the axis may be left open.
+/// Largest distance from the axis at which a mode may be left open, in units.
 const NEAR_AXIS: f64 = 2e-6;
 
-/// What was found is what QR says.
+/// Checks the modes found against those by QR.
 fn check(found: &Growing, modes: &[Complex<f64>]) -> Result<(), TestCaseError> {
     prop_assert_eq!((found.modes.len(), found.radii.len()), (modes.len(), modes.len()));
     for (rank, (&mode, &radius)) in found.modes.iter().zip(&found.radii).enumerate() {
@@ -41,7 +41,7 @@ fn check(found: &Growing, modes: &[Complex<f64>]) -> Result<(), TestCaseError> {
 
 #[test]
 fn growing_modes_are_those_of_the_whole_spectrum() {
-    // Gains with growing modes, without, left open though nothing is near the axis, and with something near it or real.
+    // Numbers of gains: with growing modes; without; left open with no mode near the axis; with a mode near the axis or real.
     let (grow, damp, open, special) = (Cell::new(0), Cell::new(0), Cell::new(0), Cell::new(0));
     let add = |count: &Cell<u32>| count.set(count.get() + 1);
     let unit = || (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
@@ -89,7 +89,7 @@ fn what_is_found_depends_on_no_other_gain() {
         let mut asked = known.split_off(ANCHORS);
         let secular = brake.secular();
         let anchors = brake.anchors(&secular, &known);
-        // Without internal states, and one that spoils whatever it meets.
+        // A gain without internal states, and one with NaN that must not affect the others.
         asked[3] = Gain { mu: 0.8 * critical, ..Gain::default() };
         asked.push(Gain { mu: f64::NAN, ..Gain::default() });
         let alone: Vec<_> = asked.iter().flat_map(|gain| growing(&secular, &anchors, &[*gain])).collect();
@@ -124,7 +124,7 @@ fn bounds_keep_from_the_frequencies_that_are_asked_for() {
             }
             Err(_) => open.set(open.get() + 1),
         }
-        // A mode is not kept from its own frequency.
+        // The bound of a mode cannot exclude the mode's own frequency.
         let modes = brake.modes(&gain);
         let own = secular.growing(&anchors, &[(gain, &[modes[mode].im])], work).remove(0);
         prop_assert!(matches!(own, Err(LeftOpen::NotSeparated | LeftOpen::RoundsExhausted { .. })), "{own:?}");
@@ -144,7 +144,7 @@ fn without_anchors_nothing_is_found_and_feedback_must_fit() {
         let gain = Gain { mu: 0.1, ..Gain::default() };
         let none = brake.anchors(&secular, &[]);
         prop_assert_eq!(growing(&secular, &none, &[gain, gain]), [Err(LeftOpen::NoAnchor), Err(LeftOpen::NoAnchor)]);
-        // An overdamped state is no anchor.
+        // A gain with an overdamped mode is no anchor.
         let overdamped = Gain { slope: 1e4, ..gain };
         let none = brake.anchors(&secular, &[overdamped]);
         prop_assert_eq!(growing(&secular, &none, &[gain]), [Err(LeftOpen::NoAnchor)]);

@@ -10,13 +10,13 @@ use proptest::prelude::*;
 use crate::NEAR_AXIS;
 use crate::chains::{ANCHORS, Brake, brake, gains, runner};
 
-/// Gains about the first instability of each of some chains, with and without internal states.
+/// Chains, each with gains about its first instability, with and without internal states.
 fn cases() -> impl Strategy<Value = (Brake, Vec<[f64; 3]>, bool)> {
     let unit = (-1.0..1.0, -1.0..1.0, 0.0..1.0).prop_map(|(a, b, c)| [a, b, c]);
     (brake(0.001..0.05, 0.01), prop::collection::vec(unit, 2 * ANCHORS), any::<bool>())
 }
 
-/// The distance of the nearest of other eigenvalues.
+/// The distance of the nearest other eigenvalue.
 fn nearest(lambda: Complex<f64>, others: &[Complex<f64>]) -> f64 {
     others.iter().map(|other| (other - lambda).norm()).filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min)
 }
@@ -32,7 +32,7 @@ fn shapes_are_those_of_the_whole_system() {
         let (secular, mut work) = (brake.secular(), Workspace::default());
         let states: Vec<(SecondOrder, Vec<Complex<f64>>)> =
             gains.iter().map(|gain| (brake.whole(gain), brake.modes(gain))).collect();
-        // All states in one call: those that grow, and every mode.
+        // All gains in one call: their growing modes, and all their modes.
         let grow: Vec<Vec<Complex<f64>>> =
             states.iter().map(|(_, modes)| modes.iter().copied().filter(|mode| mode.re > 0.0).collect()).collect();
         let few = states.iter().zip(&gains).zip(&grow).map(|(((system, _), gain), grow)| (system, (*gain, &grow[..])));
@@ -82,13 +82,13 @@ fn eigenvalues_that_are_nearly_one_have_no_shapes_of_their_own() {
         for &lambda in &modes {
             let next = [1e-7, 1e-10, 0.0].map(|apart| lambda * (1.0 + apart));
             let pairs = next.map(|next| [lambda, next]);
-            // The neighbours with pairs in between are what they are alone.
+            // Results do not depend on the other gains of a call.
             let asked = [&modes[..], &pairs[0], &[lambda], &pairs[1], &pairs[2], &modes[..]];
             let found = secular.modes(&asked.map(|lambdas| (gain, lambdas)), &mut work);
             let is_some: Vec<bool> = found.iter().map(Option::is_some).collect();
             prop_assert_eq!(is_some, [true, false, true, false, false, true]);
             prop_assert_eq!(&found[0], &found[5]);
-            // What is no eigenvalue has no shape.
+            // A number that is no eigenvalue has no shape.
             let aside = [lambda * 1.001];
             prop_assert_eq!(secular.modes(&[(gain, &aside[..])], &mut work), [None]);
             seen.set(seen.get() + 1);
@@ -99,7 +99,7 @@ fn eigenvalues_that_are_nearly_one_have_no_shapes_of_their_own() {
     assert!(seen.get() > 100, "{}", seen.get());
 }
 
-/// The eigenvalues at both ends of a step of a gain, nearest to this one, over twice the step.
+/// The central difference of the eigenvalue nearest to this one over a step of the gain.
 fn difference(brake: &Brake, lambda: Complex<f64>, step: f64, by: impl Fn(f64) -> Gain) -> Complex<f64> {
     let at = |step: f64| {
         let distance = |l: &Complex<f64>| (l - lambda).norm();
@@ -121,7 +121,7 @@ fn rates_are_the_limits_of_differences() {
             let rates = secular.rates(&asked, &mut Workspace::default());
             prop_assert_eq!(rates.len(), modes.len());
             for (&lambda, found) in modes.iter().zip(rates) {
-                // Next to another eigenvalue differences are no derivatives.
+                // Next to another eigenvalue a difference is no approximation of the derivative.
                 if nearest(lambda, &modes) < 0.1 * lambda.norm() {
                     continue;
                 }
@@ -131,7 +131,7 @@ fn rates_are_the_limits_of_differences() {
                     difference(&brake, lambda, steps[0], |p| Gain { mu: gain.mu + p, ..gain }),
                     difference(&brake, lambda, steps[1], |v| Gain { slope: gain.slope + v, ..gain }),
                 ];
-                // An eigenvalue that moves takes the slope with it: d lambda = rate (d v + slope' d lambda).
+                // The slope depends on the eigenvalue: d lambda = rate (d v + slope' d lambda).
                 let slope = -gain.lag / (lambda + gain.decay).powi(2);
                 for (found, by_step) in found.iter().zip(by.map(|rate| rate / (1.0 + by[1] * slope))) {
                     let error = (found - by_step).norm() / (by_step.norm() + 1e-3);

@@ -1,9 +1,9 @@
-//! Where friction of one contact enters.
+//! The friction of one contact in a system.
 
 use super::ChannelGain;
 use crate::{LinsysError, SecondOrder};
 
-/// The forces `b` of one contact's friction and what they read of the displacements, both sparse.
+/// The direction b of the friction force of one contact and the reading r of its normal force, both sparse.
 ///
 /// Friction adds `b (mu r^T + lambda s(lambda) b^T)` to the dynamic stiffness: a force along b that grows with the normal
 /// force `r^T u` and with the sliding velocity `b^T u'`.
@@ -42,7 +42,7 @@ impl Channel {
         Ok(())
     }
 
-    /// Adds this channel's forces; its lag, if any, takes the internal state `state`.
+    /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.
     pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
         for &(row, b) in &self.force {
             for &(column, r) in &self.reading {
@@ -55,7 +55,7 @@ impl Channel {
         if let Some(lag) = gain.lag {
             out.internal.decay[state] = lag.decay;
             for &(dof, b) in &self.force {
-                // The bristle is driven by the sliding velocity -b^T u', and its force drags against b.
+                // The state is driven by the sliding velocity -b^T u'.
                 out.internal.drive[(state, dof)] = -b * lag.drive;
                 out.internal.force[(dof, state)] = b * lag.force;
             }

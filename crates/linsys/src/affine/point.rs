@@ -1,4 +1,4 @@
-//! The numbers that make one system of an affine family.
+//! Operating points: the numbers that select one system of an affine family.
 
 use num_complex::Complex;
 
@@ -7,7 +7,7 @@ use num_complex::Complex;
 pub struct OperatingPoint {
     /// theta_k, one for each term.
     pub coefficients: Vec<f64>,
-    /// One for each channel.
+    /// The gains, one for each channel.
     pub channels: Vec<ChannelGain>,
 }
 
@@ -27,9 +27,9 @@ pub struct ChannelGain {
 pub struct Lag {
     /// Decay rate, 1/s.
     pub decay: f64,
-    /// What a change of velocity feeds into the state.
+    /// Rate of the state per unit of sliding velocity.
     pub drive: f64,
-    /// The normal load times what the state contributes to the coefficient, N per unit of the state.
+    /// Friction force per unit of the state: the normal load times the contribution to the coefficient, N.
     pub force: f64,
 }
 
@@ -39,7 +39,7 @@ impl ChannelGain {
         Self { mu, ..Self::default() }
     }
 
-    /// `s(lambda) = N0 h(lambda) = slope + force drive / (lambda + decay)`, Ns/m: the state eliminated.
+    /// `s(lambda) = N0 h(lambda) = slope + force drive / (lambda + decay)`, Ns/m, with the state eliminated.
     pub fn complex_slope(&self, lambda: Complex<f64>) -> Complex<f64> {
         match self.lag {
             None => Complex::from(self.slope),
@@ -48,7 +48,8 @@ impl ChannelGain {
     }
 
     /// s at infinity and at 0, Ns/m: the ends of a diameter of the disc in which `s(lambda)` lies for every
-    /// `Re lambda >= 0`. Not finite for a state that does not decay.
+    /// `Re lambda >= 0`, because `1 / (lambda + decay)` maps that half plane to the disc with the diameter from 0 to
+    /// `1 / decay`. Not finite for a state that does not decay.
     pub fn slope_extremes(&self) -> [f64; 2] {
         let lag = self.lag.map_or(0.0, |lag| lag.force * lag.drive / lag.decay);
         [self.slope, self.slope + lag]

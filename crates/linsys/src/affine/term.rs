@@ -5,7 +5,7 @@ use crate::{LinsysError, SecondOrder};
 /// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// What the part is called.
+    /// Name of the part.
     pub name: String,
     /// The family to which the work of its damping, and of a stiffness that is not symmetric, belongs.
     pub family: String,
@@ -17,7 +17,7 @@ impl Term {
     /// A term with these matrices, which have no internal states.
     ///
     /// # Errors
-    /// Matrices that are no system, or internal states.
+    /// Those of [`SecondOrder::check`]; internal states.
     pub fn new(name: impl Into<String>, family: impl Into<String>, matrices: SecondOrder) -> Result<Self, LinsysError> {
         matrices.check()?;
         let (name, family, states) = (name.into(), family.into(), matrices.states());
@@ -33,12 +33,12 @@ impl Term {
         &self.matrices
     }
 
-    /// n.
+    /// n, the number of degrees of freedom.
     pub fn order(&self) -> usize {
         self.matrices.order()
     }
 
-    /// Whether K is symmetric: its forces then do no net work in a mode.
+    /// Whether K is symmetric, so that its forces do no net work in a mode.
     pub fn is_elastic(&self) -> bool {
         self.is_elastic
     }

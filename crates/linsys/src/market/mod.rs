@@ -1,9 +1,9 @@
 //! Matrix Market files (`.mtx`), the exchange format of NIST: <https://math.nist.gov/MatrixMarket/formats.html>.
 //!
-//! Read: `coordinate` and `array`, `real` and `integer`, `general`, `symmetric` and `skew-symmetric`, as a dense
-//! matrix. Entries of a coordinate file that stand twice are added up, as in finite element assembly. A symmetric file
-//! holds its lower triangle only, a skew-symmetric one what is strictly below the diagonal. Comments and blank lines
-//! may stand anywhere after the banner, keywords in any case, exponents with the D of Fortran.
+//! The reader takes `coordinate` and `array`, `real` and `integer`, `general`, `symmetric` and `skew-symmetric` files and
+//! returns a dense matrix. Repeated entries of a coordinate file are added up, as in finite element assembly. A symmetric file
+//! holds the lower triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines
+//! may follow anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
 
 mod problem;
 #[cfg(test)]
@@ -31,7 +31,7 @@ impl Symmetry {
     }
 }
 
-/// What the first line says of the lines that follow.
+/// The format that the first line of a file declares.
 struct Banner {
     coordinate: bool,
     integer: bool,
@@ -48,14 +48,14 @@ struct Banner {
 /// ```
 ///
 /// # Errors
-/// [`LinsysError::Market`] with the line and what is wrong there.
+/// [`LinsysError::Market`] with the number of the line and the problem.
 pub fn read_market(text: &[u8]) -> Result<DMatrix<f64>, LinsysError> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     let mut lines = Lines { rest: text.split(|&b| b == b'\n'), number: 0 };
     parse(&mut lines).map_err(|problem| LinsysError::Market { line: lines.number.max(1), problem })
 }
 
-/// Lines that are neither blank nor comments, counted with those that are.
+/// The lines that are neither blank nor comments; `number` counts all lines.
 struct Lines<'a, I: Iterator<Item = &'a [u8]>> {
     rest: I,
     number: usize,
@@ -78,7 +78,7 @@ impl<'a, I: Iterator<Item = &'a [u8]>> Lines<'a, I> {
     }
 }
 
-/// A text for a message: its beginning where it is long.
+/// A text for a message, shortened where it is long.
 fn cut(text: &str) -> String {
     /// Most characters of a line that a message shows; chosen to keep it in one line.
     const LONGEST_SHOWN: usize = 60;

@@ -1,6 +1,6 @@
-//! What can be wrong with a Matrix Market file.
+//! Errors of Matrix Market files.
 
-/// Most rows or columns of a matrix that is read; chosen: 4096 x 4096 takes 128 MB as a dense matrix.
+/// Most rows or columns of a matrix; chosen: 4096 x 4096 takes 128 MB as a dense matrix.
 pub const LARGEST_ORDER: usize = 4096;
 
 /// What the first line of a file should be, in messages.
@@ -15,7 +15,7 @@ pub enum MarketProblem {
     /// The first line is something else.
     #[error("{found:?} is not a Matrix Market banner; expected {BANNER}")]
     Banner {
-        /// What stands there, cut.
+        /// The first line, shortened.
         found: String,
     },
     /// Numbers without a banner, as Abaqus writes them.
@@ -24,17 +24,17 @@ pub enum MarketProblem {
          then a line with rows, columns and entries, then entries separated by blanks"
     )]
     Abaqus {
-        /// The line, cut.
+        /// The first line, shortened.
         found: String,
     },
-    /// A keyword of the banner that is not read.
+    /// A keyword of the banner that is not supported.
     #[error("{what} {found:?} is not supported; allowed: {allowed}")]
     Keyword {
-        /// object, format, field or symmetry.
+        /// "object", "format", "field" or "symmetry".
         what: &'static str,
-        /// What stands there.
+        /// The text or number found.
         found: String,
-        /// What may stand there.
+        /// What is allowed.
         allowed: &'static str,
     },
     /// A line with another number of fields.
@@ -42,28 +42,28 @@ pub enum MarketProblem {
     Fields {
         /// What the line should be.
         what: &'static str,
-        /// How many fields it has.
+        /// Number of fields of the line.
         found: usize,
-        /// Its fields.
+        /// The fields that it should have.
         allowed: &'static str,
     },
-    /// A size or an index that is no whole number.
+    /// A size or an index that is not a whole number.
     #[error("{what} {found:?} is not a whole number")]
     NotWhole {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// What stands there.
+        /// The text or number found.
         found: String,
     },
-    /// A matrix without entries or larger than any this program can solve.
+    /// A number of rows or columns that is 0 or too large.
     #[error("{what} {found} is out of range; allowed: 1 to {LARGEST_ORDER}")]
     Size {
-        /// rows or columns.
+        /// "number of rows" or "number of columns".
         what: &'static str,
-        /// What stands there.
+        /// The text or number found.
         found: usize,
     },
-    /// Symmetric matrices are square.
+    /// A symmetric matrix that is not square.
     #[error("a {symmetry} matrix of {rows} x {columns}; it must be square")]
     NotSquare {
         /// The symmetry.
@@ -76,14 +76,14 @@ pub enum MarketProblem {
     /// An index beyond the matrix.
     #[error("{what} {found}; allowed: 1 to {largest}")]
     Index {
-        /// row or column.
+        /// "row" or "column".
         what: &'static str,
-        /// What stands there.
+        /// The text or number found.
         found: usize,
         /// Number of rows or columns.
         largest: usize,
     },
-    /// An entry of the half that the symmetry implies.
+    /// An entry of the half of the matrix that follows from the symmetry.
     #[error("entry ({row}, {column}) of a {symmetry} matrix; allowed: {allowed}")]
     Triangle {
         /// The symmetry.
@@ -92,15 +92,15 @@ pub enum MarketProblem {
         row: usize,
         /// Column, from 1.
         column: usize,
-        /// What may be given.
+        /// The entries allowed.
         allowed: &'static str,
     },
-    /// A value that is no number of the field.
+    /// A value that is not a number of the declared field.
     #[error("value {found:?} is not {allowed}")]
     Value {
-        /// What stands there.
+        /// The text or number found.
         found: String,
-        /// What may stand there.
+        /// What is allowed.
         allowed: &'static str,
     },
     /// Fewer entries than announced.
@@ -120,7 +120,7 @@ pub enum MarketProblem {
         /// Entries announced.
         expected: usize,
     },
-    /// Bytes that are no text.
+    /// Bytes that are not UTF-8 text.
     #[error("not a text file")]
     NotText,
 }

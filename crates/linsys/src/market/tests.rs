@@ -1,4 +1,4 @@
-//! Files that are read, and one line on what is wrong with the others.
+//! Files that can be read, and the one-line messages for files that cannot.
 
 use super::*;
 use nalgebra::dmatrix;

@@ -2,10 +2,10 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Largest probability that a support leaves out at either end; chosen, far below any count of samples.
+/// Largest probability that a support leaves out at each end; chosen, far below one over any number of samples.
 const NEGLIGIBLE_TAIL: f64 = 1e-12;
 
-/// The largest probability below 1. The standard normal quantile there is 8.2; that at 1 is infinite.
+/// The largest number below 1, used as the largest probability: its standard normal quantile is 8.2, that of 1 is infinite.
 const LARGEST_BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A value that is a function of a standard normal deviate z, and its bounds, which may be infinite.
@@ -80,7 +80,7 @@ impl BoundedNormal {
         } else if self.lower == f64::NEG_INFINITY {
             normal.cdf(z) / normal.cdf(self.upper)
         } else {
-            // Tails by the survival function, which does not cancel above the mean.
+            // The survival function loses no digits above the mean.
             let beyond = normal.sf(self.upper);
             1.0 - (normal.sf(z) - beyond) / (normal.sf(self.lower) - beyond)
         }
@@ -93,12 +93,12 @@ impl BoundedNormal {
         self.within_bounds(self.scale.value(normal.inverse_cdf(p)))
     }
 
-    /// The interval outside of which less than 2e-12 of the probability between the bounds lies.
+    /// An interval that contains all but 2e-12 of the probability between the bounds.
     pub fn support(self) -> (f64, f64) {
-        // Bounds that keep half or more at most double the probability of what they keep.
+        // Bounds that keep at least half of the probability at most double the probability of a tail.
         let share = self.share();
         let tail = if share < 0.5 { NEGLIGIBLE_TAIL * share } else { NEGLIGIBLE_TAIL };
-        // Far out the quantile is exact in z, not in u.
+        // Computed from the deviate z: in the tails, u near 0 or 1 has too few digits.
         let z = -Normal::standard().inverse_cdf(tail);
         (self.within_bounds(self.scale.value(-z)), self.within_bounds(self.scale.value(z)))
     }

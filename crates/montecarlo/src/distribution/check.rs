@@ -4,8 +4,8 @@ use super::Distribution;
 use super::bounded_normal::BoundedNormal;
 use crate::error::DistributionFault;
 
-/// The least share of a distribution that its bounds may keep. Chosen, 1 %: a smaller one is more likely a slip of the pen than
-/// knowledge of a parameter, and costs the inverse distribution function more than two digits.
+/// Least part of a distribution that its bounds must keep. Chosen, 1 %: a smaller part is probably a mistake in the input, and
+/// costs the inverse distribution function more than two digits.
 const SMALLEST_SHARE: f64 = 0.01;
 
 type Checked = Result<(), DistributionFault>;
@@ -75,7 +75,7 @@ impl Distribution {
     }
 }
 
-/// Whether the bounds keep enough of a distribution; names the one that cuts off more.
+/// An error where the bounds keep too little of a distribution; it names the bound that cuts off more.
 fn check_bounds(bounded: BoundedNormal, at_least: Option<f64>, at_most: Option<f64>) -> Checked {
     if let (Some(at_least), Some(at_most)) = (at_least, at_most)
         && at_most <= at_least

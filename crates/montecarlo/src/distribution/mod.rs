@@ -35,30 +35,30 @@ use quantile_table::interpolate;
 #[serde(tag = "distribution", rename_all = "kebab-case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Distribution {
-    /// Always this.
+    /// Always the same value.
     Constant {
         /// The value.
         value: f64,
     },
-    /// Normal, under the condition that it lies between the bounds.
+    /// Normal, under the condition that the value lies between the bounds.
     ///
     /// With `at_least` alone a value is redrawn until it reaches the bound, which at least half of the draws do; with
-    /// `at_most` it is the quantile of one uniform number.
+    /// `at_most` a value is the quantile of one uniform number.
     Normal {
         /// Mean without the bounds.
         mean: f64,
         /// Standard deviation without the bounds, > 0.
         deviation: f64,
-        /// Smallest value; 0 where a file does not say, negative infinity for none. At most the mean where it is the only
-        /// bound.
+        /// Smallest value; 0 where a file does not give it, negative infinity for no bound. Where it is the only bound, it
+        /// must not exceed the mean.
         #[serde(default)]
         at_least: f64,
         /// Largest value.
         #[serde(default)]
         at_most: Option<f64>,
     },
-    /// `median e^{sigma z}` with z standard normal, under the condition that it lies between the bounds; with a bound it is
-    /// drawn as the quantile of one uniform number.
+    /// `median e^{sigma z}` with z standard normal, under the condition that the value lies between the bounds. With a bound, a
+    /// value is the quantile of one uniform number.
     LogNormal {
         /// Median without the bounds, > 0.
         median: f64,
@@ -78,14 +78,14 @@ pub enum Distribution {
         /// Largest value.
         to: f64,
     },
-    /// A logarithm that is uniform.
+    /// The logarithm of the value is uniform.
     LogUniform {
         /// Smallest value, > 0.
         from: f64,
         /// Largest value.
         to: f64,
     },
-    /// A table of quantiles, with straight lines between them: uniform between two neighbouring values.
+    /// A table of quantiles with linear interpolation: uniform between two neighbouring values.
     Quantiles {
         /// Ascending, from 0 to 1.
         probabilities: Vec<f64>,
@@ -98,7 +98,7 @@ impl Distribution {
     /// One value.
     ///
     /// # Errors
-    /// No draw reached the bound of a normal distribution; [`check`](Self::check) makes sure that half of them do, or more.
+    /// No draw reached the bound of a normal distribution; after [`check`](Self::check) at least half of all draws do.
     pub fn draw(&self, rng: &mut StreamRng) -> Result<f64, MonteCarloError> {
         Ok(match *self {
             Self::Constant { value } => value,
@@ -117,8 +117,8 @@ impl Distribution {
         })
     }
 
-    /// The median; but of a normal distribution with no bound above, its mean. That is the median without the bound below,
-    /// which is there to keep a coefficient positive and takes next to nothing away.
+    /// The median. For a normal distribution without an upper bound it is the mean, which is the median without the lower
+    /// bound: that bound keeps a coefficient positive and cuts off hardly any probability.
     #[must_use]
     pub fn median(&self) -> f64 {
         match *self {
@@ -130,7 +130,7 @@ impl Distribution {
         }
     }
 
-    /// The smallest value that can be drawn, and the key that sets it; `None` for any value > 0.
+    /// The smallest value that can be drawn, and the key that gives it; `None` where every value > 0 can be drawn.
     #[must_use]
     pub fn least(&self) -> Option<(&'static str, f64)> {
         match *self {
@@ -166,7 +166,7 @@ impl Distribution {
         }
     }
 
-    /// The value below which the part `u` of the probability lies, 0 < u < 1.
+    /// The quantile at probability `u`, 0 < u < 1.
     #[must_use]
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
@@ -183,7 +183,7 @@ impl Distribution {
         }
     }
 
-    /// The interval outside of which less than 2e-12 of the probability lies.
+    /// An interval that contains all but 2e-12 of the probability.
     #[must_use]
     pub fn support(&self) -> (f64, f64) {
         match *self {

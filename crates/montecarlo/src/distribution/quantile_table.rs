@@ -1,9 +1,9 @@
-//! A distribution given by some of its quantiles.
+//! Linear interpolation in a table of quantiles.
 
-/// The value at `at` on the broken line through the points (`from[i]`, `to[i]`), both ascending: between two points in
-/// proportion, beyond the first and the last as there. NaN without points.
+/// The value at `at` by linear interpolation between the points (`from[i]`, `to[i]`), both ascending; constant before the first
+/// and after the last point. NaN without points.
 ///
-/// With probabilities as `from` and values as `to` it is the quantile function of the table, the other way round its
+/// With probabilities as `from` and values as `to` this is the quantile function of the table; with the two exchanged, its
 /// distribution function.
 pub(super) fn interpolate(from: &[f64], to: &[f64], at: f64) -> f64 {
     let above = from.partition_point(|&x| x <= at);

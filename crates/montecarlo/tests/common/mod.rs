@@ -1,4 +1,4 @@
-//! A small experiment with everything in it: three scenes, float and integer outcomes, failed draws and evaluations.
+//! A small experiment with three scenes, float and integer outcomes, failed draws and failed evaluations.
 
 #![allow(dead_code)] // Each test program uses a part of it.
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 pub const SCENES: usize = 3;
 
-/// Panics at one index, like a machine that fails there.
+/// The experiment with a panic at one index.
 pub struct Walk {
     pub panics_at: Option<u64>,
     pub pause: Duration,
@@ -58,7 +58,7 @@ impl Experiment for Walk {
     }
 }
 
-/// Everything that the crate can count, and the samples as they came.
+/// One statistic of every kind, and the samples in the order in which they were entered.
 #[derive(Default, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
     pub positive: [Proportion; SCENES],

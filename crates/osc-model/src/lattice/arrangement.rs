@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::OscModelError;
 
-/// The oscillators in contact, of a lattice with a given number of them.
+/// The oscillators in contact, of a lattice with a given number of oscillators.
 ///
 /// Indices run from 0; [`fmt::Display`] prints numbers from 1.
 ///
@@ -27,7 +27,7 @@ impl ContactArrangement {
     /// The arrangement of these oscillators, by index from 0 and in any order, out of `oscillators`.
     ///
     /// # Errors
-    /// An oscillator that is not there or named twice.
+    /// An oscillator that does not exist or is named twice.
     pub fn new(oscillators: usize, in_contact: &[usize]) -> Result<Self, OscModelError> {
         let mut in_contact = in_contact.to_vec();
         in_contact.sort_unstable();
@@ -42,7 +42,7 @@ impl ContactArrangement {
         Ok(Self { in_contact, oscillators })
     }
 
-    /// As [`ContactArrangement::new`] with oscillators numbered from 1, as people write them.
+    /// As [`ContactArrangement::new`], with oscillators numbered from 1.
     ///
     /// # Errors
     /// A number that is 0, above `oscillators` or named twice.
@@ -69,7 +69,7 @@ impl ContactArrangement {
         let mut all = Vec::new();
         loop {
             all.push(Self { in_contact: chosen.clone(), oscillators });
-            // The last index that can still move up; those after it follow closely.
+            // The last index that can be increased; the indices after it become the next ones.
             let Some(place) = (0..in_contact).rev().find(|&i| chosen[i] < oscillators - in_contact + i) else {
                 return Ok(all);
             };
@@ -85,7 +85,7 @@ impl ContactArrangement {
         &self.in_contact
     }
 
-    /// How many oscillators the lattice has.
+    /// Number of oscillators of the lattice.
     pub fn oscillators(&self) -> usize {
         self.oscillators
     }

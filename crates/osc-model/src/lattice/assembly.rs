@@ -5,12 +5,12 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::{Axis, ContactArrangement, LatticeParameters};
 
-/// Index of a degree of freedom; the plate's body comes after the last oscillator.
+/// Index of a degree of freedom; the plate is the body after the last oscillator.
 pub(crate) fn dof(body: usize, axis: Axis) -> usize {
     3 * body + axis as usize
 }
 
-/// The unconstrained structure. `p` must have passed its check.
+/// The unconstrained structure; `p` must have passed [`LatticeParameters::check`].
 pub(crate) fn assemble(p: &LatticeParameters, arrangement: &ContactArrangement) -> SecondOrder {
     let (rows, columns, plate) = (p.grid.rows(), p.grid.columns(), p.grid.oscillators());
     let mut s = SecondOrder::zeros(3 * (plate + 1), 0);
@@ -50,7 +50,7 @@ pub(crate) fn assemble(p: &LatticeParameters, arrangement: &ContactArrangement) 
     s
 }
 
-/// A chain wall - bodies - wall: `values` has one entry more than there are bodies.
+/// Adds a chain from wall to wall; `values` has one entry more than there are bodies.
 fn add_chain(matrix: &mut DMatrix<f64>, values: &[f64], body: impl Fn(usize) -> usize) {
     let last = values.len() - 1;
     for (place, &value) in values.iter().enumerate() {

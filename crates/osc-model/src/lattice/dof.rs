@@ -18,7 +18,7 @@ impl Axis {
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 }
 
-/// What moves.
+/// A body of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LatticeBody {
     /// An oscillator by its index, from 0.
@@ -41,14 +41,14 @@ pub enum LatticeBody {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Dof {
-    /// Its direction.
+    /// The direction.
     pub axis: Axis,
-    /// Whose it is.
+    /// The body that moves.
     pub body: LatticeBody,
 }
 
 impl Dof {
-    /// The degree of freedom at a place in u of a lattice with `oscillators` oscillators; `None` past the last.
+    /// The degree of freedom with this index in u of a lattice with `oscillators` oscillators; `None` past the last.
     pub fn at(index: usize, oscillators: usize) -> Option<Self> {
         let body = match index / 3 {
             i if i < oscillators => LatticeBody::Oscillator(i),

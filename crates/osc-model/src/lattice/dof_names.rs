@@ -1,4 +1,4 @@
-//! Names of degrees of freedom read, and looked up in a lattice: both can fail.
+//! Degrees of freedom from their names, and their indices in a lattice.
 
 use std::str::FromStr;
 
@@ -6,10 +6,10 @@ use super::{Axis, Dof, LatticeBody};
 use crate::OscModelError;
 
 impl Dof {
-    /// Its place in `u = [x1 y1 z1 x2 ... xp yp zp]` of a lattice with `oscillators` oscillators, from 0.
+    /// Index, from 0, in `u = [x1 y1 z1 x2 ... xp yp zp]` of a lattice with `oscillators` oscillators.
     ///
     /// # Errors
-    /// An oscillator that is not there.
+    /// An oscillator that does not exist.
     pub fn index(self, oscillators: usize) -> Result<usize, OscModelError> {
         let body = match self.body {
             LatticeBody::Oscillator(i) if i < oscillators => i,
@@ -34,7 +34,7 @@ impl FromStr for Dof {
         };
         let body = match characters.as_str() {
             "p" => LatticeBody::Plate,
-            // `parse` alone would take a sign.
+            // `parse` alone would accept a sign.
             digits if digits.starts_with(|c: char| c.is_ascii_digit()) => {
                 let number: usize = digits.parse().map_err(|_| refused())?;
                 LatticeBody::Oscillator(number.checked_sub(1).ok_or_else(refused)?)

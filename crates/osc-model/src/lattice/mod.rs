@@ -1,4 +1,4 @@
-//! The lattice of friction oscillators on a sliding plate: one maker of a [`Brake`](crate::Brake).
+//! The lattice of friction oscillators on a sliding plate, one of the models that make a [`Brake`](crate::Brake).
 
 mod arrangement;
 mod assembly;

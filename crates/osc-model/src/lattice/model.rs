@@ -1,4 +1,4 @@
-//! The model: parameters, readings and constraints, before any arrangement is chosen.
+//! The model: parameters, readings and constraints, before an arrangement is chosen.
 
 use linsys::{DofMap, SecondOrder};
 
@@ -8,8 +8,8 @@ use crate::OscModelError;
 
 /// A lattice of friction oscillators on a sliding plate.
 ///
-/// A constrained degree of freedom is eliminated: its row and column leave the matrices. Its contact goes on sliding, so
-/// the plate keeps its friction terms, and a bristle is then driven by the plate alone.
+/// A constrained degree of freedom is eliminated: its row and column leave the matrices. The contact of a constrained oscillator
+/// slides on, so that the plate keeps the friction terms, and a bristle is driven by the plate alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeModel {
     parameters: LatticeParameters,
@@ -18,11 +18,11 @@ pub struct LatticeModel {
 }
 
 impl LatticeModel {
-    /// The lattice with these parameters, with `constraints` held.
+    /// The lattice with these parameters and constraints.
     ///
     /// # Errors
-    /// A parameter out of its range, a list of a wrong length, a constraint on what is not there or twice on the same
-    /// degree of freedom, or nothing left free.
+    /// A parameter out of its range, a list of a wrong length, a constraint on a degree of freedom that does not exist or is
+    /// constrained already, or no degree of freedom left free.
     pub fn new(parameters: LatticeParameters, lateral: Lateral, constraints: &[Dof]) -> Result<Self, OscModelError> {
         parameters.check()?;
         let oscillators = parameters.grid.oscillators();
@@ -34,7 +34,7 @@ impl LatticeModel {
         Ok(Self { parameters, lateral, dofs })
     }
 
-    /// What the lattice is made of.
+    /// The parameters of the lattice.
     pub fn parameters(&self) -> &LatticeParameters {
         &self.parameters
     }
@@ -49,13 +49,13 @@ impl LatticeModel {
         &self.dofs
     }
 
-    /// Refuses an arrangement of a lattice of another size.
+    /// An error for an arrangement of a lattice of another size.
     pub(crate) fn check_size(&self, arrangement: &ContactArrangement) -> Result<(), OscModelError> {
         let (arrangement, oscillators) = (arrangement.oscillators(), self.parameters.grid.oscillators());
         if arrangement == oscillators { Ok(()) } else { Err(OscModelError::OtherLattice { arrangement, oscillators }) }
     }
 
-    /// Assembles all that does not change from sample to sample.
+    /// Assembles the parts of the equations that do not change from sample to sample.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.

@@ -1,4 +1,4 @@
-//! Normal loads of the contacts from what presses the pad.
+//! Normal loads of the contacts from the preload.
 
 use linsys::{ChannelGain, OperatingPoint};
 use nalgebra::DVector;

@@ -1,4 +1,4 @@
-//! One arrangement of contacts, ready to be linearised sample after sample.
+//! The lattice with one arrangement of contacts, prepared for the linearisation of many samples.
 
 use friction::Tangent;
 use linsys::{AffineSystem, Channel, ChannelGain, DofMap, Lag, OperatingPoint, SecondOrder, Term};
@@ -30,7 +30,7 @@ pub struct ContactPoint {
 }
 
 impl ContactPoint {
-    /// Friction along the sliding as the equations see it.
+    /// The gain of the channel along the sliding.
     pub fn gain(&self) -> ChannelGain {
         let Tangent { mu, slope, internal } = self.tangent;
         let lag =
@@ -44,11 +44,11 @@ impl ContactPoint {
 pub(super) struct ContactSpring {
     pub oscillator: usize,
     pub stiffness: f64,
-    /// Place of the oscillator's z among the free degrees of freedom, `None` where it is constrained.
+    /// Index of the oscillator's z among the free degrees of freedom; `None` where it is constrained.
     pub z: Option<usize>,
 }
 
-/// A [`LatticeModel`](super::LatticeModel) with its contacts fixed: a [`Brake`], and what presses and drives it.
+/// A [`LatticeModel`](super::LatticeModel) with its contacts fixed: a [`Brake`], and the data for its operating points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreparedLattice {
     brake: Brake,
@@ -83,7 +83,7 @@ impl PreparedLattice {
             let reading = difference(contact.oscillator, Axis::Z, contact.stiffness);
             Channel::new((contact.oscillator + 1).to_string(), "friction", force, reading)
         });
-        // Friction across the sliding is a second channel of each contact.
+        // Friction across the sliding direction is a second channel of each contact.
         let across = contacts.iter().filter_map(|contact| {
             let reading = match lateral {
                 Lateral::None => return None,
@@ -140,7 +140,7 @@ impl PreparedLattice {
     /// The operating point of a state of sliding.
     ///
     /// # Errors
-    /// A state that is malformed.
+    /// A speed, a number of contacts or a value of a contact that is not allowed.
     pub fn operating_point(&self, sliding: &Sliding) -> Result<OperatingPoint, OscModelError> {
         check_value("speed", sliding.speed, Allowed::Positive)?;
         self.check_contacts(&sliding.contacts)?;
@@ -159,7 +159,7 @@ impl PreparedLattice {
     /// The linearised system of a state of sliding.
     ///
     /// # Errors
-    /// A state that is malformed.
+    /// A speed, a number of contacts or a value of a contact that is not allowed.
     pub fn linearised(&self, sliding: &Sliding) -> Result<SecondOrder, OscModelError> {
         Ok(self.brake.system.assemble(&self.operating_point(sliding)?)?)
     }

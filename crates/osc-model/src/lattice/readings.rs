@@ -1,16 +1,16 @@
-//! Readings: named choices where a published description leaves the model open.
+//! Readings: named choices where the published description leaves the model open.
 
-/// Which way the inclined springs lean, seen along the sliding direction +x.
+/// The direction in which the inclined springs lean, relative to the sliding direction +x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lean {
-    /// s = -1: from the oscillator to the foundation the spring runs against the sliding.
+    /// s = -1: from the oscillator to the foundation the spring runs against the sliding direction.
     Against,
-    /// s = +1: it runs along the sliding.
+    /// s = +1: from the oscillator to the foundation the spring runs in the sliding direction.
     Along,
 }
 
 impl Lean {
-    /// s.
+    /// s, the sign of the x component.
     pub fn sign(self) -> f64 {
         match self {
             Self::Against => -1.0,
@@ -43,22 +43,22 @@ impl Sign {
 pub enum Lateral {
     /// No force in y.
     None,
-    /// Amontons-Coulomb taken at its word: `sign mu_y N` in y as `mu N` in x, although nothing slides in y.
+    /// Amontons-Coulomb friction in y as in x: the force `sign mu_y N`, although the contact does not slide in y.
     Coupled {
-        /// Its direction.
+        /// Direction of the force.
         sign: Sign,
     },
-    /// Isotropic Coulomb friction along the relative velocity: about sliding in x a dashpot `mu_y N0 / v` in y.
+    /// Isotropic Coulomb friction along the relative velocity; linearised about sliding in x, a dashpot `mu_y N0 / v` in y.
     Vector,
 }
 
-/// What presses the oscillators on the plate.
+/// The force that presses the oscillators on the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Preload {
-    /// This normal load on each contact, N.
+    /// Normal load of each contact, N.
     PerContact(f64),
-    /// This force in total, N, shared equally by the oscillators in contact.
+    /// Sum of the normal loads, N, shared equally by the oscillators in contact.
     Clamp(f64),
-    /// This force in -z on each oscillator in contact, N; the loads follow from static equilibrium with friction drag.
+    /// Force in -z on each oscillator in contact, N; the loads follow from static equilibrium with friction drag.
     Equilibrium(f64),
 }

@@ -1,7 +1,7 @@
-//! The sectors of a lattice, by the [`Reversal`]s that carry it into itself.
+//! The sectors of a lattice, by the [`Reversal`]s that map the lattice onto itself.
 //!
-//! What no spring, dashpot or friction couples, whichever contacts are closed, is a sector of its own besides: the plate
-//! across the sliding, where there is no friction.
+//! Degrees of freedom that no spring, dashpot or friction couples with the others in any arrangement form one more sector, for
+//! example yp of the plate without friction in y.
 
 use linsys::{ChannelGain, Lag, OperatingPoint, SecondOrder};
 
@@ -9,14 +9,14 @@ use super::{ContactArrangement, Lateral, LatticeModel, PreparedLattice, Reversal
 use crate::sectors::{Combination, Sector};
 use crate::{OscModelError, Sectors};
 
-/// A reversal and the sign that it gives the shapes of a sector.
+/// A reversal, and the sign by which it multiplies the shapes of a sector.
 type Parity = (Reversal, f64);
 
 impl LatticeModel {
     /// The sectors of an arrangement, for sliding states that are alike in all contacts.
     ///
-    /// What the open contacts would couple if they were closed stays in one sector, and so does what a symmetry exchanges then:
-    /// along the path from every oscillator in contact to this arrangement a mode stays in one sector.
+    /// Degrees of freedom that are coupled, or exchanged by a symmetry, with all contacts closed stay in one sector: on the path
+    /// from all oscillators in contact to this arrangement a mode then stays in one sector.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.
@@ -33,7 +33,7 @@ impl LatticeModel {
         self.split(arrangement, &group).uncoupled(&ties)
     }
 
-    /// A system that couples what a reversal exchanges.
+    /// A system that couples the degrees of freedom that a reversal exchanges.
     fn tie(&self, reversal: Reversal) -> SecondOrder {
         let (grid, dofs) = (self.parameters().grid, self.dof_map());
         let mut tie = SecondOrder::zeros(dofs.free().len(), 0);
@@ -45,10 +45,10 @@ impl LatticeModel {
         tie
     }
 
-    /// Sectors by a group of reversals, the identity first, that carry the arrangement into itself.
+    /// Sectors by a group of reversals, the identity first, that map the arrangement onto itself.
     fn split(&self, arrangement: &ContactArrangement, group: &[Reversal]) -> Sectors {
         let (grid, dofs, contacts) = (self.parameters().grid, self.dof_map(), arrangement.in_contact());
-        // Each exists: the group leaves constraints and contacts as they are.
+        // All these indices exist, because the group maps constraints and contacts onto themselves.
         let dof = |reversal: Reversal, i: usize| dofs.position(reversal.dof(grid, dofs.free()[i])).unwrap_or(i);
         let contact =
             |reversal: Reversal, i: usize| contacts.binary_search(&reversal.oscillator(grid, contacts[i])).unwrap_or(i);
@@ -69,8 +69,8 @@ impl LatticeModel {
     }
 }
 
-/// The matrices of friction with a coefficient, a slope and this internal state in every channel: they couple what friction of
-/// any law can couple.
+/// The matrices of friction with a coefficient, a slope and this internal state in every channel, with an entry wherever any
+/// friction law can have one.
 fn any_friction(lattice: &PreparedLattice, lag: Option<Lag>) -> Result<SecondOrder, OscModelError> {
     let system = &lattice.brake().system;
     let channels = vec![ChannelGain { mu: 1.0, slope: 1.0, lag }; system.channels().len()];
@@ -79,7 +79,7 @@ fn any_friction(lattice: &PreparedLattice, lag: Option<Lag>) -> Result<SecondOrd
     Ok(friction)
 }
 
-/// The ways in which shapes can keep or change their sign under a group of reversals.
+/// The sign patterns that shapes can have under a group of reversals (its characters).
 fn characters(group: &[Reversal]) -> Vec<Vec<Parity>> {
     let mut characters = Vec::new();
     for (rows, columns) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
@@ -97,8 +97,8 @@ fn characters(group: &[Reversal]) -> Vec<Vec<Parity>> {
     characters
 }
 
-/// An orthonormal basis of the vectors with `count` entries that keep or change their sign as `parities` say, in the order of
-/// their first index.
+/// An orthonormal basis, in the order of first indices, of the vectors with `count` entries that each reversal multiplies by its
+/// sign in `parities`.
 fn combinations(count: usize, parities: &[Parity], image: impl Fn(Reversal, usize) -> usize) -> Vec<Combination> {
     let of = |first: usize| {
         let mut signs: Vec<(usize, f64)> = Vec::with_capacity(parities.len());
@@ -109,7 +109,7 @@ fn combinations(count: usize, parities: &[Parity], image: impl Fn(Reversal, usiz
                 None => signs.push((place, sign)),
             }
         }
-        // An entry that a reversal maps to itself is zero in every sector where that reversal changes signs.
+        // An entry that a reversal maps onto itself is zero in every sector where that reversal has the sign -1.
         let is_kept = signs.iter().all(|&(place, sum)| place >= first && sum != 0.0);
         signs.iter_mut().for_each(|(_, sign)| *sign = sign.signum());
         signs.sort_unstable_by_key(|&(place, _)| place);

@@ -1,8 +1,8 @@
-//! Arrangements that differ only in how the oscillators are labelled.
+//! Classes of arrangements that differ only in the labels of the oscillators.
 //!
-//! Reversing the order of the rows, of the columns, or of both *as labels*, without any change of sign, leaves a lattice
-//! of equal springs and equal contacts as it was. Arrangements that such a relabelling carries into each other have the
-//! same eigenvalues, and one of them stands for all.
+//! Reversing the order of the rows, of the columns, or of both *as labels*, without any change of sign, does not change a
+//! lattice of equal springs and equal contacts. Arrangements that such a relabelling maps onto each other have the same
+//! eigenvalues, so that one arrangement represents them all.
 
 use nalgebra::DMatrix;
 
@@ -19,7 +19,7 @@ pub enum Reversal {
     Rows,
     /// The first column becomes the last.
     Columns,
-    /// Rows and columns.
+    /// Rows and columns are both reversed.
     Both,
 }
 
@@ -44,7 +44,7 @@ impl Reversal {
 /// Arrangements with equal eigenvalues.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SymmetryClass {
-    /// Place in the list of the arrangement that stands for all: the first of the class.
+    /// Index in the list of the arrangement that represents the class: its first.
     pub representative: usize,
     /// Every arrangement of the class, the representative first.
     pub members: Vec<Member>,
@@ -53,10 +53,10 @@ pub struct SymmetryClass {
 /// An arrangement of a [`SymmetryClass`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Member {
-    /// Its place in the list of arrangements.
+    /// Index in the list of arrangements.
     pub arrangement: usize,
-    /// Carries the representative into this member: what oscillator i does there, oscillator `reversal.oscillator(i)`
-    /// does here.
+    /// The reversal that maps the representative onto this member: oscillator `reversal.oscillator(i)` of this member moves as
+    /// oscillator i of the representative.
     pub reversal: Reversal,
 }
 
@@ -79,11 +79,11 @@ impl LatticeModel {
         Reversal::ALL.into_iter().filter(|&reversal| keeps(reversal)).collect()
     }
 
-    /// Sorts arrangements into classes of equal eigenvalues, in the order in which their first members come.
+    /// Sorts arrangements into classes of equal eigenvalues, in the order of their first members.
     ///
-    /// Exact where all contacts of a state of sliding are equal, as they are when one draw of the friction parameters is
-    /// shared by all and the preload follows the symmetry. With a draw for each contact a relabelling also moves the
-    /// draws: the classes then hold for distributions, not for single samples.
+    /// The eigenvalues of a class are equal where all contacts of a state of sliding are equal: one draw of the friction
+    /// parameters for all contacts, and a preload with the symmetry. With a draw for each contact a relabelling also moves the
+    /// draws; then the distributions of the eigenvalues are equal, not those of single samples.
     ///
     /// # Errors
     /// An arrangement of a lattice of another size.
@@ -108,7 +108,7 @@ impl LatticeModel {
         Ok(classes)
     }
 
-    /// Whether a reversal carries one arrangement into another.
+    /// Whether a reversal maps one arrangement onto another.
     pub(crate) fn carries(&self, reversal: Reversal, from: &ContactArrangement, to: &ContactArrangement) -> bool {
         let grid = self.parameters().grid;
         from.in_contact().len() == to.in_contact().len()

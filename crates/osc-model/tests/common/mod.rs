@@ -1,4 +1,4 @@
-//! What the tests of this crate share: the lattice of the published case, and spectra compared as sets.
+//! Shared by the tests of this crate: the lattice of the published case, and the comparison of spectra as sets.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use cea::{EigenSolver, QrSolver, Workspace};

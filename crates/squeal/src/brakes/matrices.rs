@@ -7,12 +7,12 @@ use crate::Error;
 use crate::case::MatricesCase;
 use crate::study::{Plan, Scene, StudySource, UncertainBrake};
 
-/// A case's brake under each of its sets of constraints. A sample is a value of each parameter.
+/// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]
 pub struct MatricesBrake {
     /// The case.
     pub case: MatricesCase,
-    /// Its scenes, one for each set of constraints.
+    /// The scenes of the case, one for each set of constraints.
     pub plan: Plan,
 }
 
@@ -32,10 +32,11 @@ impl MatricesBrake {
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
+        plan.labels.dofs.clone_from(&case.dofs);
         Ok(Self { case, plan })
     }
 
-    /// The place of the only parameter that is not constant; `None` where there are more, or none.
+    /// The index of the only parameter that is not constant; `None` where no parameter varies, or several do.
     fn only_parameter(&self) -> Option<usize> {
         let varies = |distribution: &Distribution| !matches!(distribution, Distribution::Constant { .. });
         let mut varying = (0..self.case.parameters.len()).filter(|&i| varies(&self.case.parameters[i].distribution));

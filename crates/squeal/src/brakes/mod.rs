@@ -1,4 +1,4 @@
-//! Makers of brakes: what a case file describes, as a [`UncertainBrake`](crate::study::UncertainBrake).
+//! The brakes of case files, as [`UncertainBrake`](crate::study::UncertainBrake)s.
 
 mod lattice;
 mod matrices;

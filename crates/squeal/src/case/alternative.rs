@@ -1,4 +1,4 @@
-//! Other readings of a case, to be tried one at a time.
+//! Other readings of a case, each compared with the readings of the case one at a time.
 
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
@@ -6,7 +6,7 @@ use osc_model::{Lateral, Preload};
 use super::{Draws, Law};
 use crate::study::ModeNaming;
 
-/// One reading other than the case's own.
+/// One reading that differs from that of the case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Alternative {
     /// R1: another mass of every oscillator, kg.
@@ -19,14 +19,14 @@ pub enum Alternative {
     ModeNaming(ModeNaming),
     /// R8: another preload.
     Preload(Preload),
-    /// R9: another sigma1 over speed; `None` is 0.
+    /// R9: another sigma1 as a function of speed; `None` is 0.
     BristleDamping(Option<BristleDamping>),
-    /// R9: a control in LuGre's place, so that what the bristles do is told from what the curve does.
+    /// R9: another law in place of LuGre, which separates the effect of the bristles from that of the steady curve.
     InPlaceOfLuGre(Law),
 }
 
 impl Alternative {
-    /// The reading that it is a choice of.
+    /// Name of the reading.
     pub fn reading(&self) -> &'static str {
         match self {
             Self::OscillatorMass(_) => "R1",

@@ -6,7 +6,7 @@ use super::CaseError;
 use super::check::Check;
 use super::schema::ContactTable;
 
-/// The most arrangements that a case may have; chosen: each has a scene of its own in memory.
+/// Most arrangements of a case; chosen: each has a scene in memory.
 const MOST_ARRANGEMENTS: usize = 100_000;
 
 /// The arrangements of a case by number in contact, in the order of the file.
@@ -60,7 +60,7 @@ pub(super) fn arrangements_by_number(
     Ok(panels)
 }
 
-/// How many sets of `chosen` there are among `all`, at most `usize::MAX`.
+/// The binomial coefficient of `all` over `chosen`, at most `usize::MAX`.
 fn choices(all: usize, chosen: usize) -> usize {
     (0..chosen.min(all.saturating_sub(chosen)))
         .try_fold(1_usize, |count, i| Some(count.checked_mul(all - i)? / (i + 1)))

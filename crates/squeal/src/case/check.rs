@@ -1,4 +1,4 @@
-//! Errors that name the file, and the checks that all kinds of case files share.
+//! Errors that name the file, and the checks that are common to all kinds of case files.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
 
-/// Half widths of occurrences that can be asked for: below, a control variate takes millions of samples for each scene;
-/// above, an interval says nothing.
+/// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
+/// larger ones an interval has no information.
 pub const HALF_WIDTHS: &str = "0.00001 to 0.25";
 
 /// Whether a half width lies in [`HALF_WIDTHS`].
@@ -16,11 +16,19 @@ pub fn is_half_width(half_width: f64) -> bool {
     (1e-5..=0.25).contains(&half_width)
 }
 
-/// What is asked of the estimates of occurrences, as it stands in a case file of any kind.
+/// The table `[accuracy]` of a case file of any kind.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Accuracy {
     half_width: f64,
+}
+
+/// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
+const LONGEST_NAME: usize = 60;
+
+/// The first characters of a text.
+fn beginning(text: &str, characters: usize) -> String {
+    text.chars().take(characters).collect()
 }
 
 /// Makes errors that name the file.
@@ -70,16 +78,28 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// A name that can stand in a table and in the name of a file.
+    /// An error unless a name can be used in a table and in the name of a file.
     pub fn plain_name(&self, field: &str, name: &str) -> Result<(), CaseError> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-        if name.is_empty() || !name.chars().all(is_plain) {
-            return Err(self.value(field, format!("{name:?}"), "letters, digits, - and _"));
+        if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(is_plain) {
+            let allowed = format!("1 to {LONGEST_NAME} letters, digits, - and _");
+            return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
         }
         Ok(())
     }
 
-    /// The half width that a case asks for, if it does.
+    /// Text for people, in headings and legends.
+    pub fn line(&self, field: &str, text: &str) -> Result<(), CaseError> {
+        /// Most characters; chosen: two lines of a figure.
+        const LONGEST_LINE: usize = 200;
+        if text.chars().count() > LONGEST_LINE || text.chars().any(char::is_control) {
+            let allowed = format!("at most {LONGEST_LINE} characters without control characters");
+            return Err(self.value(field, format!("{:?}", beginning(text, LONGEST_NAME)), &allowed));
+        }
+        Ok(())
+    }
+
+    /// The half width that a case asks for; `None` where it asks for none.
     pub fn half_width(&self, accuracy: Option<Accuracy>) -> Result<Option<f64>, CaseError> {
         let given = accuracy.map(|accuracy| accuracy.half_width);
         match given.filter(|half_width| !is_half_width(*half_width)) {
@@ -88,7 +108,7 @@ impl Check<'_> {
         }
     }
 
-    /// The number of samples of a study.
+    /// An error unless the number of samples of a study is allowed.
     pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
         if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
             return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
@@ -96,32 +116,29 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// The matrices of a table that make no system.
+    /// The error for the matrices of a table that make no system.
     pub fn system(&self, field: &str) -> impl Fn(linsys::LinsysError) -> CaseError + use<> {
         let (path, field) = (self.path.to_owned(), field.to_owned());
         move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
-    /// A number that is neither infinite nor NaN.
+    /// The number, if it is neither infinite nor NaN.
     pub fn finite(&self, field: &str, value: f64) -> Result<f64, CaseError> {
         if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }
     }
 
-    /// Names of tables: each once, and such that they can stand in a message and a column's head.
+    /// An error unless names of tables differ and can be used in messages and column heads.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
-        /// Most characters of a name; chosen: a table with longer ones cannot be read.
-        const LONGEST_NAME: usize = 60;
         let allowed = format!("1 to {LONGEST_NAME} characters without control characters");
         for name in names.clone() {
             if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
-                let start: String = name.chars().take(LONGEST_NAME).collect();
-                return Err(self.value(field, format!("{start:?}"), &allowed));
+                return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
             }
         }
         self.no_repeats(field, names.cloned())
     }
 
-    /// Families of force that are named: as names of tables, but shared.
+    /// As [`Check::names`] for the names of force families, of which tables may share one.
     pub fn names_of_families<'n>(
         &self,
         table: &str,
@@ -134,10 +151,36 @@ impl Check<'_> {
     }
 }
 
-/// A field of a table that has a name, as messages print it.
+/// The name of a field of a named table in messages.
 pub(super) fn field(table: &str, name: &str, key: &str) -> String {
     format!("{table} {name:?}.{key}")
 }
+
+/// What the parser calls by the names of Rust and its own, and a user of case files by others; replaced in this order.
+const PARSER_WORDS: [(&str, &str); 19] = [
+    ("expected usize", "expected a whole number >= 0"),
+    ("expected u64", "expected a whole number >= 0"),
+    ("expected u16", "expected a whole number >= 0"),
+    ("expected f64", "expected a number"),
+    (
+        "expected internally tagged enum Distribution",
+        "expected a table, as { distribution = \"constant\", value = 1.0 }",
+    ),
+    ("expected a sequence", "expected a list"),
+    ("expected an array of length", "expected a list of"),
+    ("wanted string or table", "expected a name in quotes, or { name = number }"),
+    ("wanted exactly 1 element, more than 1 element", "expected one entry, found more"),
+    ("invalid length", "a list of"),
+    ("invalid type: ", ""),
+    ("invalid value: ", ""),
+    ("floating point", "the number"),
+    ("integer", "the number"),
+    ("boolean", "the truth value"),
+    ("string \"", "the text \""),
+    ("sequence", "a list"),
+    ("unknown variant", "unknown name"),
+    (" as i128", ""),
+];
 
 /// What the parser says of a text, with the line.
 pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
@@ -145,19 +188,14 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
     let line = text[..at].matches('\n').count() + 1;
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
-    // The parser names numbers by their types in Rust.
-    let message = ["usize", "u64", "u16"]
-        .iter()
-        .fold(error.message().replace('\n', " "), |message, integer| {
-            message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
-        })
-        .replace("expected f64", "expected a number");
+    let in_words = |message: String, (rust, word): &(&str, &str)| message.replace(rust, word);
+    let message = PARSER_WORDS.iter().fold(error.message().replace('\n', " "), in_words);
     let message = without_struct_name(message);
     let message = if source.is_empty() { message } else { format!("{source}: {message}") };
     CaseError::Syntax { path: path.to_owned(), line, message }
 }
 
-/// A message that calls a table a table, where the parser names the type that it reads it into.
+/// The message with "a table" in place of the name of the Rust struct that the parser reads the table into.
 fn without_struct_name(message: String) -> String {
     const EXPECTED: &str = "expected struct ";
     let Some(start) = message.find(EXPECTED) else { return message };

@@ -1,4 +1,4 @@
-//! What a case chooses by name: its friction laws, and whether its contacts share a draw.
+//! Choices of a case by name: its friction laws, and whether its contacts share a draw.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub enum Law {
     /// Bristles: one internal state per contact.
     #[serde(rename = "lugre")]
     LuGre,
-    /// LuGre's steady curve without its bristles.
+    /// The steady curve of LuGre without bristles.
     Stribeck,
 }
 
@@ -21,7 +21,7 @@ impl Law {
     /// All laws.
     pub const ALL: [Self; 4] = [Self::AmontonsCoulomb, Self::VelocityDependent, Self::LuGre, Self::Stribeck];
 
-    /// Its name, as in a case file.
+    /// Name of the law in a case file.
     pub fn name(self) -> &'static str {
         match self {
             Self::AmontonsCoulomb => "amontons-coulomb",
@@ -31,7 +31,7 @@ impl Law {
         }
     }
 
-    /// Its name, as in a heading.
+    /// Name of the law in a heading.
     pub fn title(self) -> &'static str {
         match self {
             Self::AmontonsCoulomb => "Amontons-Coulomb",
@@ -48,11 +48,11 @@ impl std::fmt::Display for Law {
     }
 }
 
-/// Friction parameters of the oscillators in one sample.
+/// How the friction parameters of a sample are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Draws {
-    /// One draw, the same for all: the lattice keeps its symmetry.
+    /// One draw for all oscillators, so that the lattice keeps its symmetry.
     Shared,
     /// A draw for each oscillator.
     Each,

@@ -1,4 +1,4 @@
-//! What can be wrong with a case file, each in one line.
+//! Errors of case files, each printed in one line.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ pub enum CaseError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// Not TOML, an unknown or missing field, a wrong type.
@@ -20,7 +20,7 @@ pub enum CaseError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What the parser says, in one line.
+        /// The message of the parser, in one line.
         message: String,
     },
     /// A value that is well-formed and not allowed.
@@ -30,9 +30,9 @@ pub enum CaseError {
         path: PathBuf,
         /// The field, as `table.key`.
         field: String,
-        /// What stands there.
+        /// The value found.
         value: String,
-        /// What may stand there.
+        /// The values allowed.
         allowed: String,
     },
     /// An expression that cannot be read, or whose value is not a finite number.
@@ -42,7 +42,7 @@ pub enum CaseError {
         path: PathBuf,
         /// The field, as `table "name".key`.
         field: String,
-        /// What is wrong with it.
+        /// The error of the expression.
         source: Box<super::ExpressionError>,
     },
     /// A file with a matrix that cannot be opened.
@@ -55,10 +55,10 @@ pub enum CaseError {
         field: String,
         /// The file with the matrix, as the case names it.
         file: PathBuf,
-        /// Why.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file with a matrix that is not one.
+    /// A file that does not contain a matrix.
     #[error("{}: {field} = {:?}: {source}", path.display(), file.display())]
     Matrix {
         /// The case file.
@@ -67,7 +67,7 @@ pub enum CaseError {
         field: String,
         /// The file with the matrix, as the case names it.
         file: PathBuf,
-        /// What is wrong, with the line.
+        /// The error, with the line.
         source: Box<linsys::LinsysError>,
     },
     /// Matrices that make no system together.
@@ -77,7 +77,7 @@ pub enum CaseError {
         path: PathBuf,
         /// The table, as `terms "name"`.
         field: String,
-        /// What is wrong.
+        /// The error of the matrices.
         source: Box<linsys::LinsysError>,
     },
     /// The lattice refuses its parameters, an arrangement or a constraint.
@@ -87,7 +87,7 @@ pub enum CaseError {
         path: PathBuf,
         /// The table of the case file.
         table: String,
-        /// What is wrong.
+        /// The error of the lattice.
         source: osc_model::OscModelError,
     },
 }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::check::{Check, syntax};
 use super::{CaseError, LatticeCase, MatricesCase};
+use crate::input::{LARGEST_CASE, read_text};
 
 /// A case file, by the kind of its brake.
 #[derive(Debug, Clone)]
@@ -16,7 +17,7 @@ pub enum CaseFile {
     Matrices(Box<MatricesCase>),
 }
 
-/// The part of a case file that says of which kind it is.
+/// The part of a case file that gives its kind.
 #[derive(Deserialize)]
 struct KindOfFile {
     brake: Option<KindOfBrake>,
@@ -39,13 +40,13 @@ impl CaseFile {
     /// Reads and checks a case file.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 
-    /// Checks the text of a case file; `path` is for messages and says where files with matrices are looked for.
+    /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
     ///
     /// # Errors
     /// As [`CaseFile::read`].

@@ -1,9 +1,9 @@
-//! The fields of a case file, as they stand in it. docs/case-files.md is their description for people.
+//! The fields of a case file with a lattice. docs/case-files.md describes them.
 
 use serde::Deserialize;
 
 use super::{Draws, FrictionDistributions, Law};
-use crate::study::ModeNaming;
+use crate::study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,7 +31,7 @@ pub(super) struct BrakeTable {
     pub _kind: Option<LatticeKind>,
 }
 
-/// `kind = "lattice"`, which needs not be said.
+/// `kind = "lattice"`, which may be left out.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LatticeKind {
@@ -47,7 +47,7 @@ pub(super) struct StudyTable {
     pub seed: u64,
 }
 
-/// One value for all, a value each, or walls and inner springs of each chain.
+/// One value for all, one value for each, or the values of outer and inner springs of each chain.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number, a list of numbers or { wall = number, inner = number }")]
 pub(super) enum Values {
@@ -120,6 +120,8 @@ pub(super) struct ReadingsTable {
     pub lateral: LateralEntry,
     pub draws: Draws,
     pub labels: ModeNaming,
+    #[serde(default)]
+    pub identity: ModeIdentity,
     pub preload: PreloadEntry,
     pub bristle_damping: BristleDampingEntry,
 }

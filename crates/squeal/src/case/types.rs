@@ -1,4 +1,4 @@
-//! A case in the terms of the model.
+//! A checked case, in the types of the model.
 
 use std::path::PathBuf;
 
@@ -8,16 +8,16 @@ use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
 use super::{Alternative, Draws, Law};
-use crate::study::{ModeLabel, ModeNaming};
+use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
-/// A study, checked.
+/// A checked study of a lattice.
 #[derive(Debug, Clone)]
 pub struct LatticeCase {
-    /// Where it was read from.
+    /// The case file.
     pub path: PathBuf,
-    /// The text that it was read from.
+    /// The text of the case file.
     pub text: String,
-    /// What it calls itself.
+    /// Name of the study.
     pub name: String,
     /// Friction laws, in the order of the file.
     pub laws: Vec<Law>,
@@ -25,11 +25,11 @@ pub struct LatticeCase {
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Half width to which every occurrence is estimated as well, if asked for.
+    /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
     /// The lattice.
     pub lattice: LatticeParameters,
-    /// How the model's open questions are read.
+    /// The readings: choices where the published description leaves the model open.
     pub readings: LatticeReadings,
     /// Arrangements by number in contact, in the order of the file.
     pub panels: Vec<(usize, Vec<ContactArrangement>)>,
@@ -39,9 +39,9 @@ pub struct LatticeCase {
     pub speeds: Vec<SpeedRange>,
     /// Distributions of the friction parameters.
     pub friction: FrictionDistributions,
-    /// Other readings to be tried.
+    /// Other readings for comparison.
     pub alternatives: Vec<Alternative>,
-    /// What a publication prints, to compare with.
+    /// Printed values of a publication, for comparison.
     pub paper: Option<Paper>,
 }
 
@@ -50,38 +50,40 @@ pub struct LatticeCase {
 pub struct LatticeReadings {
     /// Friction in y.
     pub lateral: Lateral,
-    /// One draw for all contacts or one each.
+    /// One draw for all contacts or one for each.
     pub draws: Draws,
     /// How modes are named.
     pub labels: ModeNaming,
-    /// What presses the oscillators on the plate.
+    /// How a tracked mode is known again.
+    pub identity: ModeIdentity,
+    /// The force that presses the oscillators on the plate.
     pub preload: Preload,
-    /// LuGre's sigma1 over speed; `None` sets it to 0.
+    /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
     pub bristle_damping: Option<BristleDamping>,
 }
 
-/// Degrees of freedom held together, by name.
+/// A set of constraints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstraintSet {
-    /// Its name.
+    /// Name of the set.
     pub name: String,
-    /// What is held.
+    /// The constrained degrees of freedom.
     pub fixed: Vec<Dof>,
 }
 
-/// A range of sliding speed, drawn from log-uniformly.
+/// A range of sliding speeds, from which speeds are drawn log-uniformly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedRange {
-    /// Its name.
+    /// Name of the range.
     pub name: String,
-    /// Lowest, m/s, > 0.
+    /// Lowest speed, m/s, > 0.
     pub from: f64,
-    /// Highest, m/s.
+    /// Highest speed, m/s.
     pub to: f64,
 }
 
 impl SpeedRange {
-    /// The speed below which the part `u` of the range lies, log-uniformly; the median for `u = 0.5`.
+    /// The quantile at probability `u` of the log-uniform distribution, m/s.
     pub fn quantile(&self, u: f64) -> f64 {
         self.from * (self.to / self.from).powf(u)
     }
@@ -91,7 +93,7 @@ impl SpeedRange {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionDistributions {
-    /// Amontons-Coulomb's coefficient, and that across the sliding of every law.
+    /// Coefficient of Amontons-Coulomb, and of every law across the sliding direction.
     pub mu: Distribution,
     /// Static coefficient.
     pub mu_s: Distribution,
@@ -113,9 +115,9 @@ pub struct FrictionDistributions {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Paper {
-    /// Which publication.
+    /// The publication.
     pub source: String,
-    /// The mode it finds most robustly unstable, in its own numbering.
+    /// The mode that the publication finds most robustly unstable, in its numbering.
     pub mode: ModeLabel,
     /// Lowest and highest natural frequency of the oscillators, Hz.
     pub natural_frequencies_oscillators: [f64; 2],
@@ -125,23 +127,26 @@ pub struct Paper {
     pub frequency_tolerance: f64,
     /// Oscillators that dominate that mode, from 1.
     pub corners: Vec<usize>,
-    /// Oscillators that dominate what is left with the second constraint set, from 1.
+    /// Oscillators that dominate the unstable mode with the second constraint set, from 1.
     pub after_corners_dominant: Vec<usize>,
-    /// Median occurrence of that with every oscillator in contact.
+    /// The mode that is left with the second constraint set, in its own numbering.
+    pub after_corners_mode: ModeLabel,
+    /// Median occurrence of this mode with every oscillator in contact.
     pub after_corners_occurrence: f64,
+    /// The mode that is left with the third constraint set, in its own numbering.
+    pub after_six_mode: ModeLabel,
     /// Largest median occurrence with the third constraint set.
     pub after_six_occurrence: f64,
-    /// The bound on it that the conclusions state.
+    /// The bound of that occurrence in the conclusions.
     pub after_six_bound: f64,
-    /// Arrangements with six in contact.
+    /// Number of arrangements with six oscillators in contact.
     pub arrangements_of_six: usize,
-    /// CEAs per arrangement.
+    /// Number of complex eigenvalue analyses per arrangement.
     pub analyses_per_arrangement: u64,
 }
 
 impl LatticeCase {
-    /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
-    /// computed from.
+    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on.
     pub fn identity(&self) -> String {
         let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
         let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");

@@ -1,4 +1,4 @@
-//! From the fields of a file to a case that can run: every value checked, every list complete.
+//! From the fields of a case file with a lattice to a checked case.
 
 use std::path::Path;
 
@@ -11,17 +11,18 @@ use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
     Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
 };
+use crate::input::{LARGEST_CASE, read_text};
 
 impl LatticeCase {
-    /// The most samples of a study; with them every count of it fits in 64 bits.
+    /// Most samples of a study; chosen, so that every count of a study fits in 64 bits.
     pub const MOST_SAMPLES: u64 = 1_000_000_000_000;
 
     /// Reads and checks a case file.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 
@@ -49,6 +50,7 @@ impl LatticeCase {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
         check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
@@ -56,6 +58,7 @@ impl LatticeCase {
             lateral,
             draws: readings.draws,
             labels: readings.labels,
+            identity: readings.identity,
             preload: preload(&check, readings.preload)?,
             bristle_damping: readings.bristle_damping.into(),
         };
@@ -223,7 +226,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<V
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
-    check.no_repeats("speeds.name", speeds.iter().map(|range| range.name.clone()))?;
+    check.names("speeds.name", speeds.iter().map(|range| &range.name))?;
     for range in &speeds {
         if !(range.from.is_finite() && range.from > 0.0) {
             return Err(check.value(&format!("speeds \"{}\".from", range.name), range.from, "a speed in m/s, > 0"));
@@ -252,7 +255,7 @@ fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<F
         distribution
             .check()
             .map_err(|fault| check.value(&format!("friction.{name}.{}", fault.key), fault.value, &fault.allowed))?;
-        // None: all of its values are > 0.
+        // `None` means that all values are > 0.
         let Some((key, least)) = distribution.least() else { continue };
         if least < 0.0 || (positive && least == 0.0) {
             let allowed = if positive { "a number > 0" } else { "a number >= 0" };

@@ -1,4 +1,4 @@
-//! The cells of a surrogate being made: sample points at their corners, the eigenvalues there, and the leaf that follows.
+//! Building the cells of a surrogate: the sample points at their corners, the modes there, and the leaves.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -12,28 +12,28 @@ use super::response_surface::{ResponseSurface, link};
 use super::sample_points::{SamplePoints, SampledMode};
 use crate::study::{ModeLabel, Study, UncertainBrake};
 
-/// Halvings of each direction in any case; chosen.
+/// Number of halvings of each direction before any refinement; chosen.
 const FIRST_HALVINGS: u32 = 2;
-/// Steps of the finest grid in each direction; chosen.
+/// Number of steps of the finest grid in each direction; chosen.
 const GRID_STEPS: u32 = 1 << 16;
-/// One point in so many is left outside at either end of each direction; chosen.
+/// Of this many points one is left outside the cells at each end of each direction; chosen.
 const POINTS_PER_OUTLIER: usize = 4096;
-/// Points that the gain of a sample point is taken from; chosen.
+/// Number of points of which the nearest gives the gain of a sample point; chosen.
 const TANGENT_CANDIDATES: usize = 2048;
-/// A mode is clear of the axis in a whole cell from this many times the residual of its polynomial on; chosen.
+/// Least distance from the axis, in residuals of its polynomial, at which a mode crosses nowhere in a cell; chosen.
 const CLEAR_RESIDUALS: f64 = 10.0;
-/// Points of a cell whose slopes are looked at at the frequencies of its modes; chosen.
+/// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen.
 const SLOPES_PER_CELL: usize = 32;
-/// A mode is followed in a cell if it could reach the axis moving this much faster than at a corner; chosen.
+/// A mode is followed in a cell if it would reach the axis at this multiple of its rates at a corner; chosen.
 const RATE_MARGIN: f64 = 1.5;
 
-/// A cell being made, on the finest grid.
+/// A cell without a leaf yet, in steps of the finest grid.
 pub(super) struct PendingCell {
-    /// Place in [`CellBuilder::cells`].
+    /// Index in [`CellBuilder::cells`].
     pub place: usize,
     low: [u32; 3],
     size: [u32; 3],
-    /// Indices of the points in it.
+    /// Indices of the points in the cell.
     pub points: Vec<u32>,
 }
 
@@ -43,23 +43,23 @@ impl PendingCell {
     }
 }
 
-/// A cell as its modes are seen: its different corners, and how far mu and H range in it.
+/// The corners and points of a cell, and its extent in mu and H.
 struct CellView<'a> {
-    /// Bits of the directions in which the cell has an extent: one without has one side.
+    /// Bits of the directions in which the cell has an extent.
     sides: usize,
-    /// Numbers of the corners that differ.
+    /// Numbers of the distinct corners: without an extent in a direction, those of its lower side.
     corners: Vec<usize>,
-    /// mu and the modes at each of these.
+    /// mu and the modes at each of these corners.
     modes: Vec<(f64, &'a [SampledMode])>,
     /// Extent in mu.
     width: f64,
-    /// Extent in H, at the frequency of the coordinates.
+    /// Extent in H at the frequency of the coordinates.
     extent: f64,
-    /// All its points.
+    /// All points of the cell.
     gains: Vec<&'a ChannelGain>,
 }
 
-/// The k-d tree of a scene being made.
+/// The k-d tree of a scene while it is built.
 pub(super) struct CellBuilder<'a, B: UncertainBrake> {
     solver: SamplePoints<'a, B>,
     points: &'a FrictionPoints,
@@ -78,7 +78,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         for d in 0..3 {
             let mut all: Vec<f64> = coordinates.iter().map(|point| point[d]).collect();
             all.sort_by(f64::total_cmp);
-            // What lies farther out belongs to the cell next to it.
+            // Points farther out belong to the cell next to them.
             let outliers = all.len() / POINTS_PER_OUTLIER;
             from[d] = all[outliers];
             step[d] = (all[all.len() - 1 - outliers] - from[d]) / f64::from(GRID_STEPS);
@@ -99,7 +99,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         std::array::from_fn(|d| self.from[d] + self.step[d] * f64::from(grid[d]))
     }
 
-    /// The cells to begin with.
+    /// The first cells.
     pub fn first(&mut self) -> Vec<PendingCell> {
         let size = self.step.map(|step| if step > 0.0 { GRID_STEPS } else { 0 });
         let all = (0..self.coordinates.len() as u32).collect();
@@ -118,7 +118,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         found
     }
 
-    /// The halves of a cell, in its longest direction.
+    /// Halves a cell in its longest direction.
     pub fn halve(&mut self, cell: PendingCell) -> Vec<PendingCell> {
         let longest = (0..3).rev().max_by_key(|&d| cell.size[d]).unwrap_or(0);
         let mut size = cell.size;
@@ -128,7 +128,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         let middle = self.at(high)[longest];
         let (below, above) = cell.points.iter().partition(|&&i| self.coordinates[i as usize][longest] < middle);
         let halves = [self.cells.len(), self.cells.len() + 1];
-        // A half without points goes on with what the whole says.
+        // A half without points keeps the leaf of the whole cell.
         let whole = std::mem::replace(&mut self.cells[cell.place], Cell::Halved { direction: longest, middle, halves });
         self.cells.extend([whole.clone(), whole]);
         vec![
@@ -137,7 +137,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         ]
     }
 
-    /// A gain with given coordinates: that of a point near by, its slope and the drive of its lag moved.
+    /// A gain with given coordinates: the gain of the nearest point, with another slope and another drive of its lag.
     fn gain(&self, at: [f64; 3]) -> ChannelGain {
         let distance = |i: &usize| {
             let other = self.coordinates[*i];
@@ -156,7 +156,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         ChannelGain { mu: at[0], slope: at[1] - product * response.re, lag: Some(moved) }
     }
 
-    /// Finds the modes at those corners of some cells that are no sample points yet.
+    /// Solves the corners of some cells that are no sample points yet.
     pub fn solve(&mut self, cells: &[PendingCell]) -> Result<(), EstimatorError> {
         let wanted = cells.iter().flat_map(|cell| (0..CORNERS).map(|k| cell.corner(k)));
         let wanted: BTreeSet<[u32; 3]> = wanted.filter(|grid| !self.sample_points.contains_key(grid)).collect();
@@ -171,7 +171,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         Ok(())
     }
 
-    /// What is known in a cell, and at how many of its points that is uncertain.
+    /// The leaf of a cell, and the number of its points with an uncertain prediction.
     pub fn leaf(&self, cell: &PendingCell) -> (Leaf, usize) {
         let view = self.view(cell);
         let (low, high) = (self.at(cell.corner(0)), self.at(cell.corner(CORNERS - 1)));
@@ -199,10 +199,10 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
                 };
                 let names = self.corner_names(&view, &corners);
                 let at_points = view.growths(&surface);
-                // Far from the axis at every point of the cell and at every corner?
+                // The range of Re lambda over the points and the corners of the cell.
                 let growths = at_points.iter().map(|point| point.0).chain(corners.iter().map(|c| c.1.lambda.re));
                 let [least, most] = [f64::min, f64::max].map(|of| growths.clone().reduce(of).unwrap_or(0.0));
-                // The range is allowed for once more: few of the points that may fall here are known.
+                // The width of this range is added to the margin, because samples may lie outside the range of the known points.
                 let clear = CLEAR_RESIDUALS * surface.residual + (most - least);
                 if least > clear {
                     always.iter_mut().zip(names.at).for_each(|(all, names)| *all = all.or(names));
@@ -237,14 +237,15 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         }
     }
 
-    /// The names of a mode, as bits.
+    /// The names of a mode as a [`ModeSet`].
     fn bits(&self, names: &[ModeLabel]) -> ModeSet {
         let bit = |name: &ModeLabel| self.names.iter().position(|other| other == name).map_or(0, |bit| 1 << bit);
         let perhaps = names.iter().fold(0, |bits, name| bits | bit(name));
         ModeSet { sure: if names.len() == 1 { perhaps } else { 0 }, perhaps }
     }
 
-    /// What a mode is called near each corner; where it is stable, as at the nearest corner where it is not.
+    /// The names of a mode near each corner. A corner where the mode is stable takes those of the nearest corner where it is
+    /// unstable.
     fn corner_names(&self, view: &CellView<'_>, modes: &[(f64, &SampledMode)]) -> CornerNames {
         let near = |k: usize| {
             let unstable = (0..view.corners.len()).filter(|&c| modes[c].1.lambda.re > 0.0);
@@ -259,19 +260,19 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
 impl<'a> CellView<'a> {
     /// Whether a mode at a corner could reach the axis somewhere in the cell.
     fn reaches_axis(&self, mode: &SampledMode) -> bool {
-        // At other frequencies than that of the coordinates slopes differ by more.
+        // At other frequencies than that of the coordinates the slopes in the cell may differ more.
         let some = self.gains.iter().step_by(self.gains.len().div_ceil(SLOPES_PER_CELL));
         let away = some.map(|gain| (gain.complex_slope(mode.lambda) - mode.slope).norm_sqr());
         let extent = away.fold(self.extent * self.extent, f64::max).sqrt();
         mode.lambda.re + RATE_MARGIN * (mode.by_mu.re.abs() * self.width + mode.by_slope.norm() * extent) > 0.0
     }
 
-    /// mu and the mode at each corner, by its index there.
+    /// mu and the mode at each corner, where the mode has the index `path[c]`.
     fn along(&self, path: &[usize]) -> Vec<(f64, &'a SampledMode)> {
         self.modes.iter().zip(path).map(|((mu, all), &i)| (*mu, &all[i])).collect()
     }
 
-    /// Re lambda at each point of the cell, and whether its slope is outside the surface's range.
+    /// Re lambda at each point of the cell, and whether the slope there is outside the range of the surface.
     fn growths(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
         let at = self.gains.iter().map(|gain| surface.eigenvalue(gain));
         at.map(|(lambda, is_outside)| (lambda.re, is_outside)).collect()

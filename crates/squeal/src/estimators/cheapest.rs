@@ -1,4 +1,4 @@
-//! The occurrences of a scene to a half width, by the cheapest estimator that applies to it.
+//! The occurrences of a scene to a given half width, by the cheapest estimator that applies.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -15,14 +15,14 @@ use crate::study::{ModeLabel, Study, UncertainBrake};
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
-/// Samples that say how many plain ones are needed, and count for nothing else; chosen.
+/// Number of pilot samples, which only determine the number of plain samples; chosen.
 pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
-/// Half width that plain sampling is planned for, as a part of the one asked for; chosen.
+/// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
-/// Half width for which the mean of a prediction takes [`FINEST_POINTS`].
+/// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
 const FINEST_HALF_WIDTH: f64 = 1e-3;
-/// Sobol points of each scrambling at most and at least, and scramblings: with the most, the mean of a prediction is known
-/// to some 1e-4.
+/// Largest and least number of Sobol points per scrambling, and number of scramblings; chosen: with the largest number, the
+/// standard error of the mean of a prediction is about 1e-4.
 const FINEST_POINTS: f64 = 32_768.0;
 const COARSEST_POINTS: f64 = 1_024.0;
 const SCRAMBLINGS: u32 = 32;
@@ -32,11 +32,11 @@ const SCRAMBLINGS: u32 = 32;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Estimator {
-    /// The distribution function of the one uncertain parameter at the onsets.
+    /// Differences of the distribution function of the one uncertain parameter between onsets.
     ExactIntegral,
-    /// A prediction from response surfaces, corrected by samples.
+    /// The mean of a prediction from response surfaces, corrected by samples.
     ControlVariate,
-    /// Samples alone.
+    /// Plain Monte Carlo.
     PlainSampling,
 }
 
@@ -53,21 +53,20 @@ impl fmt::Display for Estimator {
 /// The occurrences of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneOccurrences {
-    /// How they were found.
+    /// The estimator used.
     pub estimator: Estimator,
-    /// By name of the mode; modes that are surely never unstable are not listed.
+    /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
     pub modes: BTreeMap<ModeLabel, Estimated>,
-    /// The largest half width of any mode, listed or not, without what open names leave open.
+    /// The largest half width of any mode, listed or not, without the part that is due to open names.
     pub half_width: f64,
-    /// Systems solved, all of them: also those of an estimator that was tried and turned out not to apply.
+    /// Number of all systems solved.
     pub evaluations: u64,
-    /// Systems that plain sampling would solve for the same half width: what its interval of the occurrence nearest to one
-    /// half needs.
+    /// Number of systems that plain sampling would solve for the same half width of the occurrence nearest to one half.
     pub plain_evaluations: u64,
 }
 
-/// The occurrences of a scene to `half_width` at 95 %, or as near as its estimator gets. `points` are points that serve the
-/// scene, where [`friction_points`] found some.
+/// The occurrences of a scene to `half_width` at 95 %, or to the half width that the estimator reaches. `points` are friction
+/// points of the scene, where [`friction_points`] returned some.
 ///
 /// # Errors
 /// A sample or a spectrum that cannot be solved.
@@ -120,7 +119,7 @@ pub fn friction_points<B: UncertainBrake>(
     }
 }
 
-/// By the exact integral; it does not apply where the scene has no single parameter, or its branches are not resolved.
+/// The occurrences by the exact integral; `None` where the scene has no single parameter, or its branches are not resolved.
 fn by_integral<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -158,7 +157,7 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// By plain samples, as many as the occurrence nearest to one half needs by some pilot samples.
+/// The occurrences by plain samples; their number follows from pilot samples and the occurrence nearest to one half.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,

@@ -1,20 +1,20 @@
-//! Occurrences from a prediction that costs nothing, corrected by full solutions: a control variate with an interval.
+//! A control variate: occurrences from the mean of a cheap prediction, corrected by full solutions, with an interval.
 //!
-//! For the event Y that a mode is unstable and any prediction G of it,
+//! For the event Y that a mode is unstable and any prediction G of Y,
 //!
 //! ```text
 //! P(Y) = P(G) + P(Y and not G) - P(G and not Y)
 //! ```
 //!
-//! The first term is the mean of the prediction over scrambled Sobol points; the other two are counted over independent
-//! samples, solved in full: their reference. The surrogate says itself where it is uncertain. *Clear* and *uncertain* samples
-//! are strata, counted apart: what happens in few of the uncertain ones weighs little, because there are few of them.
+//! The first term is the mean of the prediction over scrambled Sobol points. The other two are counted over independent
+//! samples that are solved in full; their result is called the reference. Samples with *clear* and with *uncertain* predictions
+//! are strata, counted separately: a difference in an uncertain sample has little weight, because few samples are uncertain.
 //!
-//! In clear samples prediction and reference hardly ever differ: there the limits of Clopper and Pearson (Biometrika 26,
-//! 1934) hold for every n, and where they never differ in n samples their sum is below `-ln(tail) / n`. The mean of the
-//! prediction and the many differences in uncertain samples are sums of much that is small and independent; they share one
-//! interval by Student's t. Some thousand solutions do what takes plain Monte Carlo a million. A bad prediction makes the
-//! interval wide, never wrong.
+//! In clear samples prediction and reference hardly ever differ. The limits of Clopper and Pearson (Biometrika 26, 1934) are
+//! valid for every number n of samples, and with no difference in n samples their sum is below `-ln(tail) / n`. The mean of the
+//! prediction and the differences in uncertain samples are sums of many small independent terms, with one common interval by
+//! Student's t. A few thousand solutions give the accuracy of plain Monte Carlo with a million. A bad prediction makes the
+//! interval wide, but not invalid.
 
 use montecarlo::Experiment as _;
 
@@ -26,28 +26,28 @@ use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
 use crate::study::{ModeLabel, Scratch, Study, UncertainBrake};
 
-/// Half width that the first look is sized for, as a part of the one asked for; chosen.
+/// Half width for which the samples of the first look are planned, as a part of the half width asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
-/// Parts of that which Student's t may have, of which the cheapest is taken; chosen.
+/// Parts of the half width tried for Student's t, of which the cheapest is taken; chosen.
 const STUDENT_PARTS: [f64; 7] = [0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85];
-/// Price of an uncertain sample in clear ones, whose modes need no following; chosen.
+/// Cost of an uncertain sample over that of a clear one, whose modes need not be followed; chosen.
 const UNCERTAIN_PRICE: f64 = 2.0;
-/// Part of all samples in which the prediction of a mode is taken to be wrong beforehand; chosen.
+/// Share of all samples in which a prediction is assumed to be wrong before any sample is solved; chosen.
 const PRIOR_WRONG_OF_ALL: f64 = 3e-4;
-/// The same of the uncertain samples; chosen.
+/// Share of the uncertain samples in which a prediction is assumed to be wrong in addition; chosen.
 const PRIOR_WRONG_OF_UNCERTAIN: f64 = 0.05;
-/// Uncertain samples that tell it better where many are needed. They count for nothing else. Chosen.
+/// Number of uncertain samples by which that share is estimated where many samples are needed; they have no other use. Chosen.
 const PILOT_SAMPLES: u64 = 400;
-/// Standard error by uncertain samples that a surrogate is refined for, as a part of the half width; chosen.
+/// Standard error from uncertain samples for which a surrogate is refined, as a part of the half width; chosen.
 const SURROGATE_ERROR_PART: f64 = 0.13;
-/// Fewest uncertain samples of the first look, so that Student's t applies; chosen.
+/// Least number of uncertain samples in the first look, so that Student's t applies; chosen.
 const FEWEST_UNCERTAIN: f64 = 120.0;
-/// Samples solved together: many, so that those whose modes have to be followed fill the solver's lanes; chosen.
+/// Number of samples solved together; chosen large, so that the few whose modes have to be followed fill a batch.
 const SAMPLES_PER_BLOCK: usize = 2048;
-/// Draws for a block after which it stays as small as it is: some surrogates leave hardly any doubt. Chosen.
+/// Most draws for one block; chosen. A block stays smaller where a surrogate has hardly any uncertain samples.
 const MOST_DRAWS: usize = 4_000_000;
 
-/// The occurrences of a scene to `half_width` at 95 %, or as near as the last look gets.
+/// The occurrences of a scene to `half_width` at 95 %, or to the half width that the last look reaches.
 ///
 /// # Errors
 /// A sample that cannot be solved.
@@ -82,35 +82,34 @@ pub(super) fn corrected(
         first = first_sizes(means, pilots.most_wrong(), half_width);
     }
     let mut strata = <[Stratum; 2]>::default();
-    let mut result = None;
-    for (look, (tail, longer)) in INTERIM_LOOKS.into_iter().enumerate() {
+    let mut look = 0;
+    loop {
+        let (tail, size_factor) = INTERIM_LOOKS[look];
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
-            solve(kind, (size as f64 * longer).ceil() as u64, stratum)?;
+            solve(kind, (size as f64 * size_factor).ceil() as u64, stratum)?;
         }
         let [clear, uncertain] = strata.each_ref().map(|stratum| stratum.samples);
         let evaluations = Evaluations { sample_points, pilots: pilots.samples, clear, uncertain };
         let found = intervals(means, &strata, tails(tail), look == 0, evaluations);
-        let is_narrow = found.half_width() <= half_width;
-        result = Some(found);
-        if is_narrow {
-            break;
+        look += 1;
+        if found.half_width() <= half_width || look == INTERIM_LOOKS.len() {
+            return Ok(found);
         }
     }
-    result.ok_or(EstimatorError::NoConvergence { what: "an occurrence", left: 1.0, steps: 0 })
 }
 
-/// In which part of the uncertain samples, `share` of all, the prediction is taken to be wrong beforehand.
+/// The share of the uncertain samples in which the prediction is assumed to be wrong; uncertain samples are `share` of all.
 fn prior_wrong(share: f64) -> f64 {
     (PRIOR_WRONG_OF_ALL / share + PRIOR_WRONG_OF_UNCERTAIN).min(0.5)
 }
 
-/// The variance of an occurrence by one uncertain sample, `share` of all.
+/// The variance of an occurrence from one uncertain sample; uncertain samples are `share` of all.
 fn variance(share: f64, wrong: f64) -> f64 {
     share * share * wrong
 }
 
-/// How many clear and uncertain samples will do if the prediction is right in every clear one and `wrong` in a part of the
-/// others: the cheapest of the ways to divide the half width between them.
+/// The numbers of clear and uncertain samples for the half width if the prediction is right in every clear sample and wrong in
+/// a part `wrong` of the uncertain ones, with the cheapest division of the half width between the two.
 fn first_sizes(means: &PredictionMeans, wrong: f64, half_width: f64) -> [u64; 2] {
     let price = |sizes: &[f64; 2]| sizes[0] + UNCERTAIN_PRICE * sizes[1];
     let divided = STUDENT_PARTS.map(|part| sizes(means, wrong, FIRST_LOOK_WIDTH * half_width, part));
@@ -118,13 +117,13 @@ fn first_sizes(means: &PredictionMeans, wrong: f64, half_width: f64) -> [u64; 2]
     cheapest.unwrap_or_default().map(|size| size.ceil() as u64)
 }
 
-/// The same where Student's t has a `part` of the half width.
+/// [`first_sizes`] where Student's t has a `part` of the half width.
 fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f64; 2] {
     let [clear, uncertain] = means.largest_shares();
     let [tail, of_student] = tails(INTERIM_LOOKS[0].0);
     let t = means.t(of_student);
     let of_means = means.modes.values().flatten().map(|mean| mean.standard_error).fold(0.0, f64::max).powi(2);
-    // What the mean of the prediction alone takes more of cannot be helped.
+    // At least a tenth of the variance of the mean, where this mean alone uses up the part.
     let left = ((part * half_width / t).powi(2) - of_means).max(0.1 * of_means);
     let of_uncertain = (variance(uncertain, wrong) / left).max(FEWEST_UNCERTAIN);
     let by_student = t * (of_means + variance(uncertain, wrong) / of_uncertain).sqrt();
@@ -132,7 +131,7 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
     [of_clear, of_uncertain]
 }
 
-/// The samples of a scene, drawn in the study's order and solved as many of each kind as are asked for.
+/// The samples of a scene in the order of the study, of which as many of each kind are solved as are asked for.
 struct StratifiedSamples<'a, B: UncertainBrake> {
     study: &'a Study<'a, B>,
     friction: LeadingFriction<'a, B>,
@@ -142,7 +141,7 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
     names: Vec<ModeLabel>,
     seed: u64,
     next: u64,
-    /// Drawn and not solved, with the prediction.
+    /// Clear and uncertain samples that are drawn and not solved, with the predicted modes.
     waiting: [Vec<(B::Sample, ModeSet)>; 2],
     scratch: Scratch,
 }
@@ -154,7 +153,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
         Ok(Self { study, friction, scene, surrogate, names, seed, next: 0, waiting, scratch: Scratch::default() })
     }
 
-    /// Solves clear (0) or uncertain (1) samples until a stratum has so many, or as many as are found.
+    /// Solves clear (`kind` 0) or uncertain (1) samples until the stratum has `size` samples or no more are found.
     fn solve(&mut self, kind: usize, size: u64, stratum: &mut Stratum) -> Result<(), EstimatorError> {
         while stratum.samples < size {
             self.draw(kind, (size - stratum.samples).min(SAMPLES_PER_BLOCK as u64) as usize)?;
@@ -173,7 +172,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
         Ok(())
     }
 
-    /// Draws samples until so many of a kind wait.
+    /// Draws samples until `wanted` samples of a kind are waiting.
     fn draw(&mut self, kind: usize, wanted: usize) -> Result<(), EstimatorError> {
         for _ in 0..MOST_DRAWS {
             if self.waiting[kind].len() >= wanted {
@@ -183,7 +182,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             self.next += 1;
             let prediction = self.surrogate.predict(&self.friction.of(&sample)?);
             let waiting = &mut self.waiting[usize::from(prediction.is_uncertain)];
-            // One kind is rare: not all of the other are needed.
+            // While samples of a rare kind are drawn, those of the other kind are not all kept.
             if waiting.len() < SAMPLES_PER_BLOCK {
                 waiting.push((sample, prediction.unstable));
             }

@@ -1,17 +1,17 @@
-//! What can stand in the way of an estimate.
+//! Errors of estimators.
 
 /// Errors of this module.
 #[derive(Debug, thiserror::Error)]
 pub enum EstimatorError {
-    /// The model, a law, a solver or the case.
+    /// An error of the model, a friction law, a solver or the case.
     #[error(transparent)]
     Study(#[from] crate::Error),
-    /// A scene whose uncertainty is not one number.
+    /// A scene whose systems are not an affine function of one uncertain parameter.
     #[error("the exact integral needs {needed}; the scene has {found}")]
     NotOneParameter {
-        /// What it takes.
+        /// The requirement that the scene does not meet.
         needed: &'static str,
-        /// What there is.
+        /// The property of the scene.
         found: String,
     },
     /// Branches that are not resolved, modes that do not oscillate, onsets that are not found or contradict the spectra.
@@ -20,23 +20,13 @@ pub enum EstimatorError {
     /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
     #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
     NotShared,
-    /// Sobol points or scramblings that are not there.
+    /// A number of Sobol points or scramblings that is not allowed.
     #[error("{points} points in {scramblings} scramblings; allowed: 1 to 65536 points, 2 scramblings or more")]
     Points {
-        /// Points of each.
+        /// Points of each scrambling.
         points: u32,
-        /// Scramblings.
+        /// Number of scramblings.
         scramblings: u32,
-    },
-    /// A search that did not converge.
-    #[error("the search for {what} did not converge: {left:e} left after {steps} steps")]
-    NoConvergence {
-        /// What was searched.
-        what: &'static str,
-        /// Residual.
-        left: f64,
-        /// Steps taken.
-        steps: usize,
     },
 }
 

@@ -1,14 +1,14 @@
-//! What an estimate costs: the systems solved for it.
+//! The cost of an estimate: the number of systems solved.
 
 use std::ops::Add;
 
-/// Systems solved for the occurrences of a scene by a control variate, each once. What the study solves beforehand to follow
-/// modes at all is not among them: plain sampling needs it as well.
+/// Numbers of systems solved for the occurrences of a scene by a control variate. They do not include the references of the
+/// study, which plain sampling needs too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 pub struct Evaluations {
     /// Sample points of the surrogate.
     pub sample_points: u64,
-    /// Uncertain samples that only say how many others are needed.
+    /// Uncertain samples that only determine how many others are needed.
     pub pilots: u64,
     /// Samples whose prediction is clear.
     pub clear: u64,
@@ -17,7 +17,7 @@ pub struct Evaluations {
 }
 
 impl Evaluations {
-    /// All of them.
+    /// The sum of all.
     pub fn total(&self) -> u64 {
         self.sample_points + self.pilots + self.clear + self.uncertain
     }

@@ -1,9 +1,10 @@
 //! The exact integral: occurrences without sampling, exact up to crossings of the axis that a rule excludes.
 //!
-//! Between two onsets the set of unstable modes does not change, so the probability that a mode is unstable
-//! is the probability of mu lying in certain intervals: differences of its distribution function at the onsets. The error is
-//! the probability of what the root search leaves open, of the steps it could not resolve and of the tails that were cut off.
-//! That no branch crosses the axis twice within one step is no part of it: [`tracking::find_onsets`] excludes that by a rule.
+//! Between two onsets the set of unstable modes does not change, so that the probability that a mode is unstable is the
+//! probability that mu lies in certain intervals: a sum of differences of its distribution function. The error bound is the
+//! probability of the error intervals of the onsets, of the steps that the search could not resolve, and of the tails that were
+//! cut off. It does not cover a branch that crosses the axis twice within one step: [`tracking::find_onsets`] excludes that by
+//! a rule.
 
 use cea::Counters;
 use num_complex::Complex;
@@ -14,26 +15,26 @@ use super::one_parameter_family::SMALLEST_STEP;
 use super::{EstimatorError, OneParameterFamily};
 use crate::study::{ModeLabel, Reference};
 
-/// Relative distance up to which eigenvalues of two solvers at one parameter are the same: far above rounding, far below
-/// the distance of modes; chosen.
+/// Largest relative distance between two solvers' results for the same eigenvalue; chosen, far above rounding and far below the
+/// distance of modes.
 const SAME_EIGENVALUE: f64 = 1e-6;
-/// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves 1e-12 at each.
+/// Probability cut off at both ends of the support together: [`montecarlo::Distribution::support`] leaves out 1e-12 at each.
 const CUT_OFF: f64 = 2e-12;
 
-/// What the integral over mu says of one scene.
+/// The result of the exact integral for one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Exact {
-    /// Probabilities.
+    /// The probabilities.
     pub integral: Integral,
     /// Bound of the error of each probability, if no pair of onsets was overlooked within one step.
     pub error: f64,
-    /// Where eigenvalues cross the axis.
+    /// The onsets.
     pub onsets: Onsets,
-    /// What was computed, the reference not included.
+    /// Numbers of computations, without those of the reference.
     pub counters: Counters,
 }
 
-/// Integrates over the family of a scene whose modes at median parameters are `reference`.
+/// Integrates over the family of a scene; `reference` has its modes at median parameters.
 ///
 /// # Errors
 /// Those of [`OneParameterFamily::onsets`].
@@ -71,8 +72,8 @@ fn named(
     unstable.into_iter().map(name).collect()
 }
 
-/// The place among the reference modes of an eigenvalue that stands at `index` in the family's own spectrum. Modes of equal
-/// frequency may stand the other way round there: rounding errors of two solvers decide their order.
+/// The index among the reference modes of an eigenvalue with `index` in the spectrum of the family. The two indices may differ
+/// for modes of equal frequency, whose order depends on rounding errors of the two solvers.
 fn place(reference: &Reference, index: usize, lambda: Complex<f64>) -> usize {
     let distance = |at: usize| (reference.modes[at].lambda - lambda).norm();
     if index < reference.modes.len() && distance(index) <= SAME_EIGENVALUE * lambda.norm() {

@@ -1,6 +1,6 @@
-//! The friction of a scene as sampling sees it: points that cost no eigenproblem.
+//! Quasi-random points of the friction of a scene, computed without an eigenproblem.
 //!
-//! With friction alike in all contacts it acts on a mode through two numbers: mu and the complex slope
+//! Friction that is the same in all contacts acts on a mode of frequency omega through two numbers: mu and the complex slope
 //! `s(i omega)` of [`ChannelGain::complex_slope`].
 
 use linsys::{ChannelGain, OperatingPoint};
@@ -10,17 +10,17 @@ use rayon::prelude::*;
 use super::EstimatorError;
 use crate::study::{Scene, UncertainBrake};
 
-/// Largest number of points of the Sobol sequence; the tables of the generator end there.
+/// Most points of the Sobol sequence, by the tables of the generator.
 const MOST_POINTS: u32 = 1 << 16;
-/// Points at which the friction of two scenes is compared before one takes the points of the other; chosen.
+/// Number of points at which the friction of two scenes is compared before one scene uses the points of the other; chosen.
 const COMPARED_POINTS: usize = 64;
 
 /// Scrambled Sobol points of the friction of a scene.
 #[derive(Debug, Clone)]
 pub struct FrictionPoints {
-    /// Points by scrambling.
+    /// The points of each scrambling.
     pub(super) scramblings: Vec<Vec<ChannelGain>>,
-    /// Points of one more scrambling, for making a surrogate: it must not depend on the points that its mean is taken over.
+    /// Points of one more scrambling, from which a surrogate is made: it must not depend on the points of its mean.
     pub(super) training: Vec<ChannelGain>,
     /// A frequency near the axis, rad/s.
     pub(super) omega: f64,
@@ -39,9 +39,7 @@ impl FrictionPoints {
         points: u32,
         scramblings: u32,
     ) -> Result<Self, EstimatorError> {
-        if points == 0 || points > MOST_POINTS || scramblings < 2 {
-            return Err(EstimatorError::Points { points, scramblings });
-        }
+        check_points(points, scramblings)?;
         let friction = LeadingFriction::new(brake, scene)?;
         let of_scrambling = |seed: u32| {
             let of_index = |i: u32| friction.at_sobol_point(i, seed);
@@ -52,8 +50,7 @@ impl FrictionPoints {
         Ok(Self { scramblings, training: of_scrambling(0)?, omega })
     }
 
-    /// Whether the friction of another scene is the same function of the sample, judged at some points: these points then
-    /// serve it too.
+    /// Whether these points can be used for another scene: whether its friction has the same values at some of the points.
     ///
     /// # Errors
     /// As [`FrictionPoints::new`].
@@ -79,14 +76,14 @@ pub(super) fn coordinates(gain: &ChannelGain, omega: f64) -> [f64; 3] {
     [gain.mu, slope.re, if slope.re == 0.0 { 0.0 } else { slope.im / slope.re }]
 }
 
-/// The friction of a scene in those of its channels that are like the first one at median parameters: all channels, or
-/// those along the sliding where friction across it has channels of its own.
+/// The friction of a scene in the leading channels, which have the same gain as the first one at median parameters: all channels,
+/// or those along the sliding where friction across it has separate channels.
 pub(super) struct LeadingFriction<'a, B: UncertainBrake> {
     brake: &'a B,
     scene: &'a Scene,
     /// The operating point at median parameters.
     median: OperatingPoint,
-    /// How many channels are like the first one there.
+    /// Number of leading channels.
     alike: usize,
 }
 
@@ -103,7 +100,7 @@ impl<'a, B: UncertainBrake> LeadingFriction<'a, B> {
     /// The gain of a sample.
     ///
     /// # Errors
-    /// [`EstimatorError::NotShared`] where channels differ that are alike at median parameters, or the structure does.
+    /// [`EstimatorError::NotShared`] where the leading channels differ, or the structure differs from that at median parameters.
     pub fn of(&self, sample: &B::Sample) -> Result<ChannelGain, EstimatorError> {
         let at = self.brake.operating_point(self.scene, sample)?;
         let first = at.channels.first().ok_or(EstimatorError::NotShared)?;
@@ -128,17 +125,23 @@ impl<'a, B: UncertainBrake> LeadingFriction<'a, B> {
     }
 }
 
+/// An error unless the numbers of Sobol points and of scramblings are allowed.
+pub(super) fn check_points(points: u32, scramblings: u32) -> Result<(), EstimatorError> {
+    let is_allowed = (1..=MOST_POINTS).contains(&points) && scramblings >= 2;
+    if is_allowed { Ok(()) } else { Err(EstimatorError::Points { points, scramblings }) }
+}
+
 /// The sample at a point of a scrambled Sobol sequence.
 ///
 /// # Errors
-/// [`EstimatorError::NotShared`] where samples are no function of a point of the unit cube.
+/// [`EstimatorError::NotShared`] for a brake whose samples are not functions of a point of the unit cube.
 pub(super) fn sobol_sample<B: UncertainBrake>(
     brake: &B,
     scene: &Scene,
     index: u32,
     seed: u32,
 ) -> Result<B::Sample, EstimatorError> {
-    // 24 bits in [0, 1); the middle of each step, for the quantiles at 0 and 1 are infinite.
+    // A number of 24 bits in [0, 1), moved to the middle of its step, because quantiles at 0 and 1 may be infinite.
     let uniform = |dimension: u32| f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25);
     brake.quantile_sample(scene, &uniform).ok_or(EstimatorError::NotShared)
 }

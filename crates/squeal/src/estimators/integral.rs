@@ -7,12 +7,12 @@ use montecarlo::Distribution;
 use super::EstimatorError;
 use crate::study::{ModeLabel, unstable_names};
 
-/// An occurrence: a probability, between two limits where a coalescence leaves the name of a mode open.
+/// An occurrence: the probability that a mode is unstable, between two limits where a coalescence leaves its name open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct OccurrenceBounds {
-    /// Of the mode unstable for sure.
+    /// Probability that the mode is certainly unstable.
     pub lower: f64,
-    /// Of the mode perhaps unstable.
+    /// Probability that the mode is certainly or possibly unstable.
     pub upper: f64,
 }
 
@@ -23,11 +23,11 @@ pub struct Piece {
     pub from: f64,
     /// Upper end.
     pub to: f64,
-    /// The names of each unstable mode, several where they are open.
+    /// For each unstable mode its candidate names, one where the name is certain.
     pub unstable: Vec<Vec<ModeLabel>>,
 }
 
-/// What follows from the pieces.
+/// Occurrences from the pieces of the parameter's interval.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Integral {
     /// By name of the tracked mode; modes that are never unstable are not listed.
@@ -40,8 +40,8 @@ pub struct Integral {
     pub pieces: Vec<Piece>,
 }
 
-/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` says what each piece is like inside. An unstable
-/// mode without a name may be any of `all_names`.
+/// Sums the probabilities of the pieces between `ends`, ascending; `unstable` gives the names of the unstable modes at a point
+/// of a piece. An unstable mode without a name may be any of `all_names`.
 ///
 /// # Errors
 /// Those of `unstable`.

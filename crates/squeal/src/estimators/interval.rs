@@ -1,4 +1,4 @@
-//! The interval of an occurrence from the mean of a prediction and from the counts of what it gets wrong.
+//! The confidence interval of an occurrence, from the mean of a prediction and the counts of its errors.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,42 +12,41 @@ use super::stratum::Stratum;
 use super::{Estimated, OccurrenceBounds, Surrogate};
 use crate::study::ModeLabel;
 
-/// Error probability, of 5 % in all, of the probability that a prediction is uncertain; chosen.
+/// Error probability of the interval for the probability of an uncertain prediction; chosen, as a part of the 5 % of all looks.
 pub(super) const UNCERTAIN_SHARE_TAIL: f64 = 0.001;
-
-/// The interim looks at the counts: the error probability that each may spend, and its samples in those of the first. With
-/// [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality); chosen.
+/// For each interim look at the counts its error probability, and its number of samples as a multiple of that of the first.
+/// Chosen: with [`UNCERTAIN_SHARE_TAIL`] the probabilities sum to 0.05 (Boole's inequality).
 pub(super) const INTERIM_LOOKS: [(f64, f64); 4] = [(0.030, 1.0), (0.013, 1.7), (0.004, 3.0), (0.002, 6.0)];
-/// Part of a look's error probability that the clear samples spend; Student's t has the rest. Chosen.
+/// Part of the error probability of a look that belongs to the clear samples; the rest belongs to Student's t. Chosen.
 const CLEAR_TAIL_PART: f64 = 0.7;
 
-/// Occurrences of one scene.
+/// Occurrences of one scene by a control variate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ControlVariateEstimate {
-    /// By name, with 95 % limits.
+    /// The occurrence of each mode by name, with 95 % limits.
     pub modes: BTreeMap<ModeLabel, Estimated>,
     /// Upper limit of the occurrence of any mode that is not listed.
     pub unseen: f64,
     /// Systems solved.
     pub evaluations: Evaluations,
-    /// Those in which the prediction was wrong about any mode: clear ones, uncertain ones.
+    /// Numbers of clear and of uncertain samples in which the prediction was wrong about any mode.
     pub wrong: [u64; 2],
     /// Probability that the prediction is uncertain.
     pub uncertain: f64,
 }
 
 impl ControlVariateEstimate {
-    /// The largest half width, without what open names leave open: more samples do not close that.
+    /// The largest half width, without the part that is due to open names: more samples do not reduce that.
     pub fn half_width(&self) -> f64 {
         self.modes.values().map(Estimated::half_width).fold(self.unseen, f64::max)
     }
 }
 
-/// Means over Sobol points, with the error that the scatter of their scramblings shows.
+/// Means of a prediction over Sobol points, with the standard errors that follow from the scatter of the scramblings.
 pub(super) struct PredictionMeans {
-    /// Of the prediction that a mode is surely and perhaps unstable, by name.
+    /// By name, the probabilities of the predictions that a mode is certainly, and possibly, unstable.
     pub modes: BTreeMap<ModeLabel, [ReplicateMean; 2]>,
-    /// Of the prediction being uncertain.
+    /// The probability of an uncertain prediction.
     pub uncertain: ReplicateMean,
 }
 
@@ -81,8 +80,8 @@ impl PredictionMeans {
     }
 }
 
-/// The number of points in which each mode is predicted to be surely, and perhaps, unstable; last, in which the prediction is
-/// uncertain.
+/// For each mode the number of points at which it is predicted to be certainly, and possibly, unstable; last, the number at
+/// which the prediction is uncertain.
 fn hits(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<u32> {
     let count = surrogate.names().len();
     let mut hits = vec![0_u32; 2 * count + 1];
@@ -97,8 +96,8 @@ fn hits(surrogate: &Surrogate, points: &[ChannelGain]) -> Vec<u32> {
     hits
 }
 
-/// The occurrences, with the error probabilities of the clear samples and of Student's t. In the first look one limit of
-/// how often prediction and reference differ in clear samples will do. `evaluations` were needed for it.
+/// The occurrences at one look, with the error probabilities `tails` of the clear samples and of Student's t. The first look
+/// uses one limit of the probability that prediction and reference differ in a clear sample.
 pub(super) fn intervals(
     means: &PredictionMeans,
     strata: &[Stratum; 2],
@@ -119,7 +118,7 @@ pub(super) fn intervals(
     }
 }
 
-/// What one look at the counts sees.
+/// The counts at one look.
 struct InterimLook<'a> {
     means: &'a PredictionMeans,
     clear: &'a Stratum,
@@ -147,25 +146,28 @@ impl InterimLook<'_> {
         Estimated { occurrence: OccurrenceBounds { lower, upper }, limits }
     }
 
-    /// Half the width by Student's t of one end of an occurrence: the mean of the prediction, whose standard error is
-    /// `of_mean`, and the uncertain samples, which move it by `shift` times their share. No name: a mode never seen.
+    /// Half width by Student's t at one end of an occurrence, from the standard error `of_mean` of the mean of the prediction
+    /// and from the uncertain samples, which correct this mean by `shift` times their share; without a name, of a mode that
+    /// was never seen.
     fn by_student(&self, name: Option<ModeLabel>, of_mean: f64, shift: f64) -> f64 {
         let variance = (self.largest_shares[1] * self.uncertain.deviation(name)).powi(2) + of_mean.powi(2);
         self.means.t(self.tails[1]) * variance.sqrt() + shift.abs() * self.means.uncertain_error()
     }
 
-    /// By how much clear samples may move the ends of an occurrence down and up; no name: of a mode never seen.
+    /// Limits of the correction by clear samples of the ends of an occurrence, down and up; without a name, of a mode that was
+    /// never seen.
     fn limits(&self, name: Option<ModeLabel>) -> [f64; 2] {
         self.clear.limits(name, self.tails[0], self.is_first).map(|limit| self.weighted(limit))
     }
 
-    /// A limit among clear samples as one among all. What is surely on the other side counts with the share that is sure.
+    /// A limit among clear samples as a limit among all samples: a positive one with the largest share that clear samples may
+    /// have, a negative one with the smallest.
     fn weighted(&self, limit: f64) -> f64 {
         limit * if limit > 0.0 { self.largest_shares[0] } else { 1.0 - self.largest_shares[1] }
     }
 }
 
-/// A look's error probabilities of the clear samples and of Student's t.
+/// The error probabilities of clear samples and of Student's t in a look with the error probability `tail`.
 pub(super) const fn tails(tail: f64) -> [f64; 2] {
     [CLEAR_TAIL_PART * tail, (1.0 - CLEAR_TAIL_PART) * tail]
 }
@@ -182,7 +184,7 @@ mod tests {
         ReplicateMean { mean, standard_error: 0.0, replicates: 32 }
     }
 
-    /// The intervals of a prediction that is always `predicted`, in one stratum.
+    /// The intervals of a prediction that is the same in all samples, all of them clear.
     fn found(predicted: bool, references: impl Iterator<Item = Option<bool>>) -> ControlVariateEstimate {
         let predicted = if predicted { BTreeMap::from([(MODE, true)]) } else { BTreeMap::new() };
         let mut clear = Stratum::default();

@@ -1,18 +1,18 @@
-//! The cells in which a surrogate looks a gain up: a k-d tree over mu, Re H and Im H / Re H.
+//! The cells of a surrogate: a k-d tree over mu, Re H and Im H / Re H.
 
 use linsys::ChannelGain;
 
 use super::response_surface::ResponseSurface;
 
-/// Corners of a cell.
+/// Number of corners of a cell.
 pub(super) const CORNERS: usize = 8;
 
-/// Sets of modes, as bits by place in [`super::Surrogate::names`].
+/// A set of unstable modes; bit i stands for the name with index i in [`super::Surrogate::names`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct ModeSet {
-    /// Names of modes that have no other.
+    /// Names of modes whose name is certain.
     pub sure: u64,
-    /// These, and those that a mode with an open name may have.
+    /// Names in `sure`, and the candidate names of the other modes.
     pub perhaps: u64,
 }
 
@@ -22,38 +22,38 @@ impl ModeSet {
     }
 }
 
-/// What a surrogate says of a gain.
+/// The prediction of a surrogate for a gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Prediction {
     /// Names of the unstable modes.
     pub unstable: ModeSet,
-    /// Whether it may well be wrong.
+    /// Whether the prediction is likely to be wrong.
     pub is_uncertain: bool,
 }
 
 #[derive(Debug, Clone)]
 pub(super) enum Cell {
-    /// Below `middle` in a direction, and not below.
+    /// The cells below and above `middle` in a direction.
     Halved {
         direction: usize,
         middle: f64,
         halves: [usize; 2],
     },
     Leaf(Leaf),
-    /// Without any point.
+    /// A cell without points.
     Empty,
 }
 
 /// A cell that is not halved. Corner k of eight is on the upper side in direction d where bit d of k is set.
 #[derive(Debug, Clone)]
 pub(super) struct Leaf {
-    /// Where its halves would meet.
+    /// Coordinates of the middle of the cell.
     pub middle: [f64; 3],
     /// Modes that are unstable in the whole cell.
     pub unstable: CornerNames,
     /// Modes that may cross the axis.
     pub crossing: Vec<CrossingMode>,
-    /// Whether a mode was lost between corners.
+    /// Whether a mode could not be followed between corners.
     pub is_uncertain: bool,
 }
 
@@ -65,24 +65,24 @@ pub(super) struct CrossingMode {
 }
 
 impl CrossingMode {
-    /// Whether the mode grows under a gain, and whether that or its name is uncertain.
+    /// Whether the mode grows under a gain, and whether the growth or the name is uncertain.
     pub fn predict(&self, gain: &ChannelGain) -> [bool; 2] {
         let (lambda, is_outside) = self.surface.eigenvalue(gain);
         self.judge(lambda.re, is_outside)
     }
 
-    /// [`CrossingMode::predict`] from what the response surface says.
+    /// [`CrossingMode::predict`] from the results of the response surface.
     pub fn judge(&self, growth: f64, is_outside: bool) -> [bool; 2] {
         let grows = growth > 0.0;
         [grows, growth.abs() < self.surface.uncertainty() || is_outside || grows && self.names.is_uncertain]
     }
 }
 
-/// What modes are called near each corner of a cell.
+/// Names of modes near each corner of a cell.
 #[derive(Debug, Clone)]
 pub(super) struct CornerNames {
     pub at: [ModeSet; CORNERS],
-    /// Whether the corners disagree, or none knows.
+    /// Whether the names differ between corners, or no corner gives a name.
     pub is_uncertain: bool,
 }
 
@@ -92,7 +92,7 @@ impl CornerNames {
     }
 }
 
-/// What the tree `cells`, whose root is the first of them, says of a gain at its coordinates.
+/// The prediction of the tree `cells`, whose root is the first cell, for a gain with these coordinates.
 pub(super) fn predict(cells: &[Cell], gain: &ChannelGain, coordinates: [f64; 3]) -> Prediction {
     let mut at = 0;
     loop {

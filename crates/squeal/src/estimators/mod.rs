@@ -1,6 +1,6 @@
 //! Estimators of the occurrences of a scene: the exact integral, a control variate, plain and quasi-Monte Carlo.
 //!
-//! **Which scenes have an exact integral.** Where friction is alike in all contacts its parameters act through few numbers:
+//! **Which estimator applies.** Where friction is the same in all contacts, its parameters act through few numbers:
 //!
 //! | law, one draw for all contacts | acts through | occurrence |
 //! | --- | --- | --- |
@@ -8,10 +8,10 @@
 //! | velocity-dependent, Stribeck | mu, slope h | [`control_variate`] |
 //! | LuGre | mu, complex slope H(i omega) | [`control_variate`] |
 //!
-//! [`control_variate`] predicts which modes are unstable from response surfaces of the eigenvalues over mu and H
-//! ([`Surrogate`]), has the mean of the prediction from scrambled Sobol points without an eigenproblem, and corrects it by
-//! full solutions of independent samples. Its interval rests on the counts of the correction alone and holds for any
-//! prediction. With lateral friction, which the surrogate does not know, the interval is as right and wider.
+//! [`control_variate`] predicts the unstable modes from response surfaces of the eigenvalues over mu and H ([`Surrogate`]),
+//! computes the mean of the prediction over scrambled Sobol points without solving an eigenproblem, and corrects the mean by
+//! full solutions of independent samples. Its interval follows from the counts of the correction alone and is valid for any
+//! prediction. With lateral friction, which the surrogate neglects, the interval is valid and wider.
 
 mod cell_builder;
 mod cheapest;

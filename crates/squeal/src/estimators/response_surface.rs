@@ -1,8 +1,8 @@
-//! The response surface of an eigenvalue over a cell of friction states, a polynomial.
+//! The response surface of an eigenvalue over a cell of friction states: a polynomial in mu and H.
 //!
-//! With one gain in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, H the complex slope at lambda: a
-//! simple eigenvalue is an analytic function of mu and of the one complex number H, whatever the law. Values and
-//! derivatives at the corners determine a polynomial with complex coefficients, and say by how much it misses them.
+//! With one gain in all contacts `Q = lambda^2 M + lambda (C + H C_1) + K + mu K_1`, where H is the complex slope at lambda: for
+//! every friction law, a simple eigenvalue is an analytic function of mu and of the complex number H. The polynomial with
+//! complex coefficients is fitted to values and derivatives at the corners; the residual of the fit estimates its error.
 
 use linsys::ChannelGain;
 use nalgebra::{DMatrix, DVector};
@@ -11,14 +11,14 @@ use tracking::link_error;
 
 use super::sample_points::SampledMode;
 
-/// Largest power of mu, and total degree where a cell has four corners: what values and derivatives at its ends tell.
+/// Largest power of mu, and total degree where a cell has four corners: values and derivatives at two ends determine a cubic.
 const DEGREE: usize = 3;
-/// On the diagonal of the normal equations, for directions in which nothing varies; chosen.
+/// Number added to the diagonal of the normal equations, for directions in which the cell has no extent; chosen.
 const RIDGE: f64 = 1e-10;
-/// An eigenvalue is uncertain where its distance from the axis is below this many times the residual of its polynomial;
-/// chosen.
+/// Distance from the axis, in residuals of the polynomial, below which an eigenvalue's side is uncertain; chosen.
 const UNCERTAIN_RESIDUALS: f64 = 2.0;
-/// Distance of slopes from the centre beyond which a polynomial is not relied on, in those of the corners; chosen.
+/// Largest distance of a slope from the centre of a cell at which the polynomial is relied on, as a multiple of that of the
+/// corners; chosen.
 const RELIABLE_RANGE: f64 = 1.25;
 
 /// lambda as a polynomial in mu and H, both scaled to a cell.
@@ -29,10 +29,9 @@ pub(super) struct ResponseSurface {
     scale: (f64, f64),
     /// In the order of [`powers`].
     coefficients: Vec<Complex<f64>>,
-    /// By how much the polynomial misses values and derivatives at the corners, and its next terms, which they cannot tell,
-    /// rad/s.
+    /// Root mean square error of the polynomial at the corners plus an estimate of the terms of higher degree, rad/s.
     pub residual: f64,
-    /// Largest |d lambda / d H| that counts on the polynomial, rad/s by s/m.
+    /// Bound of |d lambda / d H| of the polynomial within [`RELIABLE_RANGE`], rad/s per Ns/m.
     steepness: f64,
 }
 
@@ -52,7 +51,7 @@ fn up_to(x: Complex<f64>) -> [[Complex<f64>; DEGREE + 2]; 2] {
 }
 
 impl ResponseSurface {
-    /// The polynomial nearest to values and derivatives at the corners of a cell, each with its mu; `None` where they are
+    /// The polynomial fitted to values and derivatives at the corners of a cell, each given with its mu; `None` where these are
     /// not finite.
     pub fn new(corners: &[(f64, &SampledMode)]) -> Option<Self> {
         let degree = if corners.len() > 4 { DEGREE + 1 } else { DEGREE };
@@ -83,8 +82,8 @@ impl ResponseSurface {
         let coefficients = normal.cholesky()?.solve(&matrix.ad_mul(&wanted));
         let left = (&matrix * &coefficients - wanted).norm_squared();
         let spare = (3 * corners.len()).saturating_sub(terms).max(1) as f64;
-        // Two ends with derivatives are met by any cubic polynomial: of what comes next in mu, and in a real H, they say
-        // nothing. The last terms do, as those of a geometric series.
+        // A cubic polynomial fits values and derivatives at two ends exactly, so that its residual does not show the next term
+        // in mu, nor in a real H. This term is estimated from the last two, as in a geometric series.
         let term = |power: (usize, usize)| {
             powers(degree).position(|other| other == power).map_or(0.0, |at| size(coefficients[at]))
         };
@@ -106,13 +105,13 @@ impl ResponseSurface {
         })
     }
 
-    /// lambda under a gain, and whether its slope there is farther out than those at the corners: it depends on more
-    /// than the coordinates of the gain.
+    /// lambda under a gain, and whether the slope at lambda is outside [`RELIABLE_RANGE`]: the slope depends on more than the
+    /// coordinates of the gain.
     pub fn eigenvalue(&self, gain: &ChannelGain) -> (Complex<f64>, bool) {
         let mut slope = gain.complex_slope(self.coefficients[0]);
         let mut lambda = self.at(gain.mu, slope);
         if gain.lag.is_some() {
-            // The slope depends on the eigenvalue. Far from the axis the first one will do.
+            // The slope depends on the eigenvalue; far from the axis the first approximation is enough.
             let other = gain.complex_slope(lambda);
             if lambda.re.abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
                 (slope, lambda) = (other, self.at(gain.mu, other));
@@ -121,7 +120,7 @@ impl ResponseSurface {
         (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
     }
 
-    /// Distance from the axis within which the eigenvalue may be on the other side, rad/s.
+    /// Distance from the axis within which the side of the eigenvalue is uncertain, rad/s.
     pub fn uncertainty(&self) -> f64 {
         UNCERTAIN_RESIDUALS * self.residual
     }
@@ -148,12 +147,11 @@ fn size(z: Complex<f64>) -> f64 {
     z.norm_sqr().sqrt()
 }
 
-/// The indices of a mode at all corners of a cell, one index each; corner `ks[c]` of eight is on the upper side in direction
-/// d where bit d is set. `None` where a corner has no modes.
-/// A branch is followed along an edge by the error of its tangents ([`link_error`]).
+/// The index of one mode at every corner of a cell; corner `ks[c]` is on the upper side in direction d where bit d is set. `None`
+/// where a corner has no modes. The mode is followed along each edge to the mode with the least [`link_error`].
 pub(super) fn link(modes: &[(f64, &[SampledMode])], ks: &[usize], start: usize, index: usize) -> Option<Vec<usize>> {
     let mut path = vec![index; ks.len()];
-    // Outwards from the start, one direction after the other.
+    // From the start along one direction after the other.
     let mut known = vec![start];
     for d in 0..3 {
         for c in known.clone() {
@@ -191,7 +189,7 @@ mod tests {
 
     const SLOPES: [[f64; 2]; 4] = [[-0.3, -0.1], [0.0, 0.1], [-0.4, -0.5], [0.1, -0.4]];
 
-    /// Corner k in the order of bits: mu, then the two parts of H.
+    /// The corners in the order of their bits: mu, then the two parts of H.
     fn corners(slopes: &[[f64; 2]], offset: f64) -> Vec<(f64, SampledMode)> {
         let both = |&[re, im]: &[f64; 2]| [0.3, 0.7].map(|mu| (mu, mode(mu, Complex::new(re, im), offset)));
         slopes.iter().flat_map(both).collect()
@@ -201,7 +199,7 @@ mod tests {
     fn a_polynomial_is_found_again() {
         let lag = Lag { decay: 150.0, drive: -0.5, force: 60.0 };
         for (slopes, lag) in [(&SLOPES[..2], None), (&SLOPES[..], Some(lag))] {
-            // Far from the axis, and on it, where it has to be right.
+            // Far from the axis, and on the axis, where the surface has to be accurate.
             for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
                 let corners = corners(slopes, offset);
                 let corners: Vec<(f64, &SampledMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
@@ -217,7 +215,7 @@ mod tests {
     #[test]
     fn branches_that_cross_are_told_apart_by_their_derivatives() {
         let (a, b) = (corners(&SLOPES, 0.0), corners(&SLOPES, 0.0));
-        // The other branch is the mirror image in mu about 0.5: the two cross half-way.
+        // The other branch is the mirror image in mu about 0.5: the two branches cross in the middle.
         let mirrored = |k: usize| {
             let mode = &b[k ^ 1].1;
             SampledMode { by_mu: -mode.by_mu, ..mode.clone() }

@@ -1,30 +1,30 @@
-//! What is known at a sample point, one state of friction: eigenvalues near the axis with their derivatives, and names.
+//! Sample points of a surrogate: at one state of friction, the eigenvalues near the axis, their derivatives and their names.
 
 use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all};
 use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use tracking::{Path, PathEnd, PathStart, identify_all};
+use tracking::{Path, PathEnd, PathStart};
 
 use super::EstimatorError;
 use super::friction_points::LeadingFriction;
 use crate::study::{ModeLabel, NearAxis, Scratch, Study, UncertainBrake};
 
-/// Decay rate, as a part of |lambda|, beyond which an eigenvalue is not looked at; chosen.
+/// Largest decay rate, as a part of |lambda|, of an eigenvalue that counts as near the axis; chosen.
 const LARGEST_DECAY: f64 = 0.025;
 
 /// An eigenvalue near the axis, as a function of mu and of the complex slope s.
 #[derive(Debug, Clone)]
 pub(super) struct SampledMode {
-    /// rad/s.
+    /// The eigenvalue, rad/s.
     pub lambda: Complex<f64>,
-    /// s(lambda) there, Ns/m.
+    /// s(lambda), Ns/m.
     pub slope: Complex<f64>,
     /// d lambda / d mu at constant s.
     pub by_mu: Complex<f64>,
     /// d lambda / d s at constant mu.
     pub by_slope: Complex<f64>,
-    /// What an unstable mode may be called.
+    /// The names that an unstable mode may have; empty for a stable one.
     pub names: Vec<ModeLabel>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct SamplePoints<'a, B: UncertainBrake> {
 
 impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
     /// # Errors
-    /// What the model refuses.
+    /// Those of the model.
     pub fn new(study: &'a Study<'a, B>, scene: usize) -> Result<Self, EstimatorError> {
         let mut points = Self {
             study,
@@ -123,10 +123,10 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             .zip(&right)
             .map(|(system, modes)| Path { start: PathStart::System(system), start_modes: modes, end })
             .collect();
-        let links = identify_all(&BatchSolver, &paths, &mut self.work);
-        for (modes, links) in found.iter_mut().zip(links) {
-            for (mode, link) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
-                mode.names = reference.names_of(link);
+        let names = reference.names_of_all(&BatchSolver, &paths, &mut self.work);
+        for (modes, names) in found.iter_mut().zip(names) {
+            for (mode, names) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(names?) {
+                mode.names = names;
             }
         }
         Ok(found)
@@ -135,7 +135,7 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
     fn mode(&self, system: &SecondOrder, gain: &ChannelGain, mode: &Mode, left: &DVector<Complex<f64>>) -> SampledMode {
         let (lambda, right) = (mode.lambda, &mode.shape);
         let unit_slope = self.by_slope.between(left, right);
-        // Q' at constant s: without what H itself changes with lambda.
+        // Q' at constant s: without the derivative of s by lambda.
         let by_lambda = left.dot(&(system.dynamic_stiffness_derivative(lambda) * right));
         let change = gain.lag.map_or(Complex::default(), |lag| -lag.force * lag.drive / (lambda + lag.decay).powi(2));
         let by_lambda = by_lambda - lambda * change * unit_slope;
@@ -149,7 +149,7 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
     }
 }
 
-/// The entries of a matrix that are not zero.
+/// The nonzero entries of a matrix.
 #[derive(Default)]
 struct Sparse(Vec<(usize, usize, f64)>);
 

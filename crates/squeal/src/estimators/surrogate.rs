@@ -1,11 +1,10 @@
-//! Which modes are unstable, from response surfaces instead of a spectrum: a prediction in nanoseconds.
+//! The prediction of the unstable modes from response surfaces instead of a spectrum.
 //!
-//! A gain has coordinates in the space of mu, Re H and Im H / Re H (see [`FrictionPoints`]). The part of it where samples
-//! fall is halved into cells, the leaves of a k-d tree. The corners of a cell are sample points: there the eigenvalues near
-//! the axis are known, with derivatives and names. Within the cell each is a polynomial in mu and H, of which it is an
-//! analytic function but at coalescences. A prediction is *uncertain* where an eigenvalue is nearer to the axis than its
-//! polynomial is to the sample points, and where these do not agree about a name. Cells with many uncertain points are
-//! halved again.
+//! A gain has the coordinates mu, Re H and Im H / Re H (see [`FrictionPoints`]). The region of these coordinates in which samples
+//! lie is halved into cells, the leaves of a k-d tree. The corners of a cell are sample points, at which the eigenvalues near
+//! the axis are solved, with derivatives and names. Within the cell each eigenvalue is approximated by a polynomial in mu and
+//! H. A prediction is *uncertain* where the distance of an eigenvalue from the axis is not clearly larger than the error of the
+//! polynomial, and where the sample points give a mode different names. Cells with many uncertain points are halved again.
 
 use std::collections::BTreeMap;
 
@@ -17,16 +16,17 @@ use super::friction_points::{FrictionPoints, coordinates};
 use super::kd_tree::{Cell, ModeSet, Prediction, predict};
 use crate::study::{ModeLabel, Study, UncertainBrake};
 
-/// Cells halved in one go, so that spectra fill the solver's lanes; chosen.
+/// Number of cells that are halved before their sample points are solved together; chosen, so that the batched solver is filled.
 const CELLS_PER_ROUND: usize = 32;
-/// Part of the points whose prediction may be uncertain when refinement ends; chosen.
+/// Share of points with an uncertain prediction at which refinement ends; chosen.
 const UNCERTAIN_PART: f64 = 4e-4;
-/// Sample points below which the cost rule does not end refinement; chosen.
+/// Number of sample points below which the cost rule does not end refinement; chosen.
 const FEWEST_SAMPLE_POINTS: usize = 1_000;
-/// Sample points from which on no cell is halved; chosen.
+/// Number of sample points from which no cell is halved; chosen.
 const MOST_SAMPLE_POINTS: usize = 8_000;
-/// Uncertain samples that have to be saved for one more sample point. By estimate: a sample point costs as much as two of
-/// them, and their number falls with the second power of the number of sample points.
+/// Cost rule: refinement ends where this many times the number of sample points exceeds the number of uncertain samples to be
+/// solved. Estimated: a sample point costs as much as two uncertain samples, whose number falls with the second power of the
+/// number of sample points.
 const SAMPLES_PER_SAMPLE_POINT: f64 = 1.5;
 
 /// The prediction of the unstable modes of one scene.
@@ -39,11 +39,11 @@ pub struct Surrogate {
 }
 
 impl Surrogate {
-    /// Finds the eigenvalues of a scene where `points` need them. `samples` says how many uncertain samples have to be solved
-    /// if they are a part of all.
+    /// Solves the sample points of a scene and builds the cells for its friction `points`. `samples` gives the number of
+    /// uncertain samples that have to be solved for their share of all samples.
     ///
     /// # Errors
-    /// What the model and the solver refuse.
+    /// Those of the model and the solver.
     pub fn new<B: UncertainBrake>(
         study: &Study<'_, B>,
         scene: usize,
@@ -89,13 +89,13 @@ impl Surrogate {
         self.sample_points
     }
 
-    /// By name, those that are unstable, and whether surely.
+    /// The names of a set of unstable modes, each with whether it is certain.
     pub(super) fn named(&self, unstable: ModeSet) -> BTreeMap<ModeLabel, bool> {
         let perhaps = self.names.iter().enumerate().filter(|(bit, _)| unstable.perhaps >> bit & 1 == 1);
         perhaps.map(|(bit, &name)| (name, unstable.sure >> bit & 1 == 1)).collect()
     }
 
-    /// What is unstable under a gain, as far as the response surfaces tell.
+    /// The prediction for a gain.
     pub(super) fn predict(&self, gain: &ChannelGain) -> Prediction {
         predict(&self.cells, gain, coordinates(gain, self.omega))
     }

@@ -2,23 +2,31 @@
 
 use std::path::Path;
 
-use montecarlo::QuantileSketch;
+use montecarlo::{Confidence, QuantileSketch};
 
 use super::Results;
+use super::modes::{write_links, write_modes};
+use super::summary_page::write_summary;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::{Plan, SceneLabels};
+use crate::study::{ComparisonKind, Panel, SceneLabels, set_links};
 
-/// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
+/// Writes `summary.md`, `modes.csv` with the shapes, `links.csv`, `occurrence.csv`, `panels.csv`, `differences.csv`, `net_work.csv`,
+/// `family_work.csv` and `failures.csv` into `dir`.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`]; those of following modes from one set of constraints to another.
 pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
+    write_modes(results, dir)?;
+    write_links(results, &links, dir)?;
     write_occurrence(results, dir)?;
     write_panels(results, dir)?;
+    write_differences(results, dir)?;
     write_net_work(results, dir)?;
     write_family_work(results, dir)?;
-    write_failures(results, dir)
+    write_failures(results, dir)?;
+    write_summary(results, &links, dir)
 }
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -26,7 +34,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let own = ["samples", "unstable", "open", "occurrence", "lower", "upper"];
     let mut rows = Vec::new();
     for panel in results.panels() {
-        for (name, occurrences) in results.occurrences(panel) {
+        for (name, occurrences) in results.all_occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
                 let mut row = labels.mode_columns(panel.key, occurrence.arrangement, name);
@@ -93,6 +101,39 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     write_csv(&dir.join("panels.csv"), &header, rows)
 }
 
+/// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
+fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let panel_columns = |panel: &Panel| {
+        let labels = &results.plan().labels;
+        let [constraints, law, speed] = labels.key_columns(panel.key);
+        [constraints, law, speed, labels.panels[panel.key.panel].in_contact.to_string()]
+    };
+    let mut rows = Vec::new();
+    for kind in ComparisonKind::ALL {
+        for (more, fewer, difference) in results.differences(kind, Confidence::P95) {
+            let Some(difference) = difference else { continue };
+            let numbers = [difference.value, difference.lower, difference.upper].map(|x| x.to_string());
+            let panels = panel_columns(more).into_iter().chain(panel_columns(fewer));
+            rows.push([kind.name().to_owned()].into_iter().chain(panels).chain(numbers).collect());
+        }
+    }
+    let header = [
+        "comparison",
+        "constraints",
+        "law",
+        "speed",
+        "in_contact",
+        "other_constraints",
+        "other_law",
+        "other_speed",
+        "other_in_contact",
+        "difference",
+        "lower",
+        "upper",
+    ];
+    write_csv(&dir.join("differences.csv"), &header, rows)
+}
+
 fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let header =
         ["constraints", "law", "speed", "mode", "body", "samples", "lower_quartile", "median", "upper_quartile"];
@@ -152,23 +193,9 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
 
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let rows = results.summary.failures.listed().iter().map(|failure| {
-        let scene =
-            failure.scene.map_or("every scene: the draw failed".into(), |at| scene_in_words(results.plan(), at));
+        let scene = failure.scene.map(|at| results.plan().describe(&results.plan().scenes[at]));
+        let scene = scene.unwrap_or_else(|| "every scene: the draw failed".into());
         vec![failure.index.to_string(), scene, failure.message.clone()]
     });
     write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
-}
-
-fn scene_in_words(plan: &Plan, at: usize) -> String {
-    let (scene, labels) = (&plan.scenes[at], &plan.labels);
-    let contacts = match plan.configuration(scene).contacts.as_str() {
-        "" => String::new(),
-        contacts => format!("contact {contacts}, "),
-    };
-    format!(
-        "{}, {}, {contacts}{}",
-        labels.constraints[scene.key.constraints],
-        labels.laws[scene.key.law].name,
-        scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
-    )
 }

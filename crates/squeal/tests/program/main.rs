@@ -9,7 +9,12 @@ mod common;
 mod estimates;
 mod failures;
 mod memory;
+mod names;
 mod same_bytes;
+mod sizes;
+mod study_tables;
 #[path = "../common/tables.rs"]
 mod tables;
+mod terminal;
+mod two_runs;
 mod words;

@@ -1,4 +1,4 @@
-//! Roots that turn about 0, and pairs past coalescences at small distances.
+//! Square roots of functions that turn about 0, and pairs that pass coalescences at small distances.
 
 use super::*;
 use crate::continuation::continue_modes;
@@ -8,7 +8,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
 
-/// The end of the root of `(u - 1/2) + i aside`, from i on.
+/// The square root of `(u - 1/2) + i aside` at u = 1, continued from the root near `i sqrt(1/2)` at u = 0.
 fn turned(aside: f64, miss: f64) -> Option<Complex<f64>> {
     turn(&|u| Complex::new(u - 0.5, aside), [0.0, 1.0], Complex::new(0.0, 0.5_f64.sqrt()), miss, MOST_HALVINGS)
 }
@@ -21,13 +21,13 @@ fn the_side_on_which_0_is_passed_decides() {
         assert_eq!(turned(aside, aside), None);
     }
     assert_eq!(turned(0.0, 0.0), None);
-    // Once about 0 is half a turn of the root.
+    // A full turn of the function about 0 is half a turn of its root.
     let circle = |u: f64| Complex::from_polar(2.0, std::f64::consts::TAU * u);
     let end = turn(&circle, [0.0, 1.0], Complex::from(2.0_f64.sqrt()), 0.0, MOST_HALVINGS).unwrap();
     assert!((end + 2.0_f64.sqrt()).norm() < 1e-12);
 }
 
-/// Two masses that flutter from a friction of 2.27 on, a third aside; the second mass is damped by `more` than the first.
+/// Two masses that flutter for mu above 2.27, and a third mass. The damping of the second exceeds that of the first by `more`.
 fn brake(more: f64) -> Secular {
     let c = DMatrix::from_diagonal(&nalgebra::dvector![0.02, 0.02 + more, 0.05]);
     let k = dmatrix![10.0, 0.6, 0.1; 0.6, 12.0, 0.2; 0.1, 0.2, 40.0];
@@ -42,12 +42,12 @@ fn modes(system: &SecondOrder) -> Vec<Mode> {
     Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
 }
 
-/// The eigenvalues at the end of a path, each in the place of that at the beginning which small steps lead there.
+/// For each mode at the beginning of a path, the eigenvalue at its end to which small steps lead.
 fn by_small_steps(path: Path<'_>) -> Vec<Complex<f64>> {
     let mut at: Vec<Complex<f64>> = path.start_modes.iter().map(|mode| mode.lambda).collect();
     let (mut before, mut t) = (at.clone(), 0.0);
     while t < 1.0 {
-        // Small next to a coalescence: there the two nearest are no farther apart than they move in a step.
+        // The steps are short next to the coalescence, where the two eigenvalues are near and move fast.
         let nearest = (at[1] - at[0]).norm() / at[0].norm();
         let step = (0.02 * nearest).clamp(1e-6, 2e-3).min(1.0 - t);
         let next: Vec<_> = modes(&path.system_at(t + step)).into_iter().map(|mode| mode.lambda).collect();
@@ -85,7 +85,7 @@ fn modes_are_continued_past_a_coalescence_on_either_side() {
         }
         ends.push(lambdas[0].re > 0.0);
     }
-    // The lower mode becomes the one that grows, or not, as the damping has it.
+    // Which of the two modes becomes the growing one depends on which is damped more.
     assert_eq!(ends, [ends[0], !ends[0], ends[0], !ends[0]]);
 }
 

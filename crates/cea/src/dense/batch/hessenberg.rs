@@ -2,15 +2,15 @@
 //!
 //! A reflection `P = I - tau v v^T` from both sides is a change of rank two,
 //! `P A P = A - v w^T - y v^T` with `w = tau A^T v` and `y = tau (A v - tau (v^T A v) v)`. The pass over the
-//! matrix that makes it also forms the products `A v` and `A^T v` of the *next* reflection, so that each step reads and
-//! writes the matrix once: 5/3 N^3 fused multiply-adds, the count of LAPACK's dgehrd.
+//! matrix that makes this change also forms the products `A v` and `A^T v` of the *next* reflection, so that each step reads
+//! and writes the matrix once. The reduction takes 5/3 N^3 fused multiply-adds, as LAPACK's dgehrd.
 
 use pulp::Simd;
 
 use super::layout::{Layout, columns};
 use crate::lanes::Ops;
 
-/// Below this sum of squares a column counts as zero. Matrices come scaled to norm one, and a sum of squares
+/// Largest sum of squares of a column that counts as zero. Chosen: the matrices are scaled to norm one, and a sum of squares
 /// below 1e-292 has lost digits to underflow.
 pub(super) const NEGLIGIBLE_COLUMN: f64 = 1e-290;
 
@@ -19,16 +19,16 @@ pub(super) fn scratch_len(layout: Layout) -> usize {
     5 * layout.order
 }
 
-/// The vectors of one step; those of length N that the pass reads at every row.
+/// The vectors of length N that the pass of one step reads in every row: v and y of the pending change, v of the next one.
 struct ReductionStep<'a, V> {
     v: &'a [V],
     y: &'a [V],
     next: &'a [V],
 }
 
-/// Makes the pending change in W columns, adds their part of `A v` to `p`, and returns `A^T v` for them.
+/// Makes the pending change in W columns, adds their part of `A v` to `p`, and returns their entries of `A^T v`.
 ///
-/// Rows before `top` see only the change from the right: v is zero there.
+/// In rows before `top` v is zero, and only the change from the right applies.
 #[inline(always)]
 fn pass<S: Simd, const W: usize>(
     o: Ops<S>,
@@ -69,7 +69,7 @@ fn pass<S: Simd, const W: usize>(
     q
 }
 
-/// The change pending in one column.
+/// Makes the pending change in one column.
 #[inline(always)]
 fn finish_column<S: Simd>(o: Ops<S>, column: &mut [S::f64s], v: &[S::f64s], y: &[S::f64s], w: S::f64s, vj: S::f64s) {
     for ((x, &v), &y) in column.iter_mut().zip(v).zip(y) {

@@ -1,4 +1,4 @@
-//! The QR iteration of a batch: each lane deflates, shifts and stops by itself.
+//! The QR iteration of a batch; each lane has its own deflations, shifts and end.
 
 use pulp::{Simd, bytemuck};
 
@@ -8,17 +8,19 @@ use super::shifts::{ShiftPair, shift_pair};
 use super::sweep::{Block, SweepInput, sweep};
 use crate::lanes::Ops;
 
-/// Sweeps allowed for one block before its lane is given up; a healthy matrix takes 2 to 4.
+/// Most sweeps without a deflation before a lane is given up; chosen: most matrices take 2 to 4.
 pub(super) const MOST_SWEEPS: u32 = 60;
-/// Every so many sweeps without a deflation the shifts are exceptional, in case the ordinary ones run in circles.
+/// Number of sweeps without a deflation after which one sweep takes exceptional shifts, in case the ordinary shifts form a
+/// cycle: LAPACK's `kexsh`.
 const SWEEPS_TO_EXCEPTIONAL_SHIFT: u32 = 10;
-/// Smallest block whose shifts come from its trailing 4 x 4 part. A smaller one would be shifted by its own
-/// eigenvalues exactly, and the bulge would carry nothing but rounding errors.
+/// Least order of a block whose shifts come from its trailing 4 x 4 part; chosen: the shifts of a 4 x 4 block would be its
+/// exact eigenvalues, and the bulge would consist of rounding errors.
 const LEAST_WIDE_BLOCK: usize = 6;
-/// Of each eight sweeps without a deflation the last two take the customary shifts.
+/// Of each eight sweeps without a deflation, the first six take shifts of the 4 x 4 part, the last two those of the 2 x 2
+/// part; chosen.
 const SHIFT_CYCLE: (u32, u32) = (8, 6);
 
-/// How far a lane has come.
+/// The progress of one lane.
 #[derive(Debug, Clone, Copy)]
 struct LaneProgress {
     /// Rows `0..open` still hold undeflated blocks.
@@ -28,7 +30,7 @@ struct LaneProgress {
     failed: bool,
 }
 
-/// One lane's matrix.
+/// The matrix of one lane.
 struct Lane<'a> {
     entries: &'a [f64],
     layout: Layout,
@@ -46,7 +48,7 @@ impl Lane<'_> {
         (1..=bottom).rev().find(|&i| self.at(i, i - 1) == 0.0).unwrap_or(0)
     }
 
-    /// Takes off blocks of one or two rows from below; gives the block of three rows or more left there.
+    /// Deflates blocks of one or two rows at the end of the matrix; returns the last block of three rows or more.
     fn deflate(&self, progress: &mut LaneProgress, splits: [usize; 2]) -> Option<(usize, usize)> {
         let [mut top, above] = splits;
         let mut above = Some(above);
@@ -77,8 +79,8 @@ impl Lane<'_> {
 /// Sets negligible subdiagonal entries to zero and returns, per lane, the two lowest rows below `open` where the
 /// matrix splits.
 ///
-/// An entry is measured by its four neighbours on the diagonal and the subdiagonal. The diagonal alone, as in
-/// EISPACK's hqr, is too strict for a lightly damped system, whose diagonal entries nearly vanish.
+/// An entry is compared with its four neighbours on the diagonal and the subdiagonal. The diagonal alone, as in EISPACK's hqr,
+/// is too strict for a lightly damped system, whose diagonal entries nearly vanish.
 #[inline(always)]
 fn split<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, rows: usize, open: S::f64s) -> [S::f64s; 2] {
     let epsilon = o.splat(f64::EPSILON);
@@ -104,13 +106,13 @@ fn split<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout, rows: usize, ope
     [lowest, above]
 }
 
-/// What the lanes ask for in one sweep, gathered lane by lane.
+/// The blocks that the lanes sweep next, with the trailing entries from which their shifts follow.
 struct SweepRequests<V> {
     tops: [V; 2],
     bottoms: [V; 2],
     corners: [[[V; 4]; 4]; 2],
     wide: [V; 2],
-    /// Size of the exceptional shift of the lowest block, zero for none.
+    /// Size of the exceptional shift of the last block; zero for an ordinary shift.
     exceptional: V,
 }
 
@@ -142,15 +144,14 @@ fn floats<V: bytemuck::Pod>(register: &mut V) -> &mut [f64] {
     bytemuck::cast_slice_mut(std::slice::from_mut(register))
 }
 
-/// Brings Hessenberg matrices to quasi-triangular form, as far as eigenvalues need it; tells the lanes that
-/// did not get there.
+/// Brings Hessenberg matrices to quasi-triangular form, as far as eigenvalues need it; returns whether each lane failed.
 #[inline(always)]
 pub(super) fn iterate<S: Simd>(o: Ops<S>, a: &mut [S::f64s], layout: Layout) -> Vec<bool> {
     let lanes = S::F64_LANES;
     let n = layout.order;
     let (zero, never, none) = (o.splat(0.0), o.splat(f64::MAX), o.splat(-1.0));
     let mut progress = vec![LaneProgress { open: n, sweeps: 0, failed: false }; lanes];
-    // The last window of a sweep may look past the last row.
+    // The last window of a sweep may extend past the last row.
     let mut tops = vec![false; n + super::layout::REFLECTORS_PER_WINDOW];
     let mut open = o.splat(n as f64);
     let mut reflectors = Reflectors::identities(zero);

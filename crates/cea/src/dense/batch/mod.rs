@@ -1,15 +1,14 @@
-//! Many samples at once, one per lane of the vector registers.
+//! Eigenvalues of many systems at once, one per lane of the vector registers.
 //!
-//! Samples of one shape differ in their numbers only, so the operations of the QR algorithm can run on
-//! several of them in step: Householder's reduction to Hessenberg form, then Francis' double-shift sweeps,
-//! eigenvalues only. Entry (i, j) of 8 matrices (AVX-512), 4 (AVX2) or 2 (NEON) stands in one register; a machine
-//! without vector units takes one at a time. Each lane deflates and shifts by itself. A lane that is done, or has
-//! no row in the current step, reflects by the identity.
+//! The QR algorithm takes the same operations for all systems of one shape: Householder's reduction to Hessenberg form, then
+//! Francis' double-shift sweeps, eigenvalues only. One register holds entry (i, j) of 8 matrices (AVX-512), 4 (AVX2) or 2
+//! (NEON); a machine without vector units takes one matrix at a time. Each lane has its own deflations and shifts. A lane
+//! that is finished, or has no row in the current step, reflects by the identity.
 //!
-//! **Bits.** The spectrum of a sample does not depend on its lane, its neighbours, the number of samples or threads,
-//! to the last bit: no operation mixes lanes, and an identity changes nothing. Nor does it depend on the machine,
-//! as long as that has fused multiply-add (x86-64 with AVX2 since 2013, every aarch64). Older ones round twice where
-//! the others round once and differ in the last digits.
+//! **Bits.** The spectrum of a system does not depend on its lane, the other systems, or the number of systems or threads, to
+//! the last bit: no operation mixes lanes, and the identity changes no number. It does not depend on the machine either if that
+//! has fused multiply-add (x86-64 with AVX2 since 2013, every aarch64). Older machines round a product and a sum separately, and
+//! their results differ in the last digits.
 
 mod diagonal;
 mod hessenberg;
@@ -34,9 +33,9 @@ use pack::FrequencyScale;
 
 /// All eigenvalues of many systems at once, for studies.
 ///
-/// Accuracy is that of [`QrSolver`]: normwise backward stable on the same scaled [`StandardForm`](crate::StandardForm).
-/// A sample that does not converge, is malformed, cannot be scaled, or has dashpots or internal states a hundred times
-/// faster than its vibrations is handed to `QrSolver`, which solves it or says what is wrong.
+/// The accuracy is that of [`QrSolver`]: normwise backward stable on the same scaled [`StandardForm`](crate::StandardForm).
+/// A system that does not converge, is malformed, cannot be scaled, or has dashpots or internal states a hundred times faster
+/// than its vibrations is solved by `QrSolver`, or gets its error.
 ///
 /// ```
 /// use cea::{BatchSolver, EigenSolver, Workspace};
@@ -107,13 +106,13 @@ fn solve_on(arch: Arch, systems: &[SecondOrder], work: &mut Workspace, out: &mut
     }
 }
 
-/// What a lane could not do.
+/// Solves a system that the batch could not solve.
 fn hand_back(system: &SecondOrder, work: &mut Workspace) -> Result<Spectrum, CeaError> {
     system.check()?;
     QrSolver.eigenvalues(system, work)
 }
 
-/// Solves samples of one shape (n, s), as many at a time as there are lanes; `None` for those handed back.
+/// Solves systems of one shape (n, s), as many at a time as there are lanes; `None` for those that are handed back.
 struct EigenvaluesInLanes<'a> {
     systems: &'a [SecondOrder],
     shape: (usize, usize),

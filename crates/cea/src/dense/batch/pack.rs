@@ -1,19 +1,17 @@
 //! Scaled state matrices of a batch, written straight into the lanes.
 //!
-//! The scaling is that of [`StandardForm`]; see there. A diagonal mass matrix, which is what lumped
-//! masses and modal coordinates give, is taken out here, in all lanes at once. Any other sample goes through
-//! `StandardForm`.
+//! The scaling is that of [`StandardForm`]. Systems with a diagonal mass matrix (lumped masses, modal coordinates) are scaled
+//! here, in all lanes at once; any other system goes through `StandardForm`.
 
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use pulp::{Simd, bytemuck};
 
 use super::layout::Layout;
-use crate::dense::scaling::StandardForm;
-use crate::dense::scaling::{FASTEST_STATE_IN_LANE, STRONGEST_DAMPING};
+use crate::dense::scaling::{FASTEST_STATE_IN_LANE, STRONGEST_DAMPING, StandardForm};
 use crate::lanes::Ops;
 
-/// n and s, if all matrices have the shapes that they imply.
+/// n and s, if all matrices have the shapes that these numbers imply.
 pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {
     let (n, s) = (system.order(), system.states());
     let square = [&system.m, &system.c, &system.k].iter().all(|a| a.shape() == (n, n));
@@ -25,8 +23,8 @@ pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrequencyScale<V> {
     pub gamma: V,
-    /// gamma times the Frobenius norm of the state matrix; not finite where the system is not, or where damping or states
-    /// are too fast for a QR iteration.
+    /// gamma times the Frobenius norm of the state matrix; not finite where the system is not finite, or where dashpots or
+    /// internal states are too fast for a QR iteration.
     pub size: V,
 }
 
@@ -47,7 +45,7 @@ pub(super) fn pack<S: Simd>(
     weights.fill(one);
     let lanes = S::F64_LANES;
     let (x, masses) = (bytemuck::cast_slice_mut::<_, f64>(a), bytemuck::cast_slice_mut::<_, f64>(weights));
-    // Column by column, so that a register stays in the first cache level until all its lanes are there.
+    // Column by column, so that a register stays in the first cache level until all its lanes are written.
     for j in 0..n {
         for (lane, system) in systems.iter().enumerate() {
             scatter(x, lanes, lane, layout.at(n, j), &system.k.as_slice()[j * n..][..n]);
@@ -100,7 +98,7 @@ fn is_positive_diagonal(m: &DMatrix<f64>) -> bool {
     entries == m.nrows() && (0..m.nrows()).all(|i| m[(i, i)] > 0.0)
 }
 
-/// From M, C, K, E, F, a as they are to the scaled state matrix, in all lanes.
+/// Turns the entries of C, K, E, F and a into the scaled state matrix, in all lanes.
 #[inline(always)]
 fn scale_lanes<S: Simd>(
     o: Ops<S>,

@@ -1,11 +1,11 @@
-//! Reflections of three rows or columns, the steps of a bulge.
+//! Reflections of three rows or columns, by which a bulge is chased.
 
 use pulp::Simd;
 
 use super::layout::REFLECTORS_PER_WINDOW;
 use crate::lanes::Ops;
 
-/// `P = I - (t1, t2, t3)^T (1, v2, v3)`; all zero where a lane has nothing to reflect.
+/// `P = I - (t1, t2, t3)^T (1, v2, v3)`; all zero, the identity, in a lane without a reflection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LaneReflector<V> {
     pub v2: V,
@@ -15,7 +15,7 @@ pub(super) struct LaneReflector<V> {
     pub t3: V,
 }
 
-/// The reflectors of a window. Aligned, because a register that straddles two cache lines is read twice.
+/// The reflectors of a window, aligned so that no register straddles two cache lines.
 #[repr(align(64))]
 pub(super) struct Reflectors<V>(pub [LaneReflector<V>; REFLECTORS_PER_WINDOW]);
 
@@ -36,10 +36,9 @@ impl<V: Copy> LaneReflector<V> {
     }
 }
 
-/// A window's reflectors from the left on `REFLECTORS_PER_WINDOW + 2` rows of four columns.
+/// Applies a window's reflectors from the left to `REFLECTORS_PER_WINDOW + 2` rows of four columns.
 ///
-/// Four columns at a time: their chains of dependent operations overlap, and each coefficient is loaded once for
-/// the four.
+/// The chains of dependent operations of four columns overlap, and each coefficient is loaded once for the four.
 #[inline(always)]
 pub(super) fn from_left<S: Simd>(o: Ops<S>, columns: [&mut [S::f64s]; 4], r: &Reflectors<S::f64s>) {
     let [a, b, c, d] = columns;
@@ -63,7 +62,7 @@ pub(super) fn from_left<S: Simd>(o: Ops<S>, columns: [&mut [S::f64s]; 4], r: &Re
     ) = (y[0], y[1], y[2], y[3]);
 }
 
-/// A window's reflectors from the right on `REFLECTORS_PER_WINDOW + 2` columns, of each four rows from row `i`.
+/// Applies a window's reflectors from the right to `REFLECTORS_PER_WINDOW + 2` columns, in four rows from row `i`.
 #[inline(always)]
 pub(super) fn from_right<S: Simd>(
     o: Ops<S>,

@@ -1,29 +1,29 @@
-//! Shifts of the QR iteration: two eigenvalues of the trailing 4 x 4 block, found without solving it.
+//! Shifts of the QR iteration: two eigenvalues of the trailing 4 x 4 block.
 //!
-//! The pair nearest to the corner is a quadratic factor of the block's characteristic polynomial. Bairstow's iteration
-//! (Newton's method for the factor) finds it from the trailing 2 x 2 block's own polynomial in a few vector
-//! operations. Against the customary pair of the 2 x 2 block it spares a fifth of the sweeps (60 x 60, friction lattice). A shift
-//! decides how fast the iteration converges, never what it converges to, so a poor factor costs time only.
+//! The two eigenvalues nearest to the last diagonal entry are the zeros of a quadratic factor of the block's characteristic
+//! polynomial. Bairstow's iteration (Newton's method for the factor) finds it in a few vector operations, from the polynomial of
+//! the trailing 2 x 2 block. Against the customary shifts, the eigenvalues of the 2 x 2 block, this saves a fifth of the sweeps
+//! (60 x 60, friction lattice). Shifts decide how fast the iteration converges, not the limit: a poor factor only costs time.
 
 use pulp::Simd;
 
 use crate::lanes::Ops;
 
-/// Newton steps for the factor. The third spares 2 % of the sweeps, the fourth half a percent.
+/// Newton steps for the factor; measured: the third saves 2 % of the sweeps, the fourth half a per cent.
 const NEWTON_STEPS: usize = 4;
 
-/// Two shifts as `mean +- sqrt(square)`, so that complex and real pairs need no telling apart.
+/// Two shifts `mean +- sqrt(square)`: one form for complex and real pairs.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShiftPair<V> {
     pub mean: V,
     pub square: V,
 }
 
-/// The pair for each lane from its trailing block `g`, rows by columns; lanes outside `four` have only the
-/// trailing 2 x 2 part of it and take that part's eigenvalues.
+/// The pair for each lane from its trailing block `g`, rows by columns. Lanes outside the mask `four` have only the trailing
+/// 2 x 2 part of `g` and take its eigenvalues.
 #[inline(always)]
 pub(super) fn shift_pair<S: Simd>(o: Ops<S>, g: &[[S::f64s; 4]; 4], four: S::m64s) -> ShiftPair<S::f64s> {
-    // Everything in mu = lambda - corner: near convergence the wanted roots are small and keep their digits.
+    // In the variable mu = lambda - corner, because near convergence the wanted roots are then small and keep their digits.
     let corner = g[3][3];
     let (a, b, c) = (o.sub(g[0][0], corner), o.sub(g[1][1], corner), o.sub(g[2][2], corner));
     let (e1, e2, e3) = (g[1][0], g[2][1], g[3][2]);
@@ -56,7 +56,7 @@ pub(super) fn shift_pair<S: Simd>(o: Ops<S>, g: &[[S::f64s; 4]; 4], four: S::m64
         v = o.fma(o.fma(e, r0, o.mul(vd, r1)), inverse, v);
     }
 
-    // Newton may run away, or divide by zero: believe only roots of the block's size.
+    // Newton's method may diverge or divide by zero: only roots of the size of the block are accepted.
     let diagonal = o.max(o.abs(a), o.max(o.abs(b), o.abs(c)));
     let below = o.max(o.abs(e1), o.max(o.abs(e2), o.abs(e3)));
     let most = o.mul(o.splat(8.0), o.max(diagonal, below));

@@ -1,12 +1,11 @@
 //! One implicit double-shift QR sweep (Francis, Computer J. 4, 1961-62) of all lanes, each in its own blocks.
 //!
-//! A bulge of three rows starts at the top of each block and is chased down it. Steps are taken in windows: the
-//! reflectors of a window are found on a small diagonal block, which stays in the first cache level, and then applied
-//! to the columns on its right and the rows above it, where each entry is read and written once for all of them. A
-//! lane whose block does not hold the current row reflects by the identity.
+//! A bulge of three rows starts at the top of each block and is chased down the block. Steps are taken in windows: the
+//! reflectors of a window are found on a small diagonal block, which stays in the first cache level. They are then applied to
+//! the columns right of it and the rows above it, where each entry is read and written once for all reflectors. A lane whose
+//! block does not contain the current row reflects by the identity.
 //!
-//! Only eigenvalues are asked for, so nothing outside the rows and columns `first..=last` of the sweep is kept up
-//! to date. What stands there is never read again.
+//! Eigenvalues do not need the entries outside the rows and columns `first..=last` of a sweep; these are not updated.
 
 use pulp::Simd;
 
@@ -37,7 +36,7 @@ pub(super) struct SweepInput<'a, V> {
     pub tops: &'a [bool],
 }
 
-/// Lanes whose block holds rows `k..=last`.
+/// Lanes whose block contains the rows `k..=last`.
 #[inline(always)]
 fn holds<S: Simd>(o: Ops<S>, block: &Block<S::f64s>, k: S::f64s, last: S::f64s) -> S::m64s {
     o.and(o.le(block.top, k), o.le(last, block.bottom))
@@ -45,8 +44,8 @@ fn holds<S: Simd>(o: Ops<S>, block: &Block<S::f64s>, k: S::f64s, last: S::f64s) 
 
 /// First column of `(H - s1)(H - s2)` in lanes whose block begins in row k, `column` in the others.
 ///
-/// `h` is h00, h10, h01, h11, h21 of the block. The column is not divided by h10 as textbooks do: where h10
-/// vanishes there is nothing to chase, and that is what comes out.
+/// `h` is h00, h10, h01, h11, h21 of the block. The column is not divided by h10 as in textbooks: where h10 vanishes, its second
+/// and third entries vanish and the reflection is the identity.
 #[inline(always)]
 fn begin<S: Simd>(
     o: Ops<S>,
@@ -88,7 +87,7 @@ pub(super) fn sweep<S: Simd>(
             j += 4;
         }
 
-        // Counted from below: the spare row groups are above the first row.
+        // In groups of four rows from the window upwards: a group may reach into the spare rows above the matrix.
         let rows = (k - input.first).next_multiple_of(4);
         let mut above = columns(&mut a[layout.column(k)..], stride, row - rows, rows);
         for i in (0..rows).step_by(4) {
@@ -144,7 +143,7 @@ fn window<S: Simd>(
             g.apply(o, &mut x, &mut y, &mut z);
             (column[t], column[t + 1], column[t + 2]) = (x, y, z);
         }
-        // From below, because the next reflector waits for the lower rows.
+        // From the lowest row up, because the next reflector needs the lower rows first.
         for i in (0..t + 4).rev() {
             let (mut x, mut y, mut z) = (c[t + 1][i], c[t + 2][i], c[t + 3][i]);
             g.apply(o, &mut x, &mut y, &mut z);

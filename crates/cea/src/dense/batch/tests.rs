@@ -1,4 +1,4 @@
-//! The kernels on plain matrices, where the eigenvalues are known or another solver finds them.
+//! The kernels on plain matrices, against known eigenvalues or another solver.
 
 use nalgebra::{DMatrix, DVector, linalg::Schur};
 use num_complex::Complex;
@@ -43,7 +43,7 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
     Arch::new().dispatch(OnMatrices(std::slice::from_ref(matrix))).remove(0).unwrap()
 }
 
-/// Largest distance in a matching of the two sets, each time the nearest left; enough where they nearly agree.
+/// Largest distance in a matching of two sets, where each eigenvalue takes the nearest one left; correct if the sets nearly agree.
 fn distance(found: &[Complex<f64>], expected: &[Complex<f64>]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let mut left = expected.to_vec();
@@ -56,7 +56,7 @@ fn distance(found: &[Complex<f64>], expected: &[Complex<f64>]) -> f64 {
     worst
 }
 
-/// Numbers in [-1, 1) without a pattern.
+/// Pseudo-random numbers in [-1, 1).
 fn noise(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     DMatrix::from_fn(rows, columns, |_, _| {
@@ -81,7 +81,7 @@ fn agrees_with_nalgebra_on_random_matrices_of_every_small_size() {
 
 #[test]
 fn companion_matrices_give_back_the_roots() {
-    // (x - 1)(x - 2) .. (x - 8), and x^n = 1, on which QR without exceptional shifts stands still.
+    // (x - 1)(x - 2) .. (x - 8), and x^n = 1, on which QR without exceptional shifts makes no progress.
     let mut coefficients = vec![1.0];
     for root in 1..=8 {
         let mut next = vec![0.0; coefficients.len() + 1];
@@ -110,7 +110,7 @@ fn companion_matrices_give_back_the_roots() {
 #[test]
 fn triangular_matrices_have_their_diagonal() {
     for n in [1, 2, 3, 9, 24] {
-        // Small off the diagonal: a random triangular matrix is far from normal, its eigenvalues ill conditioned.
+        // The off-diagonal entries are small: a random triangular matrix has ill-conditioned eigenvalues.
         let upper = noise(n, n, 5).upper_triangle().map_with_location(|i, j, x| if i == j { x } else { 0.1 * x });
         let diagonal = real(upper.diagonal().iter().copied());
         assert_eq!(distance(&eigenvalues(&upper), &diagonal), 0.0);
@@ -128,7 +128,7 @@ fn multiple_eigenvalues_stay_multiple_where_they_are_well_conditioned() {
     let matrix = &reflection * DMatrix::from_diagonal(&DVector::from_row_slice(&values)) * &reflection;
     assert!(distance(&eigenvalues(&matrix), &real(values)) < 1e-13);
 
-    // Four equal 3 x 3 blocks: exact copies side by side.
+    // Four equal 3 x 3 blocks on the diagonal.
     let block = noise(3, 3, 11);
     let copies = DMatrix::from_fn(12, 12, |i, j| if i / 3 == j / 3 { block[(i % 3, j % 3)] } else { 0.0 });
     let one = eigenvalues(&block);

@@ -1,4 +1,4 @@
-//! States whose eigenvalues are known, from which those of others are guessed.
+//! Anchors: gains whose eigenvalues are known, from which the eigenvalues of other gains are guessed.
 
 use num_complex::Complex;
 
@@ -7,31 +7,31 @@ use super::response::characteristic;
 use super::{Gain, MIDDLE_FREQUENCY, Resolvent};
 use crate::{Spectrum, Workspace};
 
-/// Difference of gains, in spreads, from which derivatives are taken; chosen.
+/// Difference of gains from which derivatives are taken, as a part of the standard deviation of the anchors' gains; chosen.
 const GAIN_DIFFERENCE: f64 = 1e-4;
-/// |Im| / |sigma| of a real eigenvalue in a cluster that rounding has spread.
+/// Largest |Im sigma| / |sigma| at which an eigenvalue counts as real; chosen, above the spread of a cluster by rounding.
 const NEARLY_REAL: f64 = 1e-4;
-/// Ratios of [`reach`] between which that of an anchor says something about another's.
-const COMPARABLE_REACH: (f64, f64) = (0.25, 4.0);
+/// Least and largest ratio of [`reach`] by which the shift of an anchor's internal eigenvalues is scaled; chosen.
+const REACH_RATIO: (f64, f64) = (0.25, 4.0);
 
-/// States of one structure whose eigenvalues are known.
+/// Gains of one structure whose eigenvalues are known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Anchors {
     anchors: Vec<Anchor>,
-    /// Mean deviations of mu and slope; 1 where there are none.
+    /// Standard deviations of mu and of the slope over the anchors; 1 where they are 0.
     spread: [f64; 2],
 }
 
-/// One state with its eigenvalues, in units.
+/// One gain with its eigenvalues, in the units of the resolvent.
 #[derive(Debug, Clone, PartialEq)]
 struct Anchor {
     gain: Gain,
-    /// Slope at the middle frequency, to compare states by.
+    /// The slope at the middle frequency, by which gains are compared.
     slope: Complex<f64>,
     sigmas: Vec<Complex<f64>>,
-    /// Their derivatives by mu and slope.
+    /// Derivatives of each eigenvalue by mu and by the slope.
     rates: Vec<[Complex<f64>; 2]>,
-    /// How far the middle of the eigenvalues of internal states is moved and how far they spread, in decay rates.
+    /// Of the eigenvalues of internal states: the distance of their mean from -decay, and their spread; both over decay.
     internal: [f64; 2],
 }
 
@@ -48,7 +48,7 @@ impl Anchor {
             sigmas.remove(nearest);
         }
         let real: Vec<f64> = spectrum.eigenvalues.iter().filter(is_real).map(|l| l.re / resolvent.unit).collect();
-        // Internal states that drive nothing have no part in the polynomial.
+        // Without lag the internal states act on nothing and are no zeros of the polynomial.
         let states = if gain.lag == 0.0 { 0 } else { m };
         if sigmas.len() != n || states > 0 && real.len() != states {
             return None;
@@ -64,7 +64,7 @@ impl Anchor {
         Some(Self { gain, slope, sigmas, rates: vec![[Complex::default(); 2]; n], internal })
     }
 
-    /// How far a gain is, in spreads, squared.
+    /// Squared distance of a gain from this anchor, in standard deviations.
     fn distance(&self, mu: f64, slope: Complex<f64>, spread: [f64; 2]) -> f64 {
         ((mu - self.gain.mu) / spread[0]).powi(2) + (slope - self.slope).norm_sqr() / spread[1].powi(2)
     }
@@ -74,7 +74,7 @@ impl Anchor {
         let one = |(&sigma, [by_mu, by_slope]): (&Complex<f64>, &[Complex<f64>; 2])| {
             sigma + by_mu * mu + by_slope * (gain.complex_slope(sigma) - self.gain.complex_slope(sigma))
         };
-        let (least, most) = COMPARABLE_REACH;
+        let (least, most) = REACH_RATIO;
         let [shift, size] =
             self.internal.map(|part| part * (reach(gain) / reach(&self.gain)).clamp(least, most) * gain.decay);
         let internal = (gain.lag != 0.0)
@@ -93,7 +93,7 @@ impl Anchors {
         anchors
     }
 
-    /// Guesses of all eigenvalues from the nearest anchor; `None` without any.
+    /// Guesses of all eigenvalues from the nearest anchor; `None` without anchors.
     pub(super) fn guess(&self, gain: &Gain) -> Option<Approximations> {
         let slope = gain.complex_slope(MIDDLE_FREQUENCY);
         let distance = |anchor: &Anchor| anchor.distance(gain.mu, slope, self.spread);
@@ -101,7 +101,7 @@ impl Anchors {
         nearest.map(|(_, anchor)| anchor.guess(gain))
     }
 
-    /// Finds how the eigenvalues of the anchors change with the gains.
+    /// Computes the derivatives of the anchors' eigenvalues by mu and by the slope.
     fn differentiate(&mut self, resolvent: &Resolvent, work: &mut Workspace) {
         let steps = self.spread.map(|spread| GAIN_DIFFERENCE * spread);
         let mut values = Vec::new();
@@ -110,8 +110,7 @@ impl Anchors {
             let gains = [Gain { mu: mu + steps[0], ..anchor.gain }, Gain { slope: slope + steps[1], ..anchor.gain }];
             let points: Vec<_> =
                 gains.iter().flat_map(|&gain| anchor.sigmas.iter().map(move |&sigma| gain.at(sigma))).collect();
-            characteristic(resolvent, &points, &mut work.scratch, &mut values);
-            work.counters.secular_values += values.len() as u64;
+            characteristic(resolvent, &points, work, &mut values);
             let approximations = anchor.guess(&anchor.gain);
             let n = anchor.sigmas.len();
             for (k, (&sigma, rates)) in anchor.sigmas.iter().zip(&mut anchor.rates).enumerate() {
@@ -125,13 +124,13 @@ impl Anchors {
     }
 }
 
-/// How far feedback moves the eigenvalues of its internal states, relative to the decay rate: as a structure with
-/// frequencies about 1 responds there.
+/// Estimate, up to a factor, of the shift of internal eigenvalues over their decay rate, for a structure with frequencies
+/// about 1.
 fn reach(gain: &Gain) -> f64 {
     gain.lag / (1.0 + gain.decay * gain.decay)
 }
 
-/// Mean deviations of mu and slope.
+/// Standard deviations of mu and of the slope over the anchors.
 fn spread(anchors: &[Anchor]) -> [f64; 2] {
     let count = anchors.len().max(1) as f64;
     let mu = anchors.iter().map(|anchor| anchor.gain.mu).sum::<f64>() / count;

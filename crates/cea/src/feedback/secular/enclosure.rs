@@ -1,4 +1,4 @@
-//! Where all the zeros of a polynomial are, from its values at guesses of them.
+//! Discs that contain all zeros of a polynomial, from its values at guesses of the zeros.
 //!
 //! A monic polynomial of degree N with distinct guesses z_i of its zeros is
 //!
@@ -6,26 +6,27 @@
 //! p(z) = prod_i (z - z_i) (1 + sum_i w_i / (z - z_i)),    w_i = p(z_i) / prod_{j != i} (z_i - z_j)
 //! ```
 //!
-//! (Lagrange; w_i is the correction of Weierstrass 1891). It vanishes nowhere where `sum |w_i| / |z - z_i| < 1`. With radii
+//! (Lagrange; w_i is the correction of Weierstrass 1891). p(z) does not vanish where `sum |w_i| / |z - z_i| < 1`. With radii
 //! r_i such that `sum |w_i| / r_i < 1` all zeros are in the discs of radius r_i about the z_i, and a disc that meets no other
-//! holds one: the zeros move continuously from the guesses as all w_i grow from 0 (Smith, J. ACM 17, 1970, for equal
-//! `r_i / |w_i|`).
+//! disc contains one zero: the zeros move continuously from the guesses as all w_i grow from 0 (Smith, J. ACM 17, 1970, for
+//! equal `r_i / |w_i|`). The share of a guess is `|w_i| / r_i`.
 
 use num_complex::Complex;
 
 use super::Gain;
 
-/// Largest sum of all `|w_i| / r_i`; below 1 the discs hold the zeros in exact arithmetic, the rest is kept for rounding errors of the sum.
+/// Largest sum of all shares that counts as an enclosure; chosen: in exact arithmetic any sum below 1 does, the difference is
+/// kept for rounding errors of the sum.
 pub(super) const LARGEST_TOTAL_SHARE: f64 = 0.9;
-/// Bound of the rounding error of w, relative to z; next to another eigenvalue it is larger by `CLUSTER_DISTANCE` over the
-/// relative distance.
+/// Bound of the rounding error of w, relative to z; chosen. Next to another eigenvalue the bound is larger by the factor
+/// `1 + CLUSTER_DISTANCE` / relative distance.
 const CORRECTION_ROUNDING: f64 = 1e-11;
 const CLUSTER_DISTANCE: f64 = 1e-3;
-/// Safety factor on |w|: next to a pole of the structure that is strongly
-/// coupled, the large parts of a determinant cancel, and values were seen to err by 0.004 of themselves.
+/// Safety factor on |w|; chosen. Next to a strongly coupled pole of the structure, large terms of the determinant cancel, and
+/// values were seen with relative errors of 0.004.
 const CORRECTION_SAFETY: f64 = 1.25;
-
-/// Modes near the axis are found out to this multiple of the distance asked for: of those just beyond it nothing need be known.
+/// Modes near the axis are sought out to this multiple of the distance asked for; chosen: eigenvalues just beyond the distance
+/// need then not be enclosed apart from it.
 const NEAR_AXIS_MARGIN: f64 = 1.5;
 
 /// |z| of a number whose square is in range.
@@ -42,7 +43,7 @@ pub(super) struct Approximations {
 
 /// Guesses of the eigenvalues of internal states, evenly on a circle about a real number.
 ///
-/// These eigenvalues lie together, far to the left; only what they may do to others counts.
+/// These eigenvalues lie together, far left of the axis; they are not wanted and matter only for the bounds of the modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct InternalCluster {
     pub middle: f64,
@@ -50,8 +51,8 @@ pub(super) struct InternalCluster {
 }
 
 impl InternalCluster {
-    /// Those with Im >= 0 of `count`, each with how many it stands for. They are the zeros of
-    /// `(z - middle)^count + radius^count`.
+    /// The zeros of `(z - middle)^count + radius^count` with Im >= 0, each with the number of zeros it stands for: 1 if real, 2
+    /// with its conjugate.
     pub fn guesses(self, count: usize) -> impl Iterator<Item = (Complex<f64>, f64)> {
         (0..count.div_ceil(2)).map(move |i| {
             let is_real = 2 * i + 1 == count;
@@ -63,7 +64,7 @@ impl InternalCluster {
 }
 
 impl Approximations {
-    /// `prod (z - z_j)` over all modes and their conjugates but mode `k` itself.
+    /// `prod (z - z_j)` over all modes and their conjugates, without the factor `z - z_k`.
     pub fn others(&self, k: usize, z: Complex<f64>) -> Complex<f64> {
         let mut product = Complex::from(1.0);
         for (j, other) in self.sigmas.iter().enumerate() {
@@ -83,7 +84,7 @@ impl Approximations {
         pole.powi(power) / (distance.powi(power) + 1.0)
     }
 
-    /// The correction of a guess for an internal state from the value there.
+    /// The correction w of the guess `z` of an internal state, from the polynomial's value there.
     pub fn internal_correction(&self, z: Complex<f64>, value: Complex<f64>, gain: &Gain, m: usize) -> Complex<f64> {
         let Some(InternalCluster { middle, radius }) = self.internal else { return Complex::default() };
         // The derivative of (z - middle)^m + radius^m at its zeros.
@@ -93,21 +94,21 @@ impl Approximations {
     }
 }
 
-/// Which of some guesses hold what is asked, and which do not yet.
+/// Discs about the guesses of modes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Enclosure {
-    /// Radii that hold all eigenvalues if `total < 1`.
+    /// Radii of the discs, which contain all eigenvalues if `total < 1`.
     pub radii: Vec<f64>,
-    /// At least `2 |w_i| / r_i` of each guess, its conjugate included.
+    /// For each guess an upper bound of its share and that of its conjugate, `2 |w_i| / r_i`.
     pub shares: Vec<f64>,
-    /// The sum of all shares, and those of internal states.
+    /// The sum of all shares, including those of internal states.
     pub total: f64,
     /// The shares of internal states.
     of_internal: f64,
 }
 
 impl Enclosure {
-    /// The radii, as small as the bound allows if all shrink alike.
+    /// The radii reduced by one common factor, as far as `LARGEST_TOTAL_SHARE` allows.
     pub fn smallest(&self) -> impl Iterator<Item = f64> + '_ {
         let part = (self.total - self.of_internal) / (LARGEST_TOTAL_SHARE - self.of_internal);
         self.radii.iter().map(move |radius| radius * part)
@@ -117,9 +118,9 @@ impl Enclosure {
 /// What a search is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Wanted {
-    /// The modes that grow, and which others have lower frequencies.
+    /// The growing modes, and which other modes have lower frequencies.
     Growing,
-    /// The modes that grow or decay more slowly than this part of |sigma|.
+    /// The modes with `Re sigma > -part |sigma|`.
     Near(f64),
 }
 
@@ -127,21 +128,20 @@ impl Wanted {
     pub fn is_found(self, sigma: Complex<f64>) -> bool {
         match self {
             Self::Growing => sigma.re > 0.0,
-            // Also some that decay a little faster: nothing need be known of those just beyond the line.
             Self::Near(part) => sigma.re > -NEAR_AXIS_MARGIN * part * size(sigma),
         }
     }
 }
 
-/// The largest radii that keep the modes wanted apart from all others, and what they leave of 1. The others keep left of
-/// the axis and off the frequencies `apart_from`. `internal` are guesses of internal states with their corrections; they
-/// keep off all modes.
+/// The discs with the largest radii such that those of wanted modes meet no other disc, and those of other modes stay left of
+/// the axis and contain none of the excluded frequencies. `internal` are guesses of internal states with their corrections;
+/// their discs stay left of the axis and meet no disc of a mode.
 pub(super) fn enclosure(
     wanted: Wanted,
     sigmas: &[Complex<f64>],
     corrections: &[Complex<f64>],
     internal: &[(Complex<f64>, f64)],
-    apart_from: &[f64],
+    excluded_frequencies: &[f64],
 ) -> Enclosure {
     let found: Vec<usize> = (0..sigmas.len()).filter(|&i| wanted.is_found(sigmas[i])).collect();
     let apart = |i: usize, j: usize| match wanted {
@@ -158,10 +158,10 @@ pub(super) fn enclosure(
             let here = 0.5 * found.iter().map(|&j| apart(i, j)).fold(f64::INFINITY, f64::min);
             let side = match wanted {
                 Wanted::Growing => -z.re,
-                // Within a radius |z| grows by the radius at most.
+                // Within the disc |z| is larger than at its centre by the radius at most.
                 Wanted::Near(part) => (-z.re - part * size(z)) / (1.0 + part),
             };
-            (side, apart_from.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
+            (side, excluded_frequencies.iter().map(|im| (z.im - im).abs()).fold(here, f64::min))
         };
         side.min(z.im).min(apart).max(0.0)
     };

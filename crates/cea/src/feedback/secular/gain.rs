@@ -1,19 +1,19 @@
-//! How strongly a feedback acts.
+//! The gain of a feedback.
 
 use num_complex::Complex;
 
 use super::response::Point;
 
-/// How strongly a feedback acts: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
+/// The gain of a feedback: `Q(lambda) = Q_0(lambda) + B (p R + lambda (v + lag / (lambda + decay)) B^T)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gain {
     /// mu, the proportional gain; p in the equations.
     pub mu: f64,
     /// Slope of the feedback force over the velocity, Ns/m; v in the equations.
     pub slope: f64,
-    /// What an internal state adds, N/m; 0 for none.
+    /// Stiffness that the internal states of the feedback add, N/m; 0 for none.
     pub lag: f64,
-    /// Its decay rate, 1/s.
+    /// Decay rate of the internal states, 1/s.
     pub decay: f64,
 }
 

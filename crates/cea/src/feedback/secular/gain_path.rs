@@ -1,4 +1,4 @@
-//! Modes with feedback: their shapes, and how their eigenvalues move along a path of gains.
+//! Modes with feedback: their shapes, and their eigenvalues along a path of gains.
 
 use std::ptr;
 
@@ -10,18 +10,19 @@ use super::{Gain, MIDDLE_FREQUENCY, Resolvent, Secular};
 use crate::dense::{NullVector, null_vectors, start};
 use crate::{Mode, Workspace};
 
-/// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the path: the root of machine epsilon, nearly.
+/// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the path; chosen near the square
+/// root of machine epsilon.
 pub(super) const DIFFERENCE_STEP: f64 = 1e-7;
-/// Largest part of the forces on a mode that does not come back as feedback: at an eigenvalue, and at an approximation of one on
-/// a path. It is large for a mode that feedback does not reach, whose shape is no response to forces.
+/// Largest relative residual of the secular equation's null vector, at an eigenvalue and at an approximation of one on a path;
+/// chosen. The residual is large for an uncontrollable mode, whose shape is no response to feedback forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
 const LARGEST_RESIDUAL_ON_PATH: f64 = 1e-3;
-/// Eigenvalues nearer to each other than this, relatively, may have one shape or two: their shapes are not told.
+/// Relative distance at or below which two eigenvalues may share one shape, so that no shapes are given; chosen.
 const LEAST_SEPARATION: f64 = 1e-6;
-/// Largest relative distance from the eigenvalue of an uncontrollable mode at which an eigenvalue counts as that: rounding.
+/// Largest relative distance at which an eigenvalue counts as that of an uncontrollable mode; chosen, of the size of rounding.
 const UNCONTROLLABLE_DISTANCE: f64 = 1e-13;
 
-/// From one gain to another of one structure: `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1.
+/// The path from one gain of a structure to another: `Q(lambda, t) = (1 - t) Q_from(lambda) + t Q_to(lambda)`, 0 <= t <= 1.
 #[derive(Debug, Clone, Copy)]
 pub struct GainPath<'a> {
     /// The structure.
@@ -49,9 +50,9 @@ impl GainPath<'_> {
         Point { sigma, mu: mix * from.mu + t * to.mu, slope: from.slope * mix + to.slope * t }
     }
 
-    /// One step of Newton's method for the secular equation, for each of some guesses of an eigenvalue, rad/s, at a part t of a
-    /// path: three values of the equation each, those of one structure in a batch. The derivatives are differences, right to
-    /// some 1e-7 of themselves. Not finite where the equation has no value or no slope.
+    /// One step of Newton's method for the secular equation from each of some guesses of an eigenvalue, rad/s, at a position t on
+    /// a path. Each step costs three values of the equation, computed in batches per structure. The derivatives are
+    /// differences, with relative errors of about 1e-7. A step is not finite where the equation has no value or no slope.
     pub fn correct(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<NewtonStep> {
         let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
         for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
@@ -61,8 +62,7 @@ impl GainPath<'_> {
                 [path.at(*t, sigma), path.at(*t, sigma * (1.0 + DIFFERENCE_STEP)), path.at(t + DIFFERENCE_STEP, sigma)]
             };
             let points: Vec<Point> = group.iter().flat_map(three).collect();
-            characteristic(resolvent, &points, &mut work.scratch, &mut values);
-            work.counters.secular_values += values.len() as u64;
+            characteristic(resolvent, &points, work, &mut values);
             for ((_, _, guess), value) in group.iter().zip(values.as_chunks::<3>().0) {
                 let slope = (value[1] - value[0]) / (guess * DIFFERENCE_STEP);
                 let rate = (value[0] - value[2]) / (slope * DIFFERENCE_STEP);
@@ -72,8 +72,8 @@ impl GainPath<'_> {
         found
     }
 
-    /// The shape (length n, any factor) of the mode at each of some eigenvalues, rad/s, at a part t of a path: one value of
-    /// the secular equation each. `None` where the equation has no zero there, or a mode whose shape it does not tell.
+    /// The shape (length n, any factor) of the mode at each of some eigenvalues, rad/s, at a position t on a path. Each shape costs
+    /// one value of the secular equation. `None` where the equation has no zero, or the mode is uncontrollable.
     pub fn shapes(at: &[(Self, f64, Complex<f64>)], work: &mut Workspace) -> Vec<Option<DVector<Complex<f64>>>> {
         let mut found = Vec::with_capacity(at.len());
         for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
@@ -91,14 +91,13 @@ impl GainPath<'_> {
 /// The shape of a mode, up to a factor.
 struct ShapeWithResidual {
     shape: DVector<Complex<f64>>,
-    /// The part of the forces on it that does not come back as feedback.
+    /// Relative residual of the secular equation's null vector.
     residual: f64,
 }
 
 /// The shape of the mode at each point.
 fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> Vec<Option<ShapeWithResidual>> {
-    let matrices = secular_matrices(resolvent, points, &mut work.scratch);
-    work.counters.secular_values += points.len() as u64;
+    let matrices = secular_matrices(resolvent, points, work);
     let forces = null_vectors(&matrices, &start(resolvent.ports, 0), &mut work.scratch);
     let shape = |(forces, point): (Option<NullVector>, &Point)| {
         let NullVector { vector, residuals } = forces?;
@@ -108,8 +107,8 @@ fn responses(resolvent: &Resolvent, points: &[Point], work: &mut Workspace) -> V
 }
 
 impl Secular {
-    /// How eigenvalues move with the mu and with the slope of a gain, each of the two at the eigenvalue and the other
-    /// held: `d lambda / d p` and `d lambda / d v`, to some 1e-5 of themselves.
+    /// The partial derivatives of eigenvalues by the mu and by the slope of a gain, `d lambda / d p` and `d lambda / d v`, with
+    /// relative errors of about 1e-5.
     pub fn rates(&self, of: &[(Gain, Complex<f64>)], work: &mut Workspace) -> Vec<[Complex<f64>; 2]> {
         let (resolvent, mut values) = (&self.resolvent, Vec::new());
         let unit = resolvent.unit;
@@ -126,13 +125,12 @@ impl Secular {
             ]
         };
         let points: Vec<Point> = of.iter().flat_map(four).collect();
-        characteristic(resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(resolvent, &points, work, &mut values);
         let rates = |((_, lambda), value): (&(Gain, Complex<f64>), &[Complex<f64>; 4])| {
-            let is_it = |uncontrollable: &Complex<f64>| {
+            let is_uncontrollable = |uncontrollable: &Complex<f64>| {
                 (lambda / unit - uncontrollable).norm() <= UNCONTROLLABLE_DISTANCE * uncontrollable.norm()
             };
-            if resolvent.uncontrollable.iter().any(is_it) {
+            if resolvent.uncontrollable.iter().any(is_uncontrollable) {
                 return [Complex::default(); 2];
             }
             let slope = (value[1] - value[0]) / (lambda * DIFFERENCE_STEP);
@@ -141,8 +139,8 @@ impl Secular {
         of.iter().zip(values.as_chunks::<4>().0).map(rates).collect()
     }
 
-    /// The modes with each of the gains at some eigenvalues, ascending in frequency; `None` where the secular equation does
-    /// not tell their shapes.
+    /// The modes with each of the gains at the given eigenvalues, which ascend in frequency; `None` where the secular equation
+    /// does not determine their shapes.
     pub fn modes(&self, of: &[(Gain, &[Complex<f64>])], work: &mut Workspace) -> Vec<Option<Vec<Mode>>> {
         let unit = self.resolvent.unit;
         let point = |gain: &Gain, lambda: &Complex<f64>| gain.in_units(unit).at(lambda / unit);

@@ -1,16 +1,16 @@
 //! The growing modes of a structure with friction, without its spectrum.
 //!
-//! Friction that is alike in m ports changes a structure by a matrix of rank m: its eigenvalues are the zeros of the
+//! Friction in m ports, all with one gain, changes a structure by a matrix of rank m. Its eigenvalues are the zeros of the
 //! determinant of an m x m matrix, the secular equation
 //!
 //! ```text
 //! det(I + p G(lambda) + lambda v(lambda) H(lambda)) = 0,   G = R Q_0^-1 B,  H = B^T Q_0^-1 B
 //! ```
 //!
-//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). It takes a small part of a spectrum to
-//! evaluate. Eigenvalues are guessed from those of *anchors*, states solved beforehand, and corrected one by one. The
-//! corrections bound all of them at once ([`enclosure`]): modes that damp stay guesses whose bounds lie left of the axis
-//! and away from the frequencies of those that grow, and only the latter are found to the last digits.
+//! (Golub, SIAM Review 15, 1973, for m = 1; the matrix determinant lemma for any m). Its evaluation costs a small part of a
+//! spectrum. Eigenvalues are guessed from those of *anchors*, gains whose spectra are known, and corrected one by one. The
+//! corrections bound the errors of all guesses at once ([`enclosure`]). Damped modes stay guesses, with bounds left of the
+//! axis and away from the frequencies of the growing modes; only the growing modes are found to the last digits.
 
 mod anchors;
 mod enclosure;
@@ -38,10 +38,10 @@ pub use reasons::{LeftOpen, NoSecular};
 pub use resolvent::Feedback;
 use resolvent::Resolvent;
 
-/// Largest square of the number of ports, per degree of freedom: with 30 a spectrum costs as much as some thirteen ports,
-/// extrapolated from nine.
+/// Largest ratio of the squared number of ports to the number of degrees of freedom for which the secular equation is used;
+/// measured: with 30 degrees of freedom, thirteen ports (extrapolated from nine) cost as much as a spectrum.
 const MOST_SQUARED_PORTS: usize = 6;
-/// The middle of the frequencies, in units: where slopes are compared.
+/// i times the mean frequency of the structure, in units of [`Resolvent::unit`]: the point at which slopes are compared.
 const MIDDLE_FREQUENCY: Complex<f64> = Complex::new(0.0, 1.0);
 
 /// A structure with feedback, ready for many gains.
@@ -78,23 +78,23 @@ pub struct Secular {
     resolvent: Resolvent,
 }
 
-/// The modes of one system, those that grow exactly.
+/// The modes of one system: the growing modes to rounding accuracy, the damped ones with error bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Growing {
-    /// An eigenvalue with Im > 0 of each mode, ascending in frequency, rad/s: that of a mode that grows, and a guess for one
-    /// that damps. The rank of a mode that grows is right.
+    /// One eigenvalue with Im > 0 per mode, ascending in frequency, rad/s: exact to rounding for a growing mode, a guess for a
+    /// damped one. The frequency rank of a growing mode is right.
     pub modes: Vec<Complex<f64>>,
-    /// A bound of the error of each that damps; 0 for those that grow, of which rounding errors are all.
+    /// Error bound of each eigenvalue, rad/s; 0 for growing modes, which err by rounding only.
     pub radii: Vec<f64>,
 }
 
 impl Growing {
-    /// Those of the modes that grow, rad/s.
+    /// Frequencies of the growing modes, rad/s.
     pub fn frequencies(&self) -> impl Iterator<Item = f64> + '_ {
         self.modes.iter().filter(|mode| mode.re > 0.0).map(|mode| mode.im)
     }
 
-    /// Whether the bounds leave open which modes are below one of these frequencies, rad/s.
+    /// Whether the error bounds leave open which modes lie below one of these frequencies, rad/s.
     #[must_use]
     pub fn leaves_order_open(&self, frequencies: &[f64]) -> bool {
         let mut bounds = self.modes.iter().zip(&self.radii);
@@ -103,8 +103,8 @@ impl Growing {
 }
 
 impl Secular {
-    /// The secular equation of a structure, or the reason to compute spectra instead: many ports, or a response
-    /// that is not a sum over oscillating modes.
+    /// The secular equation of a structure, or the reason to compute spectra instead: too many ports, or a response that is not
+    /// a sum over oscillating modes.
     ///
     /// # Errors
     /// Those of the structure's eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
@@ -127,7 +127,7 @@ impl Secular {
         &self.structure
     }
 
-    /// The structure with a gain: what its secular equation stands for.
+    /// The structure with feedback of the given gain.
     #[must_use]
     pub fn system(&self, gain: &Gain) -> SecondOrder {
         let (mut system, Feedback { force, reading }) = (self.structure.clone(), &self.feedback);
@@ -140,15 +140,15 @@ impl Secular {
         system
     }
 
-    /// Takes states whose spectra are known as anchors. Those with overdamped modes are left out.
+    /// Makes anchors from gains whose spectra are known; gains with overdamped modes are left out.
     pub fn anchors(&self, states: &[(Gain, Spectrum)], work: &mut Workspace) -> Anchors {
         Anchors::new(&self.resolvent, states, work)
     }
 
-    /// The growing modes with each of the gains, and the others' bounds apart from these frequencies, rad/s, so that it is
-    /// plain which are lower; or the reason to compute a spectrum instead.
+    /// The modes with each of the gains, as [`Growing`] says; or the reason to compute a spectrum instead. The frequencies,
+    /// rad/s, given with a gain lie outside the error bounds of all damped modes, so that it is known which modes lie below them.
     ///
-    /// What is found for a gain does not depend on the others, to the last bit.
+    /// The result for one gain does not depend on the other gains, to the last bit.
     pub fn growing(
         &self,
         anchors: &Anchors,
@@ -158,8 +158,8 @@ impl Secular {
         search::search(&self.resolvent, anchors, Wanted::Growing, gains, work)
     }
 
-    /// The eigenvalues with Im > 0 of modes that grow or decay more slowly than `part` of |lambda|, rad/s, with each of the
-    /// gains; or the reason to compute a spectrum instead.
+    /// With each of the gains, the eigenvalues with Im > 0 and `Re lambda > -part |lambda|`, rad/s; or the reason to compute a
+    /// spectrum instead.
     pub fn near_axis(
         &self,
         anchors: &Anchors,

@@ -1,9 +1,9 @@
-//! Two eigenvalues near each other on a path of gains, as one: their mean and the square of half their distance.
+//! Pairs of eigenvalues near each other on a path of gains, by their mean and the square of half their difference.
 //!
-//! Where two eigenvalues coalesce each of them has a branch point; the mean m and the square s of `lambda = m +- sqrt(s)`
-//! are analytic there, as the coefficients of the polynomial that has both as zeros (Kato, Perturbation Theory for Linear
-//! Operators, II.1.2). Both follow from the characteristic polynomial on a circle about them: eight values tell its Taylor
-//! polynomial, of which the quadratic factor is split off by Bairstow's method (1914).
+//! Where two eigenvalues `m +- sqrt(s)` coalesce, each has a branch point; m and s are analytic there, as the coefficients of
+//! the polynomial that has both as zeros (Kato, Perturbation Theory for Linear Operators, II.1.2). Both follow from the
+//! characteristic polynomial on a circle about the pair: eight values determine its Taylor polynomial, of which Bairstow's
+//! method (1914) splits off the quadratic factor with the two zeros.
 
 use std::f64::consts::TAU;
 use std::ptr;
@@ -14,19 +14,19 @@ use super::gain_path::{DIFFERENCE_STEP, GainPath};
 use super::response::{Point, characteristic};
 use crate::Workspace;
 
-/// Values on the circle.
+/// Number of values on the circle, and so of Taylor coefficients; chosen.
 const CIRCLE_VALUES: usize = 8;
-/// Radius of the circle in half distances of the pair, and its least, relative to the eigenvalue.
+/// Radius of the circle over half the distance of the pair, and its least value relative to the eigenvalue; chosen.
 const CIRCLE_RADIUS: f64 = 1.25;
 const LEAST_CIRCLE_RADIUS: f64 = 1e-3;
-/// Least distance of the next eigenvalue, in radii, by the ratio of two Taylor coefficients.
+/// Least distance of the next eigenvalue from the centre, in radii, estimated by the ratio of two Taylor coefficients; chosen.
 const LEAST_ISOLATION: f64 = 1.2;
-/// Steps of Bairstow's method at most, and the change, in radii, below which it has converged.
+/// Most steps of Bairstow's method, and the change, in radii, at or below which it has converged; chosen.
 const MOST_BAIRSTOW_STEPS: usize = 12;
 const BAIRSTOW_CONVERGED: f64 = 1e-13;
-/// Largest distance of a pair from its guess, in radii.
+/// Largest distance of the mean of a pair from its guess, in radii, at which no further circle is needed; chosen.
 const LARGEST_OFFSET: f64 = 0.5;
-/// Circles that are tried about a pair that is elsewhere than guessed.
+/// Most circles evaluated for one pair; chosen.
 const MOST_CIRCLES: usize = 4;
 
 /// Two eigenvalues `m +- sqrt(s)` by their mean m and the square s of half the gap between them.
@@ -43,7 +43,7 @@ impl EigenvaluePair {
         (CIRCLE_RADIUS * self.half_gap_squared.norm().sqrt()).max(LEAST_CIRCLE_RADIUS * self.mean.norm())
     }
 
-    /// What it becomes by moving at some rates.
+    /// The pair after moving at `rate` for `step`.
     #[must_use]
     pub fn moved(&self, rate: &Self, step: f64) -> Self {
         Self {
@@ -54,9 +54,9 @@ impl EigenvaluePair {
 }
 
 impl GainPath<'_> {
-    /// The two eigenvalues next to each of some guesses at a part t of a path, and the rate, per t, at which mean and square
-    /// move; `None` where there are no two, or others as near. Sixteen values of the secular equation each and more where the
-    /// guess is far off.
+    /// The two eigenvalues next to each of some guesses at a position t on a path, and the derivative of their mean and square by
+    /// t; `None` where there are no two such eigenvalues, or a third is as near. A pair costs sixteen values of the secular
+    /// equation, and sixteen more for each further circle where the guess is far off.
     pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
         let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
         let mut found = vec![None; at.len()];
@@ -92,7 +92,7 @@ impl GainPath<'_> {
     }
 }
 
-/// The pair by the circle about each guess, and that a little further on the path.
+/// The pair in the circle about each guess, at t and at `t + DIFFERENCE_STEP`.
 fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
     let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
     for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
@@ -103,8 +103,7 @@ fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) 
                 points.extend((0..CIRCLE_VALUES).map(|k| path.at(t, (guess.mean + turn(k) * guess.radius()) / unit)));
             }
         }
-        characteristic(&group[0].0.secular.resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(&group[0].0.secular.resolvent, &points, work, &mut values);
         for ((.., guess), values) in group.iter().zip(values.chunks_exact(2 * CIRCLE_VALUES)) {
             let [here, ahead] = [&values[..CIRCLE_VALUES], &values[CIRCLE_VALUES..]].map(taylor);
             let radius = guess.radius();
@@ -121,12 +120,12 @@ fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) 
     found
 }
 
-/// An eighth of a turn, k times.
+/// `exp(2 pi i k / 8)`.
 fn turn(k: usize) -> Complex<f64> {
     Complex::from_polar(1.0, TAU * k as f64 / CIRCLE_VALUES as f64)
 }
 
-/// The Taylor coefficients of a polynomial in radii of a circle from its values there.
+/// The Taylor coefficients of a polynomial about the centre of a circle, with its radius as unit, from the values on the circle.
 fn taylor(values: &[Complex<f64>]) -> [Complex<f64>; CIRCLE_VALUES] {
     std::array::from_fn(|order| {
         let sum: Complex<f64> =
@@ -135,7 +134,7 @@ fn taylor(values: &[Complex<f64>]) -> [Complex<f64>; CIRCLE_VALUES] {
     })
 }
 
-/// Middle and square of the two zeros of a polynomial next to 0; `None` where others are near.
+/// Mean and half gap squared of the two zeros of a polynomial next to 0; `None` where a third zero is near.
 fn small_pair(a: &[Complex<f64>; CIRCLE_VALUES]) -> Option<(Complex<f64>, Complex<f64>)> {
     if a[2].norm() < LEAST_ISOLATION * a[3].norm() {
         return None;
@@ -143,7 +142,7 @@ fn small_pair(a: &[Complex<f64>; CIRCLE_VALUES]) -> Option<(Complex<f64>, Comple
     // The factor x^2 - u x - v.
     let (mut u, mut v) = (-a[1] / a[2], -a[0] / a[2]);
     for _ in 0..MOST_BAIRSTOW_STEPS {
-        // Divided once by it, and once more: b_0 and b_1 are what is left, c their derivatives.
+        // Division by the factor gives the quotient b and the remainder b_1, b_0; dividing b again gives its derivatives in c.
         let (mut b, mut c) = ([Complex::default(); CIRCLE_VALUES + 2], [Complex::default(); CIRCLE_VALUES + 2]);
         for k in (0..CIRCLE_VALUES).rev() {
             b[k] = a[k] + u * b[k + 1] + v * b[k + 2];

@@ -1,4 +1,4 @@
-//! Why the secular equation is not used: for a structure at all, or for one gain.
+//! Why the secular equation is not used: for any gain of a structure, or for one gain.
 
 use num_complex::Complex;
 
@@ -6,20 +6,20 @@ use num_complex::Complex;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoSecular {
-    /// A spectrum costs less than the determinants.
+    /// With so many ports a spectrum costs less than the secular equation.
     #[error("{ports} ports; with {order} degrees of freedom spectra cost less from {most} on")]
     ManyPorts {
-        /// How many there are.
+        /// Number of ports.
         ports: usize,
         /// Degrees of freedom.
         order: usize,
-        /// Most ports that the equation is used for, plus one.
+        /// Least number of ports with which spectra cost less.
         most: usize,
     },
     /// The structure has internal states of its own.
     #[error("the structure has {states} internal states of its own; its response is not a sum over modes")]
     InternalStates {
-        /// How many.
+        /// Number of internal states.
         states: usize,
     },
     /// The structure has overdamped modes, or modes that diverge.
@@ -36,34 +36,34 @@ pub enum NoSecular {
         /// The eigenvalue, rad/s.
         lambda: Complex<f64>,
     },
-    /// The sum over the modes is not what a factorisation of Q says; also where B^T Q^-1 B is not symmetric.
+    /// The sum over the modes differs from the response by a factorisation of Q; so also where B^T Q^-1 B is not symmetric.
     #[error("the modes of the structure do not add up to its response at lambda = {lambda}")]
     ResponseDiffers {
-        /// Where the two were compared, rad/s.
+        /// The point at which the two were compared, rad/s.
         lambda: Complex<f64>,
     },
 }
 
-/// Why the modes with one gain are left to a spectrum.
+/// Why the modes with one gain have to be found by a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum LeftOpen {
-    /// No anchor is left from which all eigenvalues could be guessed.
+    /// There is no anchor.
     #[error("no anchor to start from")]
     NoAnchor,
-    /// The bounds of some eigenvalues do not come apart, whatever is corrected.
+    /// The error bounds of some eigenvalues overlap, and corrections do not change that.
     #[error("the bounds of the eigenvalues do not come apart")]
     NotSeparated,
-    /// Corrections would go on.
+    /// Error bounds still overlap after the largest number of rounds of corrections.
     #[error("the guesses have not converged after {rounds} rounds")]
     RoundsExhausted {
-        /// How many were made.
+        /// Number of rounds made.
         rounds: usize,
     },
-    /// A wanted mode did not converge within its own bound.
+    /// A wanted mode did not converge within its error bound.
     #[error("a wanted mode did not converge within its bound")]
     NoConvergence,
-    /// A mode is too near the axis for its side to be certain in spite of rounding.
+    /// A mode is so near the axis that rounding errors leave open whether it grows.
     #[error("a mode is too near the axis for its side to be certain")]
     NearAxis,
 }

@@ -4,9 +4,9 @@
 //! R Q_0(lambda)^-1 B = sum_k (U_k lambda + V_k) / ((lambda - p_k)(lambda - conj p_k))
 //! ```
 //!
-//! with the eigenvalues p_k of the structure, which come in pairs, and real m x m matrices: what each mode moves in the
-//! ports read by R when forces act in those of B. A semisimple multiple eigenvalue has one summand for all its vectors,
-//! `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
+//! with the eigenvalues p_k of the structure, one of each conjugate pair, and real m x m matrices U_k and V_k: the motion of
+//! mode k in the ports read by R under forces in the ports of B. A semisimple multiple eigenvalue has one summand for all its
+//! vectors, `X (Y^T Q_0' X)^-1 Y^T` (Lancaster, Lambda-Matrices and Vibrating Systems, 1966, chapter 4).
 
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
@@ -15,52 +15,52 @@ use num_complex::Complex;
 use super::NoSecular;
 use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
 
-/// Eigenvalues nearer to each other than this, relatively, count as one multiple eigenvalue, whose vectors span one space.
+/// Largest relative distance between eigenvalues that count as one multiple eigenvalue; chosen, above the spread of a semisimple
+/// multiple eigenvalue by rounding.
 const MULTIPLE_SEPARATION: f64 = 1e-7;
 /// A mode is uncontrollable where the largest force on it, `B^T y` relative to B, times what is read of it, the larger of `R x`
 /// relative to R and `B^T x` relative to B, is less than this: to first order feedback moves its eigenvalue by
 /// `y^T B (p R + lambda v B^T) x`. Chosen: below the error of the sums, [`LARGEST_ERROR`], and far above rounding, which makes
 /// 1e-15 of nothing.
 const UNCONTROLLABLE_PRODUCT: f64 = 1e-12;
-/// Largest relative error of the sums, seen at some lambda against factorisations of Q.
+/// Largest relative difference between the sums over modes and a factorisation of Q; chosen.
 const LARGEST_ERROR: f64 = 1e-11;
 
-/// Forces that act on a structure and what the forces depend on: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with
-/// numbers p and v.
+/// Feedback forces on a structure: `Q(lambda) = Q_0(lambda) + B (p R + lambda v B^T)`, with numbers p and v.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Feedback {
-    /// B, the directions of the forces and of the velocities that they depend on, n x m.
+    /// B, the directions of the forces and of the velocities that the forces depend on, n x m.
     pub force: DMatrix<f64>,
-    /// R, what they read of the displacements, m x n.
+    /// R, the displacements that the forces depend on, m x n.
     pub reading: DMatrix<f64>,
 }
 
-/// The response of a structure at the ports of a [`Feedback`]. Eigenvalues and their unit: [`Resolvent::unit`] rad/s.
+/// The response of a structure at the ports of a [`Feedback`]. All its eigenvalues are in units of [`Resolvent::unit`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Resolvent {
-    /// The unit of eigenvalues, rad/s: the geometric mean of the structure's.
+    /// The unit, rad/s: the geometric mean of |lambda| over the modes of the structure.
     pub unit: f64,
-    /// The p_k with Im > 0 of modes that feedback moves, multiple ones repeated; in units.
+    /// The p_k with Im > 0 of modes that feedback moves, multiple eigenvalues repeated.
     pub poles: Vec<Complex<f64>>,
-    /// Eigenvalues with Im > 0 that no feedback moves, because their modes are uncontrollable: they do not move the ports; in units.
+    /// Eigenvalues with Im > 0 of uncontrollable modes: they do not move the ports, so no feedback moves their eigenvalues.
     pub uncontrollable: Vec<Complex<f64>>,
-    /// m.
+    /// m, the number of ports.
     pub ports: usize,
-    /// U and V of `R Q_0^-1 B`: those of all poles for the first entry, then for the second, by rows.
+    /// U_k and V_k of `R Q_0^-1 B`: for each entry of the m x m matrix by rows, those of all poles.
     pub reading: Vec<[f64; 2]>,
-    /// U and V of `unit B^T Q_0^-1 B`, the upper triangle by rows.
+    /// U_k and V_k of `unit B^T Q_0^-1 B`: the same for its upper triangle by rows.
     pub mobility: Vec<[f64; 2]>,
-    /// `Q_0^-1 B` as the sum of these over `lambda - p_k`, and of the conjugates.
-    modes: Vec<Driven>,
+    /// The modes, whose `shape drive^T / (lambda - pole)` and conjugates add up to `Q_0^-1 B`.
+    modes: Vec<DrivenMode>,
 }
 
-/// A mode of the structure.
+/// A mode of the structure and its response to the forces.
 #[derive(Debug, Clone, PartialEq)]
-struct Driven {
+struct DrivenMode {
     pole: Complex<f64>,
-    /// n.
+    /// Length n.
     shape: DVector<Complex<f64>>,
-    /// How strongly each force drives it, m.
+    /// Amplitude of the mode per unit of each force, length m.
     drive: DVector<Complex<f64>>,
 }
 
@@ -71,8 +71,8 @@ fn motion(reading: &DMatrix<Complex<f64>>, shapes: &DMatrix<Complex<f64>>) -> f6
 }
 
 impl Resolvent {
-    /// The response as a sum; or the reason for which it is none: overdamped modes or internal states, a structure that is
-    /// not symmetric where friction acts, or modes that do not add up.
+    /// The response as a sum over modes; or the reason why there is none: overdamped modes, internal states, a structure that is
+    /// not symmetric in the ports, or modes whose sum differs from the response.
     ///
     /// # Errors
     /// Those of the eigenvalues and vectors, [`CeaError::Channels`] for a feedback of another order.
@@ -100,9 +100,9 @@ impl Resolvent {
             (Vec::new(), Vec::with_capacity(n), Vec::with_capacity(n));
         let mut first = 0;
         while first < n {
-            let is_one =
+            let is_member =
                 |l: &&Complex<f64>| (*l - lambdas[first]).norm() <= MULTIPLE_SEPARATION * lambdas[first].norm();
-            let group = first..first + lambdas[first..].iter().take_while(is_one).count();
+            let group = first..first + lambdas[first..].iter().take_while(is_member).count();
             let pole = lambdas[group.clone()].iter().sum::<Complex<f64>>() / group.len() as f64;
             let [x, y] = [&right, &left].map(|vectors| DMatrix::from_columns(&vectors[group.clone()]));
             let slope = y.transpose() * structure.dynamic_stiffness_derivative(pole) * &x;
@@ -110,7 +110,7 @@ impl Resolvent {
                 return Ok(Err(NoSecular::Defective { lambda: pole }));
             };
             for (shape, drive) in x.column_iter().zip(acted.row_iter()) {
-                modes.push(Driven { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
+                modes.push(DrivenMode { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
             // The SVD of a matrix without columns is undefined.
             let driven = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &y).singular_values() };
@@ -142,7 +142,7 @@ impl Resolvent {
         })
     }
 
-    /// Enters the residues of a pole.
+    /// Enters the residues of the pole with index `at`.
     fn enter(&mut self, at: usize, reading: &DMatrix<Complex<f64>>, mobility: &DMatrix<Complex<f64>>) {
         let (n, m, unit, pole) = (self.poles.len(), self.ports, self.unit, self.poles[at]);
         // r / (l - p) + conj = (2 Re r l - 2 Re(r conj p)) / ((l - p)(l - conj p)).
@@ -159,7 +159,7 @@ impl Resolvent {
         }
     }
 
-    /// Where the sums are not what a factorisation of Q says, of three places, in units.
+    /// The first of three points at which the sums differ from a factorisation of Q; `None` where they agree at all three.
     fn differs_at(&self, structure: &SecondOrder, feedback: &Feedback) -> Option<Complex<f64>> {
         let [force, reading] = [&feedback.force, &feedback.reading].map(|matrix| matrix.map(Complex::from));
         let is_right = |sigma: Complex<f64>| {
@@ -177,10 +177,10 @@ impl Resolvent {
         places.into_iter().find(|&sigma| !is_right(sigma))
     }
 
-    /// `Q_0^-1 B w` at an eigenvalue, up to a factor.
+    /// `Q_0^-1 B w` at `sigma`, up to a factor.
     pub fn response(&self, sigma: Complex<f64>, w: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let mut response = DVector::zeros(self.modes.len());
-        for Driven { pole, shape, drive } in &self.modes {
+        for DrivenMode { pole, shape, drive } in &self.modes {
             let [mut plain, mut conjugate] = [Complex::<f64>::default(); 2];
             for (d, w) in drive.iter().zip(w) {
                 plain += d * w;
@@ -196,7 +196,7 @@ impl Resolvent {
         response
     }
 
-    /// Both sums.
+    /// `R Q_0^-1 B` and `unit B^T Q_0^-1 B` at `sigma`, m x m.
     pub fn at(&self, sigma: Complex<f64>) -> [DMatrix<Complex<f64>>; 2] {
         let (n, m) = (self.poles.len(), self.ports);
         let sum = |entry: &[[f64; 2]]| -> Complex<f64> {

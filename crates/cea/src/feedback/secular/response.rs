@@ -1,58 +1,62 @@
 //! The characteristic polynomial of a structure with feedback at many points, one point per lane.
 //!
-//! `det Q(sigma) = prod_k (sigma - p_k)(sigma - conj p_k) det(I + p G(sigma) + sigma v(sigma) H(sigma))` up to the mass:
-//! the sums G and H over the modes of the structure, m x m, then the determinant of so small a matrix. 3 m^2 n fused
-//! multiply-adds for each of the two parts of a complex number.
+//! `det Q(sigma) = prod_k (sigma - p_k)(sigma - conj p_k) det(I + p G(sigma) + sigma v(sigma) H(sigma))` up to the constant
+//! det M: the m x m sums G and H over the modes of the structure, then the determinant of one m x m matrix. The sums cost
+//! 3 m^2 n fused multiply-adds for each of the two parts of a complex number.
 
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::resolvent::Resolvent;
+use crate::Workspace;
 use crate::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
 
 #[cfg(test)]
 mod tests;
 
-/// Entries of G or H that are summed side by side, so that the registers of one mode serve all of them.
+/// Number of entries of G or H that are summed together, so that each mode is loaded once for all of them.
 const SIDE_BY_SIDE: usize = 4;
-/// Squared distance to an eigenvalue of the structure, in units, below which a point counts as this far away. Nearer to one
-/// that feedback moves far, values are rounding errors; the eigenvalue itself moves by this much less than is accounted for.
+/// Least squared distance of a point from an eigenvalue of the structure, in the resolvent's unit squared: a nearer point is
+/// evaluated as if at this distance, 5e-12. Chosen: at smaller distances values may be rounding errors, and the change is half of
+/// the enclosure's reserve for rounding.
 const AT_POLE: f64 = 2.5e-23;
-/// A place in the plane of eigenvalues and the feedback there, in the units of a resolvent.
+
+/// A point of the complex plane and the feedback there, in the units of a resolvent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Point {
     pub sigma: Complex<f64>,
-    /// p.
+    /// p, the proportional gain.
     pub mu: f64,
-    /// v at sigma.
+    /// v(sigma).
     pub slope: Complex<f64>,
 }
 
-/// The characteristic polynomial at each point; divided by `(sigma + decay)^m` where the feedback has internal states.
+/// The characteristic polynomial at each point, divided by `(sigma + decay)^m` where the feedback has internal states.
 pub(crate) fn characteristic(
     resolvent: &Resolvent,
     points: &[Point],
-    scratch: &mut Vec<f64>,
+    work: &mut Workspace,
     out: &mut Vec<Complex<f64>>,
 ) {
     out.clear();
-    run(resolvent, points, scratch, &mut ResponseOutput::Values(out));
+    run(resolvent, points, work, &mut ResponseOutput::Values(out));
 }
 
 /// `I + p G + sigma v H` at each point.
 pub(crate) fn secular_matrices(
     resolvent: &Resolvent,
     points: &[Point],
-    scratch: &mut Vec<f64>,
+    work: &mut Workspace,
 ) -> Vec<DMatrix<Complex<f64>>> {
     let mut matrices = Vec::with_capacity(points.len());
-    run(resolvent, points, scratch, &mut ResponseOutput::Matrices(&mut matrices));
+    run(resolvent, points, work, &mut ResponseOutput::Matrices(&mut matrices));
     matrices
 }
 
-fn run(resolvent: &Resolvent, points: &[Point], scratch: &mut Vec<f64>, results: &mut ResponseOutput<'_>) {
-    let arch = Arch::new();
+fn run(resolvent: &Resolvent, points: &[Point], work: &mut Workspace, results: &mut ResponseOutput<'_>) {
+    let (arch, scratch) = (Arch::new(), &mut work.scratch);
+    work.counters.secular_values += points.len() as u64;
     let (wide, few) = points.split_at(wide_part(points.len()));
     if !wide.is_empty() {
         arch.dispatch(ResponsesInLanes { resolvent, points: wide, scratch, results });
@@ -133,7 +137,7 @@ impl WithSimd for ResponsesInLanes<'_, '_> {
     }
 }
 
-/// The numbers of one point in each lane; the spare lanes hold the first.
+/// The numbers of one point in each lane; the spare lanes hold the first point.
 #[inline(always)]
 fn gather<S: Simd>(o: Ops<S>, points: &[Point]) -> [S::f64s; 5] {
     let mut registers = [o.splat(0.0); 5];
@@ -179,7 +183,7 @@ fn fill<S: Simd>(
     product
 }
 
-/// Each entry's sum of `U sigma d + V d` over the modes.
+/// For each entry the sum of `U sigma d + V d` over the modes.
 #[inline(always)]
 fn add_up<S: Simd>(o: Ops<S>, modes: &[[S::f64s; 4]], parts: &[[f64; 2]], sums: &mut [[S::f64s; 2]]) {
     let (n, side_by_side) = (modes.len(), sums.len() - sums.len() % SIDE_BY_SIDE);
@@ -212,7 +216,7 @@ fn add_up_some<S: Simd, const N: usize>(
     sums.copy_from_slice(&of);
 }
 
-/// By elimination with partial pivoting, each lane with its own; the matrix is overwritten.
+/// The determinant by elimination with partial pivoting, each lane with its own pivots; the matrix is overwritten.
 #[inline(always)]
 fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> ComplexLanes<S::f64s> {
     let mut product = ComplexLanes { re: o.splat(1.0), im: o.splat(0.0) };
@@ -224,7 +228,7 @@ fn determinant<S: Simd>(o: Ops<S>, matrix: &mut [[S::f64s; 2]], m: usize) -> Com
                 let (upper, lower) = (matrix[c * m + j], matrix[i * m + j]);
                 for part in 0..2 {
                     matrix[c * m + j][part] = o.select(is_larger, lower[part], upper[part]);
-                    // The sign of a row that changes places keeps the determinant.
+                    // Of two exchanged rows one changes its sign, which keeps the determinant.
                     matrix[i * m + j][part] = o.select(is_larger, o.neg(upper[part]), lower[part]);
                 }
             }

@@ -1,4 +1,4 @@
-//! The search itself: from guesses of all modes to bounds that say which of them grow, certified up to rounding.
+//! The search: from guesses of all eigenvalues to error bounds that tell which modes grow, certified up to rounding.
 
 use num_complex::Complex;
 
@@ -7,40 +7,40 @@ use super::response::{Point, characteristic};
 use super::{Anchors, Gain, Growing, LeftOpen, Resolvent};
 use crate::{Workspace, by_frequency};
 
-/// Rounds of corrections before a search is given up.
+/// Most rounds of corrections; chosen.
 const MOST_ROUNDS: usize = 24;
-/// A mode is corrected while its share of the bound is larger than this part of an even one.
+/// A guess is corrected while its share of the total is larger than this part of the mean share; chosen.
 const CORRECTED_SHARE: f64 = 0.2;
-/// Relative correction of a mode that is looked for, below which it counts as converged: the next one of a secant method is
-/// rounding.
+/// Relative correction of a wanted mode at or below which it counts as converged; chosen: the next correction of the secant
+/// method would be rounding.
 const CONVERGED_CORRECTION: f64 = 1e-9;
-/// Least distance of an eigenvalue from the axis, in units, at which its side is certain in spite of rounding errors.
+/// Distance from the axis, in the resolvent's unit, at or below which rounding errors leave an eigenvalue's side open; chosen.
 const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
 /// The search at one gain.
 struct Search {
     wanted: Wanted,
     gain: Gain,
-    apart_from: Vec<f64>,
+    excluded_frequencies: Vec<f64>,
     approximations: Approximations,
-    /// The characteristic polynomial at each guess, and the product of its distances from the others.
+    /// The characteristic polynomial at each guess, and the product of the differences from all other guesses.
     values: Vec<Complex<f64>>,
     others: Vec<Complex<f64>>,
     corrections: Vec<Complex<f64>>,
-    /// The corrections of internal states: where, and how large with all they stand for.
+    /// Guesses of internal states with Im >= 0, each with the size of its correction times the number of guesses it stands for.
     internal: Vec<(Complex<f64>, f64)>,
     stage: SearchStage,
 }
 
 enum SearchStage {
-    /// Guesses of these modes are to be corrected.
+    /// The polynomial is to be evaluated at the guesses of these modes.
     Enclose(Vec<usize>),
-    /// All eigenvalues are enclosed; those wanted are refined in their discs.
+    /// All eigenvalues are enclosed; the wanted ones are refined within their discs.
     Refine(Enclosure, Vec<Secant>),
     GivenUp,
 }
 
-/// The zero of a function next to two points.
+/// The secant method for one wanted mode: the last point with the function there, and the next point.
 struct Secant {
     mode: usize,
     before: (Complex<f64>, Complex<f64>),
@@ -48,7 +48,8 @@ struct Secant {
     is_converged: bool,
 }
 
-/// The modes with each of the gains, those wanted found and the others apart from some frequencies, rad/s.
+/// The modes with each of the gains: the wanted modes to rounding accuracy, the others with error bounds that exclude the
+/// frequencies, rad/s, given with the gain.
 pub(super) fn search(
     resolvent: &Resolvent,
     anchors: &Anchors,
@@ -56,35 +57,34 @@ pub(super) fn search(
     gains: &[(Gain, &[f64])],
     work: &mut Workspace,
 ) -> Vec<Result<Growing, LeftOpen>> {
-    let start = |(gain, apart_from): &(Gain, &[f64])| {
+    let start = |(gain, excluded_frequencies): &(Gain, &[f64])| {
         let gain = gain.in_units(resolvent.unit);
-        let apart_from = apart_from.iter().map(|im| im / resolvent.unit).collect();
+        let excluded_frequencies = excluded_frequencies.iter().map(|im| im / resolvent.unit).collect();
         let guess = anchors.guess(&gain).ok_or(LeftOpen::NoAnchor)?;
-        Ok(Search::new(wanted, gain, apart_from, guess))
+        Ok(Search::new(wanted, gain, excluded_frequencies, guess))
     };
     let mut searches: Vec<Result<Search, LeftOpen>> = gains.iter().map(start).collect();
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for round in 0..MOST_ROUNDS {
         points.clear();
         for search in searches.iter().flatten() {
-            search.ask(round == 0, resolvent.ports, &mut points);
+            search.request_points(round == 0, resolvent.ports, &mut points);
         }
-        // Without modes that feedback moves there is nothing to ask.
+        // A first round without points happens where feedback moves no mode; it still encloses.
         if points.is_empty() && round > 0 {
             break;
         }
-        characteristic(resolvent, &points, &mut work.scratch, &mut values);
-        work.counters.secular_values += values.len() as u64;
+        characteristic(resolvent, &points, work, &mut values);
         let mut values = values.iter().copied();
         for search in searches.iter_mut().flatten() {
-            search.hear(round == 0, resolvent.ports, &mut values);
+            search.receive_values(round == 0, resolvent.ports, &mut values);
         }
     }
     searches.into_iter().map(|search| search?.found(resolvent)).collect()
 }
 
 impl Search {
-    fn new(wanted: Wanted, gain: Gain, apart_from: Vec<f64>, approximations: Approximations) -> Self {
+    fn new(wanted: Wanted, gain: Gain, excluded_frequencies: Vec<f64>, approximations: Approximations) -> Self {
         let n = approximations.sigmas.len();
         let zeros = || vec![Complex::default(); n];
         let stage = SearchStage::Enclose((0..n).collect());
@@ -92,7 +92,7 @@ impl Search {
         Self {
             wanted,
             gain,
-            apart_from,
+            excluded_frequencies,
             values: zeros(),
             others: zeros(),
             corrections: zeros(),
@@ -102,8 +102,8 @@ impl Search {
         }
     }
 
-    /// Where the polynomial is to be evaluated.
-    fn ask(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
+    /// Appends the points at which this search needs the polynomial.
+    fn request_points(&self, is_first: bool, ports: usize, points: &mut Vec<Point>) {
         match &self.stage {
             SearchStage::Enclose(modes) => {
                 points.extend(modes.iter().map(|&i| self.gain.at(self.approximations.sigmas[i])))
@@ -119,7 +119,8 @@ impl Search {
         }
     }
 
-    fn hear(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
+    /// Takes the values at the points that [`Search::request_points`] appended.
+    fn receive_values(&mut self, is_first: bool, ports: usize, values: &mut impl Iterator<Item = Complex<f64>>) {
         match &mut self.stage {
             SearchStage::Enclose(modes) => {
                 let modes = std::mem::take(modes);
@@ -141,21 +142,21 @@ impl Search {
                     let z = secant.here;
                     let factor = self.approximations.internal_factor(z, &self.gain, ports);
                     let value = values.next().unwrap_or_default() * factor / self.approximations.others(secant.mode, z);
-                    secant.go(value);
+                    secant.step(value);
                 }
             }
             SearchStage::GivenUp => {}
         }
     }
 
-    /// Encloses the eigenvalues, or corrects those guesses that are not good enough for it.
+    /// Goes on to refinement where the eigenvalues are enclosed; otherwise corrects the guesses with large shares.
     fn enclose(&mut self, ports: usize) {
         let sigmas = &self.approximations.sigmas;
         for (i, correction) in self.corrections.iter_mut().enumerate() {
             let factor = self.approximations.internal_factor(sigmas[i], &self.gain, ports);
             *correction = self.values[i] / self.others[i] * factor;
         }
-        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.apart_from);
+        let found = enclosure(self.wanted, sigmas, &self.corrections, &self.internal, &self.excluded_frequencies);
         if found.total <= LARGEST_TOTAL_SHARE {
             let first = |(i, sigma): (usize, &Complex<f64>)| {
                 self.wanted.is_found(*sigma).then(|| Secant::new(i, *sigma, self.corrections[i]))
@@ -219,7 +220,7 @@ impl Secant {
         Self { mode, before: (at, correction), here: at - correction, is_converged: false }
     }
 
-    fn go(&mut self, value: Complex<f64>) {
+    fn step(&mut self, value: Complex<f64>) {
         let (at, before) = self.before;
         let slope = (value - before) / (self.here - at);
         let step = value / slope;

@@ -1,4 +1,4 @@
-//! Sums over modes against structures whose modes are multiple, and the enclosure against zeros that are known.
+//! Sums over modes of structures with multiple eigenvalues, and the enclosure of known zeros.
 
 use std::cell::Cell;
 
@@ -13,7 +13,7 @@ use super::response::{Point, characteristic};
 use super::*;
 use crate::{EigenSolver, QrSolver};
 
-/// Numbers in [-1, 1) without a pattern.
+/// Pseudo-random numbers in [-1, 1).
 pub(crate) fn noise(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     DMatrix::from_fn(rows, columns, |_, _| {
@@ -36,7 +36,7 @@ pub(crate) fn chain(n: usize, seed: u64) -> SecondOrder {
     SecondOrder::new(m, 50.0 * tridiagonal(part(1)), 1e7 * tridiagonal(part(2))).unwrap()
 }
 
-/// Feedback of any kind in `ports`.
+/// Pseudo-random feedback with this number of ports.
 pub(crate) fn feedback(n: usize, ports: usize, seed: u64) -> Feedback {
     Feedback { force: noise(n, ports, seed + 100), reading: 1e6 * noise(ports, n, seed + 200) }
 }
@@ -45,12 +45,12 @@ pub(crate) fn resolvent(structure: &SecondOrder, feedback: &Feedback) -> Result<
     Resolvent::new(structure, feedback, &mut Workspace::default()).unwrap()
 }
 
-/// The feedback of a gain in units at an eigenvalue.
+/// The feedback of a gain, in units, at an eigenvalue.
 pub(crate) fn point(gain: &Gain, sigma: Complex<f64>) -> Point {
     gain.at(sigma)
 }
 
-/// The whole system, for a determinant or a spectrum of its own.
+/// The system with feedback, for reference determinants and spectra.
 pub(crate) fn whole(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -> SecondOrder {
     let Feedback { force, reading } = feedback;
     let mut system = structure.clone();
@@ -64,8 +64,8 @@ pub(crate) fn whole(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
     system
 }
 
-/// The largest relative difference of the characteristic polynomial from determinants of the whole system, at points
-/// about its eigenvalues.
+/// The largest relative difference between the characteristic polynomial and determinants of the whole system, at points near
+/// its eigenvalues.
 pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -> f64 {
     let resolvent = resolvent(structure, feedback).unwrap();
     let whole = whole(structure, feedback, gain);
@@ -73,11 +73,11 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
         noise(23, 2, 7).row_iter().map(|row| Complex::new(0.3 * row[0], 1.0 + row[1])).collect();
     let points: Vec<_> = sigmas.iter().map(|&sigma| gain.in_units(resolvent.unit).at(sigma)).collect();
     let mut found = Vec::new();
-    characteristic(&resolvent, &points, &mut Vec::new(), &mut found);
+    characteristic(&resolvent, &points, &mut Workspace::default(), &mut found);
     let size = structure.m.determinant() * resolvent.unit.powi(2 * structure.order() as i32);
     let error = |(sigma, found): (&Complex<f64>, Complex<f64>)| {
         let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
-        // What no feedback moves is left out of the polynomial.
+        // Eigenvalues that no feedback moves are not zeros of the polynomial.
         let uncontrollable = resolvent
             .uncontrollable
             .iter()
@@ -89,14 +89,14 @@ pub(crate) fn error(structure: &SecondOrder, feedback: &Feedback, gain: &Gain) -
 
 pub(crate) const GAIN: Gain = Gain { mu: 0.7, slope: -40.0, lag: 3e5, decay: 4e3 };
 
-/// Two equal chains side by side.
+/// Two equal, uncoupled chains.
 fn twins() -> SecondOrder {
     let one = chain(3, 1);
     let twice = |a: &DMatrix<f64>| DMatrix::from_fn(6, 6, |i, j| if i / 3 == j / 3 { a[(i % 3, j % 3)] } else { 0.0 });
     SecondOrder::new(twice(&one.m), twice(&one.c), twice(&one.k)).unwrap()
 }
 
-/// Equal masses in a ring: all modes but two are double, and rounding tells them apart.
+/// Equal masses in a ring: all eigenvalues but two are double, up to rounding.
 fn ring() -> SecondOrder {
     let k = DMatrix::from_fn(6, 6, |i, j| match (i + 6 - j) % 6 {
         0 => 2.7e7,
@@ -111,7 +111,7 @@ fn double_modes_have_one_summand() {
     for structure in [twins(), ring()] {
         for ports in [1, 2, 3] {
             let feedback = feedback(6, ports, 5);
-            // One force sees one vector of each pair, and none moves the other.
+            // One force drives one mode of each double eigenvalue; the other is uncontrollable.
             let Resolvent { poles, uncontrollable, .. } = resolvent(&structure, &feedback).unwrap();
             let doubles = poles.windows(2).filter(|pair| pair[0] == pair[1]).count();
             let unseen = poles.iter().filter(|pole| uncontrollable.contains(pole)).count();
@@ -180,18 +180,18 @@ fn structures_without_such_a_sum_say_why() {
     assert_eq!(refused.unwrap_err(), NoSecular::ManyPorts { ports: 5, order: 4, most: 5 });
 }
 
-/// A real polynomial with n pairs of zeros and some real ones far to the left, and guesses of all.
+/// A real polynomial with n pairs of zeros and some real zeros far left, and guesses of all zeros.
 #[derive(Debug, Clone)]
 struct Known {
     zeros: Vec<Complex<f64>>,
     real: Vec<f64>,
     decay: f64,
     approximations: Approximations,
-    /// A frequency that modes which damp are to keep from.
+    /// A frequency that the discs of damped modes must exclude.
     apart_from: f64,
 }
 
-/// A guess for internal states, its correction, and how many it stands for.
+/// A guess of an internal state, its correction, and the number of guesses it stands for.
 type OfState = (Complex<f64>, Complex<f64>, f64);
 
 impl Known {
@@ -200,7 +200,7 @@ impl Known {
         Gain { lag: decay, decay, ..Gain::default() }
     }
 
-    /// Without the factor of the internal states, as the response of a structure has it.
+    /// The polynomial divided by the factor of the internal states, as [`characteristic`] gives it.
     fn value(&self, z: Complex<f64>) -> Complex<f64> {
         let modes: Complex<f64> = self.zeros.iter().map(|zero| (z - zero) * (z - zero.conj())).product();
         modes * self.real.iter().map(|re| (z - re) / (z + self.decay)).product::<Complex<f64>>()
@@ -227,7 +227,7 @@ fn known() -> impl Strategy<Value = Known> {
         |(zeros, real, decay, error, apart_from)| {
             let error = 10f64.powf(error);
             let guess = |&(re, im, x, y): &(f64, f64, f64, f64)| Complex::new(re + error * x, im + error * y);
-            // A feedback without ports has internal states in name only.
+            // Feedback without ports has no internal states.
             let has_states = !real.is_empty() || decay > 4.5;
             let internal = has_states.then_some(InternalCluster { middle: -decay, radius: 0.1 * decay });
             let approximations = Approximations { sigmas: zeros.iter().map(guess).collect(), internal };
@@ -259,7 +259,7 @@ proptest! {
     }
 }
 
-/// All zeros in discs, and one in each that meets no other.
+/// Checks that the discs contain all zeros, and a disc that meets no other contains one.
 fn check_discs(known: &Known, radii: &[f64]) -> Result<(), TestCaseError> {
     let (zeros, guesses) = (&known.zeros, &known.approximations.sigmas);
     let is_in = |zero: &Complex<f64>, i: usize| (zero - guesses[i]).norm() <= radii[i] * (1.0 + 1e-9) + 1e-13;

@@ -1,4 +1,4 @@
-//! One draw of the uncertain parameters, and the friction law that it makes.
+//! One draw of the uncertain parameters, and the tangent of a friction law with the drawn parameters.
 
 use friction::{
     AmontonsCoulomb, BristleDamping, FrictionError, FrictionLaw, LuGre, LuGreParameters, Stribeck, StribeckParameters,
@@ -9,14 +9,14 @@ use rand_distr::{Distribution as _, StandardUniform};
 
 use crate::case::{Draws, FrictionDistributions, LatticeCase, Law};
 
-/// Friction parameters of one contact, those of every law: scenes of different laws see the same draw.
+/// Friction parameters of one contact for all laws, so that scenes of different laws have the same draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionDraw {
-    /// Amontons-Coulomb's coefficient.
+    /// Coefficient of Amontons-Coulomb.
     pub mu: f64,
-    /// Coefficient across the sliding for the laws that are not Amontons-Coulomb's.
+    /// Coefficient across the sliding for all laws except Amontons-Coulomb.
     pub lateral_mu: f64,
-    /// Static coefficient, raised to `mu_k` where it was drawn below.
+    /// Static coefficient, raised to `mu_k` where the drawn value is below.
     pub mu_s: f64,
     /// Kinetic coefficient.
     pub mu_k: f64,
@@ -66,7 +66,7 @@ impl FrictionDraw {
     /// The tangent of `law` at `speed`, m/s. `bristle_damping` is reading R9; `None` sets sigma1 to 0.
     ///
     /// # Errors
-    /// Parameters that the law refuses.
+    /// Those of the law.
     pub fn tangent(
         &self,
         law: Law,
@@ -93,18 +93,18 @@ impl FrictionDraw {
         }
     }
 
-    /// mu_y: Amontons-Coulomb has one coefficient in all directions, the other laws draw that across on its own.
+    /// mu_y: Amontons-Coulomb has one coefficient for all directions, the other laws have a separate one across the sliding.
     pub fn lateral(&self, law: Law) -> f64 {
         if law == Law::AmontonsCoulomb { self.mu } else { self.lateral_mu }
     }
 }
 
-/// One sample: all that is uncertain in one CEA.
+/// One sample: all uncertain parameters of one complex eigenvalue analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatticeSample {
-    /// One draw shared by all oscillators, or one for each.
+    /// One draw for all oscillators, or one draw for each.
     contacts: Vec<FrictionDraw>,
-    /// Where in a speed range the speed lies, uniform in 0..1.
+    /// The probability at which the speed is the quantile of a speed range, uniform in 0..1.
     pub speed_quantile: f64,
 }
 
@@ -112,7 +112,7 @@ impl LatticeSample {
     /// Draws a sample of `case`.
     ///
     /// # Errors
-    /// A distribution that cannot reach its bound.
+    /// Those of [`Distribution::draw`](montecarlo::Distribution::draw).
     pub fn draw(case: &LatticeCase, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
         let speed_quantile = StandardUniform.sample(rng);
         let count = match case.readings.draws {
@@ -128,12 +128,12 @@ impl LatticeSample {
         Self { contacts: vec![FrictionDraw::median(&case.friction)], speed_quantile: 0.5 }
     }
 
-    /// A sample with the same given draw in every contact.
+    /// A sample with the given draw in every contact.
     pub fn shared(draw: FrictionDraw, speed_quantile: f64) -> Self {
         Self { contacts: vec![draw], speed_quantile }
     }
 
-    /// The draw that all oscillators share, if they do.
+    /// The draw of all oscillators; `None` where each has its own.
     pub fn shared_draw(&self) -> Option<&FrictionDraw> {
         if let [draw] = &self.contacts[..] { Some(draw) } else { None }
     }

@@ -1,4 +1,4 @@
-//! The lattice of a case with the friction laws and distributions of that case.
+//! The lattice of a case with its friction laws and distributions.
 
 mod draw;
 mod sobol;
@@ -8,40 +8,41 @@ pub use draw::{FrictionDraw, LatticeSample};
 use linsys::OperatingPoint;
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    ContactArrangement, ContactPoint, Lateral, LatticeModel, Member, Preload, PreparedLattice, Reversal, Sliding,
-    SymmetryClass,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Member, Preload, PreparedLattice,
+    Reversal, Sliding, SymmetryClass,
 };
 
 use crate::Error;
 use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
-    UncertainBrake,
+    Configuration, Cost, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    StudySource, UncertainBrake,
 };
 
-/// Speed at which laws without any speed in them are evaluated, m/s; it does not matter.
+/// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
 
-/// A case's lattice in all its configurations.
+/// The lattice of a case in all its configurations.
 #[derive(Debug)]
 pub struct LatticeBrake {
     /// The case.
     pub case: LatticeCase,
-    /// Its scenes.
+    /// The scenes of the case.
     pub plan: Plan,
-    /// One per configuration of the plan.
+    /// The lattice of each configuration of the plan.
     lattices: Vec<PreparedLattice>,
 }
 
 impl LatticeBrake {
     /// Lays out the scenes of a case.
     ///
-    /// Where the draws keep the symmetry, arrangements of one symmetry class share a scene, solved by sectors; a law
-    /// without speed in it has one scene for all speed ranges.
+    /// Where the draws keep the symmetry, arrangements of one symmetry class share a scene, which is solved by sectors. A law
+    /// that does not depend on speed has one scene for all speed ranges.
     ///
     /// # Errors
-    /// What the model refuses; [`Error::Median`] where median parameters have no operating point.
+    /// What the model refuses; [`Error::Median`] where median parameters have no operating point; [`Error::TooLarge`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
+        least_cost(&case).check(&case.path.display().to_string())?;
         let plan = Plan {
             source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
             name: case.name.clone(),
@@ -49,6 +50,7 @@ impl LatticeBrake {
             samples: case.samples,
             seed: case.seed,
             mode_labels: case.readings.labels,
+            mode_identity: case.readings.identity,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -112,7 +114,7 @@ impl LatticeBrake {
     /// The sliding state of `sample` in `scene`.
     ///
     /// # Errors
-    /// A draw that a law refuses; no static equilibrium.
+    /// Those of the law; no static equilibrium.
     pub fn sliding(&self, scene: &Scene, sample: &LatticeSample) -> Result<Sliding, Error> {
         sliding(&self.case, self.lattice(scene), self.law(scene.key), self.speed(scene.key, sample), sample)
     }
@@ -142,11 +144,13 @@ impl UncertainBrake for LatticeBrake {
         is_shared.then(|| sobol::sample(&self.case, self.law(scene.key), uniform))
     }
 
-    /// Shared Coulomb friction whose load no sample can lose is a function of mu alone.
+    /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by
+    /// continuation in mu.
     fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
         let readings = &self.case.readings;
         let is_single = self.law(scene.key) == Law::AmontonsCoulomb
             && readings.draws == Draws::Shared
+            && readings.identity == ModeIdentity::Continuation
             && readings.lateral != Lateral::Vector
             && !matches!(readings.preload, Preload::Equilibrium(_));
         is_single.then_some(&self.case.friction.mu)
@@ -158,10 +162,10 @@ impl UncertainBrake for LatticeBrake {
     }
 }
 
-/// A law at a speed in each contact of a lattice.
+/// The sliding state of a sample: the tangent of a law at a speed, and the normal load, in each contact of a lattice.
 ///
 /// # Errors
-/// A draw that the law refuses; no static equilibrium.
+/// Those of the law; no static equilibrium.
 pub fn sliding(
     case: &LatticeCase,
     lattice: &PreparedLattice,
@@ -185,10 +189,10 @@ pub fn sliding(
     Ok(Sliding { speed, contacts })
 }
 
-/// The lattice of one constraint set of a case in an arrangement, for any sliding states.
+/// The lattice of one constraint set of a case in an arrangement, not split into sectors.
 ///
 /// # Errors
-/// What the model refuses.
+/// Those of the model.
 pub fn lattice(
     case: &LatticeCase,
     constraints: usize,
@@ -198,7 +202,7 @@ pub fn lattice(
     Ok(LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?.prepare(arrangement)?)
 }
 
-/// A lattice with the sectors that its samples, and its modes at median parameters, are solved in.
+/// A lattice, split into sectors where the draws keep the symmetry.
 fn prepared(
     case: &LatticeCase,
     model: &LatticeModel,
@@ -211,12 +215,25 @@ fn prepared(
     Ok(lattice)
 }
 
-/// Median Amontons-Coulomb friction: where the modes of a lattice get their names.
+/// The operating point at which the modes of a lattice are named: Amontons-Coulomb friction at median parameters.
 fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<OperatingPoint, Error> {
     let (speed, median) = (case.speeds[0].quantile(0.5), LatticeSample::median(case));
     let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
     let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
     point.map_err(|source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) })
+}
+
+/// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
+/// most.
+fn least_cost(case: &LatticeCase) -> Cost {
+    let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
+    let of_class = match case.readings.draws {
+        Draws::Shared => Reversal::ALL.len(),
+        Draws::Each => 1,
+    };
+    let configurations = case.constraints.len() * arrangements.div_ceil(of_class);
+    let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
+    Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
 }
 
 fn classes(
@@ -236,7 +253,7 @@ fn classes(
 }
 
 fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
-    // Amontons-Coulomb friction has no speed in it, unless friction across the sliding is a dashpot mu N0 / v.
+    // Amontons-Coulomb friction does not depend on speed, unless friction across the sliding is a dashpot mu N0 / v.
     if law == Law::AmontonsCoulomb && case.readings.lateral != Lateral::Vector {
         vec![None]
     } else {
@@ -266,5 +283,12 @@ fn labels(case: &LatticeCase) -> SceneLabels {
             })
             .collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
+        dofs: dof_names(case.lattice.grid.oscillators()),
     }
+}
+
+/// `x1` to `zp`.
+fn dof_names(oscillators: usize) -> Vec<String> {
+    let bodies = (0..oscillators).map(LatticeBody::Oscillator).chain([LatticeBody::Plate]);
+    bodies.flat_map(|body| Axis::ALL.map(|axis| Dof { axis, body }.to_string())).collect()
 }

@@ -3,7 +3,8 @@
 use super::{FrictionDraw, LatticeSample};
 use crate::case::{LatticeCase, Law};
 
-/// The sample at a point of the unit cube; the parameters that matter most take the first, best distributed dimensions.
+/// The sample at a point of the unit cube. The most influential parameters have the first dimensions, in which a Sobol sequence is
+/// distributed best.
 pub(super) fn sample(case: &LatticeCase, law: Law, uniform: &dyn Fn(u32) -> f64) -> LatticeSample {
     let from = &case.friction;
     let mut draw: FrictionDraw = *LatticeSample::median(case).contact(0);

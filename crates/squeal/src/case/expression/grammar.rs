@@ -1,37 +1,34 @@
-//! What an expression may look like, checked before `exmex` reads it, and the form in which `exmex` gets it.
+//! The check of an expression before `exmex` parses it, and its translation to the form that `exmex` gets.
 //!
-//! The check is one pass with a list of the open parentheses and no recursion, so that no text overflows the stack. What
-//! passes is handed on in a form that leaves `exmex` no choice:
+//! The check is one pass with a list of the open parentheses and no recursion, so that no text overflows the stack. An
+//! expression that passes is translated to a form that `exmex` reads in one way only:
 //!
-//! - names of parameters stand in braces, so that a parameter may be called `e` or `E`, which are constants there;
-//! - numbers are written out without exponents, which `exmex` does not read;
+//! - names of parameters are put in braces, so that a parameter may be called `e` or `E`, which are constants in `exmex`;
+//! - numbers are written without exponents, which `exmex` does not read;
 //! - a leading minus becomes `0 -`, because `exmex` reads `-w^2` as `(-w)^2`, and a negative number gets parentheses.
 
 use super::ExpressionError;
 
-/// Longest expression, in characters: several times what a coefficient needs, and little enough that reading and
-/// evaluating it take milliseconds.
+/// Most characters of an expression; chosen: several times the length of a usual coefficient, and short enough that parsing
+/// and evaluating take milliseconds.
 pub(super) const LONGEST_EXPRESSION: usize = 1000;
-
-/// Most parentheses open at one place; `exmex` recurses once for each.
+/// Most parentheses open at one place; chosen, because `exmex` recurses once for each.
 pub(super) const DEEPEST_NESTING: usize = 32;
-
-/// What can stand where an operand is expected.
+/// What is allowed where an operand is expected.
 const OPERAND: &str = "a number, a parameter, a function or \"(\"";
-
-/// What can follow an operand.
+/// What is allowed after an operand.
 const AFTER_OPERAND: &str = "+ - * / ^ or \")\"";
 
-/// What stands between an opening parenthesis, or the start, and here.
+/// The state of the pass since an opening parenthesis or the start of the text.
 #[derive(Default)]
 pub(super) struct Level {
     /// Column of the parenthesis.
     column: usize,
-    /// Whether anything stands here yet.
+    /// Whether any operand or sign has been read.
     pub(super) begun: bool,
-    /// Whether the last operator was `^`: a second one would read one way here and another elsewhere.
+    /// Whether the last operator was `^`; a second one would have two readings.
     power: bool,
-    /// Whether the operand just read is a number with its own minus: `2*-3^2` would have two readings.
+    /// Whether the last operand is a number with a minus sign; a power of it, as in `2*-3^2`, would have two readings.
     negative: bool,
 }
 
@@ -44,7 +41,7 @@ pub(super) struct Pass<'a> {
     pub(super) out: String,
 }
 
-/// The expression as `exmex` is to read it.
+/// The expression in the form that `exmex` gets.
 ///
 /// # Errors
 /// The first thing in it that is not allowed, with its column.
@@ -69,9 +66,9 @@ pub(super) fn checked(text: &str, parameters: &[String]) -> Result<String, Expre
     Ok(pass.out)
 }
 
-/// The text for a message: its start where it is long.
+/// The text for a message, shortened where it is long.
 pub(super) fn shown(text: &str) -> String {
-    /// Characters of an expression that a message shows.
+    /// Most characters of an expression in a message; chosen.
     const LONGEST_SHOWN: usize = 80;
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     let start: String = text.chars().take(LONGEST_SHOWN).map(clean).collect();
@@ -83,9 +80,9 @@ pub(super) fn starts_name(c: char) -> bool {
     c.is_ascii_alphabetic() || c == '_'
 }
 
-/// What is not allowed, and where.
+/// A fault of an expression.
 pub(super) struct Fault {
-    /// From 1, in characters.
+    /// Column, from 1, in characters.
     pub(super) column: usize,
     pub(super) found: String,
     pub(super) allowed: String,
@@ -101,7 +98,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Reads up to and with the next number or name, with all parentheses and functions that open before it.
+    /// Reads the next number or name, with all parentheses and functions that open before it.
     fn operand(&mut self) -> Result<(), Fault> {
         loop {
             let c = self.next_character(OPERAND)?;
@@ -125,7 +122,7 @@ impl Pass<'_> {
         }
     }
 
-    /// A minus where an operand is expected; whether it belongs to a number, which is then read.
+    /// Reads a minus where an operand is expected, and the number after it where it is the sign of one; returns whether it is.
     fn minus(&mut self) -> Result<bool, Fault> {
         let column = self.at + 1;
         self.at += 1;
@@ -150,7 +147,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Closing parentheses and the next operator; `false` at the end.
+    /// Reads closing parentheses and the next operator; `false` at the end of the text.
     fn operator(&mut self) -> Result<bool, Fault> {
         loop {
             self.skip_spaces();
@@ -191,7 +188,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Refuses the powers that have two readings.
+    /// A fault for a power with two readings.
     fn check_power(&mut self, operator: char) -> Result<(), Fault> {
         let column = self.at + 1;
         let level = self.level();
@@ -203,7 +200,7 @@ impl Pass<'_> {
         Err(Fault { column, found: "a power with two readings".into(), allowed: allowed.into() })
     }
 
-    /// An opening parenthesis.
+    /// Reads an opening parenthesis.
     pub(super) fn open(&mut self) -> Result<(), Fault> {
         if self.levels.len() > DEEPEST_NESTING {
             return Err(Fault {
@@ -242,7 +239,7 @@ impl Pass<'_> {
         }
     }
 
-    /// The innermost level; there is always the outermost one.
+    /// The innermost level; the outermost one always exists.
     pub(super) fn level(&mut self) -> &mut Level {
         if self.levels.is_empty() {
             self.levels.push(Level::default());

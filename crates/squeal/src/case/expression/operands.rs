@@ -1,9 +1,9 @@
 //! Numbers, names of parameters, constants and functions in an expression.
 
-use super::dual::FUNCTIONS;
 use super::grammar::{Fault, Pass, shown, starts_name};
+use super::operators::FUNCTIONS;
 
-/// Whether a name can be that of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
+/// Whether a name can be the name of a parameter: a letter or `_`, then letters, digits and `_`, all ASCII, and neither a
 /// function nor a constant.
 pub fn is_parameter_name(name: &str) -> bool {
     let mut characters = name.chars();
@@ -26,7 +26,7 @@ fn constant(name: &str) -> Option<f64> {
 }
 
 impl Pass<'_> {
-    /// Digits with at most one point and an exponent, not followed by a letter.
+    /// Reads a number: digits with at most one point and an exponent, not followed by a letter.
     pub(super) fn number(&mut self) -> Result<f64, Fault> {
         self.level().begun = true;
         let start = self.at;
@@ -59,7 +59,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Goes past digits; whether there were any.
+    /// Skips digits; returns whether there were any.
     fn skip_digits(&mut self) -> bool {
         let from = self.at;
         while self.characters.get(self.at).is_some_and(char::is_ascii_digit) {
@@ -68,7 +68,7 @@ impl Pass<'_> {
         self.at > from
     }
 
-    /// A parameter or constant (`true`), or a function with its parenthesis (`false`).
+    /// Reads a parameter or constant (`true`), or a function with its opening parenthesis (`false`).
     pub(super) fn name(&mut self) -> Result<bool, Fault> {
         self.level().begun = true;
         let start = self.at;
@@ -103,7 +103,7 @@ impl Pass<'_> {
     }
 
     fn known_parameters(&self) -> String {
-        /// Most parameters that a message lists; chosen to keep it in a few lines.
+        /// Most parameters that a message lists; chosen, so that the message stays short.
         const MOST_PARAMETERS_LISTED: usize = 12;
         match self.parameters {
             [] => "no parameter is declared".into(),

@@ -8,10 +8,10 @@ use crate::case::CaseError;
 use crate::case::check::Check;
 
 impl MatricesCase {
-    /// The brake with the degrees of freedom of a set held: their rows and columns are left out.
+    /// The brake with a set of constraints, whose rows and columns are left out.
     ///
     /// # Errors
-    /// A set that is not of this case and names what is not there.
+    /// A set of another case, with degrees of freedom that do not exist here.
     pub fn brake(&self, constraints: &FixedDofs) -> Result<Brake, CaseError> {
         let check = Check { path: &self.path };
         let refused = check.system(&format!("constraints {:?}", constraints.name));
@@ -24,7 +24,7 @@ impl MatricesCase {
     }
 }
 
-/// A system over the free degrees of freedom alone. Channels stay, with what is left of their forces and readings.
+/// The system over the free degrees of freedom. Channels keep the entries of their forces and readings at these.
 fn reduced(system: &AffineSystem, dofs: &DofMap) -> Result<AffineSystem, LinsysError> {
     let term = |term: &Term| {
         let SecondOrder { m, c, k, .. } = term.matrices();

@@ -1,4 +1,4 @@
-//! Friction channels.
+//! The friction channels of a case.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::{GainExpressions, LagExpressions, schema};
 use crate::case::CaseError;
 use crate::case::check::{Check, field};
 
-/// The family of a contact that names none.
+/// The family of a contact without a `family`.
 const FAMILY_OF_FRICTION: &str = "friction";
 
 /// The channels with the expressions of their gains.

@@ -4,7 +4,7 @@ use super::schema::Dofs;
 use crate::case::CaseError;
 use crate::case::check::Check;
 
-/// Most names that a message lists; chosen to keep it in a few lines.
+/// Most names that a message lists; chosen, so that the message stays short.
 const MOST_NAMES_LISTED: usize = 12;
 
 /// The names of all degrees of freedom, in the order of rows and columns.
@@ -34,17 +34,17 @@ impl<'a> DofNames<'a> {
         self.names
     }
 
-    /// How many there are.
+    /// Number of degrees of freedom.
     pub fn order(&self) -> usize {
         self.names.len()
     }
 
-    /// The name of one.
+    /// The name of a degree of freedom.
     pub fn name(&self, dof: usize) -> &str {
         self.names.get(dof).map_or("", String::as_str)
     }
 
-    /// The index of a name.
+    /// The index of the degree of freedom with a name.
     pub fn index(&self, field: &str, name: &str) -> Result<usize, CaseError> {
         self.position(name).ok_or_else(|| self.unknown(field, name, ""))
     }

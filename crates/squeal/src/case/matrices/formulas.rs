@@ -1,11 +1,11 @@
-//! Expressions of a case file.
+//! The expressions of a case file, and the parameters that occur in them.
 
 use super::Parameter;
 use super::schema::Formula;
 use crate::case::check::Check;
 use crate::case::{CaseError, Expression};
 
-/// Reads expressions and notes which parameters stand in them.
+/// Reads expressions and records the parameters that occur in them.
 pub(super) struct Formulas<'a> {
     check: &'a Check<'a>,
     parameters: Vec<String>,
@@ -36,7 +36,7 @@ impl<'a> Formulas<'a> {
         Ok(expression)
     }
 
-    /// Refuses parameters that stand in no expression: a misspelt coefficient would else go unseen.
+    /// An error for a parameter that occurs in no expression, because its name may be misspelt there.
     pub fn all_used(&self) -> Result<(), CaseError> {
         match self.parameters.iter().zip(&self.used).find(|(_, used)| !**used) {
             None => Ok(()),

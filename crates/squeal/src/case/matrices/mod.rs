@@ -17,22 +17,22 @@ use montecarlo::{Distribution, MonteCarloError, StreamRng};
 use super::check::{Check, field};
 use super::{CaseError, Expression};
 
-/// A study of a brake given by its matrices, checked.
+/// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
 pub struct MatricesCase {
-    /// Where it was read from.
+    /// The case file.
     pub path: PathBuf,
-    /// The text that it was read from.
+    /// The text of the case file.
     pub text: String,
-    /// What it calls itself.
+    /// Name of the study.
     pub name: String,
     /// Samples per scene, >= 1.
     pub samples: u64,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Half width to which every occurrence is estimated as well, if asked for.
+    /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
-    /// What is drawn, in the order of the names; every one is used.
+    /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
     /// Names of the degrees of freedom, in the order of rows and columns.
     pub dofs: Vec<String>,
@@ -40,7 +40,7 @@ pub struct MatricesCase {
     pub system: AffineSystem,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
-    /// What friction is at each contact, in the order of the channels.
+    /// The gain of each channel.
     pub gains: Vec<GainExpressions>,
     /// Groups of degrees of freedom; each degree of freedom is in one.
     pub bodies: Vec<BodyDofs>,
@@ -51,15 +51,15 @@ pub struct MatricesCase {
 /// A drawn parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name in expressions.
+    /// Name in expressions.
     pub name: String,
-    /// Its unit, for people.
+    /// Unit, for information only.
     pub unit: String,
-    /// How it is drawn.
+    /// Distribution from which the parameter is drawn.
     pub distribution: Distribution,
 }
 
-/// What friction is at one contact.
+/// The gain of one friction channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GainExpressions {
     /// The coefficient of friction.
@@ -85,18 +85,18 @@ pub struct LagExpressions {
 /// A body as a group of degrees of freedom.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BodyDofs {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// Its degrees of freedom, from 0.
+    /// Indices of the degrees of freedom, from 0.
     pub dofs: Vec<usize>,
 }
 
-/// Degrees of freedom held together.
+/// A set of constraints.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FixedDofs {
-    /// The name of the set.
+    /// Name of the set.
     pub name: String,
-    /// What is held, from 0.
+    /// Indices of the constrained degrees of freedom, from 0.
     pub fixed: Vec<usize>,
 }
 
@@ -151,8 +151,8 @@ impl MatricesCase {
         })
     }
 
-    /// What tells this study from others, whatever its seed and number of samples: its name and a hash of all that is
-    /// computed from, matrices in other files included.
+    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on,
+    /// including matrices in other files.
     pub fn identity(&self) -> String {
         let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
         let content =

@@ -1,4 +1,4 @@
-//! From the fields of a file to a brake given by matrices: every value checked, every list complete.
+//! From the fields of a case file with matrices to a checked case.
 
 use std::path::Path;
 
@@ -14,14 +14,15 @@ use crate::case::check::{Check, field, syntax};
 use crate::case::{CaseError, is_parameter_name};
 
 impl MatricesCase {
-    /// Checks the text of a case file; `path` is for messages and says where files with matrices are looked for.
+    /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
     ///
     /// # Errors
-    /// The first thing that is wrong, in one line that names the file, the field, the value and what is allowed.
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
         let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
@@ -47,7 +48,7 @@ impl MatricesCase {
             dofs: dofs.into_names(),
             parameters,
         };
-        // What has no value even at the medians is found before a study starts.
+        // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;
         Ok(case)
     }
@@ -59,6 +60,7 @@ fn parameter(check: &Check<'_>, name: String, given: schema::ParameterTable) -> 
         return Err(check.value("parameters", format!("{name:?}"), allowed));
     }
     let schema::ParameterTable { unit, distribution } = given;
+    check.line(&format!("parameters.{name}.unit"), &unit)?;
     distribution
         .check()
         .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;

@@ -1,5 +1,4 @@
-//! The fields of a case file with a brake given by matrices, as they stand in it. docs/case-files.md is their description
-//! for people.
+//! The fields of a case file with a brake given by matrices. docs/case-files.md describes them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,6 +7,7 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MatricesFile {
@@ -47,7 +47,7 @@ pub(super) enum MatricesKind {
     Matrices,
 }
 
-/// A unit for people and a distribution, whose own fields are in the same table.
+/// A unit, and a distribution whose fields are in the same table.
 #[derive(Debug, Deserialize)]
 pub(super) struct ParameterTable {
     #[serde(default)]
@@ -119,7 +119,7 @@ pub(super) struct ConstraintsTable {
     pub fixed: Dofs,
 }
 
-/// Names of degrees of freedom and ranges of them.
+/// Names of degrees of freedom, and ranges of names.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected names of degrees of freedom, as [\"x\", \"1-40\"], or one of them in quotes")]
 pub(super) enum Dofs {

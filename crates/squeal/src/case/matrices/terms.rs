@@ -9,8 +9,9 @@ use super::formulas::Formulas;
 use super::schema;
 use crate::case::check::{Check, field};
 use crate::case::{CaseError, Expression};
+use crate::input::{LARGEST_MATRIX, read};
 
-/// The terms with their coefficients; all of one order, at least one of them with a mass.
+/// The terms with their coefficients. All terms must have the same order, and at least one a mass.
 pub(super) fn terms_with_coefficients(
     check: &Check<'_>,
     formulas: &mut Formulas<'_>,
@@ -44,7 +45,7 @@ pub(super) fn terms_with_coefficients(
     }
 }
 
-/// A square matrix of the order of those before it.
+/// Reads a square matrix of the same order as the matrices before it.
 fn load(
     check: &Check<'_>,
     field: &str,
@@ -55,7 +56,7 @@ fn load(
         schema::MatrixEntry::Rows(rows) => from_rows(check, field, &rows)?,
         schema::MatrixEntry::File(file) => {
             let (path, named) = (check.path.to_owned(), field.to_owned());
-            match std::fs::read(check.path.parent().unwrap_or(Path::new("")).join(&file)) {
+            match read(&check.path.parent().unwrap_or(Path::new("")).join(&file), LARGEST_MATRIX) {
                 Err(source) => return Err(CaseError::MatrixRead { path, field: named, file, source }),
                 Ok(bytes) => linsys::read_market(&bytes).map_err(|source| CaseError::Matrix {
                     path,

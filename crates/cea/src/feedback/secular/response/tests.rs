@@ -1,4 +1,4 @@
-//! Against determinants of the whole system, and between instruction sets.
+//! The characteristic polynomial against determinants of the whole system, and between instruction sets.
 
 use pulp::Scalar;
 
@@ -6,7 +6,7 @@ use super::super::tests::{GAIN, chain, error, feedback, noise, point, resolvent,
 use super::*;
 use crate::Gain;
 
-/// Points about the eigenvalues of a structure, with gains of all kinds.
+/// Points near the eigenvalues of a structure, with and without each kind of gain.
 fn points() -> Vec<Point> {
     let of_row = |(i, row): (usize, nalgebra::DVector<f64>)| {
         let gain = Gain { mu: row[2], slope: 0.02 * row[3], lag: 0.0, decay: 0.0 };
@@ -27,7 +27,7 @@ fn bits(values: &[Complex<f64>]) -> Vec<[u64; 2]> {
 
 fn values(resolvent: &Resolvent, points: &[Point]) -> Vec<Complex<f64>> {
     let mut out = vec![Complex::from(f64::NAN); 3];
-    characteristic(resolvent, points, &mut Vec::new(), &mut out);
+    characteristic(resolvent, points, &mut Workspace::default(), &mut out);
     out
 }
 
@@ -64,7 +64,7 @@ fn the_polynomial_is_the_determinant_of_the_whole_system() {
 
 #[test]
 fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not() {
-    // With two ports and more the determinant of what a pole makes large cancels.
+    // With two or more ports, large terms next to a pole cancel in the determinant.
     for ports in [1, 2, 3] {
         let (structure, feedback) = (chain(4, 1), feedback(4, ports, 1));
         let resolvent = resolvent(&structure, &feedback).unwrap();
@@ -78,7 +78,7 @@ fn next_to_an_eigenvalue_of_the_structure_digits_are_lost_and_the_value_is_not()
                 let found = values(&resolvent, &[point(&gain, sigma)])[0];
                 let expected = whole.dynamic_stiffness(sigma * resolvent.unit).determinant() / size;
                 let error = (found - expected).norm() / expected.norm();
-                // Nearer than that a point counts as as far away.
+                // A point nearer than that is evaluated at that distance.
                 let nearest = AT_POLE.sqrt();
                 let moved = if distance < nearest { 1e3 * nearest } else { 0.0 };
                 let lost = if ports > 1 { 5e-17 / distance.max(nearest) } else { 0.0 };
@@ -130,7 +130,7 @@ fn instruction_sets_with_fused_multiply_add_agree_to_the_bit_and_the_others_near
 
 #[test]
 fn next_to_a_pole_values_err_by_less_than_the_reserve() {
-    // The strength of the feedback, and how near it goes: the stronger the coupling, the more cancels.
+    // The strength of the feedback and the distance from the pole: the stronger the coupling, the more cancels.
     for (strength, distances) in
         [(0.1, [1e-11, 1e-12, 1e-14, 0.0]), (1.0, [1e-11, 1e-12, 1e-14, 0.0]), (10.0, [1e-11, 1e-12, 1e-14, 0.0])]
     {

@@ -1,0 +1,273 @@
+//! A group of eigenvalues, and a disc that holds as many of every problem that rounds to the given matrices.
+//!
+//! X and Y are unit vectors of the q smallest singular values of Q(mu). The bordered matrix is regular where Q is not,
+//!
+//! ```text
+//! [ Q(mu + d)  Y ]^-1    [ E(d)   W(d) ]
+//! [   X^H      0 ]     = [ V(d)   S(d) ],       det Q(mu + d) = 0  just where  det S(d) = 0,
+//! ```
+//!
+//! and S is an analytic function of q x q, whatever the Jordan structure of the group (a Grushin problem; Sjöstrand and
+//! Zworski, Ann. Inst. Fourier 57, 2007). With `Q(mu + d) = Q(mu) + d Q' + d^2 M` its Taylor series follows from that of W,
+//!
+//! ```text
+//! W_k = -E (Q' W_{k-1} + M W_{k-2}),     S_k = -V (Q' W_{k-1} + M W_{k-2}),
+//! ```
+//!
+//! one solve for each term, and the norms of E Q' and E M bound the terms that are left out. A perturbation P of Q changes
+//! S by `V P (I + E P)^-1 W`. Where on a circle one term of det S outweighs the others and both of these, no eigenvalue of
+//! any perturbed problem is on the circle, and as many are inside as the number of that term says (Rouché; for a scalar S
+//! Pellet's theorem). docs/error-bounds.md, section 7.
+
+use std::f64::consts::TAU;
+
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use super::measure::{FIRST_ORDER_SAFETY, UNIT_ROUNDOFF};
+use super::scaled::Scaled;
+use super::vectors::{Factor, LEAST_PIVOT, Lu, NORM_ESTIMATES, Vector, frobenius_norm};
+
+/// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
+const TERMS_BEYOND: usize = 4;
+/// Ratio of the radii that are tried.
+const RADIUS_STEP: f64 = 1.25;
+/// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product.
+const LARGEST_CHAINED: usize = 12;
+
+/// A disc of the scaled plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Disc {
+    pub(super) centre: Complex<f64>,
+    pub(super) radius: f64,
+}
+
+/// The series of S around the mean of a group, and what bounds the rest.
+pub(super) struct Expansion<'a> {
+    problem: &'a Scaled,
+    centre: Complex<f64>,
+    /// Eigenvalues of the group.
+    count: usize,
+    /// Orthonormal right and left vectors, q each.
+    pub(super) right: Vec<Vector>,
+    pub(super) left: Vec<Vector>,
+    bordered: Bordered,
+    /// S_0, S_1, ..., S_K.
+    series: Vec<DMatrix<Complex<f64>>>,
+    /// |W_0|, ..., |W_K|.
+    sizes: Vec<f64>,
+    /// Norms of V Q', V M and V.
+    outer: [f64; 3],
+    /// What the solve for S_0 left of its equation.
+    residual: f64,
+}
+
+impl<'a> Expansion<'a> {
+    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow or too many of them have chains.
+    pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
+        let n = problem.order();
+        let factor = Factor::for_several(problem, centre);
+        let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
+        let size = problem.norms.size(centre.norm());
+        let singular: Vec<f64> = right.iter().map(|x| factor.residual(x).norm()).collect();
+        let jump = |q: usize| singular.get(q).unwrap_or(&size) / singular[q - 1].max(UNIT_ROUNDOFF * size);
+        let corank = (1..=count.min(n)).max_by(|&a, &b| jump(a).total_cmp(&jump(b)))?;
+        if corank < count && count > LARGEST_CHAINED {
+            return None;
+        }
+        right.truncate(corank);
+        left.truncate(corank);
+        let bordered = Bordered::new(problem, centre, &right, &left);
+        let (mut terms, mut series) = bordered.unit_columns();
+        let residual = bordered.residual(problem, centre, &terms, &series, &left);
+        let mut sizes = vec![norm(&terms)];
+        let mut series_of = vec![columns(&mut series)];
+        let mut before = vec![Vector::zeros(n); corank];
+        for _ in 0..if corank == count { 2 } else { count + TERMS_BEYOND } {
+            let image = |(w, v): (&Vector, &Vector)| -(problem.derivative_times(centre, w) + problem.mass_times(v));
+            let images: Vec<_> = terms.iter().zip(&before).map(image).collect();
+            before = terms;
+            (terms, series) = images.into_iter().map(|b| bordered.solve(b)).unzip();
+            sizes.push(norm(&terms));
+            series_of.push(columns(&mut series));
+        }
+        let rows = bordered.unit_rows();
+        let outer = [
+            norm(&rows.iter().map(|v| problem.derivative_adjoint_times(centre, v)).collect::<Vec<_>>()),
+            norm(&rows.iter().map(|v| problem.mass_adjoint_times(v)).collect::<Vec<_>>()),
+            norm(&rows),
+        ];
+        Some(Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual })
+    }
+
+    /// Whether there are as many vectors as eigenvalues.
+    pub(super) fn is_semisimple(&self) -> bool {
+        self.right.len() == self.count
+    }
+
+    /// The smallest disc found with a radius between `least` and `most` that holds `count` eigenvalues of every problem within
+    /// rounding of this one.
+    pub(super) fn disc(&self, least: f64, most: f64) -> Option<Disc> {
+        // A larger disc says nothing.
+        let most = most.min(self.centre.norm().max(1.0));
+        // Without a solve where no norms would do.
+        self.disc_by([0.0; 3], least, most)?;
+        NORM_ESTIMATES.iter().find_map(|&estimate| self.disc_by(self.inner_norms(estimate), least, most))
+    }
+
+    /// Norms of E Q', E M and E.
+    fn inner_norms(&self, estimate: (usize, f64)) -> [f64; 3] {
+        let norm = |of: &dyn Fn(Vector) -> Vector| {
+            frobenius_norm(self.problem.order(), estimate, |g| self.bordered.solve(of(g)).0)
+        };
+        let slope = |g: Vector| self.problem.derivative_times(self.centre, &g);
+        [norm(&slope), norm(&|g| self.problem.mass_times(&g)), norm(&|g| g)]
+    }
+
+    fn disc_by(&self, inner: [f64; 3], least: f64, most: f64) -> Option<Disc> {
+        let mut radius = least.max(UNIT_ROUNDOFF * self.centre.norm().max(UNIT_ROUNDOFF));
+        while radius <= most {
+            // Beyond this the series is not known to converge.
+            let contraction = (inner[0] + inner[1] * radius) * radius;
+            if contraction > 0.5 {
+                return None;
+            }
+            if let Some(error) = self.error(radius, contraction, inner[2])
+                && if self.is_semisimple() {
+                    self.first_order_wins(radius, error)
+                } else {
+                    self.power_wins(radius, error)
+                }
+            {
+                return Some(Disc { centre: self.centre, radius });
+            }
+            radius *= RADIUS_STEP;
+        }
+        None
+    }
+
+    /// By how much S of a perturbed problem may differ from the polynomial on the circle; none where E P may reach 1.
+    fn error(&self, radius: f64, contraction: f64, e: f64) -> Option<f64> {
+        let [v_slope, v_mass, v] = self.outer;
+        let last = self.sizes.len() - 1;
+        let term = |k: usize| self.sizes[k] * radius.powi(k as i32);
+        let (w_last, w_before) = (term(last), term(last - 1));
+        // |W_k| r^k <= contraction x the larger of the two before it.
+        let rest = 2.0 * contraction / (1.0 - contraction) * w_last.max(w_before);
+        let (slope, mass) = (v_slope * radius, v_mass * radius * radius);
+        let omitted = slope * (w_last + rest) + mass * (w_before + w_last + rest);
+        let w: f64 = (0..=last).map(term).sum::<f64>() + rest;
+        let e = e / (1.0 - contraction);
+        let v = v + (slope + mass) * e;
+        let size = self.problem.norms.size(self.centre.norm() + radius);
+        let noise = FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * size + self.residual;
+        (e * noise < 0.5).then(|| omitted + v * w * noise / (1.0 - e * noise))
+    }
+
+    /// `|S_1^-1 (S - d S_1)| < r`: as many zeros as d^q has.
+    fn first_order_wins(&self, radius: f64, error: f64) -> bool {
+        let Some(inverse) = self.series[1].clone().try_inverse() else { return false };
+        let others = self.series.iter().enumerate().filter(|(k, _)| *k != 1);
+        let others: f64 = others.map(|(k, s)| (&inverse * s).norm() * radius.powi(k as i32)).sum();
+        others + inverse.norm() * error < radius
+    }
+
+    /// The coefficient of d^count in det S outweighs the others.
+    fn power_wins(&self, radius: f64, error: f64) -> bool {
+        let q = self.right.len();
+        let terms: Vec<_> =
+            self.series.iter().enumerate().map(|(k, s)| s * Complex::from(radius.powi(k as i32))).collect();
+        // Points enough for every coefficient of the determinant.
+        let points = (terms.len() - 1) * q + 1;
+        let turn = |k: usize| Complex::from_polar(1.0, TAU * (k % points) as f64 / points as f64);
+        let value = |p: usize| {
+            let sum = terms.iter().enumerate().fold(DMatrix::zeros(q, q), |sum, (k, s)| sum + s * turn(k * p));
+            sum.determinant()
+        };
+        let values: Vec<_> = (0..points).map(value).collect();
+        let coefficient = |k: usize| {
+            let sum: Complex<f64> = values.iter().enumerate().map(|(p, f)| f * turn(points - (k * p) % points)).sum();
+            sum.norm() / points as f64
+        };
+        let all: f64 = (0..points).map(coefficient).sum();
+        let size: f64 = terms.iter().map(|s| s.norm()).sum();
+        let changed = (size + error).powi(q as i32) - size.powi(q as i32);
+        2.0 * coefficient(self.count) > all + changed
+    }
+}
+
+fn norm(vectors: &[Vector]) -> f64 {
+    vectors.iter().map(|v| v.norm_squared()).sum::<f64>().sqrt()
+}
+
+fn columns(vectors: &mut [Vector]) -> DMatrix<Complex<f64>> {
+    DMatrix::from_columns(vectors)
+}
+
+/// `[Q, w Y; w X^H, 0]`, factored; w is of the size of Q.
+struct Bordered {
+    lu: Lu,
+    weight: f64,
+    order: usize,
+    corank: usize,
+}
+
+impl Bordered {
+    fn new(s: &Scaled, centre: Complex<f64>, right: &[Vector], left: &[Vector]) -> Self {
+        let (order, corank, weight) = (s.order(), right.len(), s.norms.size(centre.norm()));
+        let mut matrix = DMatrix::zeros(order + corank, order + corank);
+        matrix.view_mut((0, 0), (order, order)).copy_from(&s.polynomial(centre));
+        for (k, (x, y)) in right.iter().zip(left).enumerate() {
+            matrix.view_mut((0, order + k), (order, 1)).copy_from(&y.scale(weight));
+            matrix.view_mut((order + k, 0), (1, order)).copy_from(&x.adjoint().scale(weight));
+        }
+        Self { lu: Lu::new(&matrix, LEAST_PIVOT), weight, order, corank }
+    }
+
+    fn split(&self, solution: Vector) -> (Vector, Vector) {
+        let lower = solution.rows(self.order, self.corank).scale(self.weight);
+        (solution.rows(0, self.order).into_owned(), lower)
+    }
+
+    /// `E b` and `V b`.
+    fn solve(&self, b: Vector) -> (Vector, Vector) {
+        let mut b = b.insert_rows(self.order, self.corank, Complex::default());
+        self.lu.solve(&mut b);
+        self.split(b)
+    }
+
+    /// The columns of W_0 and of S_0.
+    fn unit_columns(&self) -> (Vec<Vector>, Vec<Vector>) {
+        let column = |k: usize| {
+            let mut b = self.unit(k);
+            self.lu.solve(&mut b);
+            self.split(b)
+        };
+        (0..self.corank).map(column).unzip()
+    }
+
+    /// The rows of V, adjoint.
+    fn unit_rows(&self) -> Vec<Vector> {
+        let row = |k: usize| {
+            let mut b = self.unit(k);
+            self.lu.solve_adjoint(&mut b);
+            self.split(b).0
+        };
+        (0..self.corank).map(row).collect()
+    }
+
+    fn unit(&self, k: usize) -> Vector {
+        let mut b = Vector::zeros(self.order + self.corank);
+        b[self.order + k] = Complex::from(self.weight);
+        b
+    }
+
+    /// `|Q W_0 + Y S_0|`, which is zero but for rounding.
+    fn residual(&self, s: &Scaled, centre: Complex<f64>, w: &[Vector], series: &[Vector], left: &[Vector]) -> f64 {
+        let one = |(w, s_0): (&Vector, &Vector)| {
+            let image = left.iter().zip(s_0.iter()).fold(s.times(centre, w), |sum, (y, &a)| sum + y * a);
+            image.norm_squared()
+        };
+        w.iter().zip(series).map(one).sum::<f64>().sqrt()
+    }
+}
