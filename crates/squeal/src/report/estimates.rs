@@ -107,7 +107,7 @@ impl Estimates {
                     found.estimator.to_string(),
                     mode.occurrence.lower.to_string(),
                     mode.occurrence.upper.to_string(),
-                    mode.closed_half_width().to_string(),
+                    mode.half_width().to_string(),
                     found.evaluations.to_string(),
                     found.plain_evaluations.to_string(),
                 ]);

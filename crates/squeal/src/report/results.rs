@@ -98,10 +98,13 @@ impl<'a> Results<'a> {
         self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
     }
 
-    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
+    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
+    /// no name every mode of the scene may have been unstable, and is listed.
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
-        let names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
+        let mut names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
+        let open = panel.scenes.iter().filter(|&&scene| self.counts(scene).unlabelled() > 0);
+        names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|name| self.name(name)));
         names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
 

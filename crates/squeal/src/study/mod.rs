@@ -40,4 +40,5 @@ pub use plan::{
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
+pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally};

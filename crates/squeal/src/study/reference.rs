@@ -96,6 +96,12 @@ impl Reference {
         names
     }
 
+    /// Every name that some mode has or may have, ascending.
+    #[must_use]
+    pub fn all_names(&self) -> Vec<ModeLabel> {
+        self.names_of(0..self.modes.len())
+    }
+
     /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
     /// and which of them is which has no answer. Each gets the names of all.
     fn open_equal_modes(&mut self) {
