@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use squeal::case::LatticeCase;
+use squeal::output::say;
 use validation::{Effort, accuracy};
 
 use crate::again::run_again;
@@ -44,8 +45,7 @@ pub fn run(args: &AccuracyArgs) -> Result<(), TaskError> {
     let report = accuracy(&case, &root.join("tests/fixtures/hard"), &effort)?;
     let out = args.out.clone().unwrap_or_else(|| root.join("target/accuracy"));
     report.save(&out)?;
-    println!("{}", report.markdown());
-    println!("Figures and data: {}", out.display());
+    say(&format!("{}\nFigures and data: {}\n", report.markdown(), out.display()))?;
     Ok(())
 }
 

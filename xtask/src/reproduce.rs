@@ -6,7 +6,7 @@ use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
 use squeal::commands::override_run;
-use squeal::output::write;
+use squeal::output::{note, say, write};
 use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
 
 /// Number of samples of a smoke run; chosen.
@@ -67,13 +67,13 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         }
         Ok(())
     })?;
-    print!("{}", claims_markdown(&cards[0].claims));
-    report(&manifest, &out);
+    say(&claims_markdown(&cards[0].claims))?;
+    report(&manifest, &out)?;
 
     if args.readings {
         let others = case.alternatives.iter().filter(|a| !matches!(a, Alternative::ModeNaming(_)));
         for (number, alternative) in others.enumerate() {
-            eprintln!("reading {}: {}", alternative.reading(), alternative.choice());
+            note(&format!("reading {}: {}", alternative.reading(), alternative.choice()));
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
             let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
@@ -81,12 +81,12 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
                 found = claims(results, &brake)?;
                 write_claims(&found, dir)
             })?;
-            report(&manifest, &dir);
+            report(&manifest, &dir)?;
             cards.push(card(alternative, found));
         }
         let table = readings_markdown(&cards);
         write(&out.join("readings.md"), table.as_bytes())?;
-        print!("\n{table}");
+        say(&format!("\n{table}"))?;
     }
     Ok(())
 }
@@ -100,11 +100,11 @@ fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
     write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())
 }
 
-fn report(manifest: &Manifest, out: &Path) {
+fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {
     let seconds = manifest.seconds;
-    println!(
+    say(&format!(
         "\n{} CEAs, {} solved, {} of them by a certificate of stability, {} failures; {:.1} s for reference modes, {:.1} s \
-         for samples, {:.1} s for the report; results in {}",
+         for samples, {:.1} s for the report; results in {}\n",
         manifest.analyses,
         manifest.solved,
         manifest.certified,
@@ -113,7 +113,7 @@ fn report(manifest: &Manifest, out: &Path) {
         seconds.samples,
         seconds.report,
         out.display()
-    );
+    ))
 }
 
 /// The table of the scorecards: a row for each choice of a reading, and a column for each claim with whether it holds.

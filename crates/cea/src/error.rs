@@ -24,6 +24,17 @@ pub enum CeaError {
         /// Size of the state matrix.
         dimension: usize,
     },
+    /// A solver that has come to the most certified spectra that its workspace allows.
+    #[error(
+        "dashpots or internal states are {ratio:.0e} times as fast as the vibrations, and {solves} spectra with more digits than \
+         a double's were not enough; allowed: up to 100 times as fast, which needs none"
+    )]
+    TooStiff {
+        /// Norm of the damping, or the fastest internal state, over that of the vibrations.
+        ratio: f64,
+        /// How many there were.
+        solves: u64,
+    },
     /// Eigenvalues beyond the range of a double.
     #[error(
         "an eigenvalue overflows or underflows: the entries of the scaled matrices span {smallest:.0e} to {largest:.0e}"
@@ -36,8 +47,10 @@ pub enum CeaError {
     },
     /// The pencil is singular: every lambda is an eigenvalue.
     #[error(
-        "det(lambda^2 M + lambda C + K) vanishes for every lambda{}: the problem is singular and has no spectrum",
-        if *.exactly { "" } else { ", to working precision" }
+        "det(lambda^2 M + lambda C + K) {}",
+        if *.exactly { "vanishes for every lambda: the problem is singular and has no spectrum" }
+        else { "vanishes for every lambda up to rounding of the entries: in doubles the problem cannot be told from a singular \
+                one, which has no spectrum" }
     )]
     SingularPencil {
         /// Whether the given matrices are singular; otherwise a perturbation of them of the size of a rounding error is.

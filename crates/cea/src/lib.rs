@@ -61,7 +61,7 @@ pub use feedback::{
     Anchors, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
     Secular, h_infinity_norm_bound,
 };
-pub use spectrum::{Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
+pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
 pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict, verdicts};
 pub use verdict::Verdict;
 pub use workspace::{Counters, Workspace};

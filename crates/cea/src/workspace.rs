@@ -8,6 +8,8 @@ use std::ops::{Add, AddAssign};
 pub struct Counters {
     /// Whole spectra computed.
     pub eigenvalue_solves: u64,
+    /// Those of them that a [`QrSolver`](crate::QrSolver) left to [`certified`](crate::certified), up to a hundred times slower.
+    pub certified_solves: u64,
     /// Factorisations of `Q(lambda)` or of a pencil.
     pub factorisations: u64,
     /// Right or left eigenvectors computed.
@@ -21,8 +23,10 @@ pub struct Counters {
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         // By its fields, so that a new one is not forgotten.
-        let Self { eigenvalue_solves, factorisations, eigenvectors, secular_values, continuations } = other;
+        let Self { eigenvalue_solves, certified_solves, factorisations, eigenvectors, secular_values, continuations } =
+            other;
         self.eigenvalue_solves += eigenvalue_solves;
+        self.certified_solves += certified_solves;
         self.factorisations += factorisations;
         self.eigenvectors += eigenvectors;
         self.secular_values += secular_values;
@@ -50,8 +54,18 @@ impl Sum for Counters {
 pub struct Workspace {
     /// Computations so far.
     pub counters: Counters,
+    /// How many `certified_solves` a solver may come to before it gives up; `None` is any number.
+    pub most_certified_solves: Option<u64>,
     /// Memory of the batched solver, kept between batches.
     pub(crate) scratch: Vec<f64>,
+}
+
+impl Workspace {
+    /// Counters at zero, for solvers that give up after so many certified spectra.
+    #[must_use]
+    pub fn with_most_certified_solves(most: u64) -> Self {
+        Self { most_certified_solves: Some(most), ..Self::default() }
+    }
 }
 
 #[cfg(test)]
@@ -60,10 +74,17 @@ mod tests {
 
     #[test]
     fn every_count_is_summed() {
-        let one =
-            Counters { eigenvalue_solves: 1, factorisations: 2, eigenvectors: 3, secular_values: 4, continuations: 5 };
+        let one = Counters {
+            eigenvalue_solves: 1,
+            certified_solves: 6,
+            factorisations: 2,
+            eigenvectors: 3,
+            secular_values: 4,
+            continuations: 5,
+        };
         let three = Counters {
             eigenvalue_solves: 3,
+            certified_solves: 18,
             factorisations: 6,
             eigenvectors: 9,
             secular_values: 12,

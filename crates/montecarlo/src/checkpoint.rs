@@ -12,7 +12,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -20,6 +20,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Damage, MonteCarloError};
+use crate::experiment::{Experiment, Tally};
 use crate::sampling::Sampling;
 use crate::summary::Summary;
 
@@ -63,8 +64,8 @@ impl<'a> Store<'a> {
         Self { checkpoint, identity, samples, saved: Instant::now() }
     }
 
-    /// The state in the file; `None` if there is no file.
-    pub(crate) fn load<T: DeserializeOwned>(&self) -> Result<Option<Summary<T>>, MonteCarloError> {
+    /// The state in the file, or `None` if there is no file.
+    pub(crate) fn load<S: Experiment, T: Tally<S>>(&self) -> Result<Option<Summary<T>>, MonteCarloError> {
         let path = &self.checkpoint.path;
         let bytes = match fs::read(path) {
             Ok(bytes) => bytes,
@@ -77,11 +78,39 @@ impl<'a> Store<'a> {
         let content = |error| damaged(Damage::Content(error));
         self.check_identity(&serde_json::from_slice(&body[..cut]).map_err(content)?)?;
         let state: Summary<T> = serde_json::from_slice(&body[cut..]).map_err(content)?;
+        self.check_state(&state).map_err(|field| damaged(Damage::State { field }))?;
         if state.samples > self.samples {
             let (found, wanted) = (state.samples, self.samples);
             return Err(MonteCarloError::CheckpointLonger { path: path.clone(), found, wanted });
         }
         Ok(Some(state))
+    }
+
+    /// Refuses a state that is not one of this identity: the field that does not fit.
+    fn check_state<S: Experiment, T: Tally<S>>(&self, state: &Summary<T>) -> Result<(), &'static str> {
+        let Identity { seed, first, scenes, .. } = self.identity;
+        for (field, fits) in [
+            ("seed", state.seed == seed),
+            ("first sample", state.first == first),
+            ("number of samples", state.first.checked_add(state.samples).is_some()),
+            ("failures", state.failures.may_be_of(scenes, state.samples)),
+            ("tally", state.tally.may_be_of(state.samples, &state.failures)),
+        ] {
+            if !fits {
+                return Err(field);
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to write over the checkpoint of another run, which came there meanwhile.
+    fn check_what_stands_there(&self) -> Result<(), MonteCarloError> {
+        let Ok(file) = File::open(&self.checkpoint.path) else { return Ok(()) };
+        let found = BufReader::new(file).lines().nth(1).and_then(Result::ok);
+        match found.and_then(|line| serde_json::from_str(&line).ok()) {
+            Some(identity) => self.check_identity(&identity),
+            None => Ok(()),
+        }
     }
 
     fn check_identity(&self, found: &Identity) -> Result<(), MonteCarloError> {
@@ -113,6 +142,7 @@ impl<'a> Store<'a> {
     }
 
     pub(crate) fn save<T: Serialize + DeserializeOwned>(&mut self, state: &Summary<T>) -> Result<(), MonteCarloError> {
+        self.check_what_stands_there()?;
         let path = &self.checkpoint.path;
         let not_storable = |source| MonteCarloError::NotStorable { path: path.clone(), source };
         let mut body = serde_json::to_vec(&self.identity).map_err(not_storable)?;
@@ -139,7 +169,12 @@ impl<'a> Store<'a> {
 }
 
 fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    // What a killed run left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut file = File::create_new(path)?;
     writeln!(file, "{MAGIC} {VERSION} {} {:08x}", body.len(), crc32fast::hash(body))?;
     file.write_all(body)?;
     file.sync_all()

@@ -192,7 +192,13 @@ pub enum Damage {
         /// Checksum of the bytes present.
         found: u32,
     },
-    /// The bytes are intact but are no state of this run: the type of the tally has changed.
+    /// A state that cannot be one of the run whose identity stands above it: the file was made up.
+    #[error("its {field} cannot be that of the run that it names")]
+    State {
+        /// What does not fit.
+        field: &'static str,
+    },
+    /// Intact bytes that do not describe the state of such a run: the tally's type has changed since.
     #[error("its content is not the state of this run ({0})")]
     Content(serde_json::Error),
 }

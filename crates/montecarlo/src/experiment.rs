@@ -5,6 +5,7 @@ use std::fmt::Display;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::failures::Failures;
 use crate::stream::StreamRng;
 
 /// What is sampled and computed.
@@ -91,4 +92,9 @@ impl<M: Merge> Merge for Vec<M> {
 pub trait Tally<S: Experiment>: Merge + Serialize + DeserializeOwned + Send {
     /// Enters one sample. Called in the order of the indices, but not for a sample whose draw failed.
     fn record(&mut self, runs: &Runs<'_, S>);
+
+    /// Whether these can be the counts of so many samples with these failures: asked of a checkpoint before it is continued.
+    fn may_be_of(&self, _samples: u64, _failures: &Failures) -> bool {
+        true
+    }
 }

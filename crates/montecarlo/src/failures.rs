@@ -41,6 +41,15 @@ impl Failures {
         }
     }
 
+    /// Whether these can be the failures of so many samples in so many scenes.
+    pub(crate) fn may_be_of(&self, scenes: usize, samples: u64) -> bool {
+        let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= samples);
+        let total = self.scenes.iter().try_fold(self.draws, |sum, &failed| sum.checked_add(failed));
+        self.scenes.len() == scenes
+            && self.scenes.iter().all(of_scene)
+            && total.is_some_and(|total| self.listed.len() as u64 == total.min(MOST_LISTED as u64))
+    }
+
     /// Failed draws; each is missing from every scene.
     #[must_use]
     pub fn draws(&self) -> u64 {

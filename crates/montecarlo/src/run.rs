@@ -64,7 +64,7 @@ pub fn run_with<S: Experiment, T: Tally<S>>(
     let mut store = checkpoint.map(|checkpoint| Store::new(checkpoint, sampling, scenes));
 
     let stored = match &store {
-        Some(store) => store.load()?,
+        Some(store) => store.load::<S, T>()?,
         None => None,
     };
     let state = match stored {

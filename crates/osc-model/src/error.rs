@@ -6,34 +6,37 @@ use linsys::LinsysError;
 
 use crate::Dof;
 
+/// The largest size of a value, and the reciprocal of the smallest that must not be zero. Chosen: sums, products and squares of
+/// such numbers stay far from the ends of a double's range.
+const LARGEST: f64 = 1e100;
+
 /// The range that a value must lie in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Allowed {
-    /// Finite.
+    /// At most 1e100 in size.
     Finite,
-    /// Finite and > 0.
+    /// From 1e-100 to 1e100.
     Positive,
-    /// Finite and >= 0.
+    /// From 0 to 1e100.
     NonNegative,
 }
 
 impl Allowed {
     pub(crate) fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Finite => true,
-                Self::Positive => value > 0.0,
-                Self::NonNegative => value >= 0.0,
-            }
+        match self {
+            Self::Finite => value.abs() <= LARGEST,
+            Self::Positive => (1.0 / LARGEST..=LARGEST).contains(&value),
+            Self::NonNegative => (0.0..=LARGEST).contains(&value),
+        }
     }
 }
 
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Finite => "finite",
-            Self::Positive => "finite and > 0",
-            Self::NonNegative => "finite and >= 0",
+            Self::Finite => "finite, at most 1e100 in size",
+            Self::Positive => "finite and > 0, from 1e-100 to 1e100",
+            Self::NonNegative => "finite and >= 0, at most 1e100",
         })
     }
 }

@@ -98,7 +98,7 @@ fn preloads_add_up() {
     assert_eq!(six.normal_loads(Preload::Clamp(5400.0), &contacts[3..]).unwrap(), [900.0; 6]);
     let message = |preload: Preload| lattice.normal_loads(preload, &contacts).unwrap_err().to_string();
     for bad in [Preload::PerContact(-1.0), Preload::Clamp(-1.0), Preload::Equilibrium(-1.0)] {
-        assert_eq!(message(bad), "preload = -1; allowed: finite and > 0");
+        assert_eq!(message(bad), "preload = -1; allowed: finite and > 0, from 1e-100 to 1e100");
     }
 }
 
@@ -111,16 +111,31 @@ fn names_what_it_refuses_in_a_sliding_state() {
     let lattice = lattice_of(&[2, 5, 7]);
     let message = |sliding: Sliding| lattice.linearised(&sliding).unwrap_err().to_string();
     assert_eq!(message(shared(coulomb(0.5), 2)), "the sliding state has 2 contacts; the arrangement has 3");
-    assert_eq!(message(Sliding { speed: 0.0, ..shared(coulomb(0.5), 3) }), "speed = 0; allowed: finite and > 0");
+    assert_eq!(
+        message(Sliding { speed: 0.0, ..shared(coulomb(0.5), 3) }),
+        "speed = 0; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
     let changed = |change: &dyn Fn(&mut ContactPoint)| {
         let mut sliding = shared(coulomb(0.5), 3);
         change(&mut sliding.contacts[1]);
         message(sliding)
     };
-    assert_eq!(changed(&|p| p.normal_load = -5.0), "normal_load of oscillator 5 = -5; allowed: finite and >= 0");
-    assert_eq!(changed(&|p| p.tangent.mu = f64::NAN), "tangent.mu of oscillator 5 = NaN; allowed: finite and >= 0");
-    assert_eq!(changed(&|p| p.tangent.slope = f64::INFINITY), "tangent.slope of oscillator 5 = inf; allowed: finite");
-    assert_eq!(changed(&|p| p.lateral_mu = -0.1), "lateral_mu of oscillator 5 = -0.1; allowed: finite and >= 0");
+    assert_eq!(
+        changed(&|p| p.normal_load = -5.0),
+        "normal_load of oscillator 5 = -5; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(
+        changed(&|p| p.tangent.mu = f64::NAN),
+        "tangent.mu of oscillator 5 = NaN; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(
+        changed(&|p| p.tangent.slope = f64::INFINITY),
+        "tangent.slope of oscillator 5 = inf; allowed: finite, at most 1e100 in size"
+    );
+    assert_eq!(
+        changed(&|p| p.lateral_mu = -0.1),
+        "lateral_mu of oscillator 5 = -0.1; allowed: finite and >= 0, at most 1e100"
+    );
 }
 
 #[test]
@@ -130,13 +145,25 @@ fn names_what_it_refuses_in_a_lattice() {
         change(&mut p);
         LatticeModel::new(p, Lateral::None, &[]).unwrap_err().to_string()
     };
-    assert_eq!(refused(&|p| p.contact_stiffness[2] = 0.0), "contact_stiffness[3] = 0; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.oscillator_mass[8] = -0.39), "oscillator_mass[9] = -0.39; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.x_stiffness[0] = -1.0), "x_stiffness[1] = -1; allowed: finite and >= 0");
-    assert_eq!(refused(&|p| p.y_damping[11] = f64::NAN), "y_damping[12] = NaN; allowed: finite and >= 0");
-    assert_eq!(refused(&|p| p.theta = f64::INFINITY), "theta = inf; allowed: finite");
-    assert_eq!(refused(&|p| p.plate.mass = 0.0), "plate.mass = 0; allowed: finite and > 0");
-    assert_eq!(refused(&|p| p.plate.damping[1] = -1.0), "plate.damping[2] = -1; allowed: finite and >= 0");
+    assert_eq!(
+        refused(&|p| p.contact_stiffness[2] = 0.0),
+        "contact_stiffness[3] = 0; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
+    assert_eq!(
+        refused(&|p| p.oscillator_mass[8] = -0.39),
+        "oscillator_mass[9] = -0.39; allowed: finite and > 0, from 1e-100 to 1e100"
+    );
+    assert_eq!(refused(&|p| p.x_stiffness[0] = -1.0), "x_stiffness[1] = -1; allowed: finite and >= 0, at most 1e100");
+    assert_eq!(
+        refused(&|p| p.y_damping[11] = f64::NAN),
+        "y_damping[12] = NaN; allowed: finite and >= 0, at most 1e100"
+    );
+    assert_eq!(refused(&|p| p.theta = f64::INFINITY), "theta = inf; allowed: finite, at most 1e100 in size");
+    assert_eq!(refused(&|p| p.plate.mass = 0.0), "plate.mass = 0; allowed: finite and > 0, from 1e-100 to 1e100");
+    assert_eq!(
+        refused(&|p| p.plate.damping[1] = -1.0),
+        "plate.damping[2] = -1; allowed: finite and >= 0, at most 1e100"
+    );
     assert_eq!(refused(&|p| p.z_damping.truncate(8)), "z_damping has 8 entries; the lattice of 3 x 3 needs 9");
 
     let constrained = |names: &str| LatticeModel::new(table_1(), Lateral::None, &held(names)).unwrap_err().to_string();

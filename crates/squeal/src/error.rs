@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::output::bytes_in_words;
+
 /// What can go wrong between a brake and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +39,32 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
+    /// A scene whose reference modes cannot be found.
+    #[error("{scene}: {source}")]
+    Scene {
+        /// Constraints, law, contacts and speed, as far as they matter.
+        scene: String,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// A study that would take more memory than is allowed.
+    #[error(
+        "{study}: {scenes} scenes of {order} degrees of freedom take roughly {}; allowed: {}, with fewer arrangements, laws, \
+         speed ranges or constraint sets, or a smaller brake",
+        bytes_in_words(*bytes), bytes_in_words(*most)
+    )]
+    TooLarge {
+        /// The case file, or the name of the study.
+        study: String,
+        /// Its scenes.
+        scenes: usize,
+        /// Its degrees of freedom.
+        order: usize,
+        /// What it would take.
+        bytes: f64,
+        /// What is allowed.
+        most: f64,
+    },
     /// An estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<crate::estimators::EstimatorError>),
@@ -67,8 +95,20 @@ pub enum Error {
         wanted: String,
     },
     /// A folder that another run writes to.
-    #[error("{}: another run is writing there; allowed: another folder, or wait until it has ended", path.display())]
+    #[error("{}: {by} is writing there; allowed: another folder, or wait until it has ended", path.display())]
     InUse {
+        /// The folder.
+        path: PathBuf,
+        /// The other run, with its process and age where they are known.
+        by: String,
+    },
+    /// A folder that was removed or taken by another run while this one worked.
+    #[error(
+        "{}: is no longer the folder of this run: it was removed or made anew meanwhile; allowed: another folder, or the same \
+         again, when nobody works there",
+        path.display()
+    )]
+    FolderLost {
         /// The folder.
         path: PathBuf,
     },
@@ -79,6 +119,25 @@ pub enum Error {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// Standard output that cannot be written.
+    #[error("standard output: cannot be written: {0}")]
+    StandardOutput(std::io::Error),
+    /// More than half of the evaluations of a study failed.
+    #[error(
+        "{}: {failed} of {evaluations} evaluations failed, so that its results are of the others; allowed: at most half; \
+         failures.csv says why, first: {first}",
+        path.display()
+    )]
+    MostFailed {
+        /// The folder with the results.
+        path: PathBuf,
+        /// How many failed.
+        failed: u64,
+        /// Of how many.
+        evaluations: u64,
+        /// The first of them.
+        first: String,
     },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
@@ -95,6 +154,20 @@ pub enum Error {
         path: PathBuf,
         /// The line and what is wrong there.
         source: linsys::LinsysError,
+    },
+    /// A matrix of more degrees of freedom than are allowed.
+    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom", path.display())]
+    MatrixTooLarge {
+        /// The file.
+        path: PathBuf,
+        /// mass, damping or stiffness.
+        name: &'static str,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// The most rows that are allowed.
+        most: usize,
     },
     /// A matrix that does not fit the others.
     #[error("{}: the {name} matrix is {rows} x {columns}; allowed: {order} x {order}, {reason}", path.display())]

@@ -78,6 +78,9 @@ pub mod estimators;
 #[cfg(feature = "figures")]
 pub mod figures;
 mod fingerprint;
+mod folder;
+#[cfg(feature = "case-files")]
+mod input;
 pub mod output;
 pub mod report;
 mod run;

@@ -3,12 +3,19 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-use squeal::commands::{CeaArgs, CheckArgs, EigArgs, RunArgs};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
+use squeal::Error;
+use squeal::commands::{CeaArgs, CheckArgs, EigArgs, RunArgs, finish, refuse};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
-#[command(version, about)]
+#[command(
+    version,
+    about,
+    after_help = "Exit codes: 0 done; 2 an error, said in one line on standard error: a command line or file that cannot be \
+                  used, a folder that cannot be written, or a study of which more than half failed."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -20,12 +27,19 @@ enum Command {
     Cea(CeaArgs),
     Check(CheckArgs),
     Eig(EigArgs),
+    /// Print completions of these commands for a shell, to be put where it looks for them.
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Print the manual of all commands, for man: `squeal man > squeal.1`.
+    Man,
 }
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return squeal::commands::refuse(&error),
+        Err(error) => return refuse(&error),
     };
     let mut out = std::io::stdout().lock();
     let result = match &cli.command {
@@ -33,14 +47,27 @@ fn main() -> ExitCode {
         Command::Cea(args) => args.run(&mut out),
         Command::Check(args) => args.run(&mut out),
         Command::Eig(args) => args.run(&mut out),
+        Command::Completions { shell } => completions(*shell, &mut out),
+        Command::Man => manual(&mut out).map_err(Error::StandardOutput),
     };
-    let result =
-        result.map_err(|error| error.to_string()).and_then(|()| out.flush().map_err(|error| error.to_string()));
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("error: {}", message.replace('\n', " "));
-            ExitCode::from(2)
-        }
+    finish(result.and_then(|()| out.flush().map_err(Error::StandardOutput)))
+}
+
+fn completions(shell: Shell, out: &mut dyn Write) -> Result<(), Error> {
+    // The generator panics where it cannot write.
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "squeal", &mut script);
+    out.write_all(&script).map_err(Error::StandardOutput)
+}
+
+/// The page of the program, and after it those of its commands.
+fn manual(out: &mut dyn Write) -> std::io::Result<()> {
+    let mut program = Cli::command();
+    program.build();
+    clap_mangen::Man::new(program.clone()).render(out)?;
+    for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
+        let name = command.get_display_name().unwrap_or(command.get_name()).to_owned();
+        clap_mangen::Man::new(command.clone()).title(name).render(out)?;
     }
+    Ok(())
 }

@@ -20,7 +20,12 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     name.push(".partial");
     let temporary = path.with_file_name(name);
     let written = (|| {
-        let mut file = fs::File::create(&temporary)?;
+        // What a killed run left there goes; the new file is made anew, so that a link is not followed to a file elsewhere.
+        match fs::remove_file(&temporary) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut file = fs::File::create_new(&temporary)?;
         file.write_all(contents)?;
         file.sync_all()?;
         fs::rename(&temporary, path)
@@ -44,6 +49,73 @@ pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(
 /// [`Error::Write`].
 pub fn make_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
+}
+
+/// Says a line on standard error; nobody has to listen, so that a closed or full one is no error.
+pub fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", printable(text));
+}
+
+/// Writes text to standard output, where a reader that has closed its end, as `head` does, has what it wants.
+///
+/// # Errors
+/// [`Error::StandardOutput`].
+pub fn say(text: &str) -> Result<(), Error> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::StandardOutput(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Text as one line that a terminal shows and does not obey: control characters become escapes, line breaks spaces, and of a
+/// number of very many digits the first are left.
+pub fn printable(text: &str) -> String {
+    /// More digits than any number needs: 17, and a decimal power.
+    const MOST_DIGITS: usize = 24;
+    let (mut line, mut digits) = (String::with_capacity(text.len()), 0);
+    let end_of_number = |line: &mut String, digits: usize| {
+        if digits > MOST_DIGITS {
+            *line += &format!("...({digits} digits)");
+        }
+    };
+    for c in text.chars() {
+        if c.is_ascii_digit() {
+            digits += 1;
+            if digits <= MOST_DIGITS {
+                line.push(c);
+            }
+            continue;
+        }
+        end_of_number(&mut line, digits);
+        digits = 0;
+        match c {
+            '\n' => line.push(' '),
+            c if c.is_control() => line.extend(c.escape_default()),
+            c => line.push(c),
+        }
+    }
+    end_of_number(&mut line, digits);
+    line
+}
+
+/// A time in words, to two digits at most: it is an estimate.
+pub(crate) fn in_words(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.5 => "a second".into(),
+        s if s < 100.0 => format!("{s:.0} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// A size of memory in words, to two digits at most: it is an estimate.
+pub(crate) fn bytes_in_words(bytes: f64) -> String {
+    match bytes / 1e6 {
+        megabytes if megabytes < 10.0 => "10 MB".into(),
+        megabytes if megabytes < 1e3 => format!("{:.0} MB", (megabytes / 10.0).round() * 10.0),
+        megabytes => format!("{:.1} GB", megabytes / 1e3),
+    }
 }
 
 /// Writes a table as CSV.

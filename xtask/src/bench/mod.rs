@@ -17,7 +17,7 @@ use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
 use squeal::commands::override_run;
-use squeal::output::{make_folder, write};
+use squeal::output::{make_folder, note, say, write};
 
 use crate::again::run_again;
 use crate::error::TaskError;
@@ -82,20 +82,20 @@ pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
 
     let machine = Machine::this();
     let problems = SIZES.iter().map(|size| Problem::new(&case, size, args.quick)).collect::<Result<Vec<_>, _>>()?;
-    println!("{}", table::heading(&machine, &problems, rounds));
+    say(&(table::heading(&machine, &problems, rounds) + "\n"))?;
     let mut rows = Vec::new();
     let mut has_python = true;
     for problem in &problems {
-        eprintln!("n = {}, {} internal states", problem.n, problem.states);
+        note(&format!("n = {}, {} internal states", problem.n, problem.states));
         let mut python = if has_python { start_python(problem) } else { None };
         has_python = python.is_some();
         rows.extend(measure(problem, python.as_mut(), rounds)?);
     }
-    println!("{}", table::routes(&rows));
+    say(&(table::routes(&rows) + "\n"))?;
 
     let brake = LatticeBrake::new(studied)?;
     let study = StudyTimes::measure(&brake, &root.join("target/bench"))?;
-    print!("{}", table::study(&study));
+    say(&table::study(&study))?;
     if let Some(path) = &args.json {
         let report = BenchReport { machine, routes: rows, study };
         write(path, report.json().as_bytes())?;
@@ -115,7 +115,7 @@ fn start_python(problem: &Problem) -> Option<Python> {
     match Python::start(problem) {
         Ok(python) => Some(python),
         Err(error) => {
-            println!("Without numpy and scipy: {error}\n");
+            note(&format!("Without numpy and scipy: {error}"));
             None
         }
     }

@@ -86,15 +86,18 @@ impl Modes {
     }
 }
 
-/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems among the modes of all of them: for each system those
-/// of its modes in order. They are [`Modes::rank`] of the joint system; equal eigenvalues rank in the order of their systems.
+/// Frequency ranks, from 1, of the oscillating modes of uncoupled systems that are one together: those of each system, in
+/// its order. As [`Modes::rank`] of the one, by [`rank_order`]; of equal eigenvalues those of a system with fewer modes rank first,
+/// else those of the first system: not the last bit decides.
 #[must_use]
 pub fn ranks_together(systems: &[&Modes]) -> Vec<Vec<usize>> {
     let overdamped = systems.iter().map(|modes| modes.real.len()).sum::<usize>() / 2;
     let mut ranks: Vec<Vec<usize>> = systems.iter().map(|modes| vec![0; modes.oscillatory.len()]).collect();
     let places = |(system, modes): (usize, &&Modes)| (0..modes.oscillatory.len()).map(move |index| (system, index));
-    let all: Vec<(usize, usize)> = systems.iter().enumerate().flat_map(places).collect();
-    let lambdas: Vec<Complex<f64>> = systems.iter().flat_map(|modes| modes.oscillatory.iter().copied()).collect();
+    let mut by_size: Vec<usize> = (0..systems.len()).collect();
+    by_size.sort_by_key(|&system| systems[system].oscillatory.len());
+    let all: Vec<(usize, usize)> = by_size.into_iter().flat_map(|system| places((system, &systems[system]))).collect();
+    let lambdas: Vec<Complex<f64>> = all.iter().map(|&(system, index)| systems[system].oscillatory[index]).collect();
     for (place, at) in rank_order(&lambdas).into_iter().enumerate() {
         let (system, index) = all[at];
         ranks[system][index] = overdamped + place + 1;
@@ -183,6 +186,13 @@ mod tests {
         // Of the three real eigenvalues, each of another system, two count as one overdamped mode.
         let systems = [modes(&[2.0, 5.0], &[-1.0]), modes(&[], &[-3.0]), modes(&[1.0, 2.0, 7.0], &[-4.0])];
         assert_eq!(ranks_together(&systems.each_ref()), [vec![3, 5], vec![], vec![2, 4, 6]]);
+        // Nor does it hang on rounding which of two equal frequencies is the lower one.
+        for rounding in [-4e-16, 0.0, 4e-16] {
+            let nearly = [modes(&[2.0 * (1.0 + rounding), 5.0], &[]), modes(&[1.0, 2.0], &[])];
+            assert_eq!(ranks_together(&nearly.each_ref()), [vec![2, 4], vec![1, 3]]);
+            let small_last = [modes(&[1.0, 2.0 * (1.0 + rounding)], &[]), modes(&[2.0], &[])];
+            assert_eq!(ranks_together(&small_last.each_ref()), [vec![1, 3], vec![2]]);
+        }
         let one = modes(&[1.0, 2.0, 2.0, 5.0, 7.0], &[-4.0, -3.0, -1.0]);
         assert_eq!(ranks_together(&[&one])[0], [0, 1, 2, 3, 4].map(|index| one.rank(index)));
     }

@@ -10,9 +10,9 @@ pub(crate) const MOST_QR_STEPS: usize = 300;
 
 /// One system at a time by Francis' QR iteration on the [`StandardForm`], with a limit on its steps.
 ///
-/// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster than the
-/// vibrations, the iteration loses the slow eigenvalues, and [`certified::solve`] and [`certified::certify`] are used instead,
-/// up to a hundred times slower.
+/// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster, the
+/// iteration has no digits left for slow eigenvalues: [`certified::solve`] and [`certified::certify`] take its place, up to a
+/// hundred times slower; a [`Workspace`] may bound how often.
 ///
 /// ```
 /// use cea::{EigenSolver, QrSolver, Workspace};
@@ -36,7 +36,13 @@ impl EigenSolver for QrSolver {
         let form = StandardForm::new(system)?;
         let (gamma, dimension) = (form.gamma, form.state.nrows());
         let scale = gamma * form.state.norm();
+        let ratio = form.steepness();
         let Some(blocks) = form.into_blocks() else {
+            let solves = work.counters.certified_solves;
+            if work.most_certified_solves.is_some_and(|most| solves >= most) {
+                return Err(CeaError::TooStiff { ratio, solves });
+            }
+            work.counters.certified_solves += 1;
             let spectrum = certified::solve(system, work)?;
             let certified = certified::certify(system, &spectrum, work)?;
             let mut eigenvalues: Vec<_> = certified.eigenvalues.iter().map(|c| c.lambda).collect();
@@ -98,6 +104,20 @@ mod tests {
             assert!(nearest(slow) < 1e-14 && nearest(3.0 / slow) < 1e-14, "{c:e}: {found:?}");
             assert!(found.iter().any(|l| (l - Complex::new(0.0, 2f64.sqrt())).norm() < 1e-15));
         }
+    }
+
+    #[test]
+    fn a_workspace_bounds_how_often_more_digits_are_called_for() {
+        let system = |c: f64| SecondOrder::new(dmatrix![1.0], dmatrix![c], dmatrix![1.0]).unwrap();
+        let mut work = Workspace::with_most_certified_solves(2);
+        for _ in 0..2 {
+            assert!(QrSolver.eigenvalues(&system(1e6), &mut work).is_ok());
+        }
+        let refused = QrSolver.eigenvalues(&system(1e6), &mut work);
+        assert!(matches!(refused, Err(CeaError::TooStiff { solves: 2, ratio }) if ratio > 9e5), "{refused:?}");
+        // What needs none is solved as ever.
+        assert!(QrSolver.eigenvalues(&system(1.0), &mut work).is_ok());
+        assert_eq!(work.counters.certified_solves, 2);
     }
 
     #[test]

@@ -105,9 +105,19 @@ impl StandardForm {
         }
     }
 
+    /// How much faster dashpots or internal states are than the rest.
+    pub(crate) fn steepness(&self) -> f64 {
+        self.damping().max(self.fastest_state())
+    }
+
     fn is_strongly_damped(&self) -> bool {
+        self.damping() > STRONGEST_DAMPING
+    }
+
+    /// `|C~| / gamma`, Frobenius norm.
+    fn damping(&self) -> f64 {
         let n = (self.state.nrows() - self.state_weights.len()) / 2;
-        self.state.view((n, n), (n, n)).norm() > STRONGEST_DAMPING
+        self.state.view((n, n), (n, n)).norm()
     }
 
     fn fastest_state(&self) -> f64 {

@@ -23,6 +23,14 @@ pub(super) struct Accuracy {
     half_width: f64,
 }
 
+/// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
+const LONGEST_NAME: usize = 60;
+
+/// The first characters of a text.
+fn beginning(text: &str, characters: usize) -> String {
+    text.chars().take(characters).collect()
+}
+
 /// Makes errors that name the file.
 pub(super) struct Check<'a> {
     pub path: &'a Path,
@@ -73,8 +81,20 @@ impl Check<'_> {
     /// An error unless a name can be used in a table and in the name of a file.
     pub fn plain_name(&self, field: &str, name: &str) -> Result<(), CaseError> {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-        if name.is_empty() || !name.chars().all(is_plain) {
-            return Err(self.value(field, format!("{name:?}"), "letters, digits, - and _"));
+        if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(is_plain) {
+            let allowed = format!("1 to {LONGEST_NAME} letters, digits, - and _");
+            return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
+        }
+        Ok(())
+    }
+
+    /// Text for people, in headings and legends.
+    pub fn line(&self, field: &str, text: &str) -> Result<(), CaseError> {
+        /// Most characters; chosen: two lines of a figure.
+        const LONGEST_LINE: usize = 200;
+        if text.chars().count() > LONGEST_LINE || text.chars().any(char::is_control) {
+            let allowed = format!("at most {LONGEST_LINE} characters without control characters");
+            return Err(self.value(field, format!("{:?}", beginning(text, LONGEST_NAME)), &allowed));
         }
         Ok(())
     }
@@ -109,13 +129,10 @@ impl Check<'_> {
 
     /// An error unless names of tables differ and can be used in messages and column heads.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
-        /// Most characters of a name; chosen, so that tables stay readable.
-        const LONGEST_NAME: usize = 60;
         let allowed = format!("1 to {LONGEST_NAME} characters without control characters");
         for name in names.clone() {
             if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
-                let start: String = name.chars().take(LONGEST_NAME).collect();
-                return Err(self.value(field, format!("{start:?}"), &allowed));
+                return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
             }
         }
         self.no_repeats(field, names.cloned())
@@ -139,19 +156,40 @@ pub(super) fn field(table: &str, name: &str, key: &str) -> String {
     format!("{table} {name:?}.{key}")
 }
 
-/// The error of the TOML parser with its line.
+/// What the parser calls by the names of Rust and its own, and a user of case files by others; replaced in this order.
+const PARSER_WORDS: [(&str, &str); 19] = [
+    ("expected usize", "expected a whole number >= 0"),
+    ("expected u64", "expected a whole number >= 0"),
+    ("expected u16", "expected a whole number >= 0"),
+    ("expected f64", "expected a number"),
+    (
+        "expected internally tagged enum Distribution",
+        "expected a table, as { distribution = \"constant\", value = 1.0 }",
+    ),
+    ("expected a sequence", "expected a list"),
+    ("expected an array of length", "expected a list of"),
+    ("wanted string or table", "expected a name in quotes, or { name = number }"),
+    ("wanted exactly 1 element, more than 1 element", "expected one entry, found more"),
+    ("invalid length", "a list of"),
+    ("invalid type: ", ""),
+    ("invalid value: ", ""),
+    ("floating point", "the number"),
+    ("integer", "the number"),
+    ("boolean", "the truth value"),
+    ("string \"", "the text \""),
+    ("sequence", "a list"),
+    ("unknown variant", "unknown name"),
+    (" as i128", ""),
+];
+
+/// What the parser says of a text, with the line.
 pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
     let at = error.span().map_or(0, |span| span.start.min(text.len()));
     let line = text[..at].matches('\n').count() + 1;
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
-    // The parser calls numbers by their types in Rust.
-    let message = ["usize", "u64", "u16"]
-        .iter()
-        .fold(error.message().replace('\n', " "), |message, integer| {
-            message.replace(&format!("expected {integer}"), "expected a whole number >= 0")
-        })
-        .replace("expected f64", "expected a number");
+    let in_words = |message: String, (rust, word): &(&str, &str)| message.replace(rust, word);
+    let message = PARSER_WORDS.iter().fold(error.message().replace('\n', " "), in_words);
     let message = without_struct_name(message);
     let message = if source.is_empty() { message } else { format!("{source}: {message}") };
     CaseError::Syntax { path: path.to_owned(), line, message }

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::check::{Check, syntax};
 use super::{CaseError, LatticeCase, MatricesCase};
+use crate::input::{LARGEST_CASE, read_text};
 
 /// A case file, by the kind of its brake.
 #[derive(Debug, Clone)]
@@ -41,7 +42,7 @@ impl CaseFile {
     /// # Errors
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 

@@ -11,6 +11,7 @@ use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
     Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
 };
+use crate::input::{LARGEST_CASE, read_text};
 
 impl LatticeCase {
     /// Most samples of a study; chosen, so that every count of a study fits in 64 bits.
@@ -21,7 +22,7 @@ impl LatticeCase {
     /// # Errors
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path, LARGEST_CASE).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
         Self::parse(path, text)
     }
 
@@ -49,6 +50,7 @@ impl LatticeCase {
             return Err(check.value("study.laws", "[]", "one law or more"));
         }
         check.no_repeats("study.laws", study.laws.iter().map(ToString::to_string))?;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters = lattice_parameters(&check, &lattice, readings.lean)?;
         let lateral = readings.lateral.into();
@@ -223,7 +225,7 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<V
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
-    check.no_repeats("speeds.name", speeds.iter().map(|range| range.name.clone()))?;
+    check.names("speeds.name", speeds.iter().map(|range| &range.name))?;
     for range in &speeds {
         if !(range.from.is_finite() && range.from > 0.0) {
             return Err(check.value(&format!("speeds \"{}\".from", range.name), range.from, "a speed in m/s, > 0"));

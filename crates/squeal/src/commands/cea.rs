@@ -10,6 +10,8 @@ use osc_model::{Brake, ContactArrangement, PreparedLattice};
 use serde_json::{Value, json};
 use work::ModeWork;
 
+use super::eig::announce;
+use super::run::number;
 use crate::Error;
 use crate::brakes::{LatticeSample, lattice, sliding};
 use crate::case::{CaseFile, LatticeCase, Law, MatricesCase};
@@ -31,7 +33,7 @@ pub struct CeaArgs {
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
     /// Sliding speed of a lattice, m/s [default: the median of the case's first range]
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     pub speed: Option<f64>,
     /// Add mode shapes and the work of friction and damping per body
     #[arg(long)]
@@ -60,7 +62,7 @@ impl CeaArgs {
             CaseFile::Lattice(case) => self.lattice(&case)?,
             CaseFile::Matrices(case) => self.matrices(&case)?,
         };
-        out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
     fn lattice(&self, case: &LatticeCase) -> Result<String, Error> {
@@ -143,6 +145,7 @@ fn chosen(option: &'static str, given: Option<&str>, names: &[&str]) -> Result<u
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.
 fn analyse(brake: &Brake, at: &OperatingPoint, wants_shapes: bool) -> Result<(Vec<Row>, Modes), Error> {
     let system = brake.system.assemble(at)?;
+    announce(system.order());
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
     let modes = Modes::classify(&system, &spectrum, &mut work)?;

@@ -3,11 +3,17 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::run::override_run;
+use super::run::{override_run, whole_number};
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, Draws};
-use crate::study::{Plan, UncertainBrake};
+use crate::output::{bytes_in_words, in_words, note, printable};
+use crate::study::{Cost, Plan, UncertainBrake};
 use crate::{Error, estimate};
+
+/// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
+const LONGEST_PREPARATION: f64 = 300.0;
+/// From how many seconds of it on the preparation is announced; chosen.
+const ANNOUNCED: f64 = 5.0;
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
 #[derive(Debug, clap::Args)]
@@ -15,7 +21,7 @@ pub struct CheckArgs {
     /// The case file (TOML)
     pub case: PathBuf,
     /// Samples per scene, instead of the case's
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
 }
 
@@ -35,7 +41,7 @@ impl CheckArgs {
                 self.matrices(&MatricesBrake::new(*case)?)?
             }
         };
-        out.write_all(text.as_bytes()).map_err(|source| Error::Write { path: "standard output".into(), source })
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
     fn lattice(&self, brake: &LatticeBrake) -> Result<String, Error> {
@@ -58,7 +64,7 @@ impl CheckArgs {
             Draws::Each => "every arrangement; laws without speed in them once for all speeds",
         };
         text += &line("to be solved", &format!("{} ({classes})", plan.scenes.len() as u64 * plan.samples));
-        Ok(text + &time(brake)?)
+        Ok(text + &cost(brake)?)
     }
 
     fn matrices(&self, brake: &MatricesBrake) -> Result<String, Error> {
@@ -75,11 +81,11 @@ impl CheckArgs {
         text += &line("constraints", &plan.labels.constraints.join(", "));
         text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        Ok(text + &time(brake)?)
+        Ok(text + &cost(brake)?)
     }
 
     fn heading(&self, plan: &Plan) -> String {
-        format!("{}: valid\n\n{}", self.case.display(), line("study", &plan.name))
+        format!("{}: valid\n\n{}", printable(&self.case.display().to_string()), line("study", &plan.name))
     }
 }
 
@@ -91,16 +97,26 @@ fn listed(items: impl Iterator<Item = String>) -> String {
     items.collect::<Vec<_>>().join(", ")
 }
 
-fn time<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
-    let seconds = estimate(brake)?.as_secs_f64();
-    Ok(line("time", &format!("roughly {} on this machine", in_words(seconds))))
+/// What the study takes: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
+/// takes too long for a check.
+fn cost<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
+    let cost = announced(brake.plan());
+    let seconds = match cost.seconds {
+        long if long > LONGEST_PREPARATION => {
+            format!("more than {}: not measured, its preparation alone takes that", in_words(long))
+        }
+        _ => format!("roughly {} on this machine", in_words(estimate(brake)?.as_secs_f64())),
+    };
+    Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes))) + &line("time", &seconds))
 }
 
-fn in_words(seconds: f64) -> String {
-    match seconds {
-        s if s < 1.0 => "a second".into(),
-        s if s < 100.0 => format!("{s:.0} s"),
-        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
+/// What a study takes, which is said at once where its preparation takes more than some seconds.
+pub(super) fn announced(plan: &Plan) -> Cost {
+    let cost = Cost::of(plan);
+    if cost.seconds > ANNOUNCED {
+        let (scenes, order, time) = (cost.scenes, cost.order, in_words(cost.seconds));
+        let memory = bytes_in_words(cost.bytes);
+        note(&format!("{scenes} scenes of {order} degrees of freedom: roughly {time} to prepare them, {memory}"));
     }
+    cost
 }

@@ -9,5 +9,5 @@ mod run;
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
-pub use refuse::refuse;
-pub use run::{RunArgs, override_run};
+pub use refuse::{finish, refuse};
+pub use run::{RunArgs, override_run, threads, whole_number};

@@ -1,8 +1,11 @@
-//! What a command line that cannot be understood gets.
+//! How the program ends: with a command line that cannot be understood, an error, or well.
 
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
+
+use crate::Error;
+use crate::output::note;
 
 /// Prints what clap says about a command line: help and version in full, anything wrong as one line on standard error
 /// with exit code 2, like every other error of the program.
@@ -14,6 +17,19 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
     }
     let text = error.to_string();
     let first = text.split("\n\n").next().unwrap_or_default();
-    eprintln!("{}", first.split_whitespace().collect::<Vec<_>>().join(" "));
+    note(&first.split_whitespace().collect::<Vec<_>>().join(" "));
     ExitCode::from(2)
+}
+
+/// How a command ends: an error is one line on standard error and exit code 2. A reader that has closed its end of standard
+/// output, as `head` does, has what it wants.
+pub fn finish(result: Result<(), Error>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Error::StandardOutput(source)) if source.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            note(&format!("error: {error}"));
+            ExitCode::from(2)
+        }
+    }
 }

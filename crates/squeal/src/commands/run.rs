@@ -3,8 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::check::announced;
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, LatticeCase, is_half_width};
+use crate::output::printable;
 use crate::report::{Claim, Estimates, Results, claims, claims_markdown, draw_occurrence};
 use crate::study::UncertainBrake;
 use crate::{Error, run_study};
@@ -25,17 +27,41 @@ pub struct RunArgs {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Samples per scene, instead of the case's; more than the folder holds extend its study to as many
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
     /// Seed of the random streams, instead of the case's
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
     pub seed: Option<u64>,
     /// Also every occurrence to this half width at 95 %, by the cheapest estimator, in estimates.csv
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number)]
     pub half_width: Option<f64>,
     /// Worker threads [default: one per core]; the results do not depend on it
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
+}
+
+/// The value of an option that is a whole number.
+///
+/// # Errors
+/// What is allowed.
+pub fn whole_number(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("allowed: a whole number, 0 to {}", u64::MAX))
+}
+
+/// The value of an option that is a number of threads.
+///
+/// # Errors
+/// What is allowed.
+pub fn threads(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("allowed: 1 to {MOST_THREADS}"))
+}
+
+/// The value of an option that is a number.
+///
+/// # Errors
+/// What is allowed.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "allowed: a number".to_owned())
 }
 
 /// Puts the options of the command line in place of a case's own samples and seed.
@@ -82,6 +108,15 @@ impl RunArgs {
         }
     }
 
+    /// The complaint about a study of which more than half has failed: its results are written, but of the other half.
+    fn most_failed(&self, results: &Results<'_>) -> Option<Error> {
+        let (failures, scenes) = (&results.summary.failures, results.plan().scenes.len() as u64);
+        let failed = failures.draws() * scenes + failures.by_scene().iter().sum::<u64>();
+        let evaluations = results.summary.samples * scenes;
+        let first = failures.listed().first()?.message.clone();
+        (2 * failed > evaluations).then(|| Error::MostFailed { path: self.out.clone(), failed, evaluations, first })
+    }
+
     /// Runs the study of a brake, with a scorecard of what a publication claims of it.
     fn run_brake<B: UncertainBrake>(
         &self,
@@ -94,21 +129,23 @@ impl RunArgs {
             let (value, allowed) = (half_width.to_string(), HALF_WIDTHS.to_owned());
             return Err(Error::Option { option: "--half-width", value, allowed });
         }
+        announced(brake.plan());
         let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
+        let mut most_failed = None;
         let manifest = run_study(brake, &self.out, self.threads, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
             scorecard = claims(results)?;
             if let Some(half_width) = half_width {
-                estimates = Estimates::run(study, half_width, dir)?.text();
+                estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
+            most_failed = self.most_failed(results);
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;
             }
             Ok(())
         })?;
-        let failed = |source| Error::Write { path: "standard output".into(), source };
         if !scorecard.is_empty() {
-            writeln!(out, "{}", claims_markdown(&scorecard)).map_err(failed)?;
+            writeln!(out, "{}", claims_markdown(&scorecard)).map_err(Error::StandardOutput)?;
         }
         writeln!(
             out,
@@ -118,8 +155,9 @@ impl RunArgs {
             manifest.certified,
             manifest.seconds.samples,
             manifest.failures,
-            self.out.display()
+            printable(&self.out.display().to_string())
         )
-        .map_err(failed)
+        .map_err(Error::StandardOutput)?;
+        most_failed.map_or(Ok(()), Err)
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn to_svg(canvas: &Canvas) -> String {
             Item::Open { class, title } => {
                 let mut group = Element::new("g");
                 group.assign("class", *class);
-                group.append(Title::new(title.as_str()));
+                group.append(Title::new(without_control(title)));
                 open.push(group);
                 continue;
             }
@@ -86,7 +86,7 @@ fn text(label: &Label, fonts: &Fonts) -> Element {
     };
     // The length keeps the layout whole where a viewer has none of the fonts.
     let length = fonts.width(&label.text, label.size, label.bold);
-    let mut text = Text::new(label.text.as_str())
+    let mut text = Text::new(without_control(&label.text))
         .set("x", x)
         .set("y", y)
         .set("font-size", label.size)
@@ -104,6 +104,11 @@ fn text(label: &Label, fonts: &Fonts) -> Element {
         text = text.set("stroke", "#ffffff").set("stroke-width", 2).set("paint-order", "stroke");
     }
     text.into()
+}
+
+/// Text without the characters that XML cannot hold, not even escaped; a box stands for each, as for those that the font lacks.
+fn without_control(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { '\u{fffd}' } else { c }).collect()
 }
 
 fn hex(color: Color) -> String {

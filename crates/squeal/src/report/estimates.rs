@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use montecarlo::Progress;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
 };
 use crate::output::{write_csv, write_json};
+use crate::run::bar;
 use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
@@ -32,18 +34,25 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. What `dir` holds
-    /// of the same estimates already is not computed again.
+    /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. The state is kept
+    /// in the folder `kept_in`: what it holds of the same estimates already is not computed again.
     ///
     /// # Errors
     /// A sample that cannot be solved; a folder that cannot be written.
-    pub fn run<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Result<Self, Error> {
-        let mut estimates = Self::kept(study, half_width, dir);
+    pub fn run<B: UncertainBrake>(
+        study: &Study<'_, B>,
+        half_width: f64,
+        kept_in: &Path,
+        dir: &Path,
+    ) -> Result<Self, Error> {
+        let mut estimates = Self::kept(study, half_width, kept_in);
         let (scenes, mut saved) = (&study.plan().scenes, Instant::now());
         let mut open: Vec<usize> = (0..scenes.len()).filter(|&at| estimates.scenes[at].is_none()).collect();
         // Scenes of one law and speed range share their friction, mostly.
         open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
         let mut points: Option<FrictionPoints> = None;
+        let progress = bar("scenes estimated");
+        progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
             let is_served = match &points {
                 Some(points) => points.serves(study.brake(), &scenes[first]).map_err(inner)?,
@@ -62,20 +71,22 @@ impl Estimates {
             for (at, found) in batch.into_iter().zip(found) {
                 estimates.scenes[at] = Some(found);
             }
+            progress.advance(count as u64);
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
-                write_json(&dir.join(STATE), &estimates)?;
+                write_json(&kept_in.join(STATE), &estimates)?;
                 saved = Instant::now();
             }
         }
+        progress.end();
         estimates.write_table(study, dir)?;
         Ok(estimates)
     }
 
     /// What a folder holds, if it is of the same study and half width; else nothing.
-    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, dir: &Path) -> Self {
+    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, kept_in: &Path) -> Self {
         let (plan, count) = (study.plan(), study.plan().scenes.len());
         let identity = format!("{} seed {}", plan.identity, plan.seed);
-        let text = std::fs::read_to_string(dir.join(STATE)).unwrap_or_default();
+        let text = std::fs::read_to_string(kept_in.join(STATE)).unwrap_or_default();
         let kept = serde_json::from_str::<Self>(&text).ok();
         let is_same =
             |kept: &Self| kept.identity == identity && kept.half_width == half_width && kept.scenes.len() == count;

@@ -7,7 +7,7 @@ use montecarlo::QuantileSketch;
 use super::Results;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::{Plan, SceneLabels};
+use crate::study::SceneLabels;
 
 /// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
 ///
@@ -152,23 +152,9 @@ fn quartile_columns(sketch: &QuantileSketch) -> Result<[String; 4], Error> {
 
 fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let rows = results.summary.failures.listed().iter().map(|failure| {
-        let scene =
-            failure.scene.map_or("every scene: the draw failed".into(), |at| scene_in_words(results.plan(), at));
+        let scene = failure.scene.map(|at| results.plan().describe(&results.plan().scenes[at]));
+        let scene = scene.unwrap_or_else(|| "every scene: the draw failed".into());
         vec![failure.index.to_string(), scene, failure.message.clone()]
     });
     write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
-}
-
-fn scene_in_words(plan: &Plan, at: usize) -> String {
-    let (scene, labels) = (&plan.scenes[at], &plan.labels);
-    let contacts = match plan.configuration(scene).contacts.as_str() {
-        "" => String::new(),
-        contacts => format!("contact {contacts}, "),
-    };
-    format!(
-        "{}, {}, {contacts}{}",
-        labels.constraints[scene.key.constraints],
-        labels.laws[scene.key.law].name,
-        scene.key.speed.map_or("all speeds", |range| &labels.speeds[range].name),
-    )
 }

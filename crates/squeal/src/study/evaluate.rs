@@ -3,10 +3,11 @@
 
 use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
-use montecarlo::StreamRng;
+use montecarlo::{Progress, StreamRng};
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
+use super::cost::Cost;
 use super::memory::{Scratch, timed};
 use super::net_work::WorkSystems;
 use super::reference::{Reference, SectoredReference, references};
@@ -59,18 +60,36 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// secular equations and their anchors.
     ///
     /// # Errors
-    /// Those of the brake and of the solver.
+    /// Those of the brake and of the solver; a study that would take more memory than [`Cost::MOST_BYTES`].
     pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
+        Self::with_progress(brake, solver, &())
+    }
+
+    /// As [`Study::new`], and tells how far it has come.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn with_progress(brake: &'a B, solver: &'a dyn EigenSolver, progress: &dyn Progress) -> Result<Self, Error> {
         let plan = brake.plan();
+        // One step for each configuration, two for each scene: its reference and its anchors.
+        progress.begin((plan.configurations.len() + 2 * plan.scenes.len()) as u64, 0);
+        let study = Self::prepared(brake, solver, progress);
+        progress.end();
+        study
+    }
+
+    fn prepared(brake: &'a B, solver: &'a dyn EigenSolver, progress: &dyn Progress) -> Result<Self, Error> {
+        let plan = brake.plan();
+        Cost::of(plan).check(&plan.source())?;
         let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
         let median = brake.median();
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
-        let references = references(plan, &points, solver).map_err(failed)?.into_iter();
+        let references = references(plan, &points, solver, progress).map_err(failed)?.into_iter();
         let (references, sector_references) =
             references.map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
-        let anchors = anchors(brake, &equations, &certificates, solver)?;
+        let anchors = anchors(brake, &equations, &certificates, solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
         Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, brake, solver })

@@ -10,6 +10,7 @@
 mod brake;
 mod certificate;
 mod comparison;
+mod cost;
 mod evaluate;
 mod memory;
 mod mode_label;
@@ -24,6 +25,7 @@ mod tally;
 pub use brake::UncertainBrake;
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
+pub use cost::Cost;
 pub use evaluate::{Outcome, Study, UnstableMode};
 pub use memory::{Scratch, Spent, timed};
 pub use mode_label::ModeLabel;

@@ -220,6 +220,17 @@ impl Plan {
         self.source_file.as_ref().map_or_else(|| self.name.clone(), |file| file.path.display().to_string())
     }
 
+    /// A scene in words: constraints, law, contacts and speed.
+    pub fn describe(&self, scene: &Scene) -> String {
+        let SceneKey { constraints, law, speed, .. } = scene.key;
+        let speed = speed.map_or("all speeds", |range| &self.labels.speeds[range].name);
+        let contacts = match self.configuration(scene).contacts.as_str() {
+            "" => String::new(),
+            contacts => format!("contact {contacts}, "),
+        };
+        format!("{}, {}, {contacts}{speed}", self.labels.constraints[constraints], self.labels.laws[law].name)
+    }
+
     /// The configuration of a scene.
     pub fn configuration(&self, scene: &Scene) -> &Configuration {
         &self.configurations[scene.configuration]

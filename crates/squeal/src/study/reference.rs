@@ -7,9 +7,12 @@
 //! then matched to the modes of their scene.
 //!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
+//! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
+//! between them.
 
-use cea::{EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
+use cea::{EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::Progress;
 use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
@@ -18,6 +21,14 @@ use tracking::{Path, PathEnd, PathStart, follow, identify};
 use super::{Configuration, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
 
+/// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
+/// than a double's are computed. Where no system is stiff there are none; where some are, each step of a mode that has to be
+/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: two seconds of them, and 16 in any case.
+pub(super) fn bounded_workspace(order: usize) -> Workspace {
+    let most = 4e6 / (order as f64).powi(3);
+    Workspace::with_most_certified_solves((most as u64).max(16))
+}
+
 /// The modes of one system, or of one sector of it, at median parameters.
 #[derive(Debug, Clone)]
 pub struct Reference {
@@ -25,8 +36,8 @@ pub struct Reference {
     pub system: SecondOrder,
     /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
-    /// The names of each: one, several where a coalescence on the path leaves open which mode is which, none where a mode was
-    /// no oscillation at the beginning of the path.
+    /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
+    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path.
     pub names: Vec<Vec<ModeLabel>>,
 }
 
@@ -54,6 +65,19 @@ impl Reference {
         names.sort_unstable();
         names.dedup();
         names
+    }
+
+    /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
+    /// and which of them is which has no answer. Each gets the names of all.
+    fn open_equal_modes(&mut self) {
+        let is_equal = |a: &Mode, b: &Mode| (a.lambda - b.lambda).norm() <= EQUAL_BUT_FOR_ROUNDING * b.lambda.norm();
+        let sizes: Vec<usize> = self.modes.chunk_by(is_equal).map(<[Mode]>::len).collect();
+        let mut first = 0;
+        for size in sizes {
+            let together = self.names_of(first..first + size);
+            self.names[first..first + size].fill(together);
+            first += size;
+        }
     }
 
     /// The modes of the whole brake, from those of all its sectors.
@@ -100,43 +124,51 @@ impl Reference {
                 next.names[to].extend(names);
             }
         }
-        for names in &mut next.names {
-            names.sort_unstable();
-            names.dedup();
-        }
+        next.open_equal_modes();
         Ok(next)
     }
 }
 
-/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters.
+/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters. Progress
+/// advances by one for each configuration and each scene.
 ///
 /// # Errors
-/// Those of the model and of the solver.
+/// Those of the model and of the solver; [`Error::Scene`] names the scene.
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<Vec<SectoredReference>, Error> {
     let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
-    let of_configuration =
-        |configuration: &Configuration| of_configuration(configuration, &origins[configuration.origin], solver);
+    let of_configuration = |configuration: &Configuration| {
+        let found = of_configuration(configuration, &origins[configuration.origin], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene {
+            scene: format!("contact {}", configuration.contacts),
+            source: source.into(),
+        })
+    };
     let configurations =
         plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
-        of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver)
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
     plan.scenes.par_iter().zip(points).map(of_scene).collect()
 }
 
 /// The modes of an origin, each named by its frequency rank.
 fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
-    let (brake, mut work) = (&origin.brake, Workspace::default());
+    let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
     let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
         part.names = ranks.into_iter().map(|rank| vec![ModeLabel::of_rank(rank)]).collect();
+        part.open_equal_modes();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
 }
@@ -179,7 +211,7 @@ impl SectoredReference {
         system: SecondOrder,
         near: bool,
     ) -> Result<Self, Error> {
-        let mut work = Workspace::default();
+        let mut work = bounded_workspace(system.order());
         let of_sector =
             |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, near, &mut work);
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;

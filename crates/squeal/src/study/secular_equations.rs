@@ -2,10 +2,11 @@
 
 use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Secular, Spectrum, Workspace};
 use linsys::{ChannelGain, OperatingPoint};
-use montecarlo::stream;
+use montecarlo::{Progress, stream};
 use osc_model::Sector;
 use rayon::prelude::*;
 
+use super::reference::bounded_workspace;
 use super::sector_modes::{SectorEquation, SectorSolver, SecularAnswer};
 use super::{Certificate, Configuration, Scene, UncertainBrake};
 use crate::Error;
@@ -58,7 +59,7 @@ pub(super) fn equations(configurations: &[Configuration]) -> Result<Vec<SecularE
     configurations.par_iter().map(SecularEquations::new).collect()
 }
 
-/// The anchors of each sector of each scene.
+/// The anchors of each sector of each scene. Progress advances by one for each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver.
@@ -67,9 +68,13 @@ pub(super) fn anchors<B: UncertainBrake>(
     equations: &[SecularEquations],
     certificates: &[Certificate],
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<Vec<Vec<Option<Anchors>>>, Error> {
     let of_scene = |scene: &Scene| {
-        anchors_of_scene(brake, scene, &equations[scene.configuration], &certificates[scene.configuration], solver)
+        let (equations, certificate) = (&equations[scene.configuration], &certificates[scene.configuration]);
+        let found = anchors_of_scene(brake, scene, equations, certificate, solver);
+        progress.advance(1);
+        found
     };
     brake.plan().scenes.par_iter().map(of_scene).collect()
 }
@@ -95,7 +100,7 @@ fn anchors_of_scene<B: UncertainBrake>(
             break;
         }
     }
-    let mut work = Workspace::default();
+    let mut work = bounded_workspace(model.system.order());
     let mut of_sectors = Vec::with_capacity(equations.sectors.len());
     for (sector, equation) in model.sectors.iter().zip(&equations.sectors) {
         let Some(equation) = equation else {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
+use montecarlo::{Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
@@ -173,5 +173,12 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
                 mean.record(more * m - fewer * n);
             }
         }
+    }
+
+    fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
+        let counted = |(tally, &failed): (&SceneTally, &u64)| {
+            tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
+        };
+        self.scenes.len() == failures.by_scene().len() && self.scenes.iter().zip(failures.by_scene()).all(counted)
     }
 }

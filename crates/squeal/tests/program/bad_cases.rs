@@ -113,7 +113,7 @@ fn lists_that_do_not_fit() {
             replaced(&text, r#"["amontons-coulomb", "velocity-dependent", "lugre"]"#, "[]"),
             ["study.laws", "[]", "one law or more"],
         ),
-        (replaced(&text, "rows = 3", "rows = 0"), ["lattice", "0 x 3", "1 to 1000"]),
+        (replaced(&text, "rows = 3", "rows = 0"), ["lattice", "0 x 3", "1 to 200"]),
         (
             replaced(&text, "z_damping = 181.0", "z_damping = [1.0]"),
             ["lattice.z_damping", "a list of 1;", "a list of 9"],

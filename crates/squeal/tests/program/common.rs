@@ -105,11 +105,12 @@ pub fn refusal(output: &Output, expected: &[&str]) -> String {
     stderr
 }
 
-/// Every file of a folder by name, without what differs between two runs by right: the manifest has the times.
+/// Every file of a folder by name, without what differs between two runs by right: the manifest has the times, the lock the
+/// process.
 pub fn results(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let files = std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap());
     let named = files.map(|entry| (entry.file_name().into_string().unwrap(), std::fs::read(entry.path()).unwrap()));
-    let kept: BTreeMap<_, _> = named.filter(|(name, _)| name != "manifest.json").collect();
+    let kept: BTreeMap<_, _> = named.filter(|(name, _)| name != "manifest.json" && name != "run.lock").collect();
     assert!(!kept.keys().any(|name| name.ends_with(".partial")), "half-written: {:?}", kept.keys());
     kept
 }

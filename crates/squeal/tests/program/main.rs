@@ -9,7 +9,11 @@ mod common;
 mod estimates;
 mod failures;
 mod memory;
+mod names;
 mod same_bytes;
+mod sizes;
 #[path = "../common/tables.rs"]
 mod tables;
+mod terminal;
+mod two_runs;
 mod words;

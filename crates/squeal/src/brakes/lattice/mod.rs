@@ -15,7 +15,7 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+    Configuration, Cost, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
     UncertainBrake,
 };
 
@@ -40,8 +40,9 @@ impl LatticeBrake {
     /// that does not depend on speed has one scene for all speed ranges.
     ///
     /// # Errors
-    /// Those of the model; [`Error::Median`] where median parameters have no operating point.
+    /// What the model refuses; [`Error::Median`] where median parameters have no operating point; [`Error::TooLarge`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
+        least_cost(&case).check(&case.path.display().to_string())?;
         let plan = Plan {
             source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
             name: case.name.clone(),
@@ -217,6 +218,19 @@ fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<Operati
     let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
     let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
     point.map_err(|source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) })
+}
+
+/// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
+/// most.
+fn least_cost(case: &LatticeCase) -> Cost {
+    let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
+    let of_class = match case.readings.draws {
+        Draws::Shared => Reversal::ALL.len(),
+        Draws::Each => 1,
+    };
+    let configurations = case.constraints.len() * arrangements.div_ceil(of_class);
+    let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
+    Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
 }
 
 fn classes(

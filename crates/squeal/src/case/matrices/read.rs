@@ -22,6 +22,7 @@ impl MatricesCase {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
         let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
@@ -59,6 +60,7 @@ fn parameter(check: &Check<'_>, name: String, given: schema::ParameterTable) -> 
         return Err(check.value("parameters", format!("{name:?}"), allowed));
     }
     let schema::ParameterTable { unit, distribution } = given;
+    check.line(&format!("parameters.{name}.unit"), &unit)?;
     distribution
         .check()
         .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;

@@ -9,6 +9,7 @@ use super::formulas::Formulas;
 use super::schema;
 use crate::case::check::{Check, field};
 use crate::case::{CaseError, Expression};
+use crate::input::{LARGEST_MATRIX, read};
 
 /// The terms with their coefficients. All terms must have the same order, and at least one a mass.
 pub(super) fn terms_with_coefficients(
@@ -55,7 +56,7 @@ fn load(
         schema::MatrixEntry::Rows(rows) => from_rows(check, field, &rows)?,
         schema::MatrixEntry::File(file) => {
             let (path, named) = (check.path.to_owned(), field.to_owned());
-            match std::fs::read(check.path.parent().unwrap_or(Path::new("")).join(&file)) {
+            match read(&check.path.parent().unwrap_or(Path::new("")).join(&file), LARGEST_MATRIX) {
                 Err(source) => return Err(CaseError::MatrixRead { path, field: named, file, source }),
                 Ok(bytes) => linsys::read_market(&bytes).map_err(|source| CaseError::Matrix {
                     path,

@@ -127,7 +127,7 @@ fn faults_are_named_in_one_line() {
         ("\"3*w\"", "nan", "terms \"spin\".coefficient = NaN; allowed: a finite number"),
         ("\"3*w\"", "2.0", "parameters.w = used nowhere; allowed: parameters that stand in"),
         ("slope = -0.1", "slope = \"ln(mu - 1)\"", "contacts \"pad\".slope = \"ln(mu - 1)\" = NaN at mu = 0.4"),
-        ("kind = \"matrices\"", "kind = \"beam\"", "unknown variant `beam`, expected `lattice` or `matrices`"),
+        ("kind = \"matrices\"", "kind = \"beam\"", "unknown name `beam`, expected `lattice` or `matrices`"),
         ("kind = \"matrices\"", "", "brake.kind = missing; allowed: \"lattice\" or \"matrices\""),
         ("kind = \"matrices\"", "kind = \"lattice\"", "unknown field `bodies`"),
         ("samples = 10", "samples = 0", "study.samples = 0; allowed: 1 to"),
@@ -215,7 +215,7 @@ fn faults_are_named_in_one_line() {
             "constraints \"y\".fixed = all; allowed: at most all degrees of freedom but one",
         ),
         ("fixed = []", "fixed = [\"q\"]", "constraints \"none\".fixed = \"q\"; allowed: the degrees of freedom x, y"),
-        ("name = \"y\"", "name = \"a/b\"", "constraints.name = \"a/b\"; allowed: letters, digits, - and _"),
+        ("name = \"y\"", "name = \"a/b\"", "constraints.name = \"a/b\"; allowed: 1 to 60 letters, digits, - and _"),
     ] {
         assert!(PAD.contains(from), "{from}");
         let message = parse(&PAD.replacen(from, to, 1)).unwrap_err().to_string();

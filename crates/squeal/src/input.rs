@@ -1,0 +1,32 @@
+//! Reading files whose sizes are bounded.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest case file, bytes. Chosen: its parser takes up to 75 times as much memory, 300 MB; matrices that large belong
+/// into files of their own.
+pub(crate) const LARGEST_CASE: u64 = 4_000_000;
+/// The largest file with a matrix, bytes. Chosen: enough for 1,600 x 1,600 numbers of 25 characters each.
+pub(crate) const LARGEST_MATRIX: u64 = 64_000_000;
+
+/// The contents of a regular file of at most so many bytes. Anything else could be without an end, or never begin.
+pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let refused =
+        |what: String| io::Error::other(format!("{what}; allowed: a regular file of at most {} MB", most / 1_000_000));
+    let found = std::fs::metadata(path)?;
+    if !found.is_file() {
+        return Err(refused(if found.is_dir() { "it is a directory" } else { "it is no regular file" }.into()));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(refused(format!("it has {} MB", found.len() / 1_000_000)));
+    }
+    Ok(bytes)
+}
+
+/// [`read`], of a file that must be text.
+pub(crate) fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no UTF-8 text"))
+}

@@ -1,0 +1,60 @@
+//! What a study takes, roughly, before anything of it is computed.
+
+use super::Plan;
+use crate::Error;
+
+/// Memory of the matrices and modes that a study keeps and those under way, and processor time until its first sample, each
+/// within a factor of five or so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Degrees of freedom, the most of any configuration.
+    pub order: usize,
+    /// Scenes.
+    pub scenes: usize,
+    /// Memory, bytes.
+    pub bytes: f64,
+    /// Processor time of reference modes and anchors, s.
+    pub seconds: f64,
+}
+
+/// Bytes for each entry of a matrix of the order of the brake: by scene, by configuration, and under way. Fitted to the peak memory
+/// of `squeal check` (GNU time) for a symmetric lattice of 10 x 10 with 2 scenes, 120 MB, one of 3 x 4 with 6 in contact and 504
+/// scenes, 150 MB, and of `cargo xtask reproduce` with its 1,392 scenes of 3 x 3, 170 MB.
+const BYTES_BY_SCENE: f64 = 120.0;
+const BYTES_BY_CONFIGURATION: f64 = 130.0;
+const BYTES_UNDER_WAY: f64 = 1000.0;
+/// What the program takes in any case, bytes. Measured.
+const BYTES_ALWAYS: f64 = 2e7;
+/// Processor time for each scene, s, by the cube of the order. Measured with the same on an AMD EPYC (Zen 4): 4e-8, 6e-7 and 9e-8.
+const SECONDS_BY_SCENE: f64 = 2e-7;
+
+impl Cost {
+    /// The most memory that a study may take; chosen, what a small machine has.
+    pub const MOST_BYTES: f64 = 4e9;
+
+    /// That of so many scenes and configurations of an order.
+    pub fn new(order: usize, configurations: usize, scenes: usize) -> Self {
+        let (size, configurations, count) = (order as f64, configurations as f64, scenes as f64);
+        let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + BYTES_UNDER_WAY;
+        let seconds = SECONDS_BY_SCENE * count * size.powi(3);
+        Self { order, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
+    }
+
+    /// That of a plan.
+    pub fn of(plan: &Plan) -> Self {
+        let orders = plan.configurations.iter().map(|configuration| configuration.brake.system.order());
+        Self::new(orders.max().unwrap_or(0), plan.configurations.len(), plan.scenes.len())
+    }
+
+    /// Refuses a study that would take too much memory.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`].
+    pub fn check(&self, study: &str) -> Result<(), Error> {
+        let Self { order, scenes, bytes, .. } = *self;
+        if bytes <= Self::MOST_BYTES {
+            return Ok(());
+        }
+        Err(Error::TooLarge { study: study.to_owned(), scenes, order, bytes, most: Self::MOST_BYTES })
+    }
+}
