@@ -21,6 +21,9 @@ pub enum TaskError {
     /// This program could not be started again with other features or one thread of OpenBLAS.
     #[error("the task cannot be started again: {0}")]
     Start(std::io::Error),
+    /// The paper's case as tables.
+    #[error("cases/paper.toml: {0}")]
+    Toml(String),
     /// The folder of the study's results could not be removed.
     #[error("{}: cannot be removed: {source}", path.display())]
     Remove {

@@ -1,9 +1,10 @@
-//! The tasks of this project: `cargo xtask reproduce`, `accuracy` and `bench`.
+//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy` and `bench`.
 
 mod accuracy;
 mod again;
 mod bench;
 mod error;
+mod readings;
 mod reproduce;
 
 use std::process::ExitCode;
@@ -21,6 +22,7 @@ struct Cli {
 enum Task {
     Accuracy(accuracy::AccuracyArgs),
     Bench(bench::BenchArgs),
+    Readings(readings::ReadingsArgs),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
         Task::Bench(args) => bench::run(args).map_err(Into::into),
+        Task::Readings(args) => readings::run(args).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
     };
     match result {

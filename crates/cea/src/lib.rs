@@ -58,8 +58,8 @@ pub use dense::{
 pub use dense::{LapackSolver, dgeev, dggev};
 pub use error::CeaError;
 pub use feedback::{
-    Anchors, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
-    Secular, h_infinity_norm_bound,
+    Anchors, AxisMargins, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep,
+    NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
 };
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
 pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict, verdicts};

@@ -13,7 +13,8 @@ use crate::proportion::{Proportion, Trial};
 /// that occurs for certain, [`Trial::Ambiguous`] for one that may not.
 ///
 /// A thing with a single candidate has that label. If k things have the same k candidates, all k labels occur for certain. A
-/// thing without candidates counts for no label. The candidates of one thing must differ; their order does not matter.
+/// thing without candidates adds no label to these; it may have any, which [`LabelTally`] counts. The candidates of one thing
+/// must differ; their order does not matter.
 ///
 /// ```
 /// use montecarlo::{Trial, occurring_labels};
@@ -42,7 +43,8 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
     a.len() == b.len() && a.iter().all(|label| b.contains(label))
 }
 
-/// The number of trials in which each label occurs. The tally has one entry for each label that has occurred.
+/// The number of trials in which each label occurs. The tally has one entry for each label that has occurred. A thing without
+/// candidates may have any label: its trial is ambiguous for each label that does not occur in it for certain.
 ///
 /// ```
 /// use montecarlo::{Confidence, LabelTally};
@@ -57,6 +59,11 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
 /// let bell = squeal.proportion(&"bell");
 /// assert_eq!((bell.hits(), bell.ambiguous(), bell.trials()), (2, 1, 4));
 /// assert_eq!(squeal.interval(&"never seen", Confidence::P95).lower, 0.0);
+///
+/// // Something of which nothing is known may be any of them, also one that was never seen.
+/// squeal.record(&[vec!["bell"], vec![]]);
+/// assert_eq!(squeal.proportion(&"bell").ambiguous(), 1);
+/// assert_eq!((squeal.unlabelled(), squeal.proportion(&"never seen").ambiguous()), (1, 1));
 /// for (label, proportion) in squeal.proportions() {
 ///     let interval = proportion.interval(Confidence::P95);
 ///     println!("{label}: {} of {}, {interval:?}", proportion.hits(), proportion.trials());
@@ -67,6 +74,8 @@ fn are_same<L: Ord>(a: &[L], b: &[L]) -> bool {
 pub struct LabelTally<L: Ord> {
     trials: u64,
     labels: BTreeMap<L, Hits>,
+    /// Trials with a thing without candidates.
+    unlabelled: u64,
 }
 
 /// Counts of one label.
@@ -74,11 +83,13 @@ pub struct LabelTally<L: Ord> {
 struct Hits {
     certain: u64,
     ambiguous: u64,
+    /// Those among both in whose trial something has no candidates.
+    beside_unlabelled: u64,
 }
 
 impl<L: Ord> Default for LabelTally<L> {
     fn default() -> Self {
-        Self { trials: 0, labels: BTreeMap::new() }
+        Self { trials: 0, labels: BTreeMap::new(), unlabelled: 0 }
     }
 }
 
@@ -86,8 +97,11 @@ impl<L: Ord + Clone> LabelTally<L> {
     /// Enters one trial, from the candidate labels of each thing found in the trial; see [`occurring_labels`].
     pub fn record<C: AsRef<[L]>>(&mut self, candidates: &[C]) {
         self.trials += 1;
+        let is_unlabelled = candidates.iter().any(|candidates| candidates.as_ref().is_empty());
+        self.unlabelled += u64::from(is_unlabelled);
         for (label, trial) in occurring_labels(candidates) {
             let hits = self.labels.entry(label).or_default();
+            hits.beside_unlabelled += u64::from(is_unlabelled);
             match trial {
                 Trial::Yes => hits.certain += 1,
                 Trial::Ambiguous => hits.ambiguous += 1,
@@ -104,7 +118,13 @@ impl<L: Ord> LabelTally<L> {
         self.trials
     }
 
-    /// The proportion of trials with a label; a label that never occurred has no hits.
+    /// The number of trials with a thing without candidates.
+    #[must_use]
+    pub fn unlabelled(&self) -> u64 {
+        self.unlabelled
+    }
+
+    /// The proportion of trials with a label; a label that never occurred has no certain hits.
     #[must_use]
     pub fn proportion(&self, label: &L) -> Proportion {
         self.of_hits(self.labels.get(label).copied().unwrap_or_default())
@@ -122,7 +142,8 @@ impl<L: Ord> LabelTally<L> {
     }
 
     fn of_hits(&self, hits: Hits) -> Proportion {
-        Proportion::of_counts(hits.certain, hits.ambiguous, self.trials)
+        let unlabelled = self.unlabelled - hits.beside_unlabelled;
+        Proportion::of_counts(hits.certain, hits.ambiguous + unlabelled, self.trials)
     }
 }
 
@@ -145,10 +166,12 @@ where
 impl<L: Ord> Merge for LabelTally<L> {
     fn merge(&mut self, later: Self) {
         self.trials += later.trials;
+        self.unlabelled += later.unlabelled;
         for (label, more) in later.labels {
             let hits = self.labels.entry(label).or_default();
             hits.certain += more.certain;
             hits.ambiguous += more.ambiguous;
+            hits.beside_unlabelled += more.beside_unlabelled;
         }
     }
 }
@@ -178,7 +201,28 @@ mod tests {
         let mut tally = LabelTally::default();
         tally.record(&[vec![15_u16], vec![16, 17]]);
         let text = serde_json::to_string(&tally).unwrap();
-        assert!(text.starts_with(r#"{"trials":1,"labels":{"15":{"certain":1,"ambiguous":0},"16":"#), "{text}");
+        assert!(
+            text.starts_with(r#"{"trials":1,"labels":{"15":{"certain":1,"ambiguous":0,"beside_unlabelled":0},"16":"#),
+            "{text}"
+        );
+        assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
+    }
+
+    #[test]
+    fn what_has_no_candidates_widens_every_upper_limit_and_no_lower_one() {
+        let mut tally = LabelTally::default();
+        (0..50).for_each(|_| tally.record(&[vec![15_u16], vec![16, 17]]));
+        let before = [15, 16, 99].map(|label| tally.interval(&label, Confidence::P95));
+        (0..50).for_each(|_| tally.record(&[vec![15_u16], vec![]]));
+        let counts = |label: u16| {
+            let proportion = tally.proportion(&label);
+            (proportion.hits(), proportion.ambiguous(), proportion.trials())
+        };
+        assert_eq!([15, 16, 99].map(counts), [(100, 0, 100), (0, 100, 100), (0, 50, 100)]);
+        let after = [15, 16, 99].map(|label| tally.interval(&label, Confidence::P95));
+        assert!(after[1].upper == 1.0 && after[2].upper > 0.59 && before[2].upper < 0.08, "{before:?} {after:?}");
+        assert_eq!([after[1].lower, after[2].lower], [0.0, 0.0]);
+        let text = serde_json::to_string(&tally).unwrap();
         assert_eq!(serde_json::from_str::<LabelTally<u16>>(&text).unwrap(), tally);
     }
 
@@ -203,9 +247,10 @@ mod tests {
             prop_assert_eq!(&merged, &whole);
             prop_assert_eq!(whole.trials(), trials.len() as u64);
             for label in 0..5 {
-                let seen = trials.iter().filter(|things| things.iter().flatten().any(|&l| l == label)).count() as u64;
+                let may_be = |thing: &Vec<u8>| thing.is_empty() || thing.contains(&label);
+                let perhaps = trials.iter().filter(|things| things.iter().any(may_be)).count() as u64;
                 let proportion = whole.proportion(&label);
-                prop_assert_eq!(proportion.hits() + proportion.ambiguous(), seen);
+                prop_assert_eq!(proportion.hits() + proportion.ambiguous(), perhaps);
             }
         }
     }

@@ -47,15 +47,29 @@ fn score_interval(hits: u64, trials: u64, confidence: Confidence) -> Interval {
     }
 }
 
-/// Trials for a half width h of the interval of a proportion p that is neither 0 nor 1, nearly: `p (1 - p) (z / h)^2`.
+/// Trials after which neither limit of [`clopper_pearson`](crate::clopper_pearson) is farther than h from a proportion near p, nearly.
+/// Wilson's limits of p are the solutions P of `(P - p)^2 = z^2 P (1 - P) / n`, so that they take
+///
+/// ```text
+/// n = (z / h)^2 max(q(p - h), q(p + h)),    q(P) = P (1 - P), 0 outside of 0 to 1
+/// ```
+///
+/// and the limits of Clopper and Pearson 1 / h more. Where p is 0 or 1 it is `ln(tail) / ln(1 - h)`, exactly.
 ///
 /// ```
 /// use montecarlo::{Confidence, trials_for_half_width};
-/// assert_eq!(trials_for_half_width(0.5, 0.01, Confidence::P95).ceil(), 9_604.0);
+/// assert_eq!(trials_for_half_width(0.5, 0.01, Confidence::P95).ceil(), 9_700.0);
+/// assert_eq!(trials_for_half_width(0.0, 0.01, Confidence::P95).ceil(), 368.0);
 /// ```
 #[must_use]
 pub fn trials_for_half_width(p: f64, half_width: f64, confidence: Confidence) -> f64 {
-    p * (1.0 - p) * (confidence.z() / half_width).powi(2)
+    let at_the_edge = confidence.tail().ln() / (-half_width).ln_1p();
+    if p <= 0.0 || p >= 1.0 {
+        return at_the_edge;
+    }
+    let spread = [p - half_width, p + half_width].map(|limit| (limit * (1.0 - limit)).max(0.0));
+    let inside = (confidence.z() / half_width).powi(2) * spread[0].max(spread[1]) + 1.0 / half_width;
+    inside.max(at_the_edge)
 }
 
 /// Whether something occurred in one trial.
@@ -69,7 +83,8 @@ pub enum Trial {
     Ambiguous,
 }
 
-/// Counts of the trials in which an event occurs. Ambiguous trials widen estimate and interval.
+/// Counts of the trials in which an event occurs. Ambiguous trials widen estimate and interval: they are no hits for the lower
+/// limit and hits for the upper one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Proportion {
     hits: u64,

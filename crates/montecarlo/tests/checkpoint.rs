@@ -199,16 +199,16 @@ fn a_link_in_place_of_the_partial_file_is_not_followed() {
     assert!(fs::symlink_metadata(&checkpoint.path).unwrap().is_file());
 }
 
-/// Puts one file in place of another as soon as the run works.
+/// Puts one file in place of another when the run has begun, after its first checkpoint.
 struct Replaces<'a> {
     from: &'a Path,
     to: &'a Path,
 }
 impl Progress for Replaces<'_> {
-    fn begin(&self, _: u64, _: u64) {}
-    fn advance(&self, _: u64) {
+    fn begin(&self, _: u64, _: u64) {
         fs::copy(self.from, self.to).unwrap();
     }
+    fn advance(&self, _: u64) {}
     fn end(&self) {}
 }
 

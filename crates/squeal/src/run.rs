@@ -11,7 +11,7 @@ use crate::report::{Manifest, Results, Times, write_tables};
 use crate::study::{Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 4;
+const TALLY_VERSION: u32 = 5;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

@@ -5,10 +5,11 @@
 mod common;
 
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
+use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
 use squeal::brakes::{LatticeBrake, LatticeSample, sliding};
 use squeal::case::{LatticeCase, Law};
-use squeal::study::{Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
+use squeal::study::{ModeLabel, Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
 
 /// The paper's case with some of its text replaced.
 fn case(changes: &[(&str, &str)]) -> LatticeCase {
@@ -148,6 +149,37 @@ fn only_unstable_modes_cost_eigenvectors() {
         }
         assert!(seen > 0);
     }
+}
+
+#[test]
+fn identity_by_mac_names_each_mode_after_the_origin_that_it_looks_like() {
+    let by_mac = ("labels = \"tracked\"", "labels = \"tracked\"\nidentity = \"mac\"");
+    let brake = LatticeBrake::new(two_by_two(&[by_mac])).unwrap();
+    let (study, mut work) = (Study::new(&brake, &QrSolver).unwrap(), Workspace::default());
+    let modes = |system: &SecondOrder, work: &mut Workspace| {
+        let spectrum = QrSolver.eigenvalues(system, work).unwrap();
+        Mode::at(system, &Modes::classify(system, &spectrum, work).unwrap().oscillatory, work).unwrap()
+    };
+    let (mut named, mut nameless) = (0, 0);
+    for (index, scene) in brake.plan.scenes.iter().enumerate() {
+        let origin = &brake.plan.origins[brake.plan.configuration(scene).origin];
+        let shapes = modes(&origin.brake.system.assemble(&origin.naming_point).unwrap(), &mut work);
+        let sample = brake.draw(&mut stream(3, index as u64)).unwrap();
+        let system = brake.system(scene, &sample).unwrap();
+        let unstable: Vec<Mode> = modes(&system, &mut work).into_iter().filter(|mode| mode.lambda.re > 0.0).collect();
+        let outcome = study.evaluate(index, &sample, &mut Default::default()).unwrap();
+        let expected = tracking::mac(&unstable, &shapes, &system.m);
+        for (row, found) in expected.row_iter().zip(&outcome.unstable) {
+            let alike = (1..).zip(row.iter()).filter(|(_, mac)| **mac > 0.5);
+            let alike: Vec<ModeLabel> = alike.map(|(rank, _)| ModeLabel::new(rank)).collect();
+            // A pair that flutters has shapes alike: the more alike one gives the name.
+            assert!(alike.is_empty() || found.names.iter().any(|name| alike.contains(name)), "{alike:?} {found:?}");
+            assert_eq!(found.names.is_empty(), alike.is_empty());
+            *(if alike.is_empty() { &mut nameless } else { &mut named }) += 1;
+        }
+    }
+    println!("{named} named, {nameless} like none");
+    assert!(named >= 15);
 }
 
 #[test]

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn through_a_coalescence_nothing_is_guessed() {
+    fn through_a_coalescence_both_candidates_are_kept() {
         // k12 k21 < 0: as the diagonal crosses, the pair meets at an exceptional point twice.
         let flutter = |a: f64, b: f64| {
             let k = dmatrix![a, 0.5, 0.0; -0.5, b, 0.0; 0.0, 0.0, 50.0];

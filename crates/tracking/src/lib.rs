@@ -10,7 +10,8 @@
 //!    their mean and their squared distance are;
 //! 4. **adaptive subdivision**: spectra at sample points, in steps that are cut until every match is clear.
 //!
-//! A mode that subdivision leaves in doubt passes a coalescence; it is reported with all its candidates.
+//! A mode that subdivision leaves in doubt passes a coalescence; it is reported with all its candidates. When a step is beyond
+//! doubt is a rule, not a proof: docs/error-bounds.md, section 14, gives the rule and how often it was checked.
 //!
 //! | module | what it holds |
 //! | --- | --- |

@@ -5,7 +5,8 @@ use linsys::real_times_complex;
 use nalgebra::DMatrix;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
-/// Least MAC of a match that is clear; chosen.
+/// Least MAC of a match that is clear whatever other modes there are. A match with a smaller MAC is still clear where it is at
+/// least half of this and no other mode has more than 1 minus this. Chosen.
 const LEAST_CLEAR_MAC: f64 = 0.8;
 /// Largest amount by which the MAC of a rival is below that of the assigned mode; chosen.
 const RIVAL_MAC_MARGIN: f64 = 0.4;
@@ -36,8 +37,10 @@ impl Match {
 
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
 ///
-/// A match is clear where its MAC is large and no other new mode comes near in MAC, or, of new modes with nearly parallel
-/// shapes, none comes near in eigenvalue.
+/// A match is clear, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is another new mode with a MAC above
+/// 0.2 that is within 0.4 of that of the match, or any above 0.2 where that of the match is below 0.8, and whose eigenvalue is
+/// less than 8 times as far from the old one as that of the match. docs/error-bounds.md, section 14, says how often the rule
+/// was checked.
 pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
     if old.is_empty() || new.is_empty() {
         return vec![Match { to: None, rivals: Vec::new() }; old.len()];

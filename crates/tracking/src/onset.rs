@@ -5,6 +5,8 @@
 //! where both differ from the slope of the chord by less than half of it, Re lambda counts as monotonic. Otherwise Re lambda is
 //! taken for a parabola, which departs from its chord by |s_b - s_a| h / 8, and the branch has to stay four times as far from
 //! the axis. At the end the number of unstable modes of every spectrum has to agree with the onsets found.
+//! This is a rule, not a proof: a branch that crosses the axis twice within one step, faster than [`RATE_MARGIN`] or four times
+//! such a parabola allows for, is overlooked (docs/error-bounds.md, section 10, says how often that was looked for).
 
 use num_complex::Complex;
 

@@ -137,7 +137,7 @@ pub fn perturbation(
     ends.retain(|&mu| from < mu && mu < to);
     ends.extend([from, to]);
     ends.sort_by(f64::total_cmp);
-    Ok(integrate(&distribution, &ends, |mu| {
+    Ok(integrate(&distribution, &ends, &reference.all_names(), |mu| {
         let d = mu - median;
         let is_unstable = |p: &[f64; 3]| p[0] + d * (p[1] + d * p[2]) > 0.0;
         Ok((0..parts.len()).filter(|&i| is_unstable(&parts[i])).map(|i| reference.names[i].clone()).collect())

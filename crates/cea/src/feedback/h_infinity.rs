@@ -41,6 +41,54 @@ impl Channels {
     }
 }
 
+/// A bound of an H-infinity norm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormBound {
+    /// g.
+    pub bound: f64,
+    /// How far from the axis eigenvalues were while it was sought.
+    pub margins: AxisMargins,
+}
+
+/// How far the eigenvalues of Hamiltonian matrices are from the imaginary axis, as parts of the norms of the matrices. One nearer
+/// than 1.5e-8, the allowance for rounding, counts as on it: the gap between the two numbers shows what that is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisMargins {
+    /// Matrices.
+    pub matrices: u64,
+    /// The farthest of the eigenvalues that count as on the axis; 0 without any.
+    pub on_axis: f64,
+    /// The nearest of the others; infinite without any.
+    pub off_axis: f64,
+}
+
+impl Default for AxisMargins {
+    fn default() -> Self {
+        Self { matrices: 0, on_axis: 0.0, off_axis: f64::INFINITY }
+    }
+}
+
+impl AxisMargins {
+    fn of(eigenvalues: &[Complex<f64>], norm: f64) -> Self {
+        let parts = eigenvalues.iter().map(|lambda| lambda.re.abs() / norm);
+        Self {
+            matrices: 1,
+            on_axis: parts.clone().filter(|part| *part <= ON_AXIS).fold(0.0, f64::max),
+            off_axis: parts.filter(|part| *part > ON_AXIS).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Those of some matrices and of others.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            matrices: self.matrices + other.matrices,
+            on_axis: self.on_axis.max(other.on_axis),
+            off_axis: self.off_axis.min(other.off_axis),
+        }
+    }
+}
+
 /// Why [`h_infinity_norm_bound`] gives no bound.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -87,7 +135,7 @@ pub fn h_infinity_norm_bound(
     system: &SecondOrder,
     channels: &Channels,
     work: &mut Workspace,
-) -> Result<Result<f64, NoNormBound>, CeaError> {
+) -> Result<Result<NormBound, NoNormBound>, CeaError> {
     if system.states() > 0 || !channels.fit(system.order()) {
         return Err(CeaError::Channels { order: system.order(), states: system.states() });
     }
@@ -110,21 +158,23 @@ pub fn h_infinity_norm_bound(
         seen = seen.max(gain(pole.im, work));
     }
     let hamiltonian = Hamiltonian::new(&state, gamma, &MassRoot::new(&system.m)?, channels)?;
+    let mut margins = AxisMargins::default();
     for _ in 0..MOST_BOUNDS {
         if !(seen > 0.0 && seen.is_finite()) {
             return Ok(Err(if seen == 0.0 { NoNormBound::NoGain } else { NoNormBound::GainNotFinite }));
         }
         let bound = ABOVE_SEEN * seen;
         let matrix = hamiltonian.at(bound);
-        let near = ON_AXIS * matrix.norm();
+        let norm = matrix.norm();
         work.counters.eigenvalue_solves += 1;
         let Some(found) = francis::eigenvalues(matrix, MOST_QR_STEPS) else {
             return Ok(Err(NoNormBound::NoConvergence));
         };
+        margins = margins.and(AxisMargins::of(&found, norm));
         let mut crossings: Vec<f64> =
-            found.iter().filter(|l| l.re.abs() <= near && l.im >= 0.0).map(|l| l.im).collect();
+            found.iter().filter(|l| l.re.abs() <= ON_AXIS * norm && l.im >= 0.0).map(|l| l.im).collect();
         if crossings.is_empty() {
-            return Ok(Ok(ROUNDING_RESERVE * bound));
+            return Ok(Ok(NormBound { bound: ROUNDING_RESERVE * bound, margins }));
         }
         crossings.sort_unstable_by(f64::total_cmp);
         // Crossings that rounding has merged have no middle to look at; `bound` makes the next bound higher in any case.
@@ -186,7 +236,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn bound(system: &SecondOrder, channels: &Channels) -> Result<f64, NoNormBound> {
-        h_infinity_norm_bound(system, channels, &mut Workspace::default()).unwrap()
+        h_infinity_norm_bound(system, channels, &mut Workspace::default()).unwrap().map(|found| found.bound)
     }
 
     #[test]

@@ -32,6 +32,7 @@ impl MatricesBrake {
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
+        plan.labels.dofs.clone_from(&case.dofs);
         Ok(Self { case, plan })
     }
 

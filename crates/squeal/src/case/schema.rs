@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Draws, FrictionDistributions, Law};
-use crate::study::ModeNaming;
+use crate::study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -120,6 +120,8 @@ pub(super) struct ReadingsTable {
     pub lateral: LateralEntry,
     pub draws: Draws,
     pub labels: ModeNaming,
+    #[serde(default)]
+    pub identity: ModeIdentity,
     pub preload: PreloadEntry,
     pub bristle_damping: BristleDampingEntry,
 }

@@ -8,7 +8,7 @@ use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
 use super::{Alternative, Draws, Law};
-use crate::study::{ModeLabel, ModeNaming};
+use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
 #[derive(Debug, Clone)]
@@ -54,6 +54,8 @@ pub struct LatticeReadings {
     pub draws: Draws,
     /// How modes are named.
     pub labels: ModeNaming,
+    /// How a tracked mode is known again.
+    pub identity: ModeIdentity,
     /// The force that presses the oscillators on the plate.
     pub preload: Preload,
     /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
@@ -127,8 +129,12 @@ pub struct Paper {
     pub corners: Vec<usize>,
     /// Oscillators that dominate the unstable mode with the second constraint set, from 1.
     pub after_corners_dominant: Vec<usize>,
+    /// The mode that is left with the second constraint set, in its own numbering.
+    pub after_corners_mode: ModeLabel,
     /// Median occurrence of this mode with every oscillator in contact.
     pub after_corners_occurrence: f64,
+    /// The mode that is left with the third constraint set, in its own numbering.
+    pub after_six_mode: ModeLabel,
     /// Largest median occurrence with the third constraint set.
     pub after_six_occurrence: f64,
     /// The bound of that occurrence in the conclusions.

@@ -58,6 +58,7 @@ impl LatticeCase {
             lateral,
             draws: readings.draws,
             labels: readings.labels,
+            identity: readings.identity,
             preload: preload(&check, readings.preload)?,
             bristle_damping: readings.bristle_damping.into(),
         };

@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use cea::QrSolver;
-use montecarlo::{Confidence, trials_for_half_width, wilson};
+use montecarlo::{Confidence, trials_for_half_width};
 use serde::{Deserialize, Serialize};
 
-use super::{Estimated, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo};
+use super::{
+    Estimated, Estimates, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
+};
 use crate::study::{ModeLabel, Study, UncertainBrake};
 
 /// Systems that a control variate solves at least, by its sample points: below, plain sampling is cheaper. Measured on the
 /// 3 x 3 lattice, where surrogates end between 1,000 and 8,000 sample points.
 const FEWEST_BY_CONTROL_VARIATE: f64 = 2_000.0;
 /// Number of pilot samples, which only determine the number of plain samples; chosen.
-const PLAIN_PILOT_SAMPLES: u64 = 400;
+pub(super) const PLAIN_PILOT_SAMPLES: u64 = 400;
 /// Half width that plain sampling is planned for, as a part of the half width asked for; chosen.
 const PLANNED_WIDTH: f64 = 0.95;
 /// Half width at and below which the mean of a prediction is taken over [`FINEST_POINTS`]; chosen.
@@ -55,7 +57,7 @@ pub struct SceneOccurrences {
     pub estimator: Estimator,
     /// Occurrences by name of the mode; modes that are certainly never unstable are not listed.
     pub modes: BTreeMap<ModeLabel, Estimated>,
-    /// The largest half width, without the part that is due to open names.
+    /// The largest half width of any mode, listed or not, without the part that is due to open names.
     pub half_width: f64,
     /// Number of all systems solved.
     pub evaluations: u64,
@@ -138,8 +140,7 @@ fn by_integral<B: UncertainBrake>(
     };
     let mut modes = BTreeMap::new();
     for (name, occurrence) in found.integral.occurrences {
-        let half_width = found.error + 0.5 * (occurrence.upper - occurrence.lower);
-        modes.insert(name, Estimated { occurrence, half_width });
+        modes.insert(name, Estimated::within(occurrence, found.error));
     }
     let evaluations = found.counters.eigenvalue_solves;
     Ok(Ok(SceneOccurrences::new(Estimator::ExactIntegral, modes, found.error, evaluations, half_width)))
@@ -164,17 +165,18 @@ fn by_sampling<B: UncertainBrake>(
 ) -> Result<SceneOccurrences, EstimatorError> {
     let seed = study.plan().seed;
     let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
-    let nearest = |estimated: &Estimated| {
-        let centre = 0.5 * (estimated.occurrence.lower + estimated.occurrence.upper);
-        0.5_f64.clamp((centre - estimated.half_width).max(0.0), (centre + estimated.half_width).min(1.0))
-    };
-    let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
-    let samples = pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(0.0), f64::max).ceil() as u64;
+    let samples = planned_samples(&pilots, half_width);
     let found = monte_carlo(study, scene, seed, samples)?;
-    // A mode that was never unstable has half of Wilson's interval for no hit.
-    let unseen = 0.5 * wilson(0, samples, Confidence::P95).map_err(crate::Error::from)?.upper;
-    let reached = found.modes.values().map(Estimated::closed_half_width).fold(unseen, f64::max);
+    let reached = found.half_width();
     Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
+}
+
+/// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it. A mode that
+/// no pilot shows is planned for as if it occurred as often as the half width says.
+pub(super) fn planned_samples(pilots: &Estimates, half_width: f64) -> u64 {
+    let nearest = |mode: &Estimated| 0.5_f64.clamp(mode.limits.lower, mode.limits.upper);
+    let needed = |p: f64| plain_samples(p, PLANNED_WIDTH * half_width);
+    pilots.modes.values().map(|mode| needed(nearest(mode))).fold(needed(half_width), f64::max).ceil() as u64
 }
 
 impl SceneOccurrences {
@@ -191,9 +193,7 @@ impl SceneOccurrences {
     }
 }
 
-/// Approximate number of samples for the half width h of Wilson's 95 % interval of a proportion p: `p (1 - p) (z / h)^2`, but at
-/// least the number n for which the interval `[0, z^2 / (n + z^2)]` of p = 0 has this half width.
+/// Samples with which plain sampling knows an occurrence to a half width at 95 %.
 fn plain_samples(p: f64, half_width: f64) -> f64 {
-    let at_the_edge = Confidence::P95.z().powi(2) * (0.5 / half_width - 1.0);
-    trials_for_half_width(p, half_width, Confidence::P95).max(at_the_edge)
+    trials_for_half_width(p, half_width, Confidence::P95)
 }

@@ -24,7 +24,7 @@ use super::interval::{INTERIM_LOOKS, PredictionMeans, intervals, tails};
 use super::kd_tree::ModeSet;
 use super::stratum::Stratum;
 use super::{ControlVariateEstimate, EstimatorError, Surrogate};
-use crate::study::{Scratch, Study, UncertainBrake};
+use crate::study::{ModeLabel, Scratch, Study, UncertainBrake};
 
 /// Half width for which the samples of the first look are planned, as a part of the half width asked for; chosen.
 const FIRST_LOOK_WIDTH: f64 = 0.95;
@@ -63,26 +63,34 @@ pub fn control_variate<B: UncertainBrake>(
     let surrogate = Surrogate::new(study, scene, points, samples_needed)?;
     let means = PredictionMeans::new(&surrogate, points);
     let mut samples = StratifiedSamples::new(study, scene, &surrogate, seed)?;
-    let mut first = first_sizes(&means, prior_wrong(means.uncertain.0), half_width);
+    corrected(&means, half_width, surrogate.sample_points(), |kind, size, stratum| samples.solve(kind, size, stratum))
+}
+
+/// The occurrences from the means of a prediction, corrected by samples to `half_width`, or as near as the last look gets.
+/// `solve` brings a stratum of clear (0) or uncertain (1) samples to a number of them; `sample_points` were solved for the
+/// prediction.
+pub(super) fn corrected(
+    means: &PredictionMeans,
+    half_width: f64,
+    sample_points: u64,
+    mut solve: impl FnMut(usize, u64, &mut Stratum) -> Result<(), EstimatorError>,
+) -> Result<ControlVariateEstimate, EstimatorError> {
+    let mut first = first_sizes(means, prior_wrong(means.uncertain.mean), half_width);
     let mut pilots = Stratum::default();
     if first[1] > 2 * PILOT_SAMPLES {
-        samples.solve(1, PILOT_SAMPLES, &mut pilots)?;
-        first = first_sizes(&means, pilots.most_wrong(), half_width);
+        solve(1, PILOT_SAMPLES, &mut pilots)?;
+        first = first_sizes(means, pilots.most_wrong(), half_width);
     }
     let mut strata = <[Stratum; 2]>::default();
     let mut look = 0;
     loop {
         let (tail, size_factor) = INTERIM_LOOKS[look];
         for (kind, (size, stratum)) in first.into_iter().zip(&mut strata).enumerate() {
-            samples.solve(kind, (size as f64 * size_factor).ceil() as u64, stratum)?;
+            solve(kind, (size as f64 * size_factor).ceil() as u64, stratum)?;
         }
-        let evaluations = Evaluations {
-            sample_points: surrogate.sample_points(),
-            pilots: pilots.samples,
-            clear: strata[0].samples,
-            uncertain: strata[1].samples,
-        };
-        let found = intervals(&means, &strata, tails(tail), look == 0, evaluations);
+        let [clear, uncertain] = strata.each_ref().map(|stratum| stratum.samples);
+        let evaluations = Evaluations { sample_points, pilots: pilots.samples, clear, uncertain };
+        let found = intervals(means, &strata, tails(tail), look == 0, evaluations);
         look += 1;
         if found.half_width() <= half_width || look == INTERIM_LOOKS.len() {
             return Ok(found);
@@ -114,7 +122,7 @@ fn sizes(means: &PredictionMeans, wrong: f64, half_width: f64, part: f64) -> [f6
     let [clear, uncertain] = means.largest_shares();
     let [tail, of_student] = tails(INTERIM_LOOKS[0].0);
     let t = means.t(of_student);
-    let of_means = means.modes.values().flatten().map(|mean| mean.1).fold(0.0, f64::max).powi(2);
+    let of_means = means.modes.values().flatten().map(|mean| mean.standard_error).fold(0.0, f64::max).powi(2);
     // At least a tenth of the variance of the mean, where this mean alone uses up the part.
     let left = ((part * half_width / t).powi(2) - of_means).max(0.1 * of_means);
     let of_uncertain = (variance(uncertain, wrong) / left).max(FEWEST_UNCERTAIN);
@@ -129,6 +137,8 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
     friction: LeadingFriction<'a, B>,
     scene: usize,
     surrogate: &'a Surrogate,
+    /// Every name of the scene.
+    names: Vec<ModeLabel>,
     seed: u64,
     next: u64,
     /// Clear and uncertain samples that are drawn and not solved, with the predicted modes.
@@ -139,8 +149,8 @@ struct StratifiedSamples<'a, B: UncertainBrake> {
 impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
     fn new(study: &'a Study<'a, B>, scene: usize, surrogate: &'a Surrogate, seed: u64) -> Result<Self, EstimatorError> {
         let friction = LeadingFriction::new(study.brake(), &study.plan().scenes[scene])?;
-        let waiting = [Vec::new(), Vec::new()];
-        Ok(Self { study, friction, scene, surrogate, seed, next: 0, waiting, scratch: Scratch::default() })
+        let (waiting, names) = ([Vec::new(), Vec::new()], study.references()[scene].all_names());
+        Ok(Self { study, friction, scene, surrogate, names, seed, next: 0, waiting, scratch: Scratch::default() })
     }
 
     /// Solves clear (`kind` 0) or uncertain (1) samples until the stratum has `size` samples or no more are found.
@@ -156,7 +166,7 @@ impl<'a, B: UncertainBrake> StratifiedSamples<'a, B> {
             let mut outcomes = Vec::with_capacity(SAMPLES_PER_BLOCK);
             self.study.evaluate_block(self.scene, &samples, &mut self.scratch, &mut outcomes);
             for (&(_, predicted), outcome) in block.iter().zip(outcomes) {
-                stratum.enter(&self.surrogate.named(predicted), &outcome?.unstable_names());
+                stratum.enter(&self.surrogate.named(predicted), &outcome?.unstable_names(&self.names));
             }
         }
         Ok(())

@@ -1,9 +1,10 @@
-//! The exact integral: occurrences without sampling.
+//! The exact integral: occurrences without sampling, exact up to crossings of the axis that a rule excludes.
 //!
 //! Between two onsets the set of unstable modes does not change, so that the probability that a mode is unstable is the
 //! probability that mu lies in certain intervals: a sum of differences of its distribution function. The error bound is the
 //! probability of the error intervals of the onsets, of the steps that the search could not resolve, and of the tails that were
-//! cut off.
+//! cut off. It does not cover a branch that crosses the axis twice within one step: [`tracking::find_onsets`] excludes that by
+//! a rule.
 
 use cea::Counters;
 use num_complex::Complex;
@@ -25,7 +26,7 @@ const CUT_OFF: f64 = 2e-12;
 pub struct Exact {
     /// The probabilities.
     pub integral: Integral,
-    /// Bound of the error of each probability.
+    /// Bound of the error of each probability, if no pair of onsets was overlooked within one step.
     pub error: f64,
     /// The onsets.
     pub onsets: Onsets,
@@ -46,7 +47,7 @@ pub fn exact(reference: &Reference, family: &mut OneParameterFamily<'_>) -> Resu
     let mut ends = vec![from];
     ends.extend(onsets.onsets.iter().map(|onset| onset.at));
     ends.push(to);
-    let integral = integrate(&distribution, &ends, |mu| named(family, mu, median, reference))?;
+    let integral = integrate(&distribution, &ends, &reference.all_names(), |mu| named(family, mu, median, reference))?;
     let probability = |a: f64, b: f64| distribution.cumulative(b) - distribution.cumulative(a);
     let roots = onsets.onsets.iter().map(|onset| probability(onset.at - onset.error, onset.at + onset.error));
     let unresolved = onsets.unresolved.iter().map(|&(a, b)| probability(a, b));

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{Distribution, Trial, occurring_labels};
+use montecarlo::Distribution;
 
 use super::EstimatorError;
-use crate::study::ModeLabel;
+use crate::study::{ModeLabel, unstable_names};
 
 /// An occurrence: the probability that a mode is unstable, between two limits where a coalescence leaves its name open.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -41,23 +41,24 @@ pub struct Integral {
 }
 
 /// Sums the probabilities of the pieces between `ends`, ascending; `unstable` gives the names of the unstable modes at a point
-/// of a piece.
+/// of a piece. An unstable mode without a name may be any of `all_names`.
 ///
 /// # Errors
 /// Those of `unstable`.
 pub fn integrate(
     distribution: &Distribution,
     ends: &[f64],
+    all_names: &[ModeLabel],
     mut unstable: impl FnMut(f64) -> Result<Vec<Vec<ModeLabel>>, EstimatorError>,
 ) -> Result<Integral, EstimatorError> {
     let mut integral = Integral::default();
     for step in ends.windows(2) {
         let names = unstable(0.5 * (step[0] + step[1]))?;
         let part = distribution.cumulative(step[1]) - distribution.cumulative(step[0]);
-        for (name, trial) in occurring_labels(&names) {
+        for (name, is_sure) in unstable_names(&names, all_names) {
             let occurrence = integral.occurrences.entry(name).or_default();
             occurrence.upper += part;
-            occurrence.lower += if trial == Trial::Yes { part } else { 0.0 };
+            occurrence.lower += if is_sure { part } else { 0.0 };
         }
         integral.any += if names.is_empty() { 0.0 } else { part };
         integral.expected_modes += part * names.len() as f64;

@@ -16,6 +16,8 @@
 mod cell_builder;
 mod cheapest;
 mod control_variate;
+#[cfg(test)]
+mod coverage;
 mod error;
 mod evaluations;
 mod exact;

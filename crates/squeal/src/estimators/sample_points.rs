@@ -4,7 +4,7 @@ use cea::{BatchSolver, EigenSolver, Mode, Modes, Workspace, right_vectors_of_all
 use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use tracking::{Path, PathEnd, PathStart, identify_all};
+use tracking::{Path, PathEnd, PathStart};
 
 use super::EstimatorError;
 use super::friction_points::LeadingFriction;
@@ -123,10 +123,10 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             .zip(&right)
             .map(|(system, modes)| Path { start: PathStart::System(system), start_modes: modes, end })
             .collect();
-        let links = identify_all(&BatchSolver, &paths, &mut self.work);
-        for (modes, links) in found.iter_mut().zip(links) {
-            for (mode, link) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(links?) {
-                mode.names = reference.names_of(link);
+        let names = reference.names_of_all(&BatchSolver, &paths, &mut self.work);
+        for (modes, names) in found.iter_mut().zip(names) {
+            for (mode, names) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(names?) {
+                mode.names = names;
             }
         }
         Ok(found)

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use cea::Counters;
-use montecarlo::{Confidence, Experiment as _, ReplicateMean, wilson};
+use montecarlo::{Confidence, Experiment as _, Interval, ReplicateMean, clopper_pearson, exact_upper_limit};
 use serde::{Deserialize, Serialize};
 
 use super::friction_points::sobol_sample;
@@ -13,20 +13,36 @@ use crate::study::{ModeLabel, Outcome, Study, UncertainBrake};
 /// Samples handed to the solver together: some times its eight lanes; chosen.
 const SAMPLES_PER_BLOCK: usize = 64;
 
+/// Standard error of a mean over points in several scramblings at least, in hits of all their points. The hits of a
+/// scrambling are a whole number: scramblings that agree by chance do not show what is left between two of them. With
+/// R scramblings of m points an unseen part p of a hit has the probability `(1 - p)^R`, above 0.025 up to `p = 3.69 / R`: a
+/// mean that is wrong by 3.69 of R m points. Student's t at 95 % is 1.96 or more.
+pub(super) const UNSEEN_HITS: f64 = 2.0;
+
 /// An occurrence with what its estimator knows of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimated {
     /// The estimate.
     pub occurrence: OccurrenceBounds,
-    /// Half width of its 95 % confidence interval, with what open names leave open.
-    pub half_width: f64,
+    /// Its 95 % interval, within 0 and 1: the lower limit is one of the mode surely unstable, the upper one of the mode perhaps
+    /// unstable.
+    pub limits: Interval,
 }
 
 impl Estimated {
-    /// The half width without what open names leave open: more samples do not close that.
+    /// An estimate whose ends may be wrong by `error`.
+    pub(super) fn within(occurrence: OccurrenceBounds, error: f64) -> Self {
+        let limits =
+            Interval { lower: (occurrence.lower - error).max(0.0), upper: (occurrence.upper + error).min(1.0) };
+        Self { occurrence, limits }
+    }
+
+    /// The largest distance from an end of the occurrence to the limit beyond it: at the confidence of the limits the true
+    /// occurrence is at most so far from the estimate. Near 0 and 1, where the interval ends at one side, this is more than half
+    /// of its width. What open names leave between the ends is not in it: more samples do not close that.
     #[must_use]
-    pub fn closed_half_width(&self) -> f64 {
-        self.half_width - 0.5 * (self.occurrence.upper - self.occurrence.lower)
+    pub fn half_width(&self) -> f64 {
+        (self.occurrence.lower - self.limits.lower).max(self.limits.upper - self.occurrence.upper)
     }
 }
 
@@ -35,11 +51,22 @@ impl Estimated {
 pub struct Estimates {
     /// By name of the tracked mode.
     pub modes: BTreeMap<ModeLabel, Estimated>,
+    /// Upper limit, at 95 %, of the occurrence of any mode that is not listed.
+    pub unseen: f64,
     /// What was computed.
     pub counters: Counters,
 }
 
-/// Plain Monte Carlo: the study's own samples, with Wilson's interval.
+impl Estimates {
+    /// The largest half width, of a mode that was seen or not.
+    #[must_use]
+    pub fn half_width(&self) -> f64 {
+        self.modes.values().map(Estimated::half_width).fold(self.unseen, f64::max)
+    }
+}
+
+/// Plain Monte Carlo: the study's own samples, with the interval of Clopper and Pearson, which covers every probability at
+/// least as often as it says.
 ///
 /// # Errors
 /// A sample that cannot be solved.
@@ -51,15 +78,20 @@ pub fn monte_carlo<B: UncertainBrake>(
 ) -> Result<Estimates, EstimatorError> {
     let draws = (0..samples).map(|i| Ok(study.brake().draw(&mut montecarlo::stream(seed, i))?));
     let (hits, counters) = count(study, scene, draws)?;
-    let estimated = |(name, [sure, open]): (ModeLabel, [u64; 2])| {
-        let limits = |hits: u64| wilson(hits, samples, Confidence::P95).map_err(crate::Error::from);
-        let (lower, upper) = (limits(sure)?.lower, limits(sure + open)?.upper);
+    of_samples(&hits, samples, counters)
+}
+
+/// The estimates from hits among independent samples.
+pub(super) fn of_samples(hits: &HitCounts, samples: u64, counters: Counters) -> Result<Estimates, EstimatorError> {
+    let estimated = |(&name, &[sure, open]): (&ModeLabel, &[u64; 2])| {
+        let interval = |hits: u64| clopper_pearson(hits, samples, Confidence::P95).map_err(crate::Error::from);
+        let limits = Interval { lower: interval(sure)?.lower, upper: interval(sure + open)?.upper };
         let of = |hits: u64| hits as f64 / samples as f64;
         let occurrence = OccurrenceBounds { lower: of(sure), upper: of(sure + open) };
-        Ok((name, Estimated { occurrence, half_width: 0.5 * (upper - lower) }))
+        Ok((name, Estimated { occurrence, limits }))
     };
-    let modes = hits.into_iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
-    Ok(Estimates { modes, counters })
+    let modes = hits.iter().map(estimated).collect::<Result<_, EstimatorError>>()?;
+    Ok(Estimates { modes, unseen: exact_upper_limit(0, samples, Confidence::P95.tail()), counters })
 }
 
 /// Quasi-Monte Carlo: the first `points` of the Sobol sequence under each of `scramblings` independent Owen scramblings,
@@ -89,33 +121,44 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
         counters += computed;
         runs.push(hits);
     }
+    Ok(of_scramblings(&runs, points, counters))
+}
+
+/// The estimates from the hits of each of two or more scramblings among their points.
+pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters) -> Estimates {
     let names: BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let estimated = |name: ModeLabel| {
-        let share = |run: &HitCounts, open: f64| {
-            let [sure, maybe] = run.get(&name).copied().unwrap_or_default();
-            (sure as f64 + open * maybe as f64) / f64::from(points)
-        };
-        // Sure hits alone, with half of the open ones, and with all of them.
-        let mean = |open: f64| ReplicateMean::of(runs.iter().map(|run| share(run, open)));
-        let [lower, centre, upper] = [mean(0.0)?, mean(0.5)?, mean(1.0)?];
-        let interval = centre.interval(Confidence::P95);
-        let occurrence = OccurrenceBounds { lower: lower.mean, upper: upper.mean };
-        let half_width = 0.5 * (interval.upper - interval.lower) + 0.5 * (occurrence.upper - occurrence.lower);
-        Some((name, Estimated { occurrence, half_width }))
+        let hits = |run: &HitCounts| run.get(&name).copied().unwrap_or_default();
+        let sure = mean_of_scramblings(runs.iter().map(|run| hits(run)[0] as f64), points);
+        let perhaps = mean_of_scramblings(runs.iter().map(|run| hits(run).iter().sum::<u64>() as f64), points);
+        let occurrence = OccurrenceBounds { lower: sure.mean, upper: perhaps.mean };
+        let [lower, upper] = [sure, perhaps].map(|mean| mean.interval(Confidence::P95));
+        (name, Estimated { occurrence, limits: Interval { lower: lower.lower.max(0.0), upper: upper.upper.min(1.0) } })
     };
-    let modes = names.into_iter().map(estimated).collect::<Option<_>>();
-    Ok(Estimates { modes: modes.ok_or(EstimatorError::Points { points, scramblings })?, counters })
+    let none = mean_of_scramblings(runs.iter().map(|_| 0.0), points);
+    let unseen = none.interval(Confidence::P95).upper.min(1.0);
+    Estimates { modes: names.into_iter().map(estimated).collect(), unseen, counters }
+}
+
+/// The mean part of the points of some scramblings that are hits, from the hits of each, with a standard error of
+/// [`UNSEEN_HITS`] or more. Nothing is known of a single scrambling.
+pub(super) fn mean_of_scramblings(hits: impl Iterator<Item = f64> + Clone, points: u32) -> ReplicateMean {
+    let points = f64::from(points);
+    let unknown = ReplicateMean { mean: 0.0, standard_error: f64::INFINITY, replicates: 2 };
+    let found = ReplicateMean::of(hits.map(|hits| hits / points)).unwrap_or(unknown);
+    let least = UNSEEN_HITS / (points * found.replicates as f64);
+    ReplicateMean { standard_error: found.standard_error.max(least), ..found }
 }
 
 /// Sure and open hits by name.
-type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
+pub(super) type HitCounts = BTreeMap<ModeLabel, [u64; 2]>;
 
 fn count<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
     samples: impl Iterator<Item = Result<B::Sample, EstimatorError>>,
 ) -> Result<(HitCounts, Counters), EstimatorError> {
-    let mut hits = HitCounts::new();
+    let (mut hits, all_names) = (HitCounts::new(), study.references()[scene].all_names());
     let mut scratch = crate::study::Scratch::default();
     let mut samples = samples.peekable();
     let mut outcomes: Vec<Result<Outcome, crate::Error>> = Vec::new();
@@ -124,7 +167,7 @@ fn count<B: UncertainBrake>(
         outcomes.clear();
         study.evaluate_block(scene, &block.iter().collect::<Vec<_>>(), &mut scratch, &mut outcomes);
         for outcome in outcomes.drain(..) {
-            for (name, is_sure) in outcome?.unstable_names() {
+            for (name, is_sure) in outcome?.unstable_names(&all_names) {
                 hits.entry(name).or_default()[usize::from(!is_sure)] += 1;
             }
         }

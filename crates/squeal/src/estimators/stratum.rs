@@ -36,6 +36,16 @@ pub(super) struct Stratum {
 impl Stratum {
     /// Enters one sample. Both maps have the unstable modes by name, with `true` where the name is certain.
     pub fn enter(&mut self, predicted: &BTreeMap<ModeLabel, bool>, reference: &BTreeMap<ModeLabel, bool>) {
+        self.enter_alike(1, predicted, reference);
+    }
+
+    /// Enters some samples of which all have the same prediction and the same reference.
+    pub fn enter_alike(
+        &mut self,
+        samples: u64,
+        predicted: &BTreeMap<ModeLabel, bool>,
+        reference: &BTreeMap<ModeLabel, bool>,
+    ) {
         let names: BTreeSet<ModeLabel> = predicted
             .keys()
             .chain(reference.keys())
@@ -45,12 +55,12 @@ impl Stratum {
         for name in &names {
             let difference = self.differences.entry(*name).or_default();
             let (predicted, reference) = (predicted.get(name), reference.get(name));
-            count(&mut difference.sure, predicted == Some(&true), reference == Some(&true));
-            count(&mut difference.perhaps, predicted.is_some(), reference.is_some());
-            difference.any += 1;
+            count(samples, &mut difference.sure, predicted == Some(&true), reference == Some(&true));
+            count(samples, &mut difference.perhaps, predicted.is_some(), reference.is_some());
+            difference.any += samples;
         }
-        self.samples += 1;
-        self.wrong += u64::from(!names.is_empty());
+        self.samples += samples;
+        self.wrong += if names.is_empty() { 0 } else { samples };
     }
 
     /// The differences of a mode; none without a name, which a mode that was never seen has not.
@@ -91,8 +101,8 @@ impl Stratum {
     }
 }
 
-/// Counts a sample in which a mode is unstable by the reference only (first count) or by the prediction only (second count).
-fn count(counts: &mut [u64; 2], predicted: bool, reference: bool) {
-    counts[0] += u64::from(reference && !predicted);
-    counts[1] += u64::from(predicted && !reference);
+/// Counts samples in which a mode is unstable by the reference only (first count) or by the prediction only (second count).
+fn count(samples: u64, counts: &mut [u64; 2], predicted: bool, reference: bool) {
+    counts[0] += samples * u64::from(reference && !predicted);
+    counts[1] += samples * u64::from(predicted && !reference);
 }

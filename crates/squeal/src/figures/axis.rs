@@ -35,8 +35,8 @@ impl AxisScale {
         let decade = 10f64.powf((span / intervals).log10().floor());
         let step = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| span / s <= intervals);
         let step = step.unwrap_or(10.0 * decade);
-        // A value beyond a mark by rounding alone, -1e-17 say, needs no further step.
-        let (low, high) = ((least / step + 1e-9).floor() * step, (most / step - 1e-9).ceil() * step);
+        // A value beyond a mark by less than a line is thick needs no further step.
+        let (low, high) = ((least / step + UNSEEN).floor() * step, (most / step - UNSEEN).ceil() * step);
         AxisScale::Linear { low, high, step }
     }
 
@@ -78,6 +78,9 @@ impl AxisScale {
         }
     }
 }
+
+/// Part of a step that is not seen; chosen: a step has some 30 pt, a line 0.6.
+const UNSEEN: f64 = 5e-3;
 
 fn range(values: impl Iterator<Item = f64>, start: (f64, f64)) -> (f64, f64) {
     values.fold(start, |(least, most), v| (least.min(v), most.max(v)))
@@ -212,7 +215,7 @@ mod tests {
             let linear = AxisScale::linear(values.iter().copied(), 5.0);
             let log = AxisScale::log(values.iter().map(|v| v.abs() + 1e-9));
             for v in values {
-                prop_assert!((-1e-9..=1.0 + 1e-9).contains(&linear.at(v)));
+                prop_assert!((-super::UNSEEN..=1.0 + super::UNSEEN).contains(&linear.at(v)));
                 prop_assert!((-1e-9..=1.0 + 1e-9).contains(&log.at(v.abs() + 1e-9)));
             }
             prop_assert!(linear.ticks(0).len() <= 8);

@@ -50,4 +50,7 @@ pub use figure::Figure;
 pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 pub use mode_work::{BodyInMode, LawMode, ModeWorkFigure, NetWork, mode_and_work};
 pub use model_diagram::{ModelDiagram, model_diagram};
-pub use occurrence::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
+pub use occurrence::{
+    Occurrence, OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
+    OccurrencePanel, OccurrenceSeries, occurrence_boxes,
+};

@@ -18,6 +18,23 @@ pub enum Holds {
     NotDetermined,
 }
 
+impl From<bool> for Holds {
+    fn from(holds: bool) -> Self {
+        if holds { Self::Yes } else { Self::No }
+    }
+}
+
+impl Holds {
+    /// In a table: "yes", "no" or "?".
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Yes => "yes",
+            Self::No => "no",
+            Self::NotDetermined => "?",
+        }
+    }
+}
+
 /// One row of the scorecard.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
@@ -29,10 +46,13 @@ pub struct Claim {
     pub paper: String,
     /// Ours: the number that decides.
     pub ours: Option<f64>,
-    /// Its 95 % interval, where it is an estimate.
+    /// Its limits, where it is an estimate: with 95 % those of all estimates of the claim hold together.
     pub interval: Option<[f64; 2]>,
     /// Whether it holds.
     pub holds: Holds,
+    /// Frequency rank, from 1, of the mode that it is about: where modes have their names, or in each sample where they are
+    /// named by rank.
+    pub mode: Option<usize>,
     /// What `ours` is, and the numbers behind it.
     pub detail: String,
 }
@@ -46,6 +66,7 @@ impl Claim {
             ours: None,
             interval: None,
             holds: Holds::NotDetermined,
+            mode: None,
             detail: String::new(),
         }
     }
@@ -58,9 +79,14 @@ impl Claim {
         self
     }
 
-    pub(super) fn exactly(mut self, value: f64, holds: bool, detail: String) -> Self {
-        self.ours = Some(value);
-        (self.holds, self.detail) = (if holds { Holds::Yes } else { Holds::No }, detail);
+    pub(super) fn exactly(mut self, value: f64, holds: Holds, detail: String) -> Self {
+        (self.ours, self.holds, self.detail) = (Some(value), holds, detail);
+        self
+    }
+
+    /// A claim about something that was not found in any sample.
+    pub(super) fn none(mut self, detail: &str) -> Self {
+        (self.holds, self.detail) = (Holds::No, detail.into());
         self
     }
 
@@ -69,27 +95,10 @@ impl Claim {
         self
     }
 
-    /// A claim that several differences are all positive: `ours` is the smallest of them.
-    pub(super) fn all_positive(self, differences: impl Iterator<Item = (String, Option<Estimate>)>) -> Self {
-        let mut all = Vec::new();
-        for (name, difference) in differences {
-            match difference {
-                Some(difference) => all.push((name, difference)),
-                None => return self.undetermined("no sample was solved in all arrangements"),
-            }
-        }
-        let Some((_, smallest)) = all.iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value)) else {
-            return self.undetermined("the case has nothing to compare");
-        };
-        let holds = if all.iter().all(|(_, d)| d.lower > 0.0) {
-            Holds::Yes
-        } else if all.iter().any(|(_, d)| d.upper < 0.0 || (d.value <= 0.0 && d.lower == d.upper)) {
-            Holds::No
-        } else {
-            Holds::NotDetermined
-        };
-        let list: Vec<String> = all.iter().map(|(name, d)| format!("{name} {:+.3}", d.value)).collect();
-        self.ours(*smallest, holds, format!("smallest difference of the means; {}", list.join("; ")))
+    /// The claim, about the mode of this frequency rank.
+    pub(super) fn about(mut self, rank: usize) -> Self {
+        self.mode = Some(rank);
+        self
     }
 }
 
@@ -102,7 +111,7 @@ pub fn claims_json(claims: &[Claim]) -> String {
 /// The scorecard as a table for people.
 pub fn claims_markdown(claims: &[Claim]) -> String {
     let mut text =
-        String::from("| id | claim | paper | ours | 95 % interval | holds |\n| --- | --- | --- | --- | --- | --- |\n");
+        String::from("| id | claim | paper | ours | 95 % limits | holds |\n| --- | --- | --- | --- | --- | --- |\n");
     for claim in claims {
         let ours = claim.ours.map_or("-".into(), number);
         let interval = claim.interval.map_or("-".into(), |[a, b]| format!("{} to {}", number(a), number(b)));

@@ -51,7 +51,7 @@ impl Estimates {
         // Scenes of one law and speed range share their friction, mostly.
         open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
         let mut points: Option<FrictionPoints> = None;
-        let progress = bar("scenes estimated");
+        let progress: &dyn Progress = &bar("scenes estimated");
         progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
             let is_served = match &points {
@@ -107,7 +107,7 @@ impl Estimates {
                     found.estimator.to_string(),
                     mode.occurrence.lower.to_string(),
                     mode.occurrence.upper.to_string(),
-                    mode.closed_half_width().to_string(),
+                    mode.half_width().to_string(),
                     found.evaluations.to_string(),
                     found.plain_evaluations.to_string(),
                 ]);

@@ -4,6 +4,7 @@
 mod claims;
 mod estimates;
 mod manifest;
+mod modes;
 #[cfg(feature = "case-files")]
 mod paper;
 #[cfg(all(feature = "case-files", feature = "figures"))]
@@ -12,14 +13,16 @@ mod paper_pictures;
 mod pictures;
 mod results;
 mod summary;
+mod summary_page;
 mod tables;
 
 #[cfg(feature = "case-files")]
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Times};
+pub use modes::set_letter;
 #[cfg(feature = "case-files")]
-pub use paper::claims;
+pub use paper::{Judgement, claims, claims_judged};
 #[cfg(all(feature = "case-files", feature = "figures"))]
 pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]

@@ -3,23 +3,44 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::Results;
+use super::{Results, set_letter};
 use crate::Error;
-use crate::figures::{OccurrenceBox, OccurrenceFigure, OccurrencePanel, OccurrenceRow, occurrence_boxes};
-use crate::study::{ModeLabel, ModeNaming, PanelLabel, Plan};
+use crate::figures::{
+    Occurrence, OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
+    OccurrencePanel, OccurrenceSeries, occurrence_boxes,
+};
+use crate::report::ArrangementOccurrence;
+use crate::study::{ModeLabel, ModeNaming, Panel, PanelLabel, Plan};
 
-/// Draws one figure per constraint set, `occurrence-NAME`, with a row of panels for each law.
+/// Draws one figure per constraint set and law, `occurrence-SET-LAW`, or `occurrence-SET` where there is one law.
 ///
 /// # Errors
 /// Those of the figures.
 pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let Plan { name, labels, .. } = results.plan();
-    let laws: Vec<usize> = (0..labels.laws.len()).collect();
     for (constraints, set) in labels.constraints.iter().enumerate() {
-        let data = occurrence(results, constraints, &laws, format!("{name}: constraints \"{set}\""))?;
-        occurrence_boxes(&data)?.save(dir, &format!("occurrence-{set}"))?;
+        for (law, label) in labels.laws.iter().enumerate() {
+            let (stem, heading) = match labels.laws.len() {
+                1 => (format!("occurrence-{set}"), set_heading(results, constraints)),
+                _ => {
+                    let heading = format!("{}, {} friction", set_heading(results, constraints), label.title);
+                    (format!("occurrence-{set}-{}", label.name), heading)
+                }
+            };
+            let data = occurrence(results, constraints, &[law], format!("{name}: {heading}"), Vec::new());
+            occurrence_boxes(&data)?.save(dir, &stem)?;
+        }
     }
     Ok(())
+}
+
+/// What a set of constraints is called in headings.
+pub(super) fn set_heading(results: &Results<'_>, constraints: usize) -> String {
+    let sets = &results.plan().labels.constraints;
+    match sets.len() {
+        1 => format!("constraints \"{}\"", sets[constraints]),
+        _ => format!("set {}, \"{}\"", set_letter(constraints), sets[constraints]),
+    }
 }
 
 /// The figure of some laws' occurrences under one constraint set, by the places of both in the plan.
@@ -28,47 +49,127 @@ pub(super) fn occurrence(
     constraints: usize,
     laws: &[usize],
     title: String,
-) -> Result<OccurrenceFigure, Error> {
+    marks: Vec<OccurrenceMark>,
+) -> OccurrenceFigure {
     let labels = &results.plan().labels;
-    let mut series: Vec<String> = labels.speeds.iter().map(|speed| speed.description.clone()).collect();
-    series.push("all speeds".into());
-    let panels: Vec<_> = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).collect();
-    let names: BTreeSet<ModeLabel> = panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect();
+    let has_speed = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).any(|p| p.key.speed.is_some());
+    let shown = laws.iter().flat_map(|&law| results.panels_of(constraints, law));
+    let names: BTreeSet<ModeLabel> = shown.flat_map(|panel| results.all_occurrences(panel).into_keys()).collect();
     let names: Vec<ModeLabel> = names.into_iter().collect();
-
-    let mut rows = Vec::new();
+    let mut of_laws = Vec::new();
     for &law in laws {
-        let mut row = OccurrenceRow { law: labels.laws[law].title.clone(), panels: Vec::new() };
-        if laws.len() == 1 {
-            row.law.clear();
+        let label = &labels.laws[law];
+        let mut row = OccurrenceLaw { name: label.name.clone(), ..OccurrenceLaw::default() };
+        if laws.len() > 1 {
+            row.title.clone_from(&label.title);
         }
-        for (place, PanelLabel { in_contact, arrangements }) in labels.panels.iter().enumerate() {
+        for (number, PanelLabel { in_contact, .. }) in labels.panels.iter().enumerate() {
+            let of_number = |panel: &&Panel| panel.key.panel == number;
+            let panels: Vec<&Panel> = results.panels_of(constraints, law).filter(of_number).collect();
             let mut boxes = Vec::new();
-            for panel in results.panels_of(constraints, law).filter(|panel| panel.key.panel == place) {
-                for (name, occurrences) in results.occurrences(panel) {
-                    let percent = occurrences.iter().map(|occurrence| 100.0 * occurrence.estimate().value).collect();
-                    boxes.push(OccurrenceBox {
-                        mode: names.iter().position(|&n| n == name).unwrap_or_default(),
-                        series: panel.key.speed.unwrap_or(labels.speeds.len()),
-                        percent,
-                    });
+            for panel in &panels {
+                let series = if has_speed { panel.key.speed.unwrap_or(labels.speeds.len()) } else { 0 };
+                for (name, occurrences) in results.all_occurrences(panel) {
+                    let mode = names.iter().position(|other| *other == name).unwrap_or_default();
+                    boxes.push(OccurrenceBox { mode, series, values: occurrences.iter().map(percent).collect() });
                 }
             }
             row.panels.push(OccurrencePanel {
-                title: format!("({}) {}", letter(place), in_words(*in_contact)),
-                arrangements: arrangements.clone(),
+                title: format!("({}) {}", letter(number), in_words(*in_contact)),
+                in_contact: *in_contact,
+                arrangements: panels.first().map_or(Vec::new(), |panel| arrangements(results, panel)),
                 boxes,
             });
         }
-        rows.push(row);
+        of_laws.push(row);
     }
-    let mode_axis = match results.labels {
-        ModeNaming::Tracked => format!("tracked mode (frequency rank {})", labels.named_at),
-        ModeNaming::Rank => "mode (frequency rank in its own sample)".into(),
-        ModeNaming::Pair => "mode (place among all 2n eigenvalues of its own sample)".into(),
+    OccurrenceFigure {
+        title,
+        constraints: labels.constraints[constraints].clone(),
+        mode_note: mode_note(results, constraints),
+        modes: names
+            .iter()
+            .map(|&name| OccurrenceMode {
+                label: results.mode_label(constraints, name),
+                // A rank that is overdamped where modes have their names does not oscillate there.
+                frequency_hz: results.frequency(constraints, name).unwrap_or(0.0),
+            })
+            .collect(),
+        series: series(results, has_speed, laws.len()),
+        marks,
+        laws: of_laws,
+    }
+}
+
+/// The ranges of speed, and all together where a law has no speed in it.
+fn series(results: &Results<'_>, has_speed: bool, laws: usize) -> Vec<OccurrenceSeries> {
+    let speeds = &results.plan().labels.speeds;
+    let all = match (speeds.is_empty(), has_speed && laws > 1) {
+        (true, _) => "all samples".to_owned(),
+        (false, true) => "any speed: the law has none in it".to_owned(),
+        (false, false) => {
+            let ranges: Vec<&str> = speeds.iter().map(|speed| speed.description.as_str()).collect();
+            format!("the same at {}: the law has no speed in it", ranges.join(", and at "))
+        }
     };
-    let modes = names.iter().map(ToString::to_string).collect();
-    Ok(OccurrenceFigure { title, mode_axis, modes, series, rows })
+    let each = speeds.iter().filter(|_| has_speed);
+    let each = each.map(|speed| OccurrenceSeries { name: speed.name.clone(), description: speed.description.clone() });
+    let all = OccurrenceSeries { name: "all".into(), description: all };
+    each.chain((!has_speed || laws > 1).then_some(all)).collect()
+}
+
+/// What the names of the modes mean.
+fn mode_note(results: &Results<'_>, constraints: usize) -> String {
+    let labels = &results.plan().labels;
+    let rank = match results.labels {
+        ModeNaming::Tracked => format!(
+            "a mode has the number of its frequency rank {}, where it has the frequency beside it, and is followed by its shape",
+            labels.named_at
+        ),
+        ModeNaming::Rank => format!(
+            "a mode has the number of its frequency rank in its own sample; beside it the frequency {}",
+            labels.named_at
+        ),
+        ModeNaming::Pair => {
+            format!(
+                "a mode has its place among all 2n eigenvalues of its own sample; beside it the frequency {}",
+                labels.named_at
+            )
+        }
+    };
+    match labels.constraints.len() {
+        1 => format!("Names: {rank}."),
+        _ => format!(
+            "Names: {} is the set \"{}\"; in each set {rank}. links.csv says which mode of one set is which of another.",
+            set_letter(constraints),
+            labels.constraints[constraints]
+        ),
+    }
+}
+
+/// The arrangements of a panel, each with the number of the scene that was solved for it.
+fn arrangements(results: &Results<'_>, panel: &Panel) -> Vec<OccurrenceArrangement> {
+    let names = &results.plan().labels.panels[panel.key.panel].arrangements;
+    let system = |arrangement: usize| {
+        let of_scene = |&scene: &usize| results.plan().scenes[scene].members.contains(&arrangement);
+        panel.scenes.iter().position(of_scene).map_or(0, |at| at + 1)
+    };
+    names.iter().enumerate().map(|(i, name)| OccurrenceArrangement { name: name.clone(), system: system(i) }).collect()
+}
+
+/// An occurrence in percent.
+fn percent(occurrence: &ArrangementOccurrence) -> Occurrence {
+    let proportion = &occurrence.proportion;
+    let estimate = occurrence.estimate();
+    // From the counts and not from their quotient: 1.7 and not 1.7000000000000002.
+    let part = |count: u64| 100.0 * count as f64 / proportion.trials().max(1) as f64;
+    Occurrence {
+        samples: proportion.trials(),
+        percent: part(proportion.hits()),
+        open: part(proportion.ambiguous()),
+        lower: 100.0 * estimate.lower,
+        upper: 100.0 * estimate.upper,
+    }
 }
 
 fn letter(place: usize) -> char {

@@ -1,11 +1,13 @@
 //! Counts turned into occurrences, means and intervals.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
-use crate::study::{Comparison, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake};
+use crate::study::{
+    Comparison, ComparisonKind, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake,
+};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +43,7 @@ impl ArrangementOccurrence {
 /// The results of a study.
 pub struct Results<'a> {
     plan: &'a Plan,
+    origins: &'a [Reference],
     references: &'a [Reference],
     /// Its counts.
     pub summary: Summary<StudyTally>,
@@ -53,10 +56,10 @@ pub struct Results<'a> {
 impl<'a> Results<'a> {
     /// The results of a finished run.
     pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<StudyTally>) -> Self {
-        let (plan, references) = (study.plan(), study.references());
+        let (plan, origins, references) = (study.plan(), study.origin_references(), study.references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
-        Self { labels: plan.mode_labels, plan, references, summary, panels, comparisons }
+        Self { labels: plan.mode_labels, plan, origins, references, summary, panels, comparisons }
     }
 
     /// The same counts with modes named in another way.
@@ -75,6 +78,11 @@ impl<'a> Results<'a> {
         self.plan
     }
 
+    /// The modes of each origin of the plan.
+    pub(super) fn origins(&self) -> &'a [Reference] {
+        self.origins
+    }
+
     /// The reference modes of each scene.
     pub fn references(&self) -> &'a [Reference] {
         self.references
@@ -90,24 +98,35 @@ impl<'a> Results<'a> {
         self.panels.iter().filter(move |panel| panel.key.constraints == constraints && panel.key.law == law)
     }
 
-    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement.
+    /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
+    /// no name every mode of the scene may have been unstable, and is listed.
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
-        let mut names: BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> = BTreeMap::new();
+        let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
+        let mut names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
+        let open = panel.scenes.iter().filter(|&&scene| self.counts(scene).unlabelled() > 0);
+        names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|name| self.name(name)));
+        names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
+    }
+
+    /// As [`occurrences`](Self::occurrences), of every mode, whether it is ever unstable or not.
+    pub fn all_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
+        let mut all = self.occurrences(panel);
+        for (name, _) in self.modes_of_set(panel.key.constraints) {
+            all.entry(name).or_insert_with(|| self.occurrences_of(panel, name));
+        }
+        all
+    }
+
+    /// Occurrences of one mode in a panel, whether it ever is unstable there or not, one entry per arrangement.
+    pub fn occurrences_of(&self, panel: &Panel, name: ModeLabel) -> Vec<ArrangementOccurrence> {
+        let mut list = Vec::with_capacity(panel.arrangements);
         for &scene in &panel.scenes {
-            for (&name, _) in self.counts(scene).proportions() {
-                names.entry(self.name(name)).or_default();
-            }
+            let proportion = self.counts(scene).proportion(&self.key(name));
+            let members = self.plan().scenes[scene].members.iter();
+            list.extend(members.map(|&arrangement| ArrangementOccurrence { arrangement, proportion }));
         }
-        for (&name, list) in &mut names {
-            for &scene in &panel.scenes {
-                let proportion = self.counts(scene).proportion(&self.key(name));
-                for &arrangement in &self.plan().scenes[scene].members {
-                    list.push(ArrangementOccurrence { arrangement, proportion });
-                }
-            }
-            list.sort_by_key(|occurrence| occurrence.arrangement);
-        }
-        names
+        list.sort_by_key(|occurrence| occurrence.arrangement);
+        list
     }
 
     fn counts(&self, scene: usize) -> &LabelTally<ModeLabel> {
@@ -115,7 +134,7 @@ impl<'a> Results<'a> {
         if self.labels == ModeNaming::Tracked { &tally.tracked } else { &tally.ranked }
     }
 
-    fn name(&self, key: ModeLabel) -> ModeLabel {
+    pub(super) fn name(&self, key: ModeLabel) -> ModeLabel {
         if self.labels == ModeNaming::Pair { ModeLabel::new(2 * key.number() - 1) } else { key }
     }
 
@@ -158,18 +177,19 @@ impl<'a> Results<'a> {
     /// Mean number of unstable modes in one CEA of a panel.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
-        scaled(&self.summary.tally.panels[at], panel.arrangements as f64)
+        scaled(&self.summary.tally.panels[at], panel.arrangements as f64, Confidence::P95)
     }
 
-    /// Comparisons of one kind with the difference of the two means: positive where it is as expected.
+    /// Comparisons of one kind with the difference of the two means and its interval: positive where it is as expected.
     pub fn differences(
         &self,
-        kind: crate::study::ComparisonKind,
+        kind: ComparisonKind,
+        confidence: Confidence,
     ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
         let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
-        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(|(comparison, mean)| {
+        self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(move |(comparison, mean)| {
             let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
-            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64))
+            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64, confidence))
         })
     }
 
@@ -186,9 +206,9 @@ impl<'a> Results<'a> {
     }
 }
 
-fn scaled(mean: &IntegerMean, by: f64) -> Option<Estimate> {
+fn scaled(mean: &IntegerMean, by: f64, confidence: Confidence) -> Option<Estimate> {
     let value = mean.mean()? / by;
     // One sample has a mean and no interval: then anything is possible.
-    let interval = mean.interval(Confidence::P95).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
+    let interval = mean.interval(confidence).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
     Some(Estimate { value, lower: interval.lower / by, upper: interval.upper / by })
 }

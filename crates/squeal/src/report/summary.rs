@@ -6,7 +6,7 @@ use montecarlo::Sampling;
 
 use super::Results;
 use crate::Error;
-use crate::study::{ModeLabel, Panel, Study, StudyTally, UncertainBrake};
+use crate::study::{Study, StudyTally, UncertainBrake};
 
 impl<'a> Results<'a> {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.
@@ -34,20 +34,16 @@ impl<'a> Results<'a> {
             }
             for (name, of_mode) in occurrences {
                 let estimate = self.median(&of_mode)?;
-                let frequency = self.frequency(panel, name).map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
+                let frequency = self
+                    .frequency(panel.key.constraints, name)
+                    .map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
+                let label = self.mode_label(panel.key.constraints, name);
                 let (value, limits) = (estimate.value, format!("{:.4} to {:.4}", estimate.lower, estimate.upper));
                 let _ =
-                    writeln!(text, "  mode {name}{frequency}: unstable in {value:.4} of the samples (95 %: {limits})");
+                    writeln!(text, "  mode {label}{frequency}: unstable in {value:.4} of the samples (95 %: {limits})");
             }
         }
         Ok(text)
-    }
-
-    /// The frequency of a tracked mode at median parameters in the first scene of a panel, Hz.
-    fn frequency(&self, panel: &Panel, name: ModeLabel) -> Option<f64> {
-        let reference = &self.references()[*panel.scenes.first()?];
-        let at = reference.names.iter().position(|names| *names == [name])?;
-        Some(cea::frequency_hz(reference.modes[at].lambda))
     }
 }
 

@@ -2,23 +2,31 @@
 
 use std::path::Path;
 
-use montecarlo::QuantileSketch;
+use montecarlo::{Confidence, QuantileSketch};
 
 use super::Results;
+use super::modes::{write_links, write_modes};
+use super::summary_page::write_summary;
 use crate::Error;
 use crate::output::write_csv;
-use crate::study::SceneLabels;
+use crate::study::{ComparisonKind, Panel, SceneLabels, set_links};
 
-/// Writes `occurrence.csv`, `panels.csv`, `net_work.csv`, `family_work.csv` and `failures.csv` into `dir`.
+/// Writes `summary.md`, `modes.csv` with the shapes, `links.csv`, `occurrence.csv`, `panels.csv`, `differences.csv`, `net_work.csv`,
+/// `family_work.csv` and `failures.csv` into `dir`.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`]; those of following modes from one set of constraints to another.
 pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
+    write_modes(results, dir)?;
+    write_links(results, &links, dir)?;
     write_occurrence(results, dir)?;
     write_panels(results, dir)?;
+    write_differences(results, dir)?;
     write_net_work(results, dir)?;
     write_family_work(results, dir)?;
-    write_failures(results, dir)
+    write_failures(results, dir)?;
+    write_summary(results, &links, dir)
 }
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -26,7 +34,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let own = ["samples", "unstable", "open", "occurrence", "lower", "upper"];
     let mut rows = Vec::new();
     for panel in results.panels() {
-        for (name, occurrences) in results.occurrences(panel) {
+        for (name, occurrences) in results.all_occurrences(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
                 let mut row = labels.mode_columns(panel.key, occurrence.arrangement, name);
@@ -91,6 +99,39 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         row
     });
     write_csv(&dir.join("panels.csv"), &header, rows)
+}
+
+/// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
+fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let panel_columns = |panel: &Panel| {
+        let labels = &results.plan().labels;
+        let [constraints, law, speed] = labels.key_columns(panel.key);
+        [constraints, law, speed, labels.panels[panel.key.panel].in_contact.to_string()]
+    };
+    let mut rows = Vec::new();
+    for kind in ComparisonKind::ALL {
+        for (more, fewer, difference) in results.differences(kind, Confidence::P95) {
+            let Some(difference) = difference else { continue };
+            let numbers = [difference.value, difference.lower, difference.upper].map(|x| x.to_string());
+            let panels = panel_columns(more).into_iter().chain(panel_columns(fewer));
+            rows.push([kind.name().to_owned()].into_iter().chain(panels).chain(numbers).collect());
+        }
+    }
+    let header = [
+        "comparison",
+        "constraints",
+        "law",
+        "speed",
+        "in_contact",
+        "other_constraints",
+        "other_law",
+        "other_speed",
+        "other_in_contact",
+        "difference",
+        "lower",
+        "upper",
+    ];
+    write_csv(&dir.join("differences.csv"), &header, rows)
 }
 
 fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {

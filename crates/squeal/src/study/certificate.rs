@@ -1,6 +1,6 @@
 //! Operating points whose systems are all stable, by a small-gain certificate: their samples need no spectrum.
 
-use cea::{Channels, Workspace, h_infinity_norm_bound};
+use cea::{AxisMargins, Channels, NormBound, Workspace, h_infinity_norm_bound};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use montecarlo::stream;
 use nalgebra::DMatrix;
@@ -28,6 +28,7 @@ pub struct Certificate {
     coefficients: Vec<f64>,
     ellipses: Vec<Ellipse>,
     norms: NormBounds,
+    margins: AxisMargins,
 }
 
 /// Bounds of the matrices of a configuration, from which a bound of its eigenvalues follows: 2-norms of `M^-1/2 A M^-1/2`.
@@ -96,18 +97,25 @@ impl Certificate {
             velocity: stacked(0.0 * &reading, spread.slope * force.transpose()),
             force,
         };
-        let mut ellipses = Vec::new();
+        let (mut ellipses, mut margins) = (Vec::new(), AxisMargins::default());
         for below in SPREADS_BELOW_MEDIAN {
             let centre = Friction { mu: (mus[1] - below * spread.mu).max(0.0), slope: slopes[1] };
             let gain = ChannelGain { mu: centre.mu, slope: centre.slope, lag: None };
             let channels = vec![gain; system.channels().len()];
             let centred = system.assemble(&OperatingPoint { coefficients: coefficients.clone(), channels })?;
-            if let Ok(gain) = h_infinity_norm_bound(&centred, &weighted, &mut Workspace::default())? {
-                let half_axes = Friction { mu: spread.mu / gain, slope: spread.slope / gain };
+            let found = h_infinity_norm_bound(&centred, &weighted, &mut Workspace::default())?;
+            if let Ok(NormBound { bound, margins: of_bound }) = found {
+                let half_axes = Friction { mu: spread.mu / bound, slope: spread.slope / bound };
                 ellipses.push(Ellipse { centre, half_axes });
+                margins = margins.and(of_bound);
             }
         }
-        Ok(Self { coefficients, ellipses, norms })
+        Ok(Self { coefficients, ellipses, norms, margins })
+    }
+
+    /// How far eigenvalues were from the axis in the matrices that the ellipses rest on.
+    pub fn margins(&self) -> AxisMargins {
+        self.margins
     }
 
     /// Whether the system at this operating point is certified to be stable.

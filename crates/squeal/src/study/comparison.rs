@@ -37,6 +37,21 @@ pub enum ComparisonKind {
     Constraints,
 }
 
+impl ComparisonKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Contact, Self::Law, Self::Speed, Self::Constraints];
+
+    /// In tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Contact => "contact",
+            Self::Law => "law",
+            Self::Speed => "speed",
+            Self::Constraints => "constraints",
+        }
+    }
+}
+
 /// The panels of a plan in the order of their keys.
 pub fn panels(plan: &Plan) -> Vec<Panel> {
     let mut panels: std::collections::BTreeMap<SceneKey, Panel> = std::collections::BTreeMap::new();

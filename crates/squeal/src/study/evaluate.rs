@@ -10,7 +10,7 @@ use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
 use super::memory::{Scratch, timed};
 use super::net_work::WorkSystems;
-use super::reference::{Reference, SectoredReference, references};
+use super::reference::{Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
 use super::{ModeLabel, Plan, Scene, UncertainBrake};
@@ -44,6 +44,8 @@ pub struct UnstableMode {
 pub struct Study<'a, B: UncertainBrake> {
     brake: &'a B,
     solver: &'a dyn EigenSolver,
+    /// By origin.
+    origin_references: Vec<Reference>,
     references: Vec<Reference>,
     sector_references: Vec<Vec<Reference>>,
     certificates: Vec<Certificate>,
@@ -85,14 +87,24 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let median = brake.median();
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
-        let references = references(plan, &points, solver, progress).map_err(failed)?.into_iter();
+        let References { origins, scenes } = references(plan, &points, solver, progress).map_err(failed)?;
         let (references, sector_references) =
-            references.map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
+            scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
         let anchors = anchors(brake, &equations, &certificates, solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
-        Ok(Self { references, sector_references, certificates, equations, anchors, reference_gains, brake, solver })
+        Ok(Self {
+            origin_references: origins,
+            references,
+            sector_references,
+            certificates,
+            equations,
+            anchors,
+            reference_gains,
+            brake,
+            solver,
+        })
     }
 
     /// The brake.
@@ -103,6 +115,11 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// The plan.
     pub fn plan(&self) -> &'a Plan {
         self.brake.plan()
+    }
+
+    /// The modes of each origin, each named by its frequency rank there.
+    pub fn origin_references(&self) -> &[Reference] {
+        &self.origin_references
     }
 
     /// The reference of each scene.

@@ -14,12 +14,14 @@ mod cost;
 mod evaluate;
 mod memory;
 mod mode_label;
+mod named_shapes;
 mod near_axis;
 mod net_work;
 mod plan;
 mod reference;
 mod sector_modes;
 mod secular_equations;
+mod set_links;
 mod tally;
 
 pub use brake::UncertainBrake;
@@ -32,9 +34,11 @@ pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
 pub use net_work::mode_work;
 pub use plan::{
-    Configuration, LawLabel, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
-    StudySource,
+    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
+    SpeedLabel, StudySource,
 };
 pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
+pub use set_links::{SetLinks, origin_of_set, set_links};
+pub(crate) use tally::unstable_names;
 pub use tally::{SceneTally, StudyTally};

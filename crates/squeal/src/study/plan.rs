@@ -98,12 +98,19 @@ pub struct SceneLabels {
     pub panels: Vec<PanelLabel>,
     /// Where modes have the frequency ranks that tracked modes are named by, for axes: "at median parameters".
     pub named_at: String,
+    /// The degrees of freedom, held ones too; those without a name are called by their number, from 1.
+    pub dofs: Vec<String>,
 }
 
 impl SceneLabels {
     /// What a speed is called in tables; "all" where a scene stands for all ranges.
     pub fn speed(&self, speed: Option<usize>) -> &str {
         speed.map_or("all", |range| &self.speeds[range].name)
+    }
+
+    /// What a degree of freedom is called.
+    pub fn dof(&self, index: usize) -> String {
+        self.dofs.get(index).cloned().unwrap_or_else(|| (index + 1).to_string())
     }
 
     /// Constraints, law and speed of a scene or panel, as tables have them in their first columns.
@@ -136,6 +143,17 @@ pub enum ModeNaming {
     Pair,
 }
 
+/// How a mode that is named by its shape is known again in another configuration and in a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeIdentity {
+    /// By continuation from one system to the other, through every change of its shape.
+    #[default]
+    Continuation,
+    /// By a modal assurance criterion of more than one half with its shape at the origin of names.
+    Mac,
+}
+
 /// The file that a study was read from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudySource {
@@ -160,6 +178,8 @@ pub struct Plan {
     pub seed: u64,
     /// How modes are named in reports.
     pub mode_labels: ModeNaming,
+    /// How a tracked mode is known again.
+    pub mode_identity: ModeIdentity,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -190,6 +210,7 @@ impl Plan {
             samples,
             seed,
             mode_labels: ModeNaming::Tracked,
+            mode_identity: ModeIdentity::Continuation,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

@@ -6,26 +6,29 @@
 //! scene has its own modes at median parameters of its law and speed, linked to those of its configuration. Samples are
 //! then matched to the modes of their scene.
 //!
+//! Under [`ModeIdentity::Mac`] nothing is followed: a mode has the name of the mode of the origin that it looks like.
+//!
 //! Each step is done in every sector apart: modes of different sectors do not couple, however near their frequencies are.
 //! Of equal modes of different sectors that of the smaller sector ranks first; names of equal modes of one sector are open
 //! between them.
 
-use cea::{EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
+use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::Progress;
 use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
-use tracking::{Path, PathEnd, PathStart, follow, identify};
+use tracking::{Links, Path, PathEnd, PathStart, follow, identify, identify_all};
 
-use super::{Configuration, ModeLabel, Origin, Plan, Scene};
+use super::named_shapes::NamedShapes;
+use super::{Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
 
 /// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
 /// than a double's are computed. Where no system is stiff there are none; where some are, each step of a mode that has to be
-/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: two seconds of them, and 16 in any case.
+/// followed needs some. One takes about 5e-7 s times the cube of the order; chosen: a fifth of a second, and 16 in any case.
 pub(super) fn bounded_workspace(order: usize) -> Workspace {
-    let most = 4e6 / (order as f64).powi(3);
+    let most = 4e5 / (order as f64).powi(3);
     Workspace::with_most_certified_solves((most as u64).max(16))
 }
 
@@ -37,8 +40,10 @@ pub struct Reference {
     /// Its oscillating modes, ascending in frequency; eigenvalues in rad/s, shapes with `phi^H M phi = 1`.
     pub modes: Vec<Mode>,
     /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
-    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path.
+    /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or is like none.
     pub names: Vec<Vec<ModeLabel>>,
+    /// The modes of the origin, where all others are named by their likeness to these.
+    shapes: Option<NamedShapes>,
 }
 
 /// The modes of one scene at median parameters, as a whole and by sectors.
@@ -52,11 +57,35 @@ pub struct SectoredReference {
 
 impl Reference {
     /// The modes of `system`, without names.
-    fn unnamed(solver: &dyn EigenSolver, system: SecondOrder, work: &mut Workspace) -> Result<(Self, Modes), Error> {
+    pub(super) fn unnamed(
+        solver: &dyn EigenSolver,
+        system: SecondOrder,
+        work: &mut Workspace,
+    ) -> Result<(Self, Modes), Error> {
         let spectrum = solver.eigenvalues(&system, work)?;
         let found = Modes::classify(&system, &spectrum, work)?;
         let modes = Mode::at(&system, &found.oscillatory, work)?;
-        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system }, found))
+        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None }, found))
+    }
+
+    /// This reference, by whose modes all others are named that look like them.
+    fn naming_by_likeness(mut self) -> Self {
+        self.shapes = Some(NamedShapes { modes: self.modes.clone(), names: self.names.clone() });
+        self
+    }
+
+    /// The names of the modes at the beginning of each path, which ends at this reference.
+    pub(crate) fn names_of_all(
+        &self,
+        solver: &dyn EigenSolver,
+        paths: &[Path<'_>],
+        work: &mut Workspace,
+    ) -> Vec<Result<Vec<Vec<ModeLabel>>, CeaError>> {
+        if let Some(shapes) = &self.shapes {
+            return paths.iter().map(|path| Ok(shapes.names_of(path.start_modes, &self.system.m))).collect();
+        }
+        let names = |links: Links| links.into_iter().map(|link| self.names_of(link)).collect();
+        identify_all(solver, paths, work).into_iter().map(|links| links.map(names)).collect()
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
@@ -65,6 +94,12 @@ impl Reference {
         names.sort_unstable();
         names.dedup();
         names
+    }
+
+    /// Every name that some mode has or may have, ascending.
+    #[must_use]
+    pub fn all_names(&self) -> Vec<ModeLabel> {
+        self.names_of(0..self.modes.len())
     }
 
     /// Opens the names of modes whose eigenvalues are equal within rounding: their shapes are any combinations of each other,
@@ -89,12 +124,19 @@ impl Reference {
         let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
         let lambdas: Vec<Complex<f64>> = all.iter().map(|(mode, _)| mode.lambda).collect();
         let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
-        Self { system, modes, names }
+        let shapes = |(sector, part): (&Sector, &Self)| {
+            let NamedShapes { modes, names } = part.shapes.as_ref()?;
+            let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
+            Some(NamedShapes { modes: modes.iter().map(whole).collect(), names: names.clone() })
+        };
+        let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>().map(NamedShapes::joined);
+        Self { system, modes, names, shapes }
     }
 
     /// Of the modes of a whole brake those that lie in one sector: with more than half of their squared norm.
     fn within(&self, sector: &Sector) -> Result<Self, OscModelError> {
-        let mut part = Self { system: sector.reduced(&self.system)?, modes: Vec::new(), names: Vec::new() };
+        let system = sector.reduced(&self.system)?;
+        let mut part = Self { system, modes: Vec::new(), names: Vec::new(), shapes: None };
         for (mode, names) in self.modes.iter().zip(&self.names) {
             let shape = sector.project(&mode.shape);
             if shape.norm_squared() > 0.5 * mode.shape.norm_squared() {
@@ -102,11 +144,11 @@ impl Reference {
                 part.names.push(names.clone());
             }
         }
-        Ok(part)
+        Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference. A `near` system is compared by MAC, with continuation where that
-    /// leaves a doubt; to any other every mode is continued.
+    /// The modes of `system`, with names from this reference: by likeness to the shapes that it has. Where it has none, a `near`
+    /// system is compared by MAC, with continuation where that leaves a doubt; to any other every mode is continued.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
@@ -115,6 +157,11 @@ impl Reference {
         work: &mut Workspace,
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, work)?;
+        if let Some(shapes) = &self.shapes {
+            next.names = shapes.names_of(&next.modes, &next.system.m);
+            next.shapes = Some(shapes.clone());
+            return Ok(next);
+        }
         let link = if near { identify } else { follow };
         let end = PathEnd { system: &next.system, modes: &next.modes };
         let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
@@ -129,7 +176,13 @@ impl Reference {
     }
 }
 
-/// The references of each scene of `plan`, in their order; `points` are their operating points at median parameters. Progress
+/// The references of the origins and of the scenes of a plan, each in their order.
+pub(super) struct References {
+    pub origins: Vec<Reference>,
+    pub scenes: Vec<SectoredReference>,
+}
+
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters. Progress
 /// advances by one for each configuration and each scene.
 ///
 /// # Errors
@@ -139,8 +192,15 @@ pub(super) fn references(
     points: &[OperatingPoint],
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
-) -> Result<Vec<SectoredReference>, Error> {
-    let origins = plan.origins.iter().map(|origin| of_origin(origin, solver)).collect::<Result<Vec<_>, Error>>()?;
+) -> Result<References, Error> {
+    let origin = |origin: &Origin| {
+        let named = of_origin(origin, solver)?;
+        Ok(match plan.mode_identity {
+            ModeIdentity::Continuation => named,
+            ModeIdentity::Mac => named.naming_by_likeness(),
+        })
+    };
+    let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |configuration: &Configuration| {
         let found = of_configuration(configuration, &origins[configuration.origin], solver);
         progress.advance(1);
@@ -156,7 +216,8 @@ pub(super) fn references(
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
-    plan.scenes.par_iter().zip(points).map(of_scene).collect()
+    let scenes = plan.scenes.par_iter().zip(points).map(of_scene).collect::<Result<_, Error>>()?;
+    Ok(References { origins, scenes })
 }
 
 /// The modes of an origin, each named by its frequency rank.

@@ -6,7 +6,7 @@ use cea::{
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
-use tracking::{Links, Path, PathEnd, PathStart, identify_all};
+use tracking::{Path, PathEnd, PathStart};
 
 use super::memory::{Memory, timed};
 use super::{ModeLabel, Reference};
@@ -118,7 +118,7 @@ impl SectorSolver<'_> {
         self.named(&of.iter().map(start).collect::<Vec<_>>(), shaped, memory)
     }
 
-    /// Names modes by following each from its own system to the reference.
+    /// Names modes by the reference, following each from its own system to it where modes are known by continuation.
     fn named(
         &self,
         starts: &[PathStart<'_>],
@@ -130,11 +130,8 @@ impl SectorSolver<'_> {
         let modes = shaped.iter().map(|modes| modes.as_deref().unwrap_or_default());
         let paths: Vec<Path<'_>> =
             starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
-        let links = timed(&mut spent.names, || identify_all(self.eigen_solver, &paths, work));
-        let named = |(modes, links): (Result<Vec<Mode>, CeaError>, Result<Links, CeaError>)| {
-            Ok(modes?.into_iter().zip(links?).map(|(mode, link)| (mode, self.reference.names_of(link))).collect())
-        };
-        shaped.into_iter().zip(links).map(named).collect()
+        let names = timed(&mut spent.names, || self.reference.names_of_all(self.eigen_solver, &paths, work));
+        shaped.into_iter().zip(names).map(|(modes, names)| Ok(modes?.into_iter().zip(names?).collect())).collect()
     }
 }
 

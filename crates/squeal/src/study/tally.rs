@@ -47,7 +47,8 @@ pub struct SceneTally {
     pub divergent: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
-    /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another.
+    /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
+    /// no name and may be any.
     pub tracked: LabelTally<ModeLabel>,
     /// Samples in which the mode of a frequency rank is unstable.
     pub ranked: LabelTally<ModeLabel>,
@@ -121,11 +122,23 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
     bodies.iter_mut().zip(work).for_each(|(sketch, &value)| sketch.record(value));
 }
 
+/// Names of unstable modes, from the names that each may have, and whether each is sure. A mode without a name may be any of
+/// `all`.
+pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
+    let known = occurring_labels(candidates).into_iter().map(|(name, trial)| (name, trial == Trial::Yes));
+    let mut names: BTreeMap<ModeLabel, bool> = known.collect();
+    if candidates.iter().any(|names| names.as_ref().is_empty()) {
+        for &name in all {
+            names.entry(name).or_insert(false);
+        }
+    }
+    names
+}
+
 impl Outcome {
-    /// Names of the unstable modes, and whether each is sure.
-    pub(crate) fn unstable_names(&self) -> BTreeMap<ModeLabel, bool> {
-        let names = occurring_labels(&candidate_names(&self.unstable)).into_iter();
-        names.map(|(name, trial)| (name, trial == Trial::Yes)).collect()
+    /// Names of the unstable modes, and whether each is sure. A mode without a name may be any of `all`.
+    pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
+        unstable_names(&candidate_names(&self.unstable), all)
     }
 }
 
@@ -180,5 +193,55 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
             tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
         };
         self.scenes.len() == failures.by_scene().len() && self.scenes.iter().zip(failures.by_scene()).all(counted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use montecarlo::Confidence;
+
+    fn labels(numbers: &[u16]) -> Vec<ModeLabel> {
+        numbers.iter().copied().map(ModeLabel::new).collect()
+    }
+
+    fn unstable(names: &[&[u16]]) -> Vec<UnstableMode> {
+        let mode = |(names, rank): (&&[u16], u16)| UnstableMode {
+            rank: ModeLabel::new(rank),
+            names: labels(names),
+            work: None,
+        };
+        names.iter().zip(1..).map(mode).collect()
+    }
+
+    #[test]
+    fn an_unstable_mode_without_a_name_is_in_the_upper_limit_of_every_mode_that_it_could_be() {
+        let mut tally = SceneTally::default();
+        for modes in [unstable(&[&[1], &[]]), unstable(&[&[1], &[2, 3]])] {
+            (0..100).for_each(|_| tally.record(&Outcome { unstable: modes.clone(), ..Outcome::default() }));
+        }
+        let counts = |name: u16| {
+            let proportion = tally.tracked.proportion(&ModeLabel::new(name));
+            (proportion.hits(), proportion.ambiguous())
+        };
+        assert_eq!([1, 2, 3, 4].map(counts), [(200, 0), (0, 200), (0, 200), (0, 100)]);
+        assert_eq!(tally.ambiguous_modes, 200);
+        // A mode that was never seen by name may be unstable half of the time.
+        let never = tally.tracked.interval(&ModeLabel::new(4), Confidence::P95);
+        assert!(never.lower == 0.0 && never.upper > 0.5, "{never:?}");
+        assert_eq!(tally.ranked.proportion(&ModeLabel::new(2)).ambiguous(), 0);
+    }
+
+    #[test]
+    fn names_of_a_mode_without_one_are_open() {
+        let names = |modes: &[&[u16]]| {
+            let candidates: Vec<Vec<ModeLabel>> = modes.iter().map(|names| labels(names)).collect();
+            let found = unstable_names(&candidates, &labels(&[1, 2, 3]));
+            found.into_iter().map(|(name, is_sure)| (name.number(), is_sure)).collect::<Vec<_>>()
+        };
+        assert_eq!(names(&[&[2], &[]]), [(1, false), (2, true), (3, false)]);
+        assert_eq!(names(&[&[], &[], &[]]), [(1, false), (2, false), (3, false)]);
+        assert_eq!(names(&[&[2], &[1, 3]]), [(1, false), (2, true), (3, false)]);
+        assert!(names(&[]).is_empty());
     }
 }

@@ -4,41 +4,69 @@ use num_complex::Complex64;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use squeal::figures::{
-    BodyInMode, LawMode, LogLogFigure, LogLogPanel, LogLogSeries, ModeWorkFigure, NetWork, OccurrenceBox,
-    OccurrenceFigure, OccurrencePanel, OccurrenceRow,
+    BodyInMode, LawMode, LogLogFigure, LogLogPanel, LogLogSeries, ModeWorkFigure, NetWork, Occurrence,
+    OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
+    OccurrencePanel, OccurrenceSeries,
 };
 
-const CONTACTS: [(&str, usize); 4] =
-    [("(a) nine in contact", 1), ("(b) eight in contact", 9), ("(c) seven in contact", 36), ("(d) six in contact", 84)];
+/// Title, number in contact, arrangements, different systems.
+const CONTACTS: [(&str, usize, usize, usize); 4] = [
+    ("(a) nine in contact", 9, 1, 1),
+    ("(b) eight in contact", 8, 9, 6),
+    ("(c) seven in contact", 7, 36, 15),
+    ("(d) six in contact", 6, 84, 27),
+];
 
-fn strings(list: &[&str]) -> Vec<String> {
-    list.iter().map(|s| (*s).to_owned()).collect()
+pub fn modes(labels: &[&str]) -> Vec<OccurrenceMode> {
+    let mode = |(i, label): (usize, &&str)| OccurrenceMode {
+        label: (*label).to_owned(),
+        frequency_hz: 871.5 * (i as f64 + 1.0),
+    };
+    labels.iter().enumerate().map(mode).collect()
+}
+
+fn series(list: &[&str]) -> Vec<OccurrenceSeries> {
+    list.iter().map(|s| OccurrenceSeries { name: (*s).to_owned(), description: format!("at {s}") }).collect()
+}
+
+pub fn arrangements(count: usize, systems: usize) -> Vec<OccurrenceArrangement> {
+    (0..count).map(|i| OccurrenceArrangement { name: format!("arrangement {i}"), system: 1 + i % systems }).collect()
+}
+
+/// A percentage of 1,000 samples with limits around it.
+pub fn value(percent: f64) -> Occurrence {
+    Occurrence {
+        samples: 1000,
+        percent,
+        open: 0.0,
+        lower: (percent - 3.0).max(0.0),
+        upper: (percent + 3.0).clamp(0.38, 100.0),
+    }
 }
 
 /// Percentages around `center`, with a far value now and then.
-fn percentages(rng: &mut Xoshiro256PlusPlus, center: f64, spread: f64, count: usize, far: f64) -> Vec<f64> {
+fn percentages(rng: &mut Xoshiro256PlusPlus, center: f64, spread: f64, count: usize, far: f64) -> Vec<Occurrence> {
     let draw = |rng: &mut Xoshiro256PlusPlus| {
         let wide = if rng.random::<f64>() < far { 5.0 } else { 1.0 };
         let sum: f64 = (0..4).map(|_| rng.random::<f64>() - 0.5).sum();
         (center + wide * spread * sum).clamp(0.0, 100.0)
     };
-    (0..count).map(|_| (draw(rng) * 10.0).round() / 10.0).collect()
+    (0..count).map(|_| value((draw(rng) * 10.0).round() / 10.0)).collect()
 }
 
 /// `centers[mode][series]`, falling with the number in contact.
-fn row(rng: &mut Xoshiro256PlusPlus, law: &str, centers: &[(usize, &[(usize, f64)])], far: f64) -> OccurrenceRow {
-    let panels = CONTACTS.iter().enumerate().map(|(p, &(title, n))| {
+fn row(rng: &mut Xoshiro256PlusPlus, law: &str, centers: &[(usize, &[(usize, f64)])], far: f64) -> OccurrenceLaw {
+    let panels = CONTACTS.iter().enumerate().map(|(p, &(title, in_contact, n, systems))| {
         let mut boxes = Vec::new();
         for &(mode, series) in centers {
             for &(series, center) in series {
                 let center = center - 9.0 * p as f64;
-                boxes.push(OccurrenceBox { mode, series, percent: percentages(rng, center, 14.0, n, far) });
+                boxes.push(OccurrenceBox { mode, series, values: percentages(rng, center, 14.0, n, far) });
             }
         }
-        let arrangements = (0..n).map(|a| format!("arrangement {a}")).collect();
-        OccurrencePanel { title: title.into(), arrangements, boxes }
+        OccurrencePanel { title: title.into(), in_contact, arrangements: arrangements(n, systems), boxes }
     });
-    OccurrenceRow { law: law.into(), panels: panels.collect() }
+    OccurrenceLaw { name: law.to_lowercase(), title: law.into(), panels: panels.collect() }
 }
 
 /// As Figure 5: one law, two speed ranges, a few modes.
@@ -54,10 +82,12 @@ pub fn one_law() -> OccurrenceFigure {
     ];
     OccurrenceFigure {
         title: "Occurrence of instability per mode, velocity-dependent friction".into(),
-        mode_axis: "mode (tracked from nine in contact)".into(),
-        modes: strings(&["12", "15", "16", "17", "22", "never"]),
-        series: strings(&["0.1–1 m/s", "1–10 m/s"]),
-        rows: vec![row(&mut rng, "", &centers, 0.05)],
+        constraints: "none".into(),
+        mode_note: "Names: A is the set of constraints \"none\".".into(),
+        modes: modes(&["A12", "A15", "A16", "A17", "A22", "never"]),
+        series: series(&["0.1–1 m/s", "1–10 m/s"]),
+        marks: Vec::new(),
+        laws: vec![row(&mut rng, "", &centers, 0.05)],
     }
 }
 
@@ -71,22 +101,24 @@ pub fn countermeasure() -> OccurrenceFigure {
     ];
     for row in &mut rows {
         for b in &mut row.panels[3].boxes {
-            b.percent.fill(0.0);
+            b.values.fill(value(0.0));
         }
     }
     OccurrenceFigure {
         title: "Corners, 4 and 6 constrained in x".into(),
-        mode_axis: "mode (tracked from nine in contact)".into(),
-        modes: strings(&["9", "11"]),
-        series: strings(&["0.1–1 m/s", "1–10 m/s", "all speeds"]),
-        rows,
+        constraints: "corners-4-6".into(),
+        mode_note: String::new(),
+        modes: modes(&["9", "11"]),
+        series: series(&["0.1–1 m/s", "1–10 m/s", "any speed"]),
+        marks: vec![OccurrenceMark { percent: 34.8, text: "paper: 34.8 %".into(), panels: vec![[2, 0], [2, 1]] }],
+        laws: rows,
     }
 }
 
 /// One mode; twelve modes with double labels under three laws; very long titles; many outliers; thirty modes.
 pub fn hard_occurrence() -> Vec<(&'static str, OccurrenceFigure)> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(12);
-    let series = strings(&["0.1–1 m/s", "1–10 m/s", "all speeds"]);
+    let series = series(&["0.1–1 m/s", "1–10 m/s", "any speed"]);
     let many = |rng: &mut Xoshiro256PlusPlus, modes: usize, far: f64, label: &dyn Fn(usize) -> String| {
         let low_high: Vec<[(usize, f64); 2]> =
             (0..modes).map(|m| [(0, 96.0 - 83.0 * m as f64 / modes as f64), (1, 60.0 * rng.random::<f64>())]).collect();
@@ -95,19 +127,21 @@ pub fn hard_occurrence() -> Vec<(&'static str, OccurrenceFigure)> {
         let others: Vec<(usize, &[(usize, f64)])> = low_high.iter().enumerate().map(|(m, s)| (m, &s[..])).collect();
         OccurrenceFigure {
             title: "Corners constrained in x".into(),
-            mode_axis: "mode (pair of 30/number of 60)".into(),
-            modes: (0..modes).map(label).collect(),
+            modes: (0..modes)
+                .map(|m| OccurrenceMode { label: label(m), frequency_hz: 17.3 * (m * m + 9) as f64 })
+                .collect(),
             series: series.clone(),
-            rows: vec![
+            laws: vec![
                 row(rng, "Amontons–Coulomb", &coulomb, far),
                 row(rng, "velocity-dependent", &others, far),
                 row(rng, "LuGre", &others, far),
             ],
+            ..OccurrenceFigure::default()
         }
     };
     let mut one = one_law();
     one.modes.truncate(1);
-    for panel in &mut one.rows[0].panels {
+    for panel in &mut one.laws[0].panels {
         panel.boxes.retain(|b| b.mode == 0);
     }
     let mut long = one_law();
@@ -115,22 +149,35 @@ pub fn hard_occurrence() -> Vec<(&'static str, OccurrenceFigure)> {
         "A title that goes on and on, over the whole width of the page and then some more, because somebody put \
                   the name of the study, its date and all its readings into it, and <angle> & ampersand too"
             .into();
-    for panel in &mut long.rows[0].panels {
+    for panel in &mut long.laws[0].panels {
         panel.title = format!("{} with all other parameters at their medians and the plate clamped", panel.title);
     }
     let mut single = one_law();
-    single.rows[0].panels.truncate(1);
+    single.laws[0].panels.truncate(1);
     let mut three = one_law();
-    three.rows[0].panels.truncate(3);
+    three.laws[0].panels.truncate(3);
+    let mut odd = one_law();
+    for panel in &mut odd.laws[0].panels {
+        panel.boxes[1].values[0].open = 19.3_f64.min(100.0 - panel.boxes[1].values[0].percent);
+        panel.boxes[4].values.fill(Occurrence { upper: 100.0, ..Occurrence::default() });
+    }
     vec![
         ("one_mode", one),
+        ("open_names_and_no_data", odd),
         ("three_panels", three),
         ("twelve_modes", many(&mut rng, 12, 0.05, &|m| (m + 8).to_string())),
         ("twelve_double_labels", many(&mut rng, 12, 0.4, &|m| format!("{}/{}", m + 8, 2 * m + 15))),
         ("thirty_modes", many(&mut rng, 30, 0.2, &|m| (m + 1).to_string())),
+        ("forty_modes_of_a_law", one_of(many(&mut rng, 40, 0.2, &|m| format!("A{}", m + 1)))),
         ("long_titles", long),
         ("one_panel", single),
     ]
+}
+
+/// The last law alone.
+fn one_of(mut data: OccurrenceFigure) -> OccurrenceFigure {
+    data.laws.drain(..2);
+    data
 }
 
 fn body(u: [f64; 3], out_of_phase: f64, work: f64, quartiles: Option<[f64; 2]>) -> BodyInMode {
@@ -163,6 +210,7 @@ pub fn shapes() -> Vec<(&'static str, ModeWorkFigure)> {
     let law = |law: &str, caption: &str, k| LawMode { law: law.into(), caption: caption.into(), bodies: corners(k) };
     let three = ModeWorkFigure {
         title: "The most robustly unstable mode, nine in contact, median parameters".into(),
+        note: "The oscillators 1, 3, 7 and 9 have most net work under every law.".into(),
         rows: 3,
         columns: 3,
         laws: vec![
@@ -184,6 +232,7 @@ pub fn shapes() -> Vec<(&'static str, ModeWorkFigure)> {
     }
     let wide = ModeWorkFigure {
         title: String::new(),
+        note: String::new(),
         rows: 2,
         columns: 5,
         laws: ["Amontons–Coulomb", "velocity-dependent", "LuGre", "Stribeck, a control with a long name"]
@@ -197,12 +246,36 @@ pub fn shapes() -> Vec<(&'static str, ModeWorkFigure)> {
             })
             .collect(),
     };
+    let large = ModeWorkFigure {
+        title: "5 x 4".into(),
+        rows: 5,
+        columns: 4,
+        laws: ["Amontons–Coulomb", "velocity-dependent", "LuGre"]
+            .iter()
+            .map(|name| LawMode {
+                law: (*name).into(),
+                caption: "at 0.632 m/s, median of the low range; 1721.4 Hz, growth +85 1/s".into(),
+                bodies: (0..21)
+                    .map(|i| {
+                        let side = if i % 3 == 0 { 1.0 } else { -0.6 };
+                        body(
+                            [side, 0.3, -0.4 * side],
+                            0.4,
+                            0.05 * f64::from(i) - 0.2,
+                            Some([-0.3, 0.05 * f64::from(i)]),
+                        )
+                    })
+                    .collect(),
+            })
+            .collect(),
+        ..ModeWorkFigure::default()
+    };
     let mut zero = three.clone();
     zero.title = "All zero".into();
     for body in zero.laws.iter_mut().flat_map(|law| &mut law.bodies) {
         *body = BodyInMode::default();
     }
-    vec![("fig07", three), ("held", held), ("wide_lattice", wide), ("all_zero", zero)]
+    vec![("fig07", three), ("held", held), ("wide_lattice", wide), ("large_lattice", large), ("all_zero", zero)]
 }
 
 /// Two panels with the same routes; one panel with many series; exact zeros; a single point.

@@ -18,7 +18,10 @@ fn the_closed_form_in_the_mode_that_the_study_names() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("estimates");
     run(&hoffmann(), &dir, &["--samples", "200", "--half-width", "1e-3"]);
-    let unstable = columns(&dir.join("occurrence.csv"), &["mode"]);
+    let mut unstable = columns(&dir.join("occurrence.csv"), &["mode", "unstable"]);
+    assert_eq!(unstable.len(), 2, "a mode that is never unstable has a row too");
+    unstable.retain(|row| row[1] != "0");
+    unstable.iter_mut().for_each(|row| row.truncate(1));
     let mut ever = 0;
     for row in columns(&dir.join("estimates.csv"), &["mode", "estimator", "lower", "upper", "half_width"]) {
         let [lower, upper, half_width] = [2, 3, 4].map(|column| row[column].parse::<f64>().unwrap());

@@ -12,6 +12,7 @@ mod memory;
 mod names;
 mod same_bytes;
 mod sizes;
+mod study_tables;
 #[path = "../common/tables.rs"]
 mod tables;
 mod terminal;

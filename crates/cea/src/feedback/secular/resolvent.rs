@@ -18,9 +18,11 @@ use crate::{CeaError, EigenSolver, QrSolver, Workspace, right_vectors};
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue; chosen, above the spread of a semisimple
 /// multiple eigenvalue by rounding.
 const MULTIPLE_SEPARATION: f64 = 1e-7;
-/// Largest motion of the ports, relative to the force matrix, of a mode that counts as uncontrollable; chosen: feedback moves
-/// its eigenvalue by the order of the square, which is rounding.
-const UNCONTROLLABLE_MOTION: f64 = 1e-8;
+/// A mode is uncontrollable where the largest force on it, `B^T y` relative to B, times what is read of it, the larger of `R x`
+/// relative to R and `B^T x` relative to B, is less than this: to first order feedback moves its eigenvalue by
+/// `y^T B (p R + lambda v B^T) x`. Chosen: below the error of the sums, [`LARGEST_ERROR`], and far above rounding, which makes
+/// 1e-15 of nothing.
+const UNCONTROLLABLE_PRODUCT: f64 = 1e-12;
 /// Largest relative difference between the sums over modes and a factorisation of Q; chosen.
 const LARGEST_ERROR: f64 = 1e-11;
 
@@ -60,6 +62,12 @@ struct DrivenMode {
     shape: DVector<Complex<f64>>,
     /// Amplitude of the mode per unit of each force, length m.
     drive: DVector<Complex<f64>>,
+}
+
+/// The norm of what a matrix reads of some shapes, relative to its own.
+fn motion(reading: &DMatrix<Complex<f64>>, shapes: &DMatrix<Complex<f64>>) -> f64 {
+    let norm = reading.norm();
+    if norm > 0.0 { (reading * shapes).norm() / norm } else { 0.0 }
 }
 
 impl Resolvent {
@@ -105,8 +113,10 @@ impl Resolvent {
                 modes.push(DrivenMode { pole: pole / unit, shape: shape.into_owned(), drive: drive.transpose() });
             }
             // The SVD of a matrix without columns is undefined.
-            let seen = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &x).singular_values() };
-            let reached = seen.iter().filter(|&&seen| seen > UNCONTROLLABLE_MOTION * force.norm()).count();
+            let driven = if m == 0 { DVector::zeros(0) } else { (force.transpose() * &y).singular_values() };
+            let read = motion(&reading, &x).max(motion(&force.transpose(), &x));
+            let is_moved = |driven: &&f64| **driven * read > UNCONTROLLABLE_PRODUCT * force.norm();
+            let reached = driven.iter().filter(is_moved).count();
             uncontrollable.extend(std::iter::repeat_n(pole / unit, group.len() - reached));
             let residue = &x * acted;
             controllable.extend((0..reached).map(|copy| (pole / unit, (copy == 0).then(|| residue.clone()))));

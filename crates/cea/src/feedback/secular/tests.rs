@@ -126,6 +126,26 @@ fn double_modes_have_one_summand() {
 }
 
 #[test]
+fn a_mode_is_uncontrollable_by_what_moves_it_and_what_is_read_of_it() {
+    let diagonal = |entries: [f64; 4]| DMatrix::from_diagonal(&DVector::from_column_slice(&entries));
+    let structure = SecondOrder::new(
+        DMatrix::identity(4, 4),
+        1e-5 * diagonal([1e7, 2e7, 3e7, 4e7]),
+        diagonal([1e7, 2e7, 3e7, 4e7]),
+    );
+    // Pushed a little and read in full: feedback moves it by the first power. Pushed and read a little: by the square.
+    // Read and not pushed: not at all.
+    let feedback = Feedback {
+        force: DMatrix::from_column_slice(4, 1, &[1.0, 3e-9, 3e-9, 0.0]),
+        reading: DMatrix::from_row_slice(1, 4, &[1e7, 1e7, 0.0, 1e7]),
+    };
+    let Resolvent { poles, uncontrollable, unit, .. } = resolvent(&structure.unwrap(), &feedback).unwrap();
+    let squares =
+        |of: &[Complex<f64>]| of.iter().map(|pole| (1e-7 * (pole * unit).norm_sqr()).round()).collect::<Vec<_>>();
+    assert_eq!((squares(&poles), squares(&uncontrollable)), (vec![1.0, 2.0], vec![3.0, 4.0]));
+}
+
+#[test]
 fn structures_without_such_a_sum_say_why() {
     let plain = chain(4, 1);
     let feedback = feedback(4, 2, 1);

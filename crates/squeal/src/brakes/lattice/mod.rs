@@ -8,15 +8,15 @@ pub use draw::{FrictionDraw, LatticeSample};
 use linsys::OperatingPoint;
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    ContactArrangement, ContactPoint, Lateral, LatticeModel, Member, Preload, PreparedLattice, Reversal, Sliding,
-    SymmetryClass,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Member, Preload, PreparedLattice,
+    Reversal, Sliding, SymmetryClass,
 };
 
 use crate::Error;
 use crate::case::{Draws, LatticeCase, Law};
 use crate::study::{
-    Configuration, Cost, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
-    UncertainBrake,
+    Configuration, Cost, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
+    StudySource, UncertainBrake,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -50,6 +50,7 @@ impl LatticeBrake {
             samples: case.samples,
             seed: case.seed,
             mode_labels: case.readings.labels,
+            mode_identity: case.readings.identity,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -143,11 +144,13 @@ impl UncertainBrake for LatticeBrake {
         is_shared.then(|| sobol::sample(&self.case, self.law(scene.key), uniform))
     }
 
-    /// Shared Amontons-Coulomb friction with given loads depends on mu alone.
+    /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by
+    /// continuation in mu.
     fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
         let readings = &self.case.readings;
         let is_single = self.law(scene.key) == Law::AmontonsCoulomb
             && readings.draws == Draws::Shared
+            && readings.identity == ModeIdentity::Continuation
             && readings.lateral != Lateral::Vector
             && !matches!(readings.preload, Preload::Equilibrium(_));
         is_single.then_some(&self.case.friction.mu)
@@ -280,5 +283,12 @@ fn labels(case: &LatticeCase) -> SceneLabels {
             })
             .collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
+        dofs: dof_names(case.lattice.grid.oscillators()),
     }
+}
+
+/// `x1` to `zp`.
+fn dof_names(oscillators: usize) -> Vec<String> {
+    let bodies = (0..oscillators).map(LatticeBody::Oscillator).chain([LatticeBody::Plate]);
+    bodies.flat_map(|body| Axis::ALL.map(|axis| Dof { axis, body }.to_string())).collect()
 }

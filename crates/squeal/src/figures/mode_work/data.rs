@@ -7,6 +7,8 @@ use num_complex::Complex64;
 pub struct ModeWorkFigure {
     /// Above everything; may be empty.
     pub title: String,
+    /// Below everything; may be empty.
+    pub note: String,
     /// Rows of the lattice.
     pub rows: usize,
     /// Columns of the lattice.
@@ -20,7 +22,7 @@ pub struct ModeWorkFigure {
 pub struct LawMode {
     /// Its name.
     pub law: String,
-    /// Below the name, for example frequency and growth rate; may be empty.
+    /// Below the name, for example speed, frequency and growth rate, in lines; may be empty.
     pub caption: String,
     /// The oscillators by rows, then the plate: `rows * columns + 1`.
     pub bodies: Vec<BodyInMode>,

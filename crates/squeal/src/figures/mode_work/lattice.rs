@@ -1,11 +1,18 @@
 //! The lattice of oscillators in plan view, with a mode shape on it.
 
-use num_complex::Complex64;
-
+use super::super::axis::signed;
 use super::super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::super::legend::Entry;
 use super::super::style::{BLUE, ORANGE, arrow};
-use super::data::{BodyInMode, ModeWorkFigure};
+use super::data::ModeWorkFigure;
+
+/// What one body does at the instant that is drawn.
+pub(super) struct BodyAt {
+    /// x, y and z, of the largest amplitude.
+    pub displacement: [f64; 3],
+    /// Which of them are held.
+    pub constrained: [bool; 3],
+}
 
 /// Geometry of one drawing: x to the right along a row, y downwards along a column, as the oscillators are numbered.
 pub(super) struct LatticeDrawing {
@@ -18,7 +25,7 @@ pub(super) struct LatticeDrawing {
 
 impl LatticeDrawing {
     pub fn new(rows: usize, columns: usize, width: f64) -> Self {
-        Self { rows, columns, width, pitch: (width / (columns as f64 + 0.5)).min(52.0) }
+        Self { rows, columns, width, pitch: (width / (columns as f64 + 0.5)).min(46.0) }
     }
 
     /// Longest arrow, of the largest component.
@@ -26,42 +33,45 @@ impl LatticeDrawing {
         0.42 * self.pitch
     }
 
+    /// Radius of the disc of the largest component.
+    fn full_disc(&self) -> f64 {
+        LARGEST_DISC_RADIUS.min(0.3 * self.pitch)
+    }
+
     /// Draws bodies (oscillators by rows, then the plate) and returns the y below. `axes` adds the directions.
-    pub fn draw(&self, canvas: &mut Canvas, (x, y): (f64, f64), bodies: &[BodyInMode], axes: bool) -> f64 {
+    pub fn draw(&self, canvas: &mut Canvas, (x, y): (f64, f64), bodies: &[BodyAt], axes: bool) -> f64 {
         let left = x + (self.width - self.pitch * (self.columns as f64 - 1.0)) / 2.0;
-        let top = y + (0.6 * self.pitch).max(20.0);
+        let top = y + (0.5 * self.pitch).max(20.0);
         let oscillators = self.rows * self.columns;
         let center = |i: usize| {
             let (row, column) = (i / self.columns, i % self.columns);
             (left + column as f64 * self.pitch, top + row as f64 * self.pitch)
         };
         self.springs(canvas, center(0), center(oscillators - 1));
-        let plate = (x + self.width / 2.0, top + (self.rows as f64 - 0.5) * self.pitch + 22.0);
+        let plate = (x + self.width / 2.0, top + (self.rows as f64 - 0.5) * self.pitch + 16.0);
         let half = (0.24 * self.width).min(0.5 * self.pitch * self.columns as f64);
         canvas.rect(
-            Area { x: plate.0 - half, y: plate.1 - 13.0, width: 2.0 * half, height: 26.0 },
+            Area { x: plate.0 - half, y: plate.1 - 10.0, width: 2.0 * half, height: 20.0 },
             Paint::stroke(Color::LIGHT_GREY, 1.0),
         );
         canvas.text(Label::new(plate.0 + half + 4.0, plate.1 + 3.0, "plate").color(Color::DARK_GREY));
-
-        let phase = Phase::of(bodies);
         for (i, body) in bodies.iter().enumerate() {
             let at = if i == oscillators { plate } else { center(i) };
             let name = (i < oscillators).then(|| (i + 1).to_string());
-            let title = format!("{}: {}", name.as_deref().unwrap_or("plate"), phase.describe(body));
+            let [u, v, w] = body.displacement.map(|u| signed(u, 2));
+            let title = format!("{}: x {u}, y {v}, z {w}", name.as_deref().unwrap_or("plate"));
             canvas.group("body", title, |canvas| {
-                self.body(canvas, at, phase.shape(body), body.constrained);
+                self.body(canvas, at, body);
                 if let Some(name) = name {
-                    canvas.text(Label::new(at.0 - 9.5, at.1 - 9.5, name).middle().color(Color::DARK_GREY).halo());
+                    let aside = (0.38 * self.pitch).min(9.5);
+                    canvas.text(Label::new(at.0 - aside, at.1 - aside, name).middle().color(Color::DARK_GREY).halo());
                 }
             });
         }
         if axes {
-            directions(canvas, (plate.0 - half - 28.0, plate.1 - 6.0));
+            directions(canvas, (plate.0 - half - 28.0, plate.1 - 8.0));
         }
-        let text = format!("largest imaginary part: {:.0} %", 100.0 * phase.left_out);
-        canvas.text(Label::new(plate.0, plate.1 + 24.0, text).middle().color(Color::DARK_GREY));
-        plate.1 + 26.0
+        plate.1 + 20.0
     }
 
     /// The undeformed springs with their walls.
@@ -81,38 +91,38 @@ impl LatticeDrawing {
         canvas.polygon(corners.to_vec(), Paint::stroke(Color::LIGHT_GREY, 1.6));
     }
 
-    fn body(&self, canvas: &mut Canvas, at: (f64, f64), [u, v, w]: [f64; 3], constrained: [bool; 3]) {
+    fn body(&self, canvas: &mut Canvas, at: (f64, f64), body: &BodyAt) {
+        let [u, v, w] = body.displacement;
         canvas.circle(at, 2.2, Paint::fill(Color::WHITE).outlined(Color::DARK_GREY, 0.6));
-        let radius = LARGEST_DISC_RADIUS.min(0.3 * self.pitch);
-        disc(canvas, at, radius, w);
-        held(canvas, at, radius + 1.5, constrained);
+        disc(canvas, at, self.full_disc(), w);
+        held(canvas, at, self.full_disc() + 1.5, body.constrained);
         let tip = (at.0 + u * self.reach(), at.1 + v * self.reach());
         arrow(canvas, at, tip, Color::BLACK);
     }
-}
 
-/// Turns and scales an eigenvector so that its largest component is 1.
-struct Phase {
-    factor: Complex64,
-    /// Largest imaginary part that remains.
-    left_out: f64,
-}
-
-impl Phase {
-    fn of(bodies: &[BodyInMode]) -> Self {
-        let all = || bodies.iter().flat_map(|body| body.displacement);
-        let largest = all().fold(Complex64::ZERO, |a, b| if b.norm() > a.norm() { b } else { a });
-        let factor = if largest.norm() > 0.0 { largest.inv() } else { Complex64::ZERO };
-        Self { factor, left_out: all().map(|u| (u * factor).im.abs()).fold(0.0, f64::max) }
-    }
-
-    fn shape(&self, body: &BodyInMode) -> [f64; 3] {
-        body.displacement.map(|u| (u * self.factor).re)
-    }
-
-    fn describe(&self, body: &BodyInMode) -> String {
-        let [x, y, z] = self.shape(body).map(|u| super::super::axis::signed(u, 2));
-        format!("x {x}, y {y}, z {z}")
+    /// The legend of the symbols, of those that occur, in the scale of the drawing.
+    pub fn symbols(&self, data: &ModeWorkFigure) -> Vec<Entry> {
+        let (length, full) = (0.5 * self.reach(), self.full_disc());
+        let mut entries = vec![
+            Entry::new("x, y: half the largest amplitude", length, move |canvas: &mut Canvas, (x, y)| {
+                arrow(canvas, (x - length / 2.0, y), (x + length / 2.0, y), Color::BLACK);
+            }),
+            Entry::new("z upwards, of that size", 1.5 * full, move |canvas: &mut Canvas, at| {
+                disc(canvas, at, full, 0.5)
+            }),
+            Entry::new("downwards", 1.5 * full, move |canvas: &mut Canvas, at| disc(canvas, at, full, -0.5)),
+        ];
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.constrained[axis]) {
+                let text = format!("{name} constrained");
+                let draw = move |canvas: &mut Canvas, at| held(canvas, at, 4.0, [axis == 0, axis == 1, axis == 2]);
+                entries.push(Entry::new(text, 10.0, draw));
+            }
+        }
+        if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.work.quartiles.is_some()) {
+            entries.push(Entry { symbol: None, text: "whiskers on the bars: quartiles over the samples".to_owned() });
+        }
+        entries
     }
 }
 
@@ -159,27 +169,4 @@ fn directions(canvas: &mut Canvas, at: (f64, f64)) {
     arrow(canvas, at, (at.0, at.1 + 15.0), Color::DARK_GREY);
     canvas.text(Label::new(at.0 + 17.0, at.1 + 2.5, "x").color(Color::DARK_GREY));
     canvas.text(Label::new(at.0, at.1 + 15.0 + SMALL_TEXT, "y").middle().color(Color::DARK_GREY));
-}
-
-/// The legend of the symbols, of those that occur.
-pub(super) fn symbols(data: &ModeWorkFigure) -> Vec<Entry> {
-    let reach = 16.0;
-    let mut entries = vec![
-        Entry::new("x, y", reach, move |canvas: &mut Canvas, (x, y)| {
-            arrow(canvas, (x - reach / 2.0, y), (x + reach / 2.0, y), Color::BLACK);
-        }),
-        Entry::new("+z, area by size", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, 5.5, 1.0)),
-        Entry::new("\u{2212}z", 12.0, |canvas: &mut Canvas, at| disc(canvas, at, 5.5, -1.0)),
-    ];
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.constrained[axis]) {
-            let text = format!("{name} constrained");
-            let draw = move |canvas: &mut Canvas, at| held(canvas, at, 4.0, [axis == 0, axis == 1, axis == 2]);
-            entries.push(Entry::new(text, 10.0, draw));
-        }
-    }
-    if data.laws.iter().flat_map(|law| &law.bodies).any(|body| body.work.quartiles.is_some()) {
-        entries.push(Entry { symbol: None, text: "whiskers on the bars: quartiles".to_owned() });
-    }
-    entries
 }

@@ -2,77 +2,105 @@
 
 mod data;
 mod lattice;
+mod phase;
 
-use super::axis::{AxisScale, PAGE_MARGIN, frame, signed, title, widest, y_axis, y_title, y_title_width};
-use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use num_complex::Complex64;
+
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, signed, title, widest, x_axis, y_title, y_title_width};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT, TextAnchor};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
 use super::legend::legend;
 use super::style::{BLUE, VERMILLION};
 pub use data::{BodyInMode, LawMode, ModeWorkFigure, NetWork};
-use lattice::{LatticeDrawing, symbols};
+use lattice::{BodyAt, LatticeDrawing};
 
-/// Between the columns of two laws, pt.
-const COLUMN_GAP: f64 = 10.0;
-/// Height of the axes of net work, pt.
-const WORK_HEIGHT: f64 = 105.0;
-const WORK_AXIS_TITLE: &str = "normalised median net work";
+/// Between the numbers on the scales of two columns, pt; as all lengths here chosen.
+const SCALE_GAP: f64 = 6.0;
+/// Height of the bar of one body with its white space.
+const BAR_PITCH: f64 = 10.5;
+const WORK_AXIS_TITLE: &str = "normalised median net work (1: that of the oscillator with most)";
+const BODY_AXIS_TITLE: &str = "oscillator, p: plate";
+/// The two instants at which the shape is drawn: together they are the whole motion.
+const INSTANTS: [&str; 2] = ["shape", "shape, a quarter of a period later"];
 
-/// Draws the mode shape in plan view (arrows for x and y, discs for z, the undeformed lattice behind) above bars of the
-/// net work of each oscillator and the plate (p), with quartiles as whiskers; the work axis is shared.
+/// Draws the mode shape in plan view at two instants a quarter of a period apart (arrows for x and y, discs for z, the
+/// undeformed lattice behind) above bars of the net work of each oscillator and the plate (p), with quartiles as whiskers;
+/// the axes of work are alike.
 ///
-/// A complex eigenvector is turned and scaled so that its largest component is 1, and its real part is drawn; each panel
-/// states the largest imaginary part that is left, which the picture does not show. The table has one row per law,
-/// body and quantity, with the eigenvector as given.
+/// All shapes have the largest component 1 and one phase: that of the first law makes its real part largest, that of each
+/// other makes it most like the first. The table has one row per law, body and quantity, with the eigenvector in that phase.
 ///
 /// # Errors
 /// [`FigureError::Empty`] without laws or with an empty lattice, [`FigureError::Length`] if the bodies do not fit the
 /// lattice, [`FigureError::NotFinite`] for a value that is not finite.
 pub fn mode_and_work(data: &ModeWorkFigure) -> Result<Figure, FigureError> {
-    let table = check(data)?;
+    let factors = phase::factors(&data.laws);
+    let table = check(data, &factors)?;
     let mut canvas = Canvas::new()?;
     let count = data.laws.len();
-    let values = data.laws.iter().flat_map(|law| &law.bodies).flat_map(|body| {
-        let [lower, upper] = body.work.quartiles.unwrap_or([body.work.median; 2]);
-        [lower, body.work.median, upper]
-    });
-    let scale = AxisScale::linear(values, 5.0);
-    let ticks = scale.ticks(0);
-    let tick_width = widest(&canvas, &ticks) + 6.0;
-    let left = PAGE_MARGIN + y_title_width(&canvas, WORK_HEIGHT, WORK_AXIS_TITLE) + tick_width;
-    let width = (canvas.width - PAGE_MARGIN - left - COLUMN_GAP * (count - 1) as f64) / count as f64;
-    let column = |c: usize| left + c as f64 * (width + COLUMN_GAP);
+    let bodies = data.rows * data.columns + 1;
+    let work_height = BAR_PITCH * bodies as f64;
+    let left = PAGE_MARGIN + y_title_width(&canvas, work_height, BODY_AXIS_TITLE) + 14.0;
+    let scale = work_scale(data);
+    // The first and the last number of a scale stand half beyond its panel.
+    let number = widest(&canvas, &scale.ticks(0));
+    let (right, gap) = (canvas.width - PAGE_MARGIN - number / 2.0, number + SCALE_GAP);
+    let width = (right - left - gap * (count - 1) as f64) / count as f64;
+    let column = |c: usize| left + c as f64 * (width + gap);
+    let lattice = LatticeDrawing::new(data.rows, data.columns, width);
 
     let mut y = title(&mut canvas, &data.title);
-    y = legend(&mut canvas, y + 2.0, &symbols(data)) + 2.0;
+    y = legend(&mut canvas, y + 2.0, &lattice.symbols(data)) + 2.0;
     let tops: Vec<f64> = data
         .laws
         .iter()
         .enumerate()
         .map(|(c, law)| heading(&mut canvas, c, &law.law, &law.caption, (column(c), y), width))
         .collect();
-    y = tops.into_iter().fold(y, f64::max) + 4.0;
-    let lattice = LatticeDrawing::new(data.rows, data.columns, width);
-    let mut bottom = y;
-    for (c, law) in data.laws.iter().enumerate() {
-        bottom = bottom.max(lattice.draw(&mut canvas, (column(c), y), &law.bodies, c == 0));
+    y = tops.into_iter().fold(y, f64::max) + 5.0;
+    for (instant, text) in INSTANTS.into_iter().enumerate() {
+        let top = y;
+        for (c, law) in data.laws.iter().enumerate() {
+            // Re(u e^(i omega t)) at omega t = 0 and pi / 2.
+            let factor = if instant == 0 { factors[c] } else { factors[c] * Complex64::I };
+            let at = |body: &BodyInMode| BodyAt {
+                displacement: body.displacement.map(|u| (u * factor).re),
+                constrained: body.constrained,
+            };
+            let bodies: Vec<BodyAt> = law.bodies.iter().map(at).collect();
+            y = y.max(lattice.draw(&mut canvas, (column(c), top), &bodies, c == 0 && instant == 0));
+        }
+        y_title(&mut canvas, left - 2.0, Area { x: left, y: top, width, height: y - top }, text);
+        y += 2.0;
     }
-    y = bottom + 8.0;
     for c in 0..count {
         canvas.text(Label::new(column(c), y + SMALL_TEXT, format!("({})", letter(count + c))).size(9.0).bold());
     }
     y += 13.0;
     for (c, law) in data.laws.iter().enumerate() {
-        let area = Area { x: column(c), y, width, height: WORK_HEIGHT };
-        y_axis(&mut canvas, area, &ticks, c == 0);
-        bars(&mut canvas, area, scale, law);
+        bars(&mut canvas, Area { x: column(c), y, width, height: work_height }, scale, law, c == 0);
     }
-    y_title(&mut canvas, left - tick_width, Area { x: left, y, width, height: WORK_HEIGHT }, WORK_AXIS_TITLE);
-    y += WORK_HEIGHT + 12.0;
+    y_title(&mut canvas, left - 14.0, Area { x: left, y, width, height: work_height }, BODY_AXIS_TITLE);
+    y += work_height + 12.0;
     let middle = (left + canvas.width - PAGE_MARGIN) / 2.0;
-    canvas.text(Label::new(middle, y + 10.0, "oscillator (p: plate)").middle());
-    canvas.height = y + 10.0 + PAGE_MARGIN;
+    canvas.text(Label::new(middle, y + 10.0, WORK_AXIS_TITLE).middle());
+    y += 12.0;
+    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
+        y += LINE_SPACING;
+        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
+    }
+    canvas.height = y + PAGE_MARGIN;
     Ok(Figure { canvas, table })
+}
+
+/// The scale that covers all medians and quartiles.
+fn work_scale(data: &ModeWorkFigure) -> AxisScale {
+    let values = data.laws.iter().flat_map(|law| &law.bodies).flat_map(|body| {
+        let [lower, upper] = body.work.quartiles.unwrap_or([body.work.median; 2]);
+        [lower, body.work.median, upper]
+    });
+    AxisScale::linear(values, 4.0)
 }
 
 fn letter(index: usize) -> char {
@@ -86,48 +114,49 @@ fn heading(canvas: &mut Canvas, index: usize, law: &str, caption: &str, (x, top)
         y += 11.0;
         canvas.text(Label::new(x, y, line).size(9.0).bold());
     }
-    for line in canvas.fonts.wrap(caption, SMALL_TEXT, false, width) {
-        y += 10.0;
+    let lines: Vec<String> =
+        caption.lines().flat_map(|line| canvas.fonts.wrap(line, SMALL_TEXT, false, width)).collect();
+    for line in lines {
+        y += LINE_SPACING;
         canvas.text(Label::new(x, y, line).color(Color::DARK_GREY));
     }
     y
 }
 
-/// Bars of the oscillators and the plate; those that feed the mode and those that drain it differ in colour and side.
-fn bars(canvas: &mut Canvas, area: Area, scale: AxisScale, law: &LawMode) {
-    let y_of = |value: f64| area.bottom() - scale.at(value) * area.height;
-    let slot = area.width / law.bodies.len() as f64;
-    let every = ((canvas.fonts.width("00", SMALL_TEXT, false) + 2.0) / slot).ceil() as usize;
+/// Bars of the oscillators and the plate, from above to below; those that feed the mode and those that drain it differ in
+/// colour and side.
+fn bars(canvas: &mut Canvas, area: Area, scale: AxisScale, law: &LawMode, named: bool) {
+    x_axis(canvas, area, &scale.ticks(0), true, true);
+    let x_of = |value: f64| area.x + scale.at(value) * area.width;
     for (i, body) in law.bodies.iter().enumerate() {
         let plate = i + 1 == law.bodies.len();
         let name = if plate { "p".to_owned() } else { (i + 1).to_string() };
-        let x = area.x + (i as f64 + 0.5) * slot;
-        let half = (0.36 * slot).min(9.0);
+        let y = area.y + (i as f64 + 0.5) * BAR_PITCH;
+        let half = 0.36 * BAR_PITCH;
         let text = format!("{}, {name}: net work {}", law.law, signed(body.work.median, 3));
         canvas.group("bar", text, |canvas| {
-            let (zero, end) = (y_of(0.0), y_of(body.work.median));
+            let (zero, end) = (x_of(0.0), x_of(body.work.median));
             let color = if body.work.median < 0.0 { BLUE } else { VERMILLION };
-            let bar = Area { x: x - half, y: zero.min(end), width: 2.0 * half, height: (zero - end).abs() };
+            let bar = Area { x: zero.min(end), y: y - half, width: (zero - end).abs(), height: 2.0 * half };
             canvas.rect(bar, Paint::fill(color));
             if let Some([lower, upper]) = body.work.quartiles {
-                let (lower, upper, cap) = (y_of(lower), y_of(upper), half / 2.0);
                 let line = Paint::stroke(Color::BLACK, 0.8);
-                canvas.line((x, lower), (x, upper), line);
-                for y in [lower, upper] {
-                    canvas.line((x - cap, y), (x + cap, y), line);
+                canvas.line((x_of(lower), y), (x_of(upper), y), line);
+                for x in [x_of(lower), x_of(upper)] {
+                    canvas.line((x, y - half / 2.0), (x, y + half / 2.0), line);
                 }
             }
         });
-        if plate || i % every == 0 {
-            canvas.text(Label::new(x, area.bottom() + 10.0, name).middle());
+        if named {
+            canvas.text(Label::new(area.x - 3.0, y + 2.9, name).anchor(TextAnchor::End));
         }
     }
-    canvas.line((area.x, y_of(0.0)), (area.right(), y_of(0.0)), Paint::stroke(Color::BLACK, 0.6));
+    canvas.line((x_of(0.0), area.y), (x_of(0.0), area.bottom()), Paint::stroke(Color::BLACK, 0.6));
     frame(canvas, area);
 }
 
 /// Checks every value and writes it into the table.
-fn check(data: &ModeWorkFigure) -> Result<Table, FigureError> {
+fn check(data: &ModeWorkFigure, factors: &[Complex64]) -> Result<Table, FigureError> {
     if data.laws.is_empty() {
         return Err(FigureError::Empty { what: "friction law" });
     }
@@ -136,27 +165,30 @@ fn check(data: &ModeWorkFigure) -> Result<Table, FigureError> {
         return Err(FigureError::Empty { what: "oscillator" });
     }
     let mut rows = Vec::new();
-    for law in &data.laws {
+    for (law, factor) in data.laws.iter().zip(factors) {
         if law.bodies.len() != oscillators + 1 {
             let what = format!("bodies under {}", law.law);
             return Err(FigureError::Length { what, found: law.bodies.len(), expected: oscillators + 1 });
         }
         for (i, body) in law.bodies.iter().enumerate() {
             let name = if i == oscillators { "plate".to_owned() } else { (i + 1).to_string() };
-            let mut row = |quantity: String, value: f64| -> Result<(), FigureError> {
-                let value = finite(value, || format!("{quantity} of {name} under {}", law.law))?;
+            let mut row = |quantity: String, value: f64| {
                 rows.push(vec![law.law.clone(), name.clone(), quantity, value.to_string()]);
-                Ok(())
             };
+            let check =
+                |quantity: String, value: f64| finite(value, || format!("{quantity} of {name} under {}", law.law));
             for ((axis, u), held) in ["x", "y", "z"].iter().zip(body.displacement).zip(body.constrained) {
-                row(format!("{axis}_re"), u.re)?;
-                row(format!("{axis}_im"), u.im)?;
-                row(format!("{axis}_constrained"), f64::from(u8::from(held)))?;
+                check(format!("{axis}_re"), u.re)?;
+                check(format!("{axis}_im"), u.im)?;
+                let turned = u * factor;
+                row(format!("{axis}_re"), turned.re);
+                row(format!("{axis}_im"), turned.im);
+                row(format!("{axis}_constrained"), f64::from(u8::from(held)));
             }
-            row("net_work_median".to_owned(), body.work.median)?;
-            if let Some([lower, upper]) = body.work.quartiles {
-                row("net_work_q25".to_owned(), lower)?;
-                row("net_work_q75".to_owned(), upper)?;
+            let quartiles = body.work.quartiles.into_iter().flat_map(|[q25, q75]| [("q25", q25), ("q75", q75)]);
+            for (statistic, value) in [("median", body.work.median)].into_iter().chain(quartiles) {
+                let quantity = format!("net_work_{statistic}");
+                row(quantity.clone(), check(quantity, value)?);
             }
         }
     }

@@ -1,85 +1,136 @@
-//! Where the panels stand, the axis that they share, and the places of the series on it.
+//! Where panels and rows stand, and the scale that all panels share.
 
-use super::super::axis::{AxisScale, PAGE_MARGIN, Tick, widest, y_title_width};
+use super::super::axis::{AxisScale, PAGE_MARGIN, Tick};
 use super::super::canvas::{Area, Canvas, SMALL_TEXT};
-use super::{OCCURRENCE_AXIS_TITLE, OccurrenceFigure, OccurrenceRow};
+use super::data::{OccurrenceFigure, OccurrenceLaw};
 
-/// Distance of two panels, pt.
-const PANEL_GAP: f64 = 9.0;
+/// Distance of two panels, pt; as all lengths here chosen.
+const PANEL_GAP: f64 = 8.0;
+/// Between the frame and the ends of the scale, so that what lies at 0 or 100 % is seen.
+const SCALE_MARGIN: f64 = 4.0;
+/// Height of one series in the row of a mode, where there is room.
+const SERIES_HEIGHT: f64 = 8.0;
+/// Height of a row at least: a line of text.
+const LEAST_ROW_HEIGHT: f64 = SMALL_TEXT + 1.0;
+/// Height that rows are made lower for: A4 less margins of 25 mm.
+const PAGE_HEIGHT: f64 = 247.0 / 25.4 * 72.0;
+/// Of it for title, legend and notes.
+const HEIGHT_OF_TEXT: f64 = 160.0;
+/// Of it for the heading and the scale of a line of panels.
+const HEIGHT_BESIDE_PANELS: f64 = 32.0;
+/// Most panels side by side.
+const MOST_COLUMNS: usize = 4;
+/// Up to this value, in percent, the scale ends with the values; beyond it at 100 %.
+const OWN_SCALE_BELOW: f64 = 50.0;
 
-/// Where the panels stand, and the axis that they share.
+/// Where the panels stand, and what they share.
 pub(super) struct PanelGrid {
     pub columns: usize,
-    pub left: f64,
-    pub tick_width: f64,
-    pub width: f64,
-    pub height: f64,
-    /// Of the tick labels below the lowest panels.
-    pub label_height: f64,
-    /// Modes on the axis.
-    pub modes: Vec<usize>,
+    pub scale: AxisScale,
     pub ticks: Vec<Tick>,
-    /// Labels read upwards.
-    pub upward: bool,
+    /// Modes that have a row.
+    pub modes: Vec<usize>,
+    /// Their names and frequencies.
+    pub labels: Vec<[String; 2]>,
+    /// Right ends of the two columns of text.
+    pub label_ends: [f64; 2],
+    left: f64,
+    width: f64,
+    /// Factor on the height of rows.
+    shrink: f64,
 }
 
 impl PanelGrid {
-    pub fn new(data: &OccurrenceFigure, canvas: &Canvas, modes: Vec<usize>) -> Self {
-        let y_ticks = AxisScale::PERCENT.ticks(5);
-        let tick_width = widest(canvas, &y_ticks) + 6.0;
-        let most = data.rows.iter().map(|row| row.panels.len()).max().unwrap_or(1);
-        let height = if data.rows.len() == 1 { 120.0 } else { 96.0 };
-        let left = PAGE_MARGIN + y_title_width(canvas, height, OCCURRENCE_AXIS_TITLE) + tick_width;
-        let width_of =
-            |columns: usize| (canvas.width - PAGE_MARGIN - left - PANEL_GAP * (columns - 1) as f64) / columns as f64;
-        let count = modes.len().max(1) as f64;
-        let mut columns = if data.rows.len() == 1 && most > 2 { most.div_ceil(2) } else { most };
-        // A mode needs room for its label, if only upwards.
-        while columns > 2 && width_of(columns) / count < SMALL_TEXT + 0.5 {
-            columns = columns.div_ceil(2);
-        }
-        let width = width_of(columns);
-        let slot = width / count;
-        let every = ((SMALL_TEXT + 0.5) / slot).ceil() as usize;
-        let ticks: Vec<Tick> = modes
-            .iter()
-            .enumerate()
-            .map(|(i, &m)| Tick {
-                at: (i as f64 + 0.5) / count,
-                label: if i % every == 0 { data.modes[m].clone() } else { String::new() },
-            })
-            .collect();
-        let longest = widest(canvas, &ticks);
-        let upward = longest + 3.0 > slot * every as f64;
-        let label_height = if upward { longest + 3.0 } else { SMALL_TEXT + 2.0 };
-        Self { columns, left, tick_width, width, height, label_height, modes, ticks, upward }
+    pub fn new(data: &OccurrenceFigure, canvas: &Canvas) -> Self {
+        let modes = data.unstable_modes();
+        let labels: Vec<[String; 2]> =
+            modes.iter().map(|&m| [data.modes[m].label.clone(), significant(data.modes[m].frequency_hz)]).collect();
+        let widest = |column: usize, heading: &str| {
+            let all = labels.iter().map(|label| label[column].as_str()).chain([heading]);
+            all.map(|text| canvas.fonts.width(text, SMALL_TEXT, false)).fold(0.0, f64::max)
+        };
+        let first = PAGE_MARGIN + widest(0, HEADINGS[0]);
+        let label_ends = [first, first + 8.0 + widest(1, HEADINGS[1])];
+        let left = label_ends[1] + 5.0;
+        let most = data.laws.iter().map(|law| law.panels.len()).max().unwrap_or(1);
+        let columns = most.div_ceil(most.div_ceil(MOST_COLUMNS).max(1)).max(1);
+        let width = (canvas.width - PAGE_MARGIN - left - PANEL_GAP * (columns - 1) as f64) / columns as f64;
+        let lines = |law: &OccurrenceLaw| law.panels.len().div_ceil(columns) as f64;
+        let comfortable: f64 = data.laws.iter().map(|law| lines(law) * comfortable_height(law, modes.len())).sum();
+        let room = PAGE_HEIGHT - HEIGHT_OF_TEXT - data.laws.iter().map(lines).sum::<f64>() * HEIGHT_BESIDE_PANELS;
+        let (scale, shrink) = (scale(data), (room / comfortable).clamp(0.0, 1.0));
+        Self { columns, ticks: scale.ticks(0), scale, modes, labels, label_ends, left, width, shrink }
     }
 
-    pub fn area(&self, column: usize, y: f64) -> Area {
+    /// Height of a panel of this law; of its rows together.
+    pub fn height(&self, law: &OccurrenceLaw) -> f64 {
+        let least = LEAST_ROW_HEIGHT * self.modes.len() as f64;
+        (self.shrink * comfortable_height(law, self.modes.len())).max(least).max(2.0 * LEAST_ROW_HEIGHT)
+    }
+
+    pub fn area(&self, column: usize, y: f64, law: &OccurrenceLaw) -> Area {
         let x = self.left + column as f64 * (self.width + PANEL_GAP);
-        Area { x, y, width: self.width, height: self.height }
+        Area { x, y, width: self.width, height: self.height(law) }
+    }
+
+    /// Where a value, in percent, lies in a panel.
+    pub fn x(&self, area: Area, percent: f64) -> f64 {
+        self.x_at(area, self.scale.at(percent))
+    }
+
+    /// Where a place on the scale lies, 0 at its start and 1 at its end.
+    pub fn x_at(&self, area: Area, at: f64) -> f64 {
+        area.x + SCALE_MARGIN + at * (area.width - 2.0 * SCALE_MARGIN)
+    }
+
+    /// The middle of the panels.
+    pub fn middle(&self, canvas: &Canvas) -> f64 {
+        (self.left + canvas.width - PAGE_MARGIN) / 2.0
     }
 }
 
-/// The series that a row shows, side by side around the middle of each mode.
-pub(super) struct Slots {
-    pub series: Vec<usize>,
-    /// Between two neighbours.
-    pub pitch: f64,
-    pub box_width: f64,
+/// Above the two columns of text.
+pub(super) const HEADINGS: [&str; 2] = ["mode", "Hz"];
+
+/// Height of a panel with that many rows where there is room.
+fn comfortable_height(law: &OccurrenceLaw, modes: usize) -> f64 {
+    modes.max(1) as f64 * (SERIES_HEIGHT * series_of(law).len().max(1) as f64 + 4.0)
 }
 
-impl Slots {
-    pub fn new(data: &OccurrenceFigure, row: &OccurrenceRow, grid: &PanelGrid) -> Self {
-        let shown = |s: &usize| row.panels.iter().flat_map(|panel| &panel.boxes).any(|b| b.series == *s);
-        let series: Vec<usize> = (0..data.series.len()).filter(shown).collect();
-        let slot = grid.width / grid.modes.len().max(1) as f64;
-        let pitch = (0.86 * slot / series.len().max(1) as f64).min(18.0);
-        Self { series, pitch, box_width: (0.78 * pitch).min(12.0) }
-    }
+/// The series that a law has, from above to below.
+pub(super) fn series_of(law: &OccurrenceLaw) -> Vec<usize> {
+    let mut series: Vec<usize> = law.panels.iter().flat_map(|panel| &panel.boxes).map(|b| b.series).collect();
+    series.sort_unstable();
+    series.dedup();
+    series
+}
 
-    pub fn offset(&self, series: usize) -> f64 {
-        let place = self.series.iter().position(|&s| s == series).unwrap_or(0) as f64;
-        (place - (self.series.len() as f64 - 1.0) / 2.0) * self.pitch
+/// From 0 to 100 %, or to what covers all values and marks where those are small.
+fn scale(data: &OccurrenceFigure) -> AxisScale {
+    let tops = data.boxes().flat_map(|b| b.solved()).map(|value| value.upper.max(value.percent + value.open));
+    let most = tops.chain(data.marks.iter().map(|mark| mark.percent)).fold(0.0, f64::max);
+    if most > OWN_SCALE_BELOW { AxisScale::PERCENT } else { AxisScale::linear([most].into_iter(), 4.0) }
+}
+
+/// Four significant digits, whole from 1,000 on.
+pub(super) fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = value.abs().log10().floor();
+    let decimals = (3.0 - digits).clamp(0.0, 12.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn frequencies_have_four_digits() {
+        for (value, text) in [(24170.4, "24170"), (1015.95, "1016"), (0.225461, "0.2255"), (1.1779e-4, "0.0001178")] {
+            assert_eq!(significant(value), text);
+        }
+        assert_eq!(significant(0.0), "0");
     }
 }

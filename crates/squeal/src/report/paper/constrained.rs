@@ -1,12 +1,18 @@
 //! Claims C7 to C10: what is left of the instabilities with oscillators held.
 
 use super::super::claims::{Claim, Holds};
-use super::super::results::{Estimate, Results};
-use super::modes::{title, work_dominance};
-use super::scenes::{CORNERS_HELD, SIX_HELD, law_name, number_in_contact, speed_name};
+use super::super::results::{ArrangementOccurrence, Estimate, Results};
+use super::limits::{Judgement, Limits, above, all, below, largest, least, mean};
+use super::modes::{brake_oscillators, medians, number_of_occurrences, title_in, unstable_modes, work_dominance};
+use super::panels::{all_positive, differences};
+use super::scenes::{CORNERS_HELD, SIX_HELD, full_contact, law_name, number_in_contact, speed_name};
 use crate::Error;
 use crate::case::Paper;
 use crate::study::{ComparisonKind, ModeLabel, Panel};
+
+/// An occurrence that counts as none: a box plot from 0 to 100 % does not show it, and 1,000 draws without a hit in each of
+/// 135 scenes bound all occurrences by 0.9 %. Chosen, before any reading was judged by it.
+const NO_INSTABILITY: f64 = 0.01;
 
 /// The largest occurrence of any mode in one arrangement of a panel.
 fn largest_occurrence(results: &Results<'_>, panel: &Panel) -> f64 {
@@ -15,11 +21,9 @@ fn largest_occurrence(results: &Results<'_>, panel: &Panel) -> f64 {
 }
 
 /// C7: fewer unstable modes with the corners held in x.
-pub(super) fn corners_reduce(results: &Results<'_>) -> Claim {
-    let pairs: Vec<_> = results
-        .differences(ComparisonKind::Constraints)
-        .filter(|(_, after, _)| after.key.constraints == CORNERS_HELD)
-        .collect();
+pub(super) fn corners_reduce(results: &Results<'_>, judgement: Judgement) -> Claim {
+    let is_meant = |_: &Panel, after: &Panel| after.key.constraints == CORNERS_HELD;
+    let pairs = differences(results, judgement, ComparisonKind::Constraints, is_meant);
     let mut worst = Vec::new();
     for (before, after, _) in &pairs {
         let (was, is) = (largest_occurrence(results, before), largest_occurrence(results, after));
@@ -28,7 +32,7 @@ pub(super) fn corners_reduce(results: &Results<'_>) -> Claim {
         }
     }
     let claim = Claim::new("C7", "holding the corners in x reduces the occurrence of instability", "fewer");
-    let mut claim = claim.all_positive(pairs.into_iter().map(|(before, _, d)| (results.describe(before), d)));
+    let mut claim = all_positive(claim, &pairs, |before, _| results.describe(before));
     claim.detail += &match worst.len() {
         0 => "; the largest occurrence of a mode grows in no panel".to_owned(),
         _ => format!("; the largest occurrence of a mode grows in {} panels: {}", worst.len(), worst.join(", ")),
@@ -37,97 +41,135 @@ pub(super) fn corners_reduce(results: &Results<'_>) -> Claim {
 }
 
 /// C8: with the corners held one mode is left, and which oscillators do its work.
-pub(super) fn after_corners(results: &Results<'_>, paper: &Paper) -> Result<Claim, Error> {
+pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
     let statement = "after it one mode has a high probability, and oscillators 4 and 6 dominate its net work";
-    let claim = Claim::new("C8", statement, format!("median {} with nine in contact", paper.after_corners_occurrence));
-    let all = results.plan().labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
-    let panels = results.panels().iter().filter(|p| p.key.constraints == CORNERS_HELD);
-    let panels: Vec<_> = panels.filter(|p| number_in_contact(results, p) == all).collect();
-    let mut modes: std::collections::BTreeMap<ModeLabel, Vec<(String, Estimate)>> = Default::default();
-    for panel in &panels {
-        for (name, occurrences) in results.occurrences(panel) {
-            let entry =
-                (format!("{} {}", law_name(results, panel), speed_name(results, panel)), results.median(&occurrences)?);
-            modes.entry(name).or_default().push(entry);
-        }
-    }
-    let mean = |list: &[(String, Estimate)]| list.iter().map(|(_, e)| e.value).sum::<f64>() / panels.len() as f64;
-    let mut order: Vec<_> = modes.iter().collect();
-    order.sort_by(|a, b| mean(b.1).total_cmp(&mean(a.1)));
-    let Some((&name, list)) = order.first().map(|(name, list)| (*name, *list)) else {
-        return Ok(claim.undetermined("no mode is unstable"));
+    let claim = Claim::new(
+        "C8",
+        statement,
+        format!("mode {}, median {} with nine in contact", paper.after_corners_mode, paper.after_corners_occurrence),
+    );
+    let most = results.plan().labels.panels.iter().map(|panel| panel.in_contact).max().unwrap_or(0);
+    let is_meant = |p: &&Panel| p.key.constraints == CORNERS_HELD && number_in_contact(results, p) == most;
+    let panels: Vec<_> = results.panels().iter().filter(is_meant).collect();
+    let modes = unstable_modes(results, &panels);
+    let scenes = full_contact(results, CORNERS_HELD).count();
+    let oscillators = brake_oscillators(results, CORNERS_HELD);
+    let limits = judgement.of(number_of_occurrences(modes.len(), &panels) + scenes * oscillators);
+
+    let medians = medians(results, &modes, &panels, &limits)?;
+    let mut order: Vec<(ModeLabel, Estimate)> =
+        medians.iter().map(|(&mode, of_panels)| (mode, mean(of_panels))).collect();
+    order.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
+    let Some(&(name, ours)) = order.first() else { return Ok(claim.none("no mode is unstable")) };
+    let margins = work_dominance(results, CORNERS_HELD, name, &paper.after_corners_dominant, &limits)?;
+    let dominates = match margins.is_empty() {
+        true => Holds::NotDetermined,
+        false => above(least(margins.iter().map(|(_, margin)| *margin)), 0.0),
     };
+    let others_are_low = below(largest(order[1..].iter().map(|(_, e)| *e)), 0.5);
+    let any_is_high = above(largest(order.iter().map(|(_, e)| *e)), 0.5);
+    let holds = match any_is_high {
+        Holds::No => Holds::No,
+        _ => all([above(ours, 0.5), others_are_low, dominates]),
+    };
+
     let high: Vec<String> = order
         .iter()
-        .filter(|(_, list)| mean(list) > 0.5)
-        .map(|(n, list)| format!("{n} at {:.3}", mean(list)))
+        .filter(|(_, e)| e.value > 0.5)
+        .map(|(n, e)| format!("{} at {:.3}", results.mode_label(CORNERS_HELD, *n), e.value))
         .collect();
-    let margins = work_dominance(results, CORNERS_HELD, name, &paper.after_corners_dominant)?;
-    let dominates = !margins.is_empty() && margins.iter().all(|(_, margin)| *margin > 0.0);
-    let value = mean(list);
-    let average = |of: fn(&Estimate) -> f64| list.iter().map(|(_, e)| of(e)).sum::<f64>() / panels.len() as f64;
-    let estimate = Estimate { value, lower: average(|e| e.lower), upper: average(|e| e.upper) };
-    let by_law: Vec<String> = list.iter().map(|(law, e)| format!("{law} {:.3}", e.value)).collect();
+    let of_panel = |(panel, e): (&&Panel, &Estimate)| {
+        format!("{} {} {:.3}", law_name(results, panel), speed_name(results, panel), e.value)
+    };
+    let by_law: Vec<String> = panels.iter().zip(&medians[&name]).map(of_panel).collect();
     let detail = format!(
         "occurrence of {}, mean over laws and speeds; {}; modes above 0.5: {}; 4 and 6 dominate its net work: {}",
-        title(results, name),
+        title_in(results, CORNERS_HELD, name),
         by_law.join("; "),
         high.join(", "),
-        if dominates { "yes" } else { "no" }
+        dominates.sign()
     );
-    let holds = if high.len() == 1 && dominates { Holds::Yes } else { Holds::No };
-    Ok(claim.ours(estimate, holds, detail))
+    Ok(claim.ours(ours, holds, detail).about(results.rank_of(name)))
 }
 
 /// C9: with six constraints and six in contact nothing is unstable.
-pub(super) fn none_at_six(results: &Results<'_>) -> Result<Claim, Error> {
+pub(super) fn none_at_six(results: &Results<'_>, judgement: Judgement) -> Claim {
     let claim = Claim::new("C9", "six constraints, six in contact: no instability for any law or speed", "0");
-    let panels =
-        results.panels().iter().filter(|p| p.key.constraints == SIX_HELD && number_in_contact(results, p) == 6);
-    let (mut worst, mut hits, mut solved) = (None::<Estimate>, 0, 0);
-    for &scene in panels.flat_map(|panel| &panel.scenes) {
-        let tally = &results.summary.tally.scenes[scene];
-        let upper = montecarlo::wilson(tally.any_unstable, tally.solved, montecarlo::Confidence::P95)?;
-        let value = if tally.solved == 0 { 0.0 } else { tally.any_unstable as f64 / tally.solved as f64 };
-        let estimate = Estimate { value, lower: upper.lower, upper: upper.upper };
-        if worst.is_none_or(|w| estimate.upper > w.upper) {
-            worst = Some(estimate);
-        }
-        (hits, solved) = (hits + tally.any_unstable, solved + tally.solved);
+    let is_meant = |p: &&Panel| p.key.constraints == SIX_HELD && number_in_contact(results, p) == 6;
+    let scenes: Vec<usize> = results.panels().iter().filter(is_meant).flat_map(|panel| panel.scenes.clone()).collect();
+    if scenes.is_empty() {
+        return claim.undetermined("the case has no such panel");
     }
-    let Some(worst) = worst else { return Ok(claim.undetermined("the case has no such panel")) };
+    let limits = judgement.of(scenes.len());
+    let tallies = || scenes.iter().map(|&scene| &results.summary.tally.scenes[scene]);
+    let occurrence = |tally: &crate::study::SceneTally| {
+        // A verdict that is open may be an instability.
+        let possible = (tally.any_unstable + tally.undecided).min(tally.solved);
+        limits.occurrence(tally.any_unstable, possible, tally.solved)
+    };
+    let worst = largest(tallies().map(occurrence));
+    let (hits, solved) = tallies().fold((0, 0), |(hits, all), t| (hits + t.any_unstable, all + t.solved));
     let detail = format!(
-        "largest part of the samples with any instability in one arrangement; {hits} of {solved} in all, one \
-         arrangement of each symmetry class"
+        "largest part of the draws with any instability in one arrangement; must stay below {NO_INSTABILITY}; in all \
+         {hits} of {solved} CEAs, one arrangement of each symmetry class, which rest on the same {} draws",
+        results.summary.samples
     );
-    Ok(claim.ours(worst, if hits == 0 { Holds::Yes } else { Holds::No }, detail))
+    claim.ours(worst, below(worst, NO_INSTABILITY), detail)
 }
 
-/// C10: with six constraints and more in contact the occurrences stay below a bound.
-pub(super) fn after_six(results: &Results<'_>, paper: &Paper) -> Result<Claim, Error> {
-    let statement = "six constraints, more in contact: the largest median occurrence stays below the bound";
-    let said = format!("{} (LuGre), bound {}", paper.after_six_occurrence, paper.after_six_bound);
+/// C10: with six constraints and more in contact one mode is unstable under all laws, but never often.
+pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
+    let statement = "six constraints, more in contact: one mode is unstable for all laws, and the largest median \
+                     occurrence stays below the bound";
+    let said = format!(
+        "mode {}, {} (LuGre), bound {}",
+        paper.after_six_mode, paper.after_six_occurrence, paper.after_six_bound
+    );
     let claim = Claim::new("C10", statement, said);
-    let mut worst: Option<(String, Estimate)> = None;
-    let panels = results.panels().iter().filter(|p| p.key.constraints == SIX_HELD && number_in_contact(results, p) > 6);
+    let is_meant = |p: &&Panel| p.key.constraints == SIX_HELD && number_in_contact(results, p) > 6;
+    let panels: Vec<_> = results.panels().iter().filter(is_meant).collect();
+    let modes = unstable_modes(results, &panels);
+    let limits = judgement.of(number_of_occurrences(modes.len(), &panels));
+
+    let medians = medians(results, &modes, &panels, &limits)?;
+    let all_medians = medians.iter().flat_map(|(&mode, list)| panels.iter().zip(list).map(move |(p, e)| (mode, p, *e)));
+    let Some((of, panel, highest)) = all_medians.clone().max_by(|a, b| a.2.value.total_cmp(&b.2.value)) else {
+        return Ok(claim.none("no mode is ever unstable"));
+    };
+    let median = largest(all_medians.map(|(_, _, e)| e));
+    let everywhere = modes.iter().map(|&mode| (mode, unstable_everywhere(results, &panels, mode, &limits)));
+    let everywhere: Vec<(ModeLabel, Estimate)> = everywhere.collect();
+    let of_best = everywhere.iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+    let &(best, _) = of_best.unwrap_or(&(of, highest));
+    let reached = largest(everywhere.iter().map(|(_, e)| *e));
+
+    let is_everywhere = above(reached, NO_INSTABILITY);
+    let holds = all([is_everywhere, below(median, paper.after_six_bound)]);
+    let detail = format!(
+        "{}; the largest median: {:.3} ({:.3} to {:.3}), {}, {}; unstable under every law with 7, 8 and 9 in contact, by \
+         the largest occurrence of one mode in any arrangement and speed range: {:.3} ({:.3} to {:.3}), {}, must exceed \
+         {NO_INSTABILITY}",
+        if is_everywhere == Holds::Yes { "the largest median decides" } else { "whether a mode is unstable decides" },
+        median.value,
+        median.lower,
+        median.upper,
+        title_in(results, SIX_HELD, of),
+        results.describe(panel),
+        reached.value,
+        reached.lower,
+        reached.upper,
+        title_in(results, SIX_HELD, best),
+    );
+    let (ours, mode) = if is_everywhere == Holds::Yes { (median, of) } else { (reached, best) };
+    Ok(claim.ours(ours, holds, detail).about(results.rank_of(mode)))
+}
+
+/// The least, over the laws and the numbers in contact, of the largest occurrence of a mode in any arrangement and speed range.
+fn unstable_everywhere(results: &Results<'_>, panels: &[&Panel], mode: ModeLabel, limits: &Limits) -> Estimate {
+    let mut groups: std::collections::BTreeMap<(usize, usize), Vec<ArrangementOccurrence>> = Default::default();
     for panel in panels {
-        for (name, occurrences) in results.occurrences(panel) {
-            let median = results.median(&occurrences)?;
-            if worst.as_ref().is_none_or(|(_, w)| median.value > w.value) {
-                worst = Some((format!("{}, {}", title(results, name), results.describe(panel)), median));
-            }
-        }
+        let group = groups.entry((panel.key.law, panel.key.panel)).or_default();
+        group.extend(results.occurrences_of(panel, mode));
     }
-    let Some((what, median)) = worst else {
-        let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
-        return Ok(claim.ours(none, Holds::Yes, "no mode is ever unstable".into()));
-    };
-    let holds = if median.upper < paper.after_six_bound {
-        Holds::Yes
-    } else if median.lower > paper.after_six_bound {
-        Holds::No
-    } else {
-        Holds::NotDetermined
-    };
-    Ok(claim.ours(median, holds, what))
+    least(groups.values().map(|occurrences| limits.largest(occurrences)))
 }

@@ -1,6 +1,7 @@
 //! The claims of the 3 x 3 oscillator paper, each checked against a study of its case.
 
 mod constrained;
+mod limits;
 mod modes;
 mod panels;
 mod printed;
@@ -12,6 +13,7 @@ use super::results::Results;
 use crate::Error;
 use crate::brakes::LatticeBrake;
 use constrained::{after_corners, after_six, corners_reduce, none_at_six};
+pub use limits::Judgement;
 pub(super) use modes::most_robust;
 #[cfg(feature = "figures")]
 pub(super) use modes::{paper_mode, shape, title};
@@ -22,25 +24,32 @@ pub(super) use scenes::UNCONSTRAINED;
 #[cfg(feature = "figures")]
 pub(super) use scenes::{CORNERS_HELD, SIX_HELD};
 
-/// The scorecard of a study of the paper's case; empty for a case without a `[paper]` table.
+/// The scorecard of a study of the paper's case, judged by limits; empty for a case without a `[paper]` table.
 ///
 /// # Errors
 /// Those of statistics without data.
 pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>, Error> {
+    claims_judged(results, brake, Judgement::ByLimits)
+}
+
+/// [`claims`], judged as asked.
+///
+/// # Errors
+/// As [`claims`].
+pub fn claims_judged(results: &Results<'_>, brake: &LatticeBrake, judgement: Judgement) -> Result<Vec<Claim>, Error> {
     let Some(paper) = &brake.case.paper else { return Ok(Vec::new()) };
-    let robust = most_robust(results, UNCONSTRAINED)?;
-    let mode = robust.first().map(|(name, _)| *name);
+    let robust = most_robust(results, UNCONSTRAINED, judgement)?;
     Ok(vec![
-        contact_number(results),
-        laws(results),
-        speeds(results),
+        contact_number(results, judgement),
+        laws(results, judgement),
+        speeds(results, judgement),
         robust_mode(results, paper, &robust),
-        robust_shape(results, paper, mode),
-        robust_work(results, paper, mode)?,
-        corners_reduce(results),
-        after_corners(results, paper)?,
-        none_at_six(results)?,
-        after_six(results, paper)?,
+        robust_shape(results, paper, &robust),
+        robust_work(results, paper, &robust, judgement)?,
+        corners_reduce(results, judgement),
+        after_corners(results, paper, judgement)?,
+        none_at_six(results, judgement),
+        after_six(results, paper, judgement)?,
         natural_frequencies(results, paper),
         counted(results, paper),
     ])

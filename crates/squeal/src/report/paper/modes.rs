@@ -1,48 +1,68 @@
-//! Modes of the paper's case: which is the most robust, how each is called, its shape and its net work.
+//! Modes of the paper's case: how often each is unstable, how each is called, its shape and its net work.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use montecarlo::QuantileSketch;
 use num_complex::Complex;
 
 use super::super::results::{Estimate, Results};
-use super::scenes::{full_contact, law_of};
+use super::limits::{Judgement, Limits, least};
+use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
-use crate::study::{ModeLabel, ModeNaming, Reference, Scene};
+use crate::study::{ModeLabel, ModeNaming, Panel, Reference, Scene};
+
+/// The modes that are ever unstable in some panels.
+pub(super) fn unstable_modes(results: &Results<'_>, panels: &[&Panel]) -> BTreeSet<ModeLabel> {
+    panels.iter().flat_map(|panel| results.occurrences(panel).into_keys()).collect()
+}
+
+/// How many occurrences some modes have in some panels: one for each scene.
+pub(super) fn number_of_occurrences(modes: usize, panels: &[&Panel]) -> usize {
+    modes * panels.iter().map(|panel| panel.scenes.len()).sum::<usize>()
+}
+
+/// The median occurrence of each mode in each of some panels.
+pub(super) fn medians(
+    results: &Results<'_>,
+    modes: &BTreeSet<ModeLabel>,
+    panels: &[&Panel],
+    limits: &Limits,
+) -> Result<BTreeMap<ModeLabel, Vec<Estimate>>, Error> {
+    let of_panels = |mode: ModeLabel| -> Result<Vec<Estimate>, Error> {
+        panels.iter().map(|panel| limits.median(&results.occurrences_of(panel, mode))).collect()
+    };
+    modes.iter().map(|&mode| Ok((mode, of_panels(mode)?))).collect()
+}
 
 /// Modes under a constraint set by the smallest median occurrence over all panels, largest first.
 pub(in super::super) fn most_robust(
     results: &Results<'_>,
     constraints: usize,
+    judgement: Judgement,
 ) -> Result<Vec<(ModeLabel, Estimate)>, Error> {
     let panels: Vec<_> = results.panels().iter().filter(|p| p.key.constraints == constraints).collect();
-    let of_panel: Vec<_> = panels.iter().map(|panel| results.occurrences(panel)).collect();
-    let mut names: Vec<ModeLabel> = of_panel.iter().flat_map(|modes| modes.keys().copied()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let mut robust = Vec::new();
-    for name in names {
-        let mut least = Estimate { value: f64::INFINITY, lower: f64::INFINITY, upper: f64::INFINITY };
-        for modes in &of_panel {
-            let median = match modes.get(&name) {
-                Some(occurrences) => results.median(occurrences)?,
-                None => Estimate { value: 0.0, lower: 0.0, upper: 0.0 },
-            };
-            if median.value < least.value {
-                least = median;
-            }
-        }
-        robust.push((name, least));
-    }
+    let modes = unstable_modes(results, &panels);
+    let limits = judgement.of(number_of_occurrences(modes.len(), &panels));
+    let medians = medians(results, &modes, &panels, &limits)?.into_iter();
+    let mut robust: Vec<(ModeLabel, Estimate)> = medians.map(|(mode, of_panels)| (mode, least(of_panels))).collect();
     robust.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
     Ok(robust)
 }
 
-/// A mode's name with its place among all 2 n eigenvalues, as the paper may count.
+/// The label of a mode without constraints, with its place among all 2 n eigenvalues, as the paper may count.
 pub(in super::super) fn title(results: &Results<'_>, name: ModeLabel) -> String {
+    title_in(results, UNCONSTRAINED, name)
+}
+
+/// The label of a mode of a set of constraints, with its place among all 2 n eigenvalues.
+pub(in super::super) fn title_in(results: &Results<'_>, constraints: usize, name: ModeLabel) -> String {
     let (first, second) = cea::pair_numbers(results.rank_of(name));
+    let label = results.mode_label(constraints, name);
     match results.labels {
-        ModeNaming::Tracked => format!("tracked mode {name} ({first}/{second} of all eigenvalues)"),
-        ModeNaming::Rank => format!("rank {name} ({first}/{second} of all eigenvalues)"),
-        ModeNaming::Pair => format!("mode {name}"),
+        ModeNaming::Tracked => format!("tracked mode {label} ({first}/{second} of all eigenvalues)"),
+        ModeNaming::Rank => format!("rank {label} ({first}/{second} of all eigenvalues)"),
+        ModeNaming::Pair => format!("mode {label}"),
     }
 }
 
@@ -66,36 +86,44 @@ pub(in super::super) fn shape(
     Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())
 }
 
-/// Median net work of each oscillator under a mode in one scene; `None` where the mode is never unstable.
-fn median_work(results: &Results<'_>, scene: usize, name: ModeLabel) -> Result<Option<Vec<f64>>, Error> {
-    let tracked = results.tracked_name(scene, name);
-    let Some(sketches) = tracked.and_then(|name| results.summary.tally.scenes[scene].net_work.get(&name)) else {
-        return Ok(None);
-    };
-    Ok(Some(sketches.iter().map(|sketch| sketch.median()).collect::<Result<_, _>>()?))
-}
-
-/// By how much the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of the
-/// largest, under each law.
+/// By how much the least median net work of the `dominant` oscillators (from 1) exceeds the largest of the others, in units of
+/// the largest, under each law; the limits are of the sign, in the same units. Empty for a mode that is never unstable.
 pub(super) fn work_dominance(
     results: &Results<'_>,
     constraints: usize,
     name: ModeLabel,
     dominant: &[usize],
-) -> Result<Vec<(String, f64)>, Error> {
+    limits: &Limits,
+) -> Result<Vec<(String, Estimate)>, Error> {
     let mut margins = Vec::new();
     for (at, scene, _) in full_contact(results, constraints) {
-        if let Some(work) = median_work(results, at, name)? {
-            // The plate comes last.
-            let oscillators = work.len() - 1;
-            let work = &work[..oscillators];
-            let largest = work.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            let is_dominant = |i: &usize| dominant.contains(&(i + 1));
-            let least = (0..oscillators).filter(is_dominant).map(|i| work[i]).fold(f64::INFINITY, f64::min);
-            let others = (0..oscillators).filter(|i| !is_dominant(i));
-            let rest = others.map(|i| work[i]).fold(f64::NEG_INFINITY, f64::max);
-            margins.push((law_of(results, scene), (least - rest) / largest));
+        let tracked = results.tracked_name(at, name);
+        let net_work = &results.summary.tally.scenes[at].net_work;
+        if let Some(sketches) = tracked.and_then(|name| net_work.get(&name)) {
+            margins.push((law_of(results, scene), margin(sketches, dominant, limits)?));
         }
     }
     Ok(margins)
+}
+
+/// Oscillators of the brake under a constraint set; the plate comes after them.
+pub(super) fn brake_oscillators(results: &Results<'_>, constraints: usize) -> usize {
+    results.plan().origins.get(constraints).map_or(0, |origin| origin.brake.bodies.len() - 1)
+}
+
+/// The margin of the dominant oscillators in one scene, from a sketch of each body.
+fn margin(sketches: &[QuantileSketch], dominant: &[usize], limits: &Limits) -> Result<Estimate, Error> {
+    // The plate comes last.
+    let oscillators = &sketches[..sketches.len() - 1];
+    let work = oscillators.iter().map(|sketch| limits.sketched_median(sketch)).collect::<Result<Vec<_>, _>>()?;
+    let largest = work.iter().map(|e| e.value).fold(f64::MIN_POSITIVE, f64::max);
+    let is_dominant = |(i, _): &(usize, &Estimate)| dominant.contains(&(i + 1));
+    let of_dominant = least(work.iter().enumerate().filter(is_dominant).map(|(_, e)| *e));
+    let others = || work.iter().enumerate().filter(|e| !is_dominant(e));
+    let rest = |of: fn(&Estimate) -> f64| others().map(|(_, e)| of(e)).fold(f64::NEG_INFINITY, f64::max);
+    Ok(Estimate {
+        value: (of_dominant.value - rest(|e| e.value)) / largest,
+        lower: (of_dominant.lower - rest(|e| e.upper)) / largest,
+        upper: (of_dominant.upper - rest(|e| e.lower)) / largest,
+    })
 }

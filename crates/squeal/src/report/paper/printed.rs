@@ -44,7 +44,7 @@ pub(super) fn natural_frequencies(results: &Results<'_>, paper: &Paper) -> Claim
         "largest relative difference; ours {p:.0} / {q:.0} Hz and {r:.0} / {s:.0} Hz, undamped and without friction, \
          from the stiffnesses and masses of the case"
     );
-    claim.exactly(worst, worst <= paper.frequency_tolerance, detail)
+    claim.exactly(worst, (worst <= paper.frequency_tolerance).into(), detail)
 }
 
 /// C12: the number of arrangements and of analyses.
@@ -56,5 +56,9 @@ pub(super) fn counted(results: &Results<'_>, paper: &Paper) -> Claim {
     let samples = results.summary.samples;
     let holds = six == paper.arrangements_of_six && samples == paper.analyses_per_arrangement;
     let detail = format!("arrangements with six in contact; {samples} samples of each in every law and speed range");
-    Claim::new("C12", "84 arrangements with six in contact, 1,000 CEAs each", said).exactly(six as f64, holds, detail)
+    Claim::new("C12", "84 arrangements with six in contact, 1,000 CEAs each", said).exactly(
+        six as f64,
+        holds.into(),
+        detail,
+    )
 }

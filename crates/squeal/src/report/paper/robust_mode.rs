@@ -2,28 +2,38 @@
 
 use super::super::claims::{Claim, Holds};
 use super::super::results::{Estimate, Results};
-use super::modes::{paper_mode, shape, title, work_dominance};
+use super::limits::{Judgement, above, agreed, all, below, largest, least};
+use super::modes::{brake_oscillators, paper_mode, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
 use crate::study::{ModeLabel, Reference, Scene};
 
+/// Modes with the smallest median occurrence of each over all panels, largest value first.
+type Robust<'a> = &'a [(ModeLabel, Estimate)];
+
+/// The modes that may be the most robust one: the one with the largest value, and all whose limits reach its own.
+fn candidates(robust: Robust<'_>) -> Vec<ModeLabel> {
+    let Some((_, first)) = robust.first() else { return Vec::new() };
+    let others = robust[1..].iter().filter(|(_, other)| other.upper > first.lower);
+    std::iter::once(&robust[0]).chain(others).map(|(name, _)| *name).collect()
+}
+
 /// C4: one mode is unstable most often in every panel.
-pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(ModeLabel, Estimate)]) -> Claim {
+pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'_>) -> Claim {
     let statement = "one mode is consistently the most robustly unstable, whatever the contacts, law and speed";
     let claim = Claim::new("C4", statement, format!("mode {}", paper.mode));
-    let Some(&(name, first)) = robust.first() else { return claim.undetermined("no mode is ever unstable") };
-    let second = robust.get(1).map_or(Estimate { value: 0.0, lower: 0.0, upper: 0.0 }, |&(_, e)| e);
+    let Some(&(name, first)) = robust.first() else { return claim.none("no mode is ever unstable") };
+    let second = largest(robust[1..].iter().map(|(_, e)| *e));
     let runner_up =
         robust.get(1).map_or("none".into(), |&(name, e)| format!("{} at {:.3}", title(results, name), e.value));
     // Consistently high: in more than half of the samples in every panel, and more so than any other mode.
-    let holds = if first.lower > 0.5 && first.lower > second.upper {
-        Holds::Yes
-    } else if first.upper < 0.5 {
-        Holds::No
-    } else {
-        Holds::NotDetermined
+    let any_is_high = above(largest(robust.iter().map(|(_, e)| *e)), 0.5);
+    let is_apart = match below(second, first.lower) {
+        Holds::Yes => Holds::Yes,
+        _ => Holds::NotDetermined,
     };
+    let holds = if any_is_high == Holds::No { Holds::No } else { all([above(first, 0.5), is_apart]) };
     let theirs = paper_mode(results, paper);
     let of_theirs = robust.iter().find(|(name, _)| *name == theirs).map_or(0.0, |(_, e)| e.value);
     let detail = format!(
@@ -32,7 +42,7 @@ pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: &[(ModeL
         title(results, name),
         title(results, theirs)
     );
-    claim.ours(first, holds, detail)
+    claim.ours(first, holds, detail).about(results.rank_of(name))
 }
 
 /// Smallest of some amplitudes over the largest of the others.
@@ -43,10 +53,8 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 }
 
 /// C5: the corners dominate its shape.
-pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<ModeLabel>) -> Claim {
+pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<'_>) -> Claim {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
-    let Some(name) = mode else { return claim.undetermined("no mode is ever unstable") };
-    let theirs = paper_mode(results, paper);
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
     let ratios = |name: ModeLabel| -> Option<Vec<(String, f64)>> {
         let ratio = |(_, scene, reference): (usize, &Scene, &Reference)| {
@@ -57,42 +65,70 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, mode: Option<Mo
         full_contact(results, UNCONSTRAINED).map(ratio).collect()
     };
     let least = |ratios: &[(String, f64)]| ratios.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
+    let candidates = candidates(robust);
+    let Some(&name) = candidates.first() else { return claim.none("no mode is ever unstable") };
     let Some(ours) = ratios(name) else {
         return claim.undetermined("the mode has no sure name at median parameters");
     };
+    let verdict =
+        |&name: &ModeLabel| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
+    let holds = agreed(&candidates.iter().map(verdict).collect::<Vec<_>>());
+    let theirs = paper_mode(results, paper);
     let of_theirs = ratios(theirs).map_or("no sure name".into(), |ratios| format!("{:.3}", least(&ratios)));
     let list: Vec<String> = ours.iter().map(|(law, ratio)| format!("{law} {ratio:.3}")).collect();
-    let least = least(&ours);
+    let value = least(&ours);
     let detail = format!(
         "{}: smallest corner amplitude in x over the largest other component, every oscillator in contact, median \
-         parameters, least over laws and speeds; {}; {} has {of_theirs}",
+         parameters, least over laws and speeds; {}; {} has {of_theirs}{}",
         title(results, name),
         list.join("; "),
-        title(results, theirs)
+        title(results, theirs),
+        others(results, &candidates)
     );
-    claim.exactly(least, least > 1.0, detail)
+    claim.exactly(value, holds, detail).about(results.rank_of(name))
 }
 
 /// C6: the corners dominate its net work.
-pub(super) fn robust_work(results: &Results<'_>, paper: &Paper, mode: Option<ModeLabel>) -> Result<Claim, Error> {
+pub(super) fn robust_work(
+    results: &Results<'_>,
+    paper: &Paper,
+    robust: Robust<'_>,
+    judgement: Judgement,
+) -> Result<Claim, Error> {
     let claim = Claim::new("C6", "in its net work the four corners contribute most, whatever the law", "corners above");
-    let Some(name) = mode else { return Ok(claim.undetermined("no mode is ever unstable")) };
-    let margins = work_dominance(results, UNCONSTRAINED, name, &paper.corners)?;
-    if margins.is_empty() {
-        return Ok(claim.undetermined("the mode is never unstable with every oscillator in contact"));
-    }
-    let least = |margins: &[(String, f64)]| margins.iter().map(|(_, margin)| *margin).fold(f64::INFINITY, f64::min);
+    let candidates = candidates(robust);
+    let Some(&name) = candidates.first() else { return Ok(claim.none("no mode is ever unstable")) };
     let theirs = paper_mode(results, paper);
-    let of_theirs = work_dominance(results, UNCONSTRAINED, theirs, &paper.corners)?;
-    let of_theirs = if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", least(&of_theirs)) };
-    let list: Vec<String> = margins.iter().map(|(law, margin)| format!("{law} {margin:+.3}")).collect();
-    let least = least(&margins);
+    let scenes = full_contact(results, UNCONSTRAINED).count();
+    let oscillators = brake_oscillators(results, UNCONSTRAINED);
+    let limits = judgement.of(candidates.len() * scenes * oscillators);
+    let margins = |name: ModeLabel| work_dominance(results, UNCONSTRAINED, name, &paper.corners, &limits);
+    let of_each = candidates.iter().map(|&name| margins(name)).collect::<Result<Vec<_>, Error>>()?;
+    let Some(ours) = of_each.first().filter(|margins| !margins.is_empty()) else {
+        return Ok(claim.undetermined("the mode is never unstable with every oscillator in contact"));
+    };
+    let smallest = |margins: &[(String, Estimate)]| least(margins.iter().map(|(_, margin)| *margin));
+    let verdict = |margins: &Vec<(String, Estimate)>| match margins.is_empty() {
+        true => Holds::NotDetermined,
+        false => above(smallest(margins), 0.0),
+    };
+    let holds = agreed(&of_each.iter().map(verdict).collect::<Vec<_>>());
+    let of_theirs = margins(theirs)?;
+    let of_theirs = if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&of_theirs).value) };
+    let list: Vec<String> = ours.iter().map(|(law, margin)| format!("{law} {:+.3}", margin.value)).collect();
     let detail = format!(
         "{}: smallest median net work of a corner less the largest of another oscillator, in units of the largest, \
-         least over laws and speeds; {}; {} has {of_theirs}",
+         least over laws and speeds; {}; {} has {of_theirs}{}",
         title(results, name),
         list.join("; "),
-        title(results, theirs)
+        title(results, theirs),
+        others(results, &candidates)
     );
-    Ok(claim.exactly(least, least > 0.0, detail))
+    Ok(claim.ours(smallest(ours), holds, detail).about(results.rank_of(name)))
+}
+
+/// The candidates but the first, in words.
+fn others(results: &Results<'_>, candidates: &[ModeLabel]) -> String {
+    let names: Vec<String> = candidates[1..].iter().map(|&name| title(results, name)).collect();
+    if names.is_empty() { String::new() } else { format!("; the most robust may as well be {}", names.join(", ")) }
 }

@@ -1,0 +1,122 @@
+//! The modes of each set of constraints where they have their names: frequencies, shapes, and which is which in another set.
+
+use std::path::Path;
+
+use cea::Mode;
+
+use super::Results;
+use crate::Error;
+use crate::output::write_csv;
+use crate::study::{ModeLabel, Reference, SetLinks, origin_of_set};
+
+/// Least MAC of two modes that are listed as alike; chosen: below, a shape has little of the other.
+const LEAST_LISTED_MAC: f64 = 0.1;
+
+impl<'a> Results<'a> {
+    /// The modes of a set of constraints at its origin with their names, ascending in frequency.
+    pub fn modes_of_set(&self, constraints: usize) -> Vec<(ModeLabel, &'a Mode)> {
+        let Some(origin) = origin_of_set(self.plan(), constraints) else { return Vec::new() };
+        let Reference { names, modes, .. } = &self.origins()[origin];
+        let name = |at: usize| {
+            // Equal modes share their names: each takes one of them, it does not matter which.
+            let before = names[..at].iter().filter(|other| **other == names[at]).count();
+            let name = names[at].get(before).or(names[at].first())?;
+            Some((self.name(*name), &modes[at]))
+        };
+        (0..modes.len()).filter_map(name).collect()
+    }
+
+    /// The frequency of a mode of a set of constraints where it has its name, Hz.
+    pub fn frequency(&self, constraints: usize, name: ModeLabel) -> Option<f64> {
+        let modes = self.modes_of_set(constraints);
+        modes.iter().find(|(other, _)| *other == name).map(|(_, mode)| cea::frequency_hz(mode.lambda))
+    }
+
+    /// What a mode is called where modes of several sets of constraints can meet: with the letter of its set, `B16`. Its number
+    /// alone where there is one set.
+    pub fn mode_label(&self, constraints: usize, name: ModeLabel) -> String {
+        if self.plan().labels.constraints.len() == 1 {
+            return name.to_string();
+        }
+        format!("{}{name}", set_letter(constraints))
+    }
+}
+
+/// The letter of a set of constraints: A is the first one, AA follows Z.
+pub fn set_letter(constraints: usize) -> String {
+    let last = char::from(b'A' + (constraints % 26) as u8);
+    match constraints / 26 {
+        0 => last.to_string(),
+        before => set_letter(before - 1) + &last.to_string(),
+    }
+}
+
+/// Writes `modes.csv`, and `shapes-SET.csv` for each set of constraints.
+pub(super) fn write_modes(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let (plan, mut rows) = (results.plan(), Vec::new());
+    for (constraints, set) in plan.labels.constraints.iter().enumerate() {
+        let (Some(origin), modes) = (origin_of_set(plan, constraints), results.modes_of_set(constraints)) else {
+            continue;
+        };
+        let shape_file = format!("shapes-{set}.csv");
+        let free = plan.origins[origin].brake.dofs.free();
+        let mut shapes = Vec::new();
+        for (name, mode) in modes {
+            let label = results.mode_label(constraints, name);
+            let damping_ratio = -mode.lambda.re / mode.lambda.norm();
+            let numbers = [cea::frequency_hz(mode.lambda), mode.lambda.re, damping_ratio].map(|x| x.to_string());
+            rows.push(
+                [set.clone(), name.to_string(), label].into_iter().chain(numbers).chain([shape_file.clone()]).collect(),
+            );
+            for (&dof, u) in free.iter().zip(mode.shape.iter()) {
+                shapes.push(vec![name.to_string(), plan.labels.dof(dof), u.re.to_string(), u.im.to_string()]);
+            }
+        }
+        write_csv(&dir.join(shape_file), &["mode", "dof", "re", "im"], shapes)?;
+    }
+    let header = ["constraints", "mode", "label", "frequency_hz", "growth_rate", "damping_ratio", "shape_file"];
+    write_csv(&dir.join("modes.csv"), &header, rows)
+}
+
+/// Writes `links.csv`: which mode of a set of constraints is which of one that holds more.
+pub(super) fn write_links(results: &Results<'_>, links: &[SetLinks], dir: &Path) -> Result<(), Error> {
+    let (names, mut rows) = (&results.plan().labels.constraints, Vec::new());
+    for link in links {
+        let (from, to) = (results.modes_of_set(link.from), results.modes_of_set(link.to));
+        for (i, (from_name, from_mode)) in from.iter().enumerate() {
+            for (j, (to_name, to_mode)) in to.iter().enumerate() {
+                let continuation = match (link.becomes[i].contains(&Some(j)), link.becomes[i].len()) {
+                    (false, _) => "no",
+                    (true, 1) => "yes",
+                    (true, _) => "open",
+                };
+                if continuation == "no" && link.mac[(i, j)] < LEAST_LISTED_MAC {
+                    continue;
+                }
+                rows.push(vec![
+                    names[link.from].clone(),
+                    results.mode_label(link.from, *from_name),
+                    cea::frequency_hz(from_mode.lambda).to_string(),
+                    names[link.to].clone(),
+                    results.mode_label(link.to, *to_name),
+                    cea::frequency_hz(to_mode.lambda).to_string(),
+                    link.mac[(i, j)].min(1.0).to_string(),
+                    continuation.into(),
+                ]);
+            }
+        }
+    }
+    let header =
+        ["from_constraints", "from_mode", "from_hz", "to_constraints", "to_mode", "to_hz", "mac", "continuation"];
+    write_csv(&dir.join("links.csv"), &header, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::set_letter;
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!([0, 1, 25, 26, 27, 702].map(set_letter), ["A", "B", "Z", "AA", "AB", "AAA"]);
+    }
+}

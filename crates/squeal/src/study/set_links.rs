@@ -1,0 +1,205 @@
+//! Which mode of one set of constraints becomes which of another, where the second holds more.
+//!
+//! Modes have their names by frequency rank in each set of its own, so equal names of two sets say nothing. Between the two
+//! the coupling between what the second set holds and the rest fades out, and each mode is followed by continuation: at the end
+//! stand the modes of the second set, and apart from them those of what is held. Springs to ground whose stiffness grows without
+//! limit would end in the same modes, but push those of what is held up through all others, which exchange shapes with them on
+//! the way.
+
+use cea::{EigenSolver, Mode, Workspace};
+use linsys::{DofMap, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use rayon::prelude::*;
+use tracking::{Path, PathEnd, PathStart, follow, mac};
+
+use super::reference::bounded_workspace;
+use super::{Plan, Reference};
+use crate::Error;
+
+/// What modes of one set of constraints are in another that holds more.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SetLinks {
+    /// The set that holds less.
+    pub from: usize,
+    /// The set that holds more.
+    pub to: usize,
+    /// By mode of `from` and mode of `to`, in the order of the reference modes of their origins.
+    pub mac: DMatrix<f64>,
+    /// For each mode of `from` what it may become, several where a coalescence leaves it open: a mode of `to`, or `None`, a mode of
+    /// what is held.
+    pub becomes: Vec<Vec<Option<usize>>>,
+}
+
+/// The place of the origin of each set of constraints.
+pub fn origin_of_set(plan: &Plan, constraints: usize) -> Option<usize> {
+    let scene = plan.scenes.iter().find(|scene| scene.key.constraints == constraints)?;
+    Some(plan.configuration(scene).origin)
+}
+
+/// The links between all pairs of sets of which the later one holds all that the earlier one does, and more.
+///
+/// # Errors
+/// Those of the solver.
+pub fn set_links(plan: &Plan, origins: &[Reference], solver: &dyn EigenSolver) -> Result<Vec<SetLinks>, Error> {
+    let sets: Vec<(usize, usize)> =
+        (0..plan.labels.constraints.len()).filter_map(|set| Some((set, origin_of_set(plan, set)?))).collect();
+    let dofs = |origin: usize| &plan.origins[origin].brake.dofs;
+    let pairs: Vec<[(usize, usize); 2]> = sets
+        .iter()
+        .flat_map(|&a| sets.iter().map(move |&b| [a, b]))
+        .filter(|[a, b]| a.0 < b.0 && holds_more(dofs(a.1), dofs(b.1)))
+        .collect();
+    let link = |&[a, b]: &[(usize, usize); 2]| {
+        let pair = Pair { from: (dofs(a.1), &origins[a.1]), to: (dofs(b.1), &origins[b.1]) };
+        let (mac, becomes) = (pair.mac(), pair.becomes(solver)?);
+        Ok(SetLinks { from: a.0, to: b.0, mac, becomes })
+    };
+    pairs.par_iter().map(link).collect()
+}
+
+/// Whether `b` holds all that `a` does, and more.
+fn holds_more(a: &DofMap, b: &DofMap) -> bool {
+    a.total() == b.total() && b.free().len() < a.free().len() && b.free().iter().all(|&dof| a.position(dof).is_some())
+}
+
+/// Two sets with their degrees of freedom and modes.
+struct Pair<'a> {
+    from: (&'a DofMap, &'a Reference),
+    to: (&'a DofMap, &'a Reference),
+}
+
+impl Pair<'_> {
+    /// Whether each degree of freedom of `from` is held in `to`.
+    fn is_held(&self) -> Vec<bool> {
+        self.from.0.free().iter().map(|&dof| self.to.0.position(dof).is_none()).collect()
+    }
+
+    /// The modes of `to` over the degrees of freedom of `from`: zero where held.
+    fn ends(&self) -> Vec<Mode> {
+        let expand = |mode: &Mode| {
+            let shape: Vec<Complex<f64>> = self
+                .from
+                .0
+                .free()
+                .iter()
+                .map(|&dof| self.to.0.position(dof).map_or(Complex::ZERO, |at| mode.shape[at]))
+                .collect();
+            Mode { lambda: mode.lambda, shape: DVector::from_vec(shape) }
+        };
+        self.to.1.modes.iter().map(expand).collect()
+    }
+
+    fn mac(&self) -> DMatrix<f64> {
+        mac(&self.from.1.modes, &self.ends(), &self.from.1.system.m)
+    }
+
+    /// What each mode of `from` becomes.
+    fn becomes(&self, solver: &dyn EigenSolver) -> Result<Vec<Vec<Option<usize>>>, Error> {
+        let (held, start, mut ends) = (self.is_held(), self.from.1, self.ends());
+        let mut work = bounded_workspace(start.system.order());
+        let kept = ends.len();
+        ends.extend(modes_of_held(&start.system, &held, solver, &mut work)?);
+        let uncoupled = without_coupling(&start.system, &held);
+        let end = PathEnd { system: &uncoupled, modes: &ends };
+        let path = Path { start: PathStart::System(&start.system), start_modes: &start.modes, end };
+        let links = follow(solver, path, &mut work)?;
+        let ends_of = |link: Vec<usize>| {
+            let mut ends: Vec<Option<usize>> = link.into_iter().map(|to| (to < kept).then_some(to)).collect();
+            ends.sort_unstable();
+            ends.dedup();
+            ends
+        };
+        Ok(links.into_iter().map(ends_of).collect())
+    }
+}
+
+/// The modes of what is held, left to itself, over all degrees of freedom.
+fn modes_of_held(
+    system: &SecondOrder,
+    held: &[bool],
+    solver: &dyn EigenSolver,
+    work: &mut Workspace,
+) -> Result<Vec<Mode>, Error> {
+    let places: Vec<usize> = (0..held.len()).filter(|&i| held[i]).collect();
+    let part = |matrix: &DMatrix<f64>| matrix.select_rows(&places).select_columns(&places);
+    let alone = SecondOrder::new(part(&system.m), part(&system.c), part(&system.k))?;
+    let (reference, _) = Reference::unnamed(solver, alone, work)?;
+    let expand = |mode: Mode| {
+        let mut shape = DVector::zeros(held.len());
+        places.iter().zip(mode.shape.iter()).for_each(|(&i, &u)| shape[i] = u);
+        Mode { lambda: mode.lambda, shape }
+    };
+    Ok(reference.modes.into_iter().map(expand).collect())
+}
+
+/// The system with nothing between what is held and the rest; what is held is left to itself.
+fn without_coupling(system: &SecondOrder, held: &[bool]) -> SecondOrder {
+    let mut apart = system.clone();
+    for matrix in [&mut apart.m, &mut apart.c, &mut apart.k] {
+        for i in 0..held.len() {
+            for j in (0..held.len()).filter(|&j| held[i] != held[j]) {
+                matrix[(i, j)] = 0.0;
+            }
+        }
+    }
+    for i in (0..held.len()).filter(|&i| held[i]) {
+        apart.internal.drive.column_mut(i).fill(0.0);
+        apart.internal.force.row_mut(i).fill(0.0);
+    }
+    apart
+}
+
+#[cfg(all(test, feature = "case-files"))]
+mod tests {
+    use super::*;
+    use crate::brakes::MatricesBrake;
+    use crate::case::MatricesCase;
+    use crate::study::{Study, UncertainBrake};
+
+    /// Three masses on springs to ground, coupled a little; the second set holds b, the third a too, the fourth c.
+    const CHAIN: &str = r#"
+        study = { name = "chain", samples = 1, seed = 1 }
+        brake = { kind = "matrices", dofs = ["a", "b", "c"] }
+        [[terms]]
+        name = "chain"
+        mass = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        damping = [[0.01, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.03]]
+        stiffness = [[1.0, -0.1, 0.0], [-0.1, 4.0, -0.1], [0.0, -0.1, 9.0]]
+        [[constraints]]
+        name = "none"
+        fixed = []
+        [[constraints]]
+        name = "b"
+        fixed = ["b"]
+        [[constraints]]
+        name = "a-b"
+        fixed = ["a", "b"]
+        [[constraints]]
+        name = "c"
+        fixed = ["c"]
+    "#;
+
+    #[test]
+    fn a_mode_is_followed_to_its_name_under_more_constraints() {
+        let text = CHAIN.to_owned();
+        let brake = MatricesBrake::new(MatricesCase::parse("chain.toml".as_ref(), text).unwrap()).unwrap();
+        let solver = cea::QrSolver;
+        let study = Study::new(&brake, &solver).unwrap();
+        let links = set_links(brake.plan(), study.origin_references(), &solver).unwrap();
+        // Sets of which none holds all that the other does have no links.
+        let found: Vec<_> = links.iter().map(|link| ((link.from, link.to), link.becomes.clone())).collect();
+        let [first, second, third] = [vec![Some(0)], vec![Some(1)], vec![None]];
+        assert_eq!(
+            found,
+            [
+                ((0, 1), vec![first.clone(), third.clone(), second.clone()]),
+                ((0, 2), vec![third.clone(), third.clone(), first.clone()]),
+                ((0, 3), vec![first.clone(), second.clone(), third.clone()]),
+                ((1, 2), vec![third, first]),
+            ]
+        );
+        // Rank 3 of the first set and rank 2 of the second are one shape, but for the coupling.
+        assert!(links[0].mac[(2, 1)] > 0.99 && links[0].mac[(1, 1)] < 0.01, "{}", links[0].mac);
+    }
+}

@@ -1,0 +1,241 @@
+//! At which friction coefficient each mode becomes unstable: every oscillator in contact, Amontons-Coulomb friction.
+//!
+//! No distribution of the coefficient has a part in it: a mode without an onset is unstable under none.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use num_complex::Complex;
+use squeal::brakes::{LatticeBrake, LatticeSample};
+use squeal::case::{LatticeCase, Law};
+use squeal::montecarlo::Experiment as _;
+use squeal::nalgebra::{DMatrix, DVector};
+use squeal::study::{Scratch, Study, UncertainBrake as _};
+use toml::Table;
+
+use super::product::{AXES, Combination, mode_numbers, product};
+use crate::error::TaskError;
+
+/// The largest coefficient tried.
+const MOST_MU: f64 = 1.3;
+/// Steps of the coefficient in the table of patterns, and in that of structures.
+const FINE_STEP: f64 = 0.001;
+const COARSE_STEP: f64 = 0.01;
+/// Answers that change the structure: mass, lean, lateral, theta and phi, as places in [`AXES`].
+const STRUCTURE: [usize; 5] = [0, 1, 2, 4, 5];
+/// The place of friction in y among the questions.
+const LATERAL: usize = 2;
+
+/// Onsets of one structure.
+struct Onsets {
+    /// By constraint set: the smallest coefficient, of those tried, at which a mode is unstable, by its frequency rank at the
+    /// naming point.
+    of_sets: Vec<BTreeMap<usize, f64>>,
+    /// Row and column shape of each mode without constraints, by rank from 1.
+    patterns: Vec<String>,
+}
+
+impl Onsets {
+    fn new(mut case: LatticeCase, step: f64) -> Result<Self, TaskError> {
+        let oscillators = case.lattice.grid.oscillators();
+        case.laws = vec![Law::AmontonsCoulomb];
+        case.panels.retain(|(number, _)| *number == oscillators);
+        let brake = LatticeBrake::new(case)?;
+        let study = Study::new(&brake, &cea::BatchSolver)?;
+        let mus: Vec<f64> = (1..).map(|i| f64::from(i) * step).take_while(|mu| *mu <= MOST_MU + 0.5 * step).collect();
+        let mut of_sets = Vec::new();
+        for (at, scene) in brake.plan.scenes.iter().enumerate() {
+            if scene.key.speed.is_some_and(|range| range > 0) {
+                continue;
+            }
+            let samples: Vec<LatticeSample> = mus.iter().map(|&mu| brake.with_parameter(scene, mu)).collect();
+            let mut outcomes = Vec::with_capacity(samples.len());
+            study.evaluate_block(at, &samples.iter().collect::<Vec<_>>(), &mut Scratch::default(), &mut outcomes);
+            let mut onsets = BTreeMap::new();
+            for (&mu, outcome) in mus.iter().zip(outcomes) {
+                for mode in outcome?.unstable {
+                    if let [name] = mode.names[..] {
+                        onsets.entry(usize::from(name.number())).or_insert(mu);
+                    }
+                }
+            }
+            of_sets.push(onsets);
+        }
+        let modes = study.references()[0].modes.iter();
+        let dofs = &brake.plan.brake(&brake.plan.scenes[0]).dofs;
+        let patterns = modes.map(|mode| pattern(&brake.case, &dofs.expand(&mode.shape))).collect();
+        Ok(Self { of_sets, patterns })
+    }
+}
+
+/// The row shape and the column shape with most of a mode in it.
+fn pattern(case: &LatticeCase, shape: &DVector<Complex<f64>>) -> String {
+    let (rows, columns) = (case.lattice.grid.rows(), case.lattice.grid.columns());
+    let (along, across) =
+        (chain_shapes(&case.lattice.x_stiffness[..=columns]), chain_shapes(&case.lattice.y_stiffness[..=rows]));
+    let share = |i: usize, j: usize| -> f64 {
+        let of_axis = |axis: usize| -> Complex<f64> {
+            let places = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+            places
+                .map(|(row, column)| shape[3 * (row * columns + column) + axis] * along[(column, i)] * across[(row, j)])
+                .sum()
+        };
+        (0..3).map(|axis| of_axis(axis).norm_sqr()).sum()
+    };
+    let all = (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j)));
+    let best = all.max_by(|a, b| share(a.0, a.1).total_cmp(&share(b.0, b.1)));
+    best.map_or(String::new(), |(i, j)| format!("X{} Y{}", i + 1, j + 1))
+}
+
+/// The shapes of a chain wall - masses - wall in its columns, softest first.
+fn chain_shapes(springs: &[f64]) -> DMatrix<f64> {
+    let masses = springs.len() - 1;
+    let stiffness = DMatrix::from_fn(masses, masses, |i, j| match i.abs_diff(j) {
+        0 => springs[i] + springs[i + 1],
+        1 => -springs[i.max(j)],
+        _ => 0.0,
+    });
+    let modes = stiffness.symmetric_eigen();
+    let mut order: Vec<usize> = (0..masses).collect();
+    order.sort_by(|&a, &b| modes.eigenvalues[a].total_cmp(&modes.eigenvalues[b]));
+    DMatrix::from_fn(masses, masses, |i, j| modes.eigenvectors[(i, order[j])])
+}
+
+/// Both tables.
+///
+/// # Errors
+/// Those of the model and of the solver.
+pub fn markdown(path: &Path, case: &Table) -> Result<String, TaskError> {
+    Ok(patterns(path, case)? + "\n" + &structures(path, case)?)
+}
+
+/// The case's own structure, under each reading of friction in y.
+fn patterns(path: &Path, case: &Table) -> Result<String, TaskError> {
+    let own = Combination::own().case(path, case)?;
+    let answers = AXES[LATERAL].choices.len();
+    let with = |lateral: usize| -> Result<Onsets, TaskError> {
+        let mut combination = Combination::own();
+        combination.0[LATERAL] = lateral;
+        Onsets::new(combination.case(path, case)?, FINE_STEP)
+    };
+    let of_lateral = (0..answers).map(with).collect::<Result<Vec<_>, _>>()?;
+    let mut text = format!(
+        "The smallest mu, in steps of {FINE_STEP} up to {MOST_MU}, at which a mode is unstable; every oscillator in contact, \
+         Amontons-Coulomb friction, {:.2} m/s. Modes by pattern, with their frequency rank without friction in y; \"above\" is \
+         the part of the draws of mu above its onset.\n\n| pattern | mode |",
+        own.speeds[0].quantile(0.5)
+    );
+    for choice in AXES[LATERAL].choices {
+        text += &format!(" {} | above |", choice.label);
+    }
+    text += "\n| --- | --- |";
+    text += &" --- | --- |".repeat(answers);
+    // A pattern has three modes, of which friction couples two: the one that grows is the pattern's.
+    let by_pattern = |onsets: &Onsets| -> BTreeMap<String, (usize, f64)> {
+        let mut found: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+        for (&rank, &mu) in &onsets.of_sets[0] {
+            let first = found.entry(onsets.patterns[rank - 1].clone()).or_insert((rank, mu));
+            *first = if mu < first.1 { (rank, mu) } else { *first };
+        }
+        found
+    };
+    let columns: Vec<BTreeMap<String, (usize, f64)>> = of_lateral.iter().map(by_pattern).collect();
+    let mut names: Vec<&String> = columns.iter().flat_map(BTreeMap::keys).collect();
+    names.sort();
+    names.dedup();
+    let onset =
+        |column: &BTreeMap<String, (usize, f64)>, name: &str| column.get(name).map_or(f64::INFINITY, |&(_, mu)| mu);
+    names.sort_by(|a, b| onset(&columns[0], a).total_cmp(&onset(&columns[0], b)));
+    for name in names {
+        let mode = columns[0].get(name).map_or("-".into(), |(rank, _)| rank.to_string());
+        let _ = write!(text, "\n| {name} | {mode} |");
+        for column in &columns {
+            text += &match column.get(name) {
+                Some(&(_, mu)) => format!(" {mu:.3} | {:.3} |", 1.0 - own.friction.mu.cumulative(mu)),
+                None => " none | 0 |".into(),
+            };
+        }
+    }
+    Ok(text + "\n")
+}
+
+/// Every structure: which modes can be unstable at all, and whether the paper's are among them.
+fn structures(path: &Path, case: &Table) -> Result<String, TaskError> {
+    let paper = mode_numbers(path, case)?;
+    let mut combinations = product();
+    combinations.retain(|combination| (0..AXES.len()).all(|i| STRUCTURE.contains(&i) || combination.0[i] == 0));
+    let mut text = format!(
+        "Modes that are unstable at any mu up to {MOST_MU}, in steps of {COARSE_STEP}: frequency rank and onset, by onset. Last \
+         columns: which of the paper's numbers ({}, {} and {}, of 30, 26 and 24 degrees of freedom) are among them, counted \
+         as frequency ranks and among all eigenvalues.\n\n\
+         | structure | free | corners held | six held | as ranks | among all |\n| --- | --- | --- | --- | --- | --- |\n",
+        paper[0], paper[1], paper[2]
+    );
+    let (mut highest, mut quiet, mut with_all) = ([0; 3], [0; 3], [0; 2]);
+    for combination in &combinations {
+        let onsets = Onsets::new(combination.case(path, case)?, COARSE_STEP)?;
+        let _ = write!(text, "| {} |", combination.describe());
+        for (place, of_set) in onsets.of_sets.iter().enumerate() {
+            let mut list: Vec<_> = of_set.iter().collect();
+            list.sort_by(|a, b| a.1.total_cmp(b.1));
+            let list: Vec<String> = list.iter().map(|(rank, mu)| format!("{rank} {mu:.2}")).collect();
+            let _ = write!(text, " {} |", or_none(list.join(", ")));
+            highest[place] = of_set.keys().copied().max().unwrap_or(0).max(highest[place]);
+            quiet[place] += usize::from(of_set.is_empty());
+        }
+        for (counted, rank) in [|number: usize| number, |number: usize| number.div_ceil(2)].into_iter().enumerate() {
+            let agree =
+                paper.iter().zip(&onsets.of_sets).filter(|(number, of_set)| of_set.contains_key(&rank(**number)));
+            let list: Vec<String> = agree.map(|(number, _)| number.to_string()).collect();
+            with_all[counted] += usize::from(list.len() == paper.len());
+            let _ = write!(text, " {} |", or_none(list.join(" ")));
+        }
+        text += "\n";
+    }
+    let _ = writeln!(
+        text,
+        "\nOf {} structures {} have all three numbers as frequency ranks, {} among all eigenvalues. The highest rank of an \
+         unstable mode is {} free, {} with the corners held and {} with six held. No mode is ever unstable in {} structures \
+         free, in {} with the corners held and in {} with six held.",
+        combinations.len(),
+        with_all[0],
+        with_all[1],
+        highest[0],
+        highest[1],
+        highest[2],
+        quiet[0],
+        quiet[1],
+        quiet[2]
+    );
+    Ok(text)
+}
+
+fn or_none(text: String) -> String {
+    if text.is_empty() { "none".into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_has_its_shapes_in_the_order_of_stiffness() {
+        // docs/model.md: X1 0.38 0.84 0.38, X2 0.71 0 -0.71, X3 0.60 -0.54 0.60.
+        let shapes = chain_shapes(&[2.45e7, 1.05e7, 1.05e7, 2.45e7]).map(f64::abs);
+        for (place, expected) in [0.38, 0.84, 0.38, 0.71, 0.0, 0.71, 0.60, 0.54, 0.60].into_iter().enumerate() {
+            assert!((shapes[place] - expected).abs() < 0.005, "{place}: {}", shapes[place]);
+        }
+    }
+
+    #[test]
+    fn the_first_flutter_of_the_case_is_that_of_the_corners() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/paper.toml");
+        let case = Combination::own().case(&path, &super::super::product::read_tables(&path).unwrap()).unwrap();
+        let onsets = Onsets::new(case, 0.02).unwrap();
+        let (rank, mu) = onsets.of_sets[0].iter().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+        assert_eq!((*rank, onsets.patterns[*rank - 1].as_str()), (16, "X3 Y2"));
+        // It is 0.324 in steps of 0.001.
+        assert!((mu - 0.34).abs() < 1e-9);
+    }
+}
