@@ -8,6 +8,7 @@ use super::clusters::{Cluster, ClusterKind, Enclosed, Semisimple, enclose, nearl
 use super::expansion::Disc;
 use super::measure::{Measure, ROUNDING_ONLY, State};
 use super::solve::{GeneralSpectrum, extend};
+use super::vectors::Factor;
 use super::verdict::{decide, gap};
 use crate::{CeaError, JudgedEigenvalue, Verdict, Workspace};
 
@@ -138,11 +139,47 @@ fn look(
     i: usize,
     work: &mut Workspace,
 ) -> Result<State, CeaError> {
+    let (state, factor) = first_look(problem, system, sigmas, i, work)?;
+    let is_simple = problem.is_simple(&state, &factor, gap(sigmas, i));
+    Ok(State { is_simple, ..state })
+}
+
+fn first_look<'a>(
+    problem: &'a Measure,
+    system: &SecondOrder,
+    sigmas: &[Complex<f64>],
+    i: usize,
+    work: &mut Workspace,
+) -> Result<(State, Factor<'a>), CeaError> {
     work.counters.factorisations += 1;
     work.counters.eigenvectors += 2;
     // The norms of matrices extended by internal states hide what is wrong in their small entries.
     let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
     problem.first_look(sigmas[i], gap(sigmas, i), threshold)
+}
+
+/// The eigenvalues of `spectrum`, those improved that have more than rounding for a backward error.
+///
+/// # Errors
+/// As [`certify`].
+pub(crate) fn improved(
+    system: &SecondOrder,
+    spectrum: &GeneralSpectrum,
+    work: &mut Workspace,
+) -> Result<Vec<Complex<f64>>, CeaError> {
+    let problem = Measure::new(&extend(system));
+    let gamma = problem.scaled.gamma;
+    let sigmas: Vec<_> = spectrum.eigenvalues.iter().map(|l| l / gamma).collect();
+    let conjugates = conjugates(&sigmas);
+    let mut better = Vec::with_capacity(sigmas.len());
+    for (i, &sigma) in sigmas.iter().enumerate() {
+        better.push(match conjugates[i] {
+            Some(first) => Complex::conj(&better[first]),
+            None if sigma == Complex::default() => sigma,
+            None => first_look(&problem, system, &sigmas, i, work)?.0.sigma,
+        });
+    }
+    Ok(better.into_iter().map(|sigma| sigma * gamma).collect())
 }
 
 /// For each eigenvalue the earlier one that it is the conjugate of, if any.

@@ -174,25 +174,34 @@ impl<'a> Expansion<'a> {
 
     /// The coefficient of d^count in det S outweighs the others.
     fn power_wins(&self, radius: f64, error: f64) -> bool {
+        let size: f64 = self.series.iter().enumerate().map(|(k, s)| s.norm() * radius.powi(k as i32)).sum();
+        let q = self.right.len() as i32;
+        let changed = (size + error).powi(q) - size.powi(q);
+        let coefficients = self.determinant(radius);
+        2.0 * coefficients[self.count] > coefficients.iter().sum::<f64>() + changed
+    }
+
+    /// The absolute coefficients of det S, each times its power of the radius.
+    fn determinant(&self, radius: f64) -> Vec<f64> {
         let q = self.right.len();
-        let terms: Vec<_> =
-            self.series.iter().enumerate().map(|(k, s)| s * Complex::from(radius.powi(k as i32))).collect();
-        // Points enough for every coefficient of the determinant.
+        let scaled = self.series.iter().enumerate().map(|(k, s)| s * Complex::from(radius.powi(k as i32)));
+        if q == 1 {
+            return scaled.map(|s| s[(0, 0)].norm()).collect();
+        }
+        let terms: Vec<_> = scaled.collect();
+        // Points enough on the circle for every coefficient.
         let points = (terms.len() - 1) * q + 1;
-        let turn = |k: usize| Complex::from_polar(1.0, TAU * (k % points) as f64 / points as f64);
+        let turns: Vec<_> = (0..points).map(|p| Complex::from_polar(1.0, TAU * p as f64 / points as f64)).collect();
         let value = |p: usize| {
-            let sum = terms.iter().enumerate().fold(DMatrix::zeros(q, q), |sum, (k, s)| sum + s * turn(k * p));
-            sum.determinant()
+            let add = |sum, (k, s): (usize, &DMatrix<Complex<f64>>)| sum + s * turns[k * p % points];
+            terms.iter().enumerate().fold(DMatrix::zeros(q, q), add).determinant()
         };
         let values: Vec<_> = (0..points).map(value).collect();
         let coefficient = |k: usize| {
-            let sum: Complex<f64> = values.iter().enumerate().map(|(p, f)| f * turn(points - (k * p) % points)).sum();
+            let sum: Complex<f64> = values.iter().enumerate().map(|(p, f)| f * turns[k * p % points].conj()).sum();
             sum.norm() / points as f64
         };
-        let all: f64 = (0..points).map(coefficient).sum();
-        let size: f64 = terms.iter().map(|s| s.norm()).sum();
-        let changed = (size + error).powi(q as i32) - size.powi(q as i32);
-        2.0 * coefficient(self.count) > all + changed
+        (0..points).map(coefficient).collect()
     }
 }
 

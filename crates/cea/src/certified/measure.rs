@@ -120,7 +120,12 @@ impl Measure {
     }
 
     /// Vectors by inverse iteration, then the eigenvalue improved if its backward error exceeds `threshold`.
-    pub(super) fn first_look(&self, sigma: Complex<f64>, gap: f64, threshold: f64) -> Result<State, CeaError> {
+    pub(super) fn first_look(
+        &self,
+        sigma: Complex<f64>,
+        gap: f64,
+        threshold: f64,
+    ) -> Result<(State, Factor<'_>), CeaError> {
         let factor = Factor::new(&self.scaled, sigma);
         let failed = || CeaError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
         let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
@@ -132,26 +137,31 @@ impl Measure {
                 _ => {}
             }
         }
+        Ok((state, factor))
+    }
+
+    /// Whether the first-order bound of an eigenvalue holds; `factor` is Q next to it.
+    pub(super) fn is_simple(&self, state: &State, factor: &Factor<'_>, gap: f64) -> bool {
         let solve = |g| factor.deflated_solve(&state.x, &state.y, g);
         let couplings = [
             self.scaled.derivative_times(state.sigma, &state.x).norm(),
             self.scaled.derivative_adjoint_times(state.sigma, &state.y).norm(),
         ];
         // Without a solve where no norm would do.
-        state.is_simple = self.second_order_is_small(&state, gap, couplings, 0.0)
+        self.second_order_is_small(state, gap, couplings, 0.0)
             && NORM_ESTIMATES.iter().any(|&estimate| {
                 let inverse = frobenius_norm(self.scaled.order(), estimate, solve);
-                self.second_order_is_small(&state, gap, couplings, inverse)
-            });
-        Ok(state)
+                self.second_order_is_small(state, gap, couplings, inverse)
+            })
     }
 
     /// Whether exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.
     ///
     /// With unit null vectors x and y and D for Q between their complements, Q(z) is singular at z = sigma + d only where
-    /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| is at most `r |y^H Q'| + r^2 |M| + eps s`, |c| likewise with Q' x, D
-    /// changes by at most `beta = r |Q'| + r^2 |M| + eps s`, and `inverse` is the norm of D^-1 at sigma. On the circle |d| = r the second term is `eps s = 4 max(eta, u) s` by definition of r. It
-    /// outweighs the others (Rouché's theorem), since the first is eta s, its perturbation 1.5 u s and the last two eps s / 4 at most.
+    /// `y^H Q x + d y^H Q' x + d^2 y^H M x - b^H D^-1 c = 0`; |b| is at most `r |y^H Q'| + r^2 |M| + eps s`, |c| likewise with
+    /// Q' x, D changes by at most `beta = r |Q'| + r^2 |M| + eps s`, and `inverse` is the norm of D^-1 at sigma. On the circle
+    /// |d| = r the second term is `eps s = 4 max(eta, u) s` by definition of r. It outweighs the others (Rouché's theorem), since
+    /// the first is eta s, its perturbation 1.5 u s and the last two eps s / 4 at most.
     fn second_order_is_small(&self, state: &State, gap: f64, couplings: [f64; 2], inverse: f64) -> bool {
         let (norms, size, radius) = (&self.scaled.norms, state.sigma.norm(), state.first_order());
         let (here, on_circle) = (norms.size(size), norms.size(size + radius));

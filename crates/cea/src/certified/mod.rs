@@ -48,7 +48,7 @@ mod structure;
 mod vectors;
 mod verdict;
 
-pub(crate) use certify::SingleCertifier;
 pub use certify::{Certified, CertifiedEigenvalue, certify};
+pub(crate) use certify::{SingleCertifier, improved};
 pub use clusters::{Cluster, ClusterKind};
 pub use solve::{GeneralSpectrum, Route, solve};

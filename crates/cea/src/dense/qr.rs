@@ -11,7 +11,7 @@ pub(crate) const MOST_QR_STEPS: usize = 300;
 /// One system at a time by Francis' QR iteration on the [`StandardForm`], with a limit on its steps.
 ///
 /// Internal states much faster than the vibrations are split off first. Where dashpots are a hundred times faster, the
-/// iteration has no digits left for slow eigenvalues: [`certified::solve`] and [`certified::certify`] take its place, up to a
+/// iteration has no digits left for slow eigenvalues: [`certified::solve`] takes its place, refined, up to a
 /// hundred times slower; a [`Workspace`] may bound how often.
 ///
 /// ```
@@ -44,8 +44,7 @@ impl EigenSolver for QrSolver {
             }
             work.counters.certified_solves += 1;
             let spectrum = certified::solve(system, work)?;
-            let certified = certified::certify(system, &spectrum, work)?;
-            let mut eigenvalues: Vec<_> = certified.eigenvalues.iter().map(|c| c.lambda).collect();
+            let mut eigenvalues = certified::improved(system, &spectrum, work)?;
             sort(&mut eigenvalues);
             return Ok(Spectrum { eigenvalues, scale });
         };
