@@ -2,6 +2,9 @@
 
 use num_complex::Complex;
 
+use super::Channel;
+use crate::LinsysError;
+
 /// Coefficients of the terms and gains of the channels of an [`AffineSystem`](super::AffineSystem).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OperatingPoint {
@@ -31,6 +34,44 @@ pub struct Lag {
     pub drive: f64,
     /// Friction force per unit of the state: the normal load times the contribution to the coefficient, N.
     pub force: f64,
+}
+
+impl OperatingPoint {
+    /// Checks that this point belongs to a system of these terms, given by their names, and channels.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term and one finite gain for each channel.
+    pub fn check<'a>(
+        &self,
+        terms: impl ExactSizeIterator<Item = &'a str>,
+        channels: &[Channel],
+    ) -> Result<(), LinsysError> {
+        check_coefficients(&self.coefficients, terms)?;
+        let (found, expected) = (self.channels.len(), channels.len());
+        if found != expected {
+            return Err(LinsysError::Count { what: "channel gains", found, expected });
+        }
+        match channels.iter().zip(&self.channels).find(|(_, gain)| !gain.is_finite()) {
+            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.name.clone() }),
+            None => Ok(()),
+        }
+    }
+}
+
+pub(super) fn check_coefficients<'a>(
+    coefficients: &[f64],
+    mut terms: impl ExactSizeIterator<Item = &'a str>,
+) -> Result<(), LinsysError> {
+    let (found, expected) = (coefficients.len(), terms.len());
+    if found != expected {
+        return Err(LinsysError::Count { what: "term coefficients", found, expected });
+    }
+    let first =
+        coefficients.iter().find_map(|&value| terms.next().filter(|_| !value.is_finite()).map(|term| (term, value)));
+    match first {
+        Some((term, value)) => Err(LinsysError::Coefficient { term: term.into(), value }),
+        None => Ok(()),
+    }
 }
 
 impl ChannelGain {
