@@ -173,7 +173,10 @@ impl AffineSystem {
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
     pub fn check(&self, at: &OperatingPoint) -> Result<(), LinsysError> {
-        at.check(self.terms.iter().map(|term| term.name.as_str()), &self.channels)
+        at.check(
+            self.terms.iter().map(|term| term.name.as_str()),
+            self.channels.iter().map(|channel| channel.name.as_str()),
+        )
     }
 
     fn check_coefficients(&self, coefficients: &[f64]) -> Result<(), LinsysError> {

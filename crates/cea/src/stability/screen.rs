@@ -3,9 +3,8 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::census::JudgedEigenvalue;
 use crate::certified::SingleCertifier;
-use crate::{CeaError, Spectrum, Verdict, Workspace};
+use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
 /// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
 const SOLVER_ERROR: f64 = 1e-12;
