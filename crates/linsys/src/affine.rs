@@ -114,6 +114,19 @@ impl AffineSystem {
         Ok(out)
     }
 
+    /// The mass matrix of the structure, `sum_k theta_k M_k`.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term.
+    pub fn mass(&self, coefficients: &[f64]) -> Result<DMatrix<f64>, LinsysError> {
+        self.check_coefficients(coefficients)?;
+        let mut mass = DMatrix::zeros(self.order(), self.order());
+        for (term, &coefficient) in self.terms.iter().zip(coefficients) {
+            add_scaled(&mut mass, &term.matrices().m, coefficient);
+        }
+        Ok(mass)
+    }
+
     /// The system at an operating point.
     ///
     /// # Errors
@@ -173,26 +186,14 @@ impl AffineSystem {
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
     pub fn check(&self, at: &OperatingPoint) -> Result<(), LinsysError> {
-        self.check_coefficients(&at.coefficients)?;
-        let (found, expected) = (at.channels.len(), self.channels.len());
-        if found != expected {
-            return Err(LinsysError::Count { what: "channel gains", found, expected });
-        }
-        match self.channels.iter().zip(&at.channels).find(|(_, gain)| !gain.is_finite()) {
-            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.name.clone() }),
-            None => Ok(()),
-        }
+        at.check(
+            self.terms.iter().map(|term| term.name.as_str()),
+            self.channels.iter().map(|channel| channel.name.as_str()),
+        )
     }
 
     fn check_coefficients(&self, coefficients: &[f64]) -> Result<(), LinsysError> {
-        let (found, expected) = (coefficients.len(), self.terms.len());
-        if found != expected {
-            return Err(LinsysError::Count { what: "term coefficients", found, expected });
-        }
-        match self.terms.iter().zip(coefficients).find(|(_, value)| !value.is_finite()) {
-            Some((term, &value)) => Err(LinsysError::Coefficient { term: term.name.clone(), value }),
-            None => Ok(()),
-        }
+        point::check_coefficients(coefficients, self.terms.iter().map(|term| term.name.as_str()))
     }
 
     /// Gives `out` the order of this system and this number of states, with all matrices zero.

@@ -30,7 +30,11 @@ impl Channel {
         Self { name: name.into(), family: family.into(), force, reading }
     }
 
-    pub(super) fn check(&self, order: usize) -> Result<(), LinsysError> {
+    /// Checks that every degree of freedom is one of `order` and every coefficient is finite.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self, order: usize) -> Result<(), LinsysError> {
         for &(dof, value) in self.force.iter().chain(&self.reading) {
             if dof >= order {
                 return Err(LinsysError::UnknownDof { dof, total: order });

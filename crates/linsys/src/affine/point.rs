@@ -2,6 +2,8 @@
 
 use num_complex::Complex;
 
+use crate::LinsysError;
+
 /// Coefficients of the terms and gains of the channels of an [`AffineSystem`](super::AffineSystem).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OperatingPoint {
@@ -31,6 +33,42 @@ pub struct Lag {
     pub drive: f64,
     /// Friction force per unit of the state: the normal load times the contribution to the coefficient, N.
     pub force: f64,
+}
+
+impl OperatingPoint {
+    /// Checks that this point belongs to a system whose terms and channels have these names.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term and one finite gain for each channel.
+    pub fn check<'a>(
+        &self,
+        terms: impl ExactSizeIterator<Item = &'a str>,
+        channels: impl ExactSizeIterator<Item = &'a str>,
+    ) -> Result<(), LinsysError> {
+        check_coefficients(&self.coefficients, terms)?;
+        let (found, expected) = (self.channels.len(), channels.len());
+        if found != expected {
+            return Err(LinsysError::Count { what: "channel gains", found, expected });
+        }
+        match channels.zip(&self.channels).find(|(_, gain)| !gain.is_finite()) {
+            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.into() }),
+            None => Ok(()),
+        }
+    }
+}
+
+pub(super) fn check_coefficients<'a>(
+    coefficients: &[f64],
+    terms: impl ExactSizeIterator<Item = &'a str>,
+) -> Result<(), LinsysError> {
+    let (found, expected) = (coefficients.len(), terms.len());
+    if found != expected {
+        return Err(LinsysError::Count { what: "term coefficients", found, expected });
+    }
+    match terms.zip(coefficients).find(|(_, value)| !value.is_finite()) {
+        Some((term, &value)) => Err(LinsysError::Coefficient { term: term.into(), value }),
+        None => Ok(()),
+    }
 }
 
 impl ChannelGain {

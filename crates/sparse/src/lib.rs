@@ -1,0 +1,18 @@
+//! Brakes of thousands of degrees of freedom, as finite element programs export them.
+//!
+//! | where | what |
+//! | --- | --- |
+//! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
+//! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
+//!
+//! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
+
+mod affine;
+mod error;
+mod system;
+
+pub use nalgebra_sparse;
+
+pub use affine::{SparseAffineSystem, SparseTerm};
+pub use error::SparseError;
+pub use system::{SparseSecondOrder, State};

@@ -1,0 +1,92 @@
+//! A sparse second-order system and its dynamic stiffness Q(lambda).
+
+use linsys::Matrix;
+use nalgebra_sparse::CscMatrix;
+
+use crate::SparseError;
+
+/// `M u'' + C u' + K u = sum_i f_i z_i`, `z_i' = -a_i z_i + e_i^T u'`, with sparse matrices.
+///
+/// The sparse counterpart of [`linsys::SecondOrder`]:
+/// `Q(lambda) = lambda^2 M + lambda C + K - sum_i lambda / (lambda + a_i) f_i e_i^T`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SparseSecondOrder {
+    /// M, n x n.
+    pub m: CscMatrix<f64>,
+    /// C, n x n.
+    pub c: CscMatrix<f64>,
+    /// K, n x n.
+    pub k: CscMatrix<f64>,
+    /// The first-order states, none for most systems.
+    pub states: Vec<State>,
+}
+
+/// One first-order state: `z' = -a z + e^T u'`, which adds the force `f z` on the right-hand side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// a, 1/s.
+    pub decay: f64,
+    /// e: degrees of freedom, from 0, with coefficients.
+    pub drive: Vec<(usize, f64)>,
+    /// f: degrees of freedom, from 0, with coefficients.
+    pub force: Vec<(usize, f64)>,
+}
+
+impl SparseSecondOrder {
+    /// A system without internal states.
+    ///
+    /// # Errors
+    /// No degrees of freedom, shapes that differ, an entry that is not finite.
+    pub fn new(m: CscMatrix<f64>, c: CscMatrix<f64>, k: CscMatrix<f64>) -> Result<Self, SparseError> {
+        let order = m.nrows();
+        if order == 0 {
+            return Err(SparseError::Empty);
+        }
+        for (name, matrix) in [(Matrix::Mass, &m), (Matrix::Damping, &c), (Matrix::Stiffness, &k)] {
+            check(name, matrix, order)?;
+        }
+        Ok(Self { m, c, k, states: Vec::new() })
+    }
+
+    /// n, the number of degrees of freedom.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.m.nrows()
+    }
+}
+
+fn check(name: Matrix, matrix: &CscMatrix<f64>, order: usize) -> Result<(), SparseError> {
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    if (rows, columns) != (order, order) {
+        return Err(SparseError::Shape { matrix: name, rows, columns, order });
+    }
+    match matrix.triplet_iter().find(|(_, _, value)| !value.is_finite()) {
+        Some((row, column, &value)) => {
+            Err(SparseError::NotFinite { matrix: name, row: row + 1, column: column + 1, value })
+        }
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra_sparse::CooMatrix;
+
+    fn diagonal(values: &[f64]) -> CscMatrix<f64> {
+        let mut triplets = CooMatrix::new(values.len(), values.len());
+        values.iter().enumerate().for_each(|(i, &value)| triplets.push(i, i, value));
+        CscMatrix::from(&triplets)
+    }
+
+    #[test]
+    fn shapes_and_numbers_are_checked() {
+        let system = SparseSecondOrder::new(diagonal(&[1.0]), diagonal(&[0.0, 1.0]), diagonal(&[1.0]));
+        let expected = SparseError::Shape { matrix: Matrix::Damping, rows: 2, columns: 2, order: 1 };
+        assert_eq!(system, Err(expected));
+        let system = SparseSecondOrder::new(diagonal(&[1.0]), diagonal(&[0.0]), diagonal(&[f64::INFINITY]));
+        let value = f64::INFINITY;
+        assert_eq!(system, Err(SparseError::NotFinite { matrix: Matrix::Stiffness, row: 1, column: 1, value }));
+        assert_eq!(SparseSecondOrder::new(diagonal(&[]), diagonal(&[]), diagonal(&[])), Err(SparseError::Empty));
+    }
+}
