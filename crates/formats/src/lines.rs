@@ -16,15 +16,20 @@ pub(crate) struct Lines<'a> {
     pub number: usize,
     /// Whether the line last read had an end.
     ended: bool,
+    /// Whether the line last read is to come again.
+    again: bool,
 }
 
 impl<'a> Lines<'a> {
     pub fn new(source: Box<dyn BufRead + 'a>) -> Self {
-        Self { source, line: Vec::new(), number: 0, ended: true }
+        Self { source, line: Vec::new(), number: 0, ended: true, again: false }
     }
 
     /// The next line without its end.
     pub fn next(&mut self) -> Result<Option<&str>, Problem> {
+        if std::mem::take(&mut self.again) {
+            return Ok(Some(self.current()));
+        }
         self.line.clear();
         let read = (&mut self.source).take(LONGEST as u64 + 1).read_until(b'\n', &mut self.line);
         if read.map_err(|e| Problem::Read { what: crate::error::cut(&e.to_string()) })? == 0 {
@@ -35,10 +40,8 @@ impl<'a> Lines<'a> {
         if self.line.len() > LONGEST {
             return Err(Problem::LongLine { most: LONGEST });
         }
-        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
-        let line = if self.number == 1 { line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line) } else { line };
-        let line = std::str::from_utf8(line).map_err(|_| Problem::NotText)?;
-        Ok(Some(line.strip_suffix('\r').unwrap_or(line)))
+        std::str::from_utf8(&self.line).map_err(|_| Problem::NotText)?;
+        Ok(Some(self.current()))
     }
 
     /// The next line that is neither blank nor a comment, without blanks around it.
@@ -54,9 +57,15 @@ impl<'a> Lines<'a> {
         Ok(Some(self.current().trim()))
     }
 
-    /// The line last read; it was valid text.
+    /// Lets the line last read come again.
+    pub fn push_back(&mut self) {
+        self.again = true;
+    }
+
+    /// The line last read without its end; it was valid text.
     fn current(&self) -> &str {
-        let line = self.line.as_slice();
+        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
         let line = if self.number == 1 { line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line) } else { line };
         std::str::from_utf8(line).unwrap_or_default()
     }

@@ -46,7 +46,7 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
                 break;
             }
             if row != 0 {
-                stretch(lines, &mut open, row, words, print)?;
+                dense(lines, &mut open, row, words, print)?;
                 continue;
             }
             let mut left = words;
@@ -71,23 +71,57 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Pro
     Ok(found)
 }
 
-/// Reads so many numbers, `per_line` on a line.
+/// Reads the numbers of a string.
 fn stretch(lines: &mut Lines<'_>, open: &mut Open, row: i64, count: usize, print: Print) -> Result<(), Problem> {
     let row = open.stretch(row, count)?;
     let mut at = 0;
     while at < count {
         let line = lines.next()?.ok_or(Problem::Truncated { found: at, expected: count })?;
-        if !line.is_ascii() {
-            return Err(Problem::field("a line of numbers", line, "ASCII"));
-        }
-        for place in 0..print.per_line.min(count - at) {
-            let start = place * print.width;
-            let field = line.get(start..line.len().min(start + print.width)).unwrap_or_default();
-            open.put(row, at, fortran(field.trim())?)?;
-            at += 1;
-        }
+        at += numbers(line, open, (row, at), count - at, print)?;
     }
     Ok(())
+}
+
+/// Reads the numbers of a column that is one stretch. Its header says how many they are: as files have it the numbers themselves,
+/// as the manual has it their words, so that for double precision half as many come before the header of the next column.
+fn dense(lines: &mut Lines<'_>, open: &mut Open, row: i64, given: usize, print: Print) -> Result<(), Problem> {
+    let first = open.stretch(row, 0)?;
+    let mut at = 0;
+    while at < given {
+        let line = lines.next()?.ok_or(Problem::Truncated { found: at, expected: given })?;
+        if !line.contains('.') {
+            lines.push_back();
+            break;
+        }
+        at += numbers(line, open, (first, at), given - at, print)?;
+        open.stretch(row, at)?;
+    }
+    if at == given || at * open.words == given {
+        Ok(())
+    } else {
+        Err(Problem::Truncated { found: at, expected: given })
+    }
+}
+
+/// Reads the numbers of a line, at most so many, and says how many they were.
+fn numbers(
+    line: &str,
+    open: &mut Open,
+    (row, at): (usize, usize),
+    most: usize,
+    print: Print,
+) -> Result<usize, Problem> {
+    if !line.is_ascii() {
+        return Err(Problem::field("a line of numbers", line, "ASCII"));
+    }
+    let line = line.trim_end();
+    let count = line.len().div_ceil(print.width).clamp(1, print.per_line.min(most));
+    for place in 0..count {
+        let start = place * print.width;
+        let field = line.get(start..line.len().min(start + print.width)).unwrap_or_default();
+        open.put(row, at + place, fortran(field.trim())?)?;
+    }
+    Ok(count)
 }
 
 /// The first whole numbers of a line.

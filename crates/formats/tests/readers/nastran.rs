@@ -123,6 +123,14 @@ fn big_endian_and_bigmat_are_read() {
                 -2.0000000000000000E+00 4.0000000000000000E+00\n       4       1       1\n 1.0000000000000000E+00\n";
     let file = read_bytes(text.as_bytes(), None, Options::default()).unwrap();
     assert_eq!((file.format, file.only().unwrap().to_dense()), (Format::Op4Text, d()));
+    // The length of a column in words, as the manual has it, and not in numbers.
+    let words = "       1       3       2       2V       1P,2E23.16\n       1       1       6\n 1.5000000000000000E+00 \
+                 2.5000000000000000E+00\n 3.5000000000000000E+00\n       2       1       1\n 1.0000000000000000E+00\n";
+    let read_words = |text: &str| read_bytes(text.as_bytes(), None, Options::default());
+    assert_eq!(read_words(words).unwrap().only().unwrap().to_dense(), dmatrix![1.5; 2.5; 3.5]);
+    assert_eq!(read_words(&words.replace("6\n 1", "3\n 1")).unwrap().only().unwrap().entries().len(), 3);
+    let short = read_words(&words.replace("6\n 1", "4\n 1")).unwrap_err().to_string();
+    assert!(short.contains("ends after 3 of 4 entries"), "{short}");
     // A symmetric matrix of which only a triangle is there.
     let triangle = "       2       2       6       2K       1P,2E23.16\n       1       1       2\n 1.5000000000000000E+00 \
                     2.5000000000000000E+00\n       3       1       1\n 1.0000000000000000E+00\n";
