@@ -142,14 +142,14 @@ impl Lane for Dd {
 }
 
 #[inline(always)]
-fn fast_two_sum<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> [S::f64s; 2] {
+pub(crate) fn fast_two_sum<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> [S::f64s; 2] {
     let high = o.add(a, b);
     [high, o.sub(b, o.sub(high, a))]
 }
 
 /// `a b - product`, exactly: by a fused multiply-add, or by Dekker's splitting on a machine that has none.
 #[inline(always)]
-fn product_error<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s, product: S::f64s) -> S::f64s {
+pub(crate) fn product_error<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s, product: S::f64s) -> S::f64s {
     if !S::IS_SCALAR {
         return o.exact_fma(a, b, o.neg(product));
     }
