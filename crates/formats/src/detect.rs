@@ -82,7 +82,7 @@ fn text(head: &[u8]) -> Result<Format, FormatsError> {
     if trimmed.starts_with('*') && starts(&["*USER ELEMENT"]) {
         return Ok(Format::AbaqusSubstructure);
     }
-    if starts(&["DMIG"]) {
+    if starts(&["DMIG", "BEGIN BULK", "BEGIN,BULK"]) {
         return Ok(Format::Dmig);
     }
     let data = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with(['*', '%']));

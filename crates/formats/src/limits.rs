@@ -12,13 +12,20 @@ pub struct Limits {
     pub bytes: u64,
     /// Most entries of one matrix, mirrored ones included. Default 2^27, chosen: 2.1 GB.
     pub entries: usize,
-    /// Most rows or columns. Default 2^24, chosen: above it an empty matrix costs more than 128 MB in compressed columns.
+    /// Most rows or columns; never more than 2^31, which entries can name. Default 2^24, chosen: above it an empty matrix costs more than 128 MB in compressed columns.
     pub order: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
         Self { bytes: 1 << 33, entries: 1 << 27, order: 1 << 24 }
+    }
+}
+
+impl Limits {
+    /// The same, with an order whose square and whose indices can be computed with.
+    pub(crate) fn bounded(self) -> Self {
+        Self { order: self.order.min(1 << 31), ..self }
     }
 }
 

@@ -32,9 +32,10 @@ struct Banner {
 /// # Errors
 /// [`FormatsError::At`] with the number of the line and the problem; also where the bytes are a matrix of another format.
 pub fn read_market(bytes: &[u8], options: Options<'_>) -> Result<Matrix, FormatsError> {
-    let contents = crate::source::Contents::new(bytes, bytes.len() as u64, &options.limits, options.progress)?;
+    let limits = options.limits.bounded();
+    let contents = crate::source::Contents::new(bytes, bytes.len() as u64, &limits, options.progress)?;
     let mut lines = Lines::new(contents.whole());
-    parse(&mut lines, &options.limits).map_err(|problem| lines.located(problem))
+    parse(&mut lines, &limits).map_err(|problem| lines.located(problem))
 }
 
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Problem> {

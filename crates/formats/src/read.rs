@@ -29,14 +29,17 @@ impl File {
     /// The matrix of this name.
     ///
     /// # Errors
-    /// [`FormatsError::NoSuchMatrix`], with the reason where it was left out.
+    /// [`FormatsError::NoSuchMatrix`], with the reason where it was left out or where several have the name.
     pub fn matrix(&self, name: &str) -> Result<&Matrix, FormatsError> {
-        let missing = || FormatsError::NoSuchMatrix {
-            name: crate::error::cut(name),
-            reason: self.left_out.iter().find(|(left_out, _)| left_out == name).map(|(_, reason)| reason.clone()),
-            allowed: self.names(),
-        };
-        self.matrices.iter().find(|matrix| matrix.name == name).ok_or_else(missing)
+        let left_out = self.left_out.iter().find(|(left_out, _)| left_out == name);
+        let refused =
+            |reason| FormatsError::NoSuchMatrix { name: crate::error::cut(name), reason, allowed: self.names() };
+        let mut all = self.matrices.iter().filter(|matrix| matrix.name == name);
+        match (all.next(), all.next()) {
+            (Some(matrix), None) => Ok(matrix),
+            (Some(_), Some(_)) => Err(refused(Some("several have this name".to_owned()))),
+            _ => Err(refused(left_out.map(|(_, reason)| reason.clone()))),
+        }
     }
 
     /// The matrix of this kind.
@@ -91,7 +94,7 @@ pub fn read(path: &Path) -> Result<File, FormatsError> {
 /// As [`read`].
 pub fn read_with(path: &Path, options: Options<'_>) -> Result<File, FormatsError> {
     let (file, size) = open(path)?;
-    let (limits, unstated) = (options.limits, options.unstated);
+    let (limits, unstated) = (options.limits.bounded(), options.unstated);
     let contents = Contents::new(file, size, &limits, options.progress)?;
     let format = detect(&contents.head)?;
     let labels = if format.0 == Format::Coordinates { labels_beside(path, &limits)? } else { None };
@@ -105,6 +108,7 @@ pub fn read_with(path: &Path, options: Options<'_>) -> Result<File, FormatsError
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], labels: Option<Vec<Dof>>, options: Options<'_>) -> Result<File, FormatsError> {
     let Options { limits, unstated, progress } = options;
+    let limits = limits.bounded();
     let contents = Contents::new(bytes, bytes.len() as u64, &limits, progress)?;
     let format = detect(&contents.head)?;
     parse(contents, format, Options { limits, unstated, progress: None }, None, labels)
@@ -115,9 +119,9 @@ pub fn read_bytes(bytes: &[u8], labels: Option<Vec<Dof>>, options: Options<'_>) 
 /// # Errors
 /// As [`read`].
 pub fn read_labels(path: &Path, limits: &Limits) -> Result<Vec<Dof>, FormatsError> {
-    let (file, size) = open(path)?;
-    let mut lines = Lines::new(Contents::new(file, size, limits, None)?.whole());
-    coordinates::parse_labels(&mut lines, limits).map_err(|problem| lines.located(problem))
+    let ((file, size), limits) = (open(path)?, limits.bounded());
+    let mut lines = Lines::new(Contents::new(file, size, &limits, None)?.whole());
+    coordinates::parse_labels(&mut lines, &limits).map_err(|problem| lines.located(problem))
 }
 
 /// The labels beside a list of CalculiX, if there are any.

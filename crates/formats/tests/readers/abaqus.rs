@@ -39,6 +39,11 @@ fn a_keyword_names_shape_and_factor() {
     assert_eq!((m.stored(), m.to_dense()[(0, 1)], m.to_dense()[(1, 0)]), (Stored::Whole, 1.0, 1.0));
     let missing = file.matrix("C1").unwrap_err().to_string();
     assert_eq!(missing, "no matrix \"C1\"; allowed: K1, M1");
+    let same = read_bytes(text.replace("M1", "K1").as_bytes(), None, Options::default()).unwrap();
+    assert_eq!(
+        same.matrix("K1").unwrap_err().to_string(),
+        "no matrix \"K1\" was read (several have this name); allowed: K1, K1"
+    );
     let unequal = text.replace("1,1, 1,2, 0.5", "1,1, 1,2, 0.25");
     let message = read_bytes(unequal.as_bytes(), None, Options::default()).unwrap_err().to_string();
     assert!(message.contains("\"M1\" gives both (1.y, 1.x) and its mirror image"), "{message}");
