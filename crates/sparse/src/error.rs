@@ -1,6 +1,7 @@
 //! Errors of sparse systems.
 
 use linsys::{LinsysError, Matrix};
+use num_complex::Complex;
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -32,6 +33,65 @@ pub enum SparseError {
         column: usize,
         /// The entry.
         value: f64,
+    },
+    /// Q is singular at this shift and at others beside it.
+    #[error("lambda^2 M + lambda C + K is singular at {shift} rad/s and at shifts beside it: perhaps at every lambda")]
+    Singular {
+        /// The shift, rad/s.
+        shift: Complex<f64>,
+    },
+    /// A factorisation that does not fit into memory.
+    #[error("a factorisation of {order} degrees of freedom does not fit into memory")]
+    Memory {
+        /// Degrees of freedom.
+        order: usize,
+    },
+    /// A solution with Q(shift) that refinement did not make accurate.
+    #[error("solutions with Q({shift}) have a backward error of {residual:.1e}")]
+    Solve {
+        /// The shift, rad/s.
+        shift: Complex<f64>,
+        /// The smallest backward error reached.
+        residual: f64,
+    },
+    /// The eigenvalues of a projected problem were not found.
+    #[error("the projected problem of order {order} at {shift} rad/s has no eigenvalues that can be computed")]
+    Projected {
+        /// The shift, rad/s.
+        shift: Complex<f64>,
+        /// Its order.
+        order: usize,
+    },
+    /// A pair that inverse iteration did not make one.
+    #[error("an eigenvalue near {lambda} rad/s does not converge: its backward error stays at {residual:.1e}")]
+    NotConverged {
+        /// Where, rad/s.
+        lambda: Complex<f64>,
+        /// The backward error reached.
+        residual: f64,
+    },
+    /// A rectangle of no extent, or without end.
+    #[error("{part} from {from} to {to} rad/s; both must be finite and the first below the second")]
+    Rectangle {
+        /// Which part of lambda.
+        part: &'static str,
+        /// Its lower border.
+        from: f64,
+        /// Its upper border.
+        to: f64,
+    },
+    /// A rectangle with more eigenvalues than the shifts allowed can find.
+    #[error(
+        "{shifts} shifts found {found} eigenvalues and covered {:.3} of the rectangle; a smaller one is needed",
+        covered
+    )]
+    TooManyShifts {
+        /// The shifts allowed.
+        shifts: usize,
+        /// Eigenvalues found so far.
+        found: usize,
+        /// Part of the rectangle that was covered.
+        covered: f64,
     },
     /// An operating point that does not belong to the system, or a channel that acts on a degree of freedom that does not exist.
     #[error(transparent)]

@@ -9,10 +9,12 @@
 
 mod affine;
 mod error;
+mod solver;
 mod system;
 
 pub use nalgebra_sparse;
 
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
+pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle, eigenpairs_in};
 pub use system::{SparseSecondOrder, State};

@@ -210,7 +210,7 @@ fn has_converged([before, now]: [f64; 2]) -> bool {
 }
 
 /// Multiplies by a phase that makes the largest component real and positive.
-pub(crate) fn fix_phase(x: &mut DVector<Complex<f64>>) {
+pub fn fix_phase(x: &mut DVector<Complex<f64>>) {
     let larger = |m: Complex<f64>, &v: &Complex<f64>| if v.norm_sqr() > m.norm_sqr() * (1.0 + 2e-9) { v } else { m };
     let largest = x.iter().fold(Complex::from(0.0), larger);
     let turn = largest.conj() / largest.norm();

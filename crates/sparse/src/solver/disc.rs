@@ -1,0 +1,207 @@
+//! All eigenvalues near one shift: a right and a left Krylov space with one factorisation.
+
+use faer::Mat;
+use num_complex::Complex;
+
+use super::factor::{Factor, Symbolic};
+use super::krylov::Krylov;
+use super::pencil::{Pencil, Side};
+use super::ritz::Ritz;
+use super::types::{Counters, Disc, Options, Rectangle};
+use crate::SparseError;
+
+/// Residual of a Ritz value, relative, from which on it counts as known to be there.
+const SEEN: f64 = 1e-6;
+/// Residual of a right Ritz vector that is wanted; chosen, so that nearly all need no other improvement.
+const CONVERGED: f64 = 1e-13;
+/// The same for a left vector, of which lambda depends on the product of both residuals.
+const CONVERGED_LEFT: f64 = 1e-12;
+/// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
+const TRUSTED: f64 = 0.95;
+/// Columns before the first look at the Ritz values, and growth of the basis between two looks; chosen.
+const FIRST_LOOK: usize = 40;
+const GROWTH: f64 = 1.12;
+/// How often another shift is tried where Q(shift) is singular.
+const ATTEMPTS: usize = 4;
+/// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.
+const SAME: f64 = 1e-5;
+
+type Block = Mat<Complex<f64>>;
+
+/// The matrices, and the elimination order of their pattern.
+pub(crate) struct Problem {
+    pub(crate) pencil: Pencil,
+    pub(crate) symbolic: Symbolic,
+}
+
+/// A Ritz value with its vectors.
+pub(crate) struct Candidate {
+    pub(crate) lambda: Complex<f64>,
+    /// phi, not normalised.
+    pub(crate) right: Vec<Complex<f64>>,
+    /// The conjugate of psi; none where the left space does not hold it yet.
+    pub(crate) left: Option<Vec<Complex<f64>>>,
+}
+
+impl Problem {
+    /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target.
+    pub(crate) fn near_centre(
+        &self,
+        target: &Rectangle,
+        options: &Options,
+        counters: &mut Counters,
+    ) -> Result<(Disc, Vec<Candidate>), SparseError> {
+        let factor = self.factor_near(target, counters)?;
+        let sigma = factor.shift();
+        let needed = target.half_diagonal() + (sigma - target.centre()).norm();
+        let scale = sigma.norm().max(needed);
+        let capacity = options.columns.max(2 * options.block);
+        let start = starting_block(self.extended_order(), options.block);
+        let mut krylov = Krylov::new(&factor, Side::Right, scale, start, capacity)?;
+        let mut next = FIRST_LOOK;
+        let (ritz, radius) = loop {
+            krylov.step()?;
+            let is_last = krylov.is_complete() || krylov.dimension() + krylov.pending() > capacity;
+            if krylov.dimension() < next && !is_last {
+                continue;
+            }
+            next = ((next as f64 * GROWTH) as usize).max(next + options.block);
+            let ritz = Ritz::of(&krylov, sigma)?;
+            let radius = TRUSTED * known_within(&ritz, sigma, target);
+            if is_last || radius >= needed {
+                break (ritz, radius);
+            }
+        };
+        counters.solves += krylov.dimension() + options.block;
+        let margin = 1e-6 * needed;
+        let in_disc = |&j: &usize| (ritz.lambdas[j] - sigma).norm() < radius;
+        let known: Vec<_> = (0..ritz.lambdas.len()).take_while(in_disc).collect();
+        let wanted: Vec<_> = known.iter().copied().filter(|&j| target.contains(ritz.lambdas[j], margin)).collect();
+        let coordinates = Mat::from_fn(ritz.vectors.nrows(), wanted.len(), |i, j| ritz.vectors[(i, wanted[j])]);
+        let right = krylov.displacements(&coordinates);
+        let disc = Disc { centre: sigma, radius, eigenvalues: known.len(), columns: krylov.dimension() };
+        drop(krylov);
+        let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
+        let left = if lambdas.is_empty() {
+            Vec::new()
+        } else {
+            left_vectors(&factor, scale, &lambdas, &right, options, counters)?
+        };
+        let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
+        Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))
+    }
+
+    /// n + n + s.
+    fn extended_order(&self) -> usize {
+        2 * self.pencil.order() + self.pencil.states().len()
+    }
+
+    /// Q at the centre of the target, or beside it where an eigenvalue sits there.
+    fn factor_near(&self, target: &Rectangle, counters: &mut Counters) -> Result<Factor<'_>, SparseError> {
+        let step = Complex::new(0.01, 0.007) * target.half_diagonal();
+        let known = starting_block(self.pencil.order(), 1);
+        for attempt in 0..ATTEMPTS {
+            let sigma = target.centre() + step * attempt as f64;
+            counters.factorisations += 1;
+            match Factor::new(&self.symbolic, &self.pencil, sigma) {
+                Ok(factor) if factor.is_regular(&known)? => return Ok(factor),
+                Ok(_) => {}
+                Err(SparseError::Singular { .. }) => {}
+                Err(other) => return Err(other),
+            }
+        }
+        Err(SparseError::Singular { shift: target.centre() })
+    }
+}
+
+/// Distance from the shift to the nearest Ritz value that is not known; infinite where all are.
+fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
+    let is_known =
+        |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { CONVERGED } else { SEEN };
+    let all = ritz.lambdas.iter().zip(&ritz.residuals);
+    all.filter(|&(&lambda, &residual)| !is_known(lambda, residual))
+        .map(|(lambda, _)| (lambda - sigma).norm())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right
+/// vectors, which they are where the matrices are symmetric.
+fn left_vectors(
+    factor: &Factor<'_>,
+    scale: f64,
+    lambdas: &[Complex<f64>],
+    right: &Block,
+    options: &Options,
+    counters: &mut Counters,
+) -> Result<Vec<Option<Vec<Complex<f64>>>>, SparseError> {
+    let (pencil, sigma) = (factor.pencil(), factor.shift());
+    let (n, block) = (pencil.order(), options.block);
+    let mix = starting_block(lambdas.len(), block);
+    let mut start: Block = Mat::zeros(2 * n + pencil.states().len(), block);
+    for (j, &lambda) in lambdas.iter().enumerate() {
+        let phi = right.col_as_slice(j);
+        let states: Vec<_> = pencil
+            .states()
+            .iter()
+            .map(|state| {
+                let driven: Complex<f64> = state.force.iter().map(|&(dof, f)| phi[dof] * f).sum();
+                driven * lambda / (lambda + state.decay)
+            })
+            .collect();
+        for column in 0..block {
+            let weight = mix[(j, column)];
+            let target = start.col_as_slice_mut(column);
+            for (i, &value) in phi.iter().enumerate() {
+                target[i] += weight * value;
+                target[n + i] += weight * lambda * value / scale;
+            }
+            target[2 * n..].iter_mut().zip(&states).for_each(|(t, z)| *t += weight * z);
+        }
+    }
+    let capacity = options.columns.max(2 * block);
+    let mut krylov = Krylov::new(factor, Side::Left, scale, start, capacity)?;
+    let mut next = lambdas.len() + block;
+    loop {
+        krylov.step()?;
+        let is_last = krylov.is_complete() || krylov.dimension() + krylov.pending() > capacity;
+        if krylov.dimension() < next && !is_last {
+            continue;
+        }
+        next = ((next as f64 * GROWTH) as usize).max(next + block);
+        let ritz = Ritz::of(&krylov, sigma)?;
+        let partners = partners(lambdas, sigma, &ritz);
+        if is_last || partners.iter().all(Option::is_some) {
+            counters.solves += krylov.dimension() + block;
+            let vector = |partner: &Option<usize>| {
+                let coordinates = partner.map(|j| Mat::from_fn(ritz.vectors.nrows(), 1, |i, _| ritz.vectors[(i, j)]));
+                coordinates.map(|s| krylov.displacements(&s).col_as_slice(0).to_vec())
+            };
+            return Ok(partners.iter().map(vector).collect());
+        }
+    }
+}
+
+/// The left Ritz value of each right one, each used once, if it has converged.
+fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<Option<usize>> {
+    let mut is_free = vec![true; left.lambdas.len()];
+    let mut partner = |lambda: &Complex<f64>| {
+        let distance = |&j: &usize| (left.lambdas[j] - lambda).norm();
+        let free = (0..is_free.len()).filter(|&j| is_free[j]);
+        let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let is_same = distance(&nearest) <= SAME * (lambda - sigma).norm() && left.residuals[nearest] <= CONVERGED_LEFT;
+        is_same.then(|| {
+            is_free[nearest] = false;
+            nearest
+        })
+    };
+    lambdas.iter().map(&mut partner).collect()
+}
+
+/// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
+fn starting_block(rows: usize, columns: usize) -> Block {
+    let golden = 0.618_033_988_749_894_9;
+    Mat::from_fn(rows, columns, |i, j| {
+        let k = (i * columns + j + 1) as f64;
+        Complex::from((k * golden).fract() * 2.0 - 1.0 + ((k % 97.0) * (k % 89.0) * golden).fract() - 0.5)
+    })
+}

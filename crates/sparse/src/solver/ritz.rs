@@ -1,0 +1,47 @@
+//! Eigenvalues and vectors of a projected problem, with the residual of each.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, evd_cplx, evd_scratch};
+use faer::{Mat, Spec};
+use num_complex::Complex;
+
+use super::factor::{PAR, length};
+use super::krylov::Krylov;
+use crate::SparseError;
+
+/// The Ritz values of a Krylov space, nearest to the shift first.
+pub(crate) struct Ritz {
+    /// lambda = sigma + 1 / mu.
+    pub(crate) lambdas: Vec<Complex<f64>>,
+    /// Residual of `(A - sigma B)^-1 B` relative to |mu|.
+    pub(crate) residuals: Vec<f64>,
+    /// Coordinates of the vectors in the basis, in columns.
+    pub(crate) vectors: Mat<Complex<f64>>,
+}
+
+impl Ritz {
+    pub(crate) fn of(krylov: &Krylov<'_>, sigma: Complex<f64>) -> Result<Self, SparseError> {
+        let (h, below) = krylov.projected();
+        let m = h.nrows();
+        let (mut values, mut vectors) = (Mat::<Complex<f64>>::zeros(m, 1), Mat::<Complex<f64>>::zeros(m, m));
+        let (none, wanted) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
+        let request = evd_scratch::<Complex<f64>>(m, none, wanted, PAR, Spec::default());
+        let mut buffer = MemBuffer::new(request);
+        let stack = MemStack::new(&mut buffer);
+        let diagonal = values.as_mut().col_mut(0).as_diagonal_mut();
+        evd_cplx(h.as_ref(), diagonal, None, Some(vectors.as_mut()), PAR, stack, Spec::default())
+            .map_err(|_| SparseError::Projected { shift: sigma, order: m })?;
+        let mut order: Vec<usize> = (0..m).collect();
+        order.sort_by(|&a, &b| values[(b, 0)].norm().total_cmp(&values[(a, 0)].norm()));
+        let outside = &below * &vectors;
+        let residual = |&j: &usize| {
+            let (mu, size) = (values[(j, 0)].norm(), length(vectors.col_as_slice(j)));
+            if mu == 0.0 { f64::INFINITY } else { length(outside.col_as_slice(j)) / (size * mu) }
+        };
+        Ok(Self {
+            lambdas: order.iter().map(|&j| sigma + values[(j, 0)].inv()).collect(),
+            residuals: order.iter().map(residual).collect(),
+            vectors: Mat::from_fn(m, m, |i, j| vectors[(i, order[j])]),
+        })
+    }
+}

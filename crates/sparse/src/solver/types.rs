@@ -1,0 +1,156 @@
+//! What is asked of the solver and what it answers.
+
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use crate::SparseError;
+
+/// A rectangle of the plane of lambda, rad/s, its border included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangle {
+    /// Least and largest Re lambda.
+    pub re: [f64; 2],
+    /// Least and largest Im lambda.
+    pub im: [f64; 2],
+}
+
+impl Rectangle {
+    /// Whether the borders are finite and in order.
+    ///
+    /// # Errors
+    /// [`SparseError::Rectangle`].
+    pub fn check(&self) -> Result<(), SparseError> {
+        for (part, [from, to]) in [("Re lambda", self.re), ("Im lambda", self.im)] {
+            if !(from.is_finite() && to.is_finite() && from < to) {
+                return Err(SparseError::Rectangle { part, from, to });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether lambda is inside or within `margin` of the border.
+    #[must_use]
+    pub fn contains(&self, lambda: Complex<f64>, margin: f64) -> bool {
+        let within = |x: f64, [from, to]: [f64; 2]| x >= from - margin && x <= to + margin;
+        within(lambda.re, self.re) && within(lambda.im, self.im)
+    }
+
+    /// Distance of lambda from the border, inside or outside.
+    #[must_use]
+    pub fn border_distance(&self, lambda: Complex<f64>) -> f64 {
+        let nearest = |x: f64, [from, to]: [f64; 2]| (x - from).abs().min((x - to).abs());
+        let beyond = |x: f64, [from, to]: [f64; 2]| (from - x).max(x - to).max(0.0);
+        let outside = beyond(lambda.re, self.re).hypot(beyond(lambda.im, self.im));
+        if outside > 0.0 { outside } else { nearest(lambda.re, self.re).min(nearest(lambda.im, self.im)) }
+    }
+
+    pub(super) fn centre(&self) -> Complex<f64> {
+        let middle = |[from, to]: [f64; 2]| from + 0.5 * (to - from);
+        Complex::new(middle(self.re), middle(self.im))
+    }
+
+    /// From the centre to a corner.
+    pub(super) fn half_diagonal(&self) -> f64 {
+        0.5 * (self.re[1] - self.re[0]).hypot(self.im[1] - self.im[0])
+    }
+
+    /// The largest |lambda|.
+    pub(super) fn reach(&self) -> f64 {
+        let largest = |[from, to]: [f64; 2]| from.abs().max(to.abs());
+        largest(self.re).hypot(largest(self.im))
+    }
+}
+
+/// Settings that a user need not touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Largest backward error of an eigenpair.
+    pub tolerance: f64,
+    /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
+    pub block: usize,
+    /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom, twice, and column.
+    pub columns: usize,
+    /// Most shifts; a rectangle that needs more is refused while it runs.
+    pub shifts: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { tolerance: 1e-11, block: 4, columns: 140, shifts: 2000 }
+    }
+}
+
+/// An eigenvalue with its vectors and what is known about its error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Eigenpair {
+    /// The eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+    /// phi, length n, unit 2-norm: `Q(lambda) phi = 0`.
+    pub right: DVector<Complex<f64>>,
+    /// psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`.
+    pub left: DVector<Complex<f64>>,
+    /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`].
+    pub backward_error: f64,
+    /// `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
+    /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
+    pub condition: f64,
+    /// Whether the border of the rectangle is within [`bound`](Self::bound), so that it may be outside.
+    pub on_border: bool,
+}
+
+/// Factor on condition times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
+const FIRST_ORDER_SAFETY: f64 = 4.0;
+
+impl Eigenpair {
+    /// How far the eigenvalue may be from the exact one of these matrices or of any that round to them, to first order, rad/s.
+    /// Holds for simple eigenvalues; no bound of `cea::certified` stands behind it.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        FIRST_ORDER_SAFETY * self.condition * self.backward_error.max(0.5 * f64::EPSILON) * self.lambda.norm()
+    }
+}
+
+/// A disc around a shift in which all eigenvalues are known, as far as its Krylov space shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    /// The shift, rad/s.
+    pub centre: Complex<f64>,
+    /// No eigenvalue that has not converged is nearer, rad/s; a safety factor is in it.
+    pub radius: f64,
+    /// Eigenvalues in it.
+    pub eigenvalues: usize,
+    /// Columns of its Krylov basis.
+    pub columns: usize,
+}
+
+/// All eigenpairs of a rectangle and why they are all.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The eigenpairs, by frequency as [`cea::by_frequency`] orders them.
+    pub pairs: Vec<Eigenpair>,
+    /// Discs whose union covers the rectangle, or of a rectangle on both sides of the real axis its larger half: the matrices
+    /// are real.
+    pub discs: Vec<Disc>,
+    /// The work done.
+    pub counters: Counters,
+}
+
+/// What was computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Sparse factorisations.
+    pub factorisations: usize,
+    /// Right-hand sides solved, refinement not counted.
+    pub solves: usize,
+}
+
+/// How far a search is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Part of the rectangle that is covered, 0 to 1.
+    pub covered: f64,
+    /// Eigenvalues found.
+    pub found: usize,
+    /// Shifts used.
+    pub shifts: usize,
+}
