@@ -1,5 +1,6 @@
 //! Errors of sparse systems.
 
+use cea::CeaError;
 use linsys::{LinsysError, Matrix};
 use num_complex::Complex;
 
@@ -93,6 +94,25 @@ pub enum SparseError {
         /// Part of the rectangle that was covered.
         covered: f64,
     },
+    /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
+    #[error("the {what} could not be computed")]
+    Decomposition {
+        /// What was computed.
+        what: &'static str,
+    },
+    /// An option of a reduction that is out of its range.
+    #[error("{option} is {value}; it must be {allowed}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that it may have.
+        allowed: &'static str,
+    },
+    /// The dense solver of a reduced system failed.
+    #[error(transparent)]
+    Dense(#[from] CeaError),
     /// An operating point that does not belong to the system, or a channel that acts on a degree of freedom that does not exist.
     #[error(transparent)]
     System(#[from] LinsysError),

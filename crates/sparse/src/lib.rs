@@ -4,11 +4,14 @@
 //! | --- | --- |
 //! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
 //! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
+//! | [`eigenpairs_in`] | all eigenvalues of such a system in a rectangle, with right and left vectors |
+//! | [`reduction`] | a large brake projected on a few columns, with the residual of each mode in the large one |
 //!
 //! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
 
 mod affine;
 mod error;
+pub mod reduction;
 mod solver;
 mod system;
 

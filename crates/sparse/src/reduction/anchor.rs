@@ -1,0 +1,209 @@
+//! A reduced system solved completely at one operating point, from where those at other points are found.
+
+use linsys::{AffineSystem, OperatingPoint, SecondOrder};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use super::full::{largest, outside};
+use super::{dense, split};
+use crate::{Rectangle, SparseError};
+
+/// All eigenvalues of a reduced system at an operating point, with right and left vectors, and the terms of the system in the
+/// vectors of the modes in and near the rectangle.
+///
+/// With `z = [y; lambda y / gamma]` the system is `A z = lambda B z`, `A = [0, gamma I; -K / gamma, -C]`, `B = [I, 0; 0, M]`.
+/// Left vectors are scaled so that `W^H B Z = I`. The lower part v of a left vector is one of Q: `v^H Q(lambda) = 0`, and
+/// `v^H Q'(lambda) y = gamma`. From these
+///
+/// ```text
+/// -Q(lambda)^-1 = sum_j y_j v_j^H / (gamma (lambda_j - lambda))
+/// ```
+#[derive(Debug, Clone)]
+pub(super) struct Anchor {
+    /// Where the anchor is.
+    pub point: OperatingPoint,
+    /// gamma, rad/s.
+    pub gamma: f64,
+    /// One eigenvalue of each pair, the one with Im > 0, and the real ones.
+    pub lambdas: Vec<Complex<f64>>,
+    /// Whether an eigenvalue, and whether its conjugate, is among the near ones.
+    pub is_near: Vec<[bool; 2]>,
+    /// v_j^H of `lambdas`, real parts above imaginary ones, 2 q x k.
+    pub left: DMatrix<f64>,
+    /// y_j of `lambdas`, split, k x 2 q.
+    pub right: DMatrix<f64>,
+    /// The modes in and near the rectangle.
+    pub near: Near,
+}
+
+/// The vectors of the near modes, and the terms between them.
+#[derive(Debug, Clone)]
+pub(super) struct Near {
+    /// Right vectors y, split, k x 2 p.
+    pub right: DMatrix<f64>,
+    /// v^H, real parts above imaginary ones, 2 p x k.
+    pub left: DMatrix<f64>,
+    /// What of `W^H A Z` and `W^H B Z` does not depend on the point.
+    constant: [DMatrix<Complex<f64>>; 2],
+    /// What each term adds per unit of its coefficient; no matrix B where its M is zero.
+    terms: Vec<(DMatrix<Complex<f64>>, Option<DMatrix<Complex<f64>>>)>,
+    /// What each channel adds to `W^H A Z` per unit of mu, and per unit of its slope.
+    channels: Vec<[DMatrix<Complex<f64>>; 2]>,
+}
+
+impl Anchor {
+    /// Solves the system at a point; modes within `margin` of the rectangle are near.
+    pub fn new(
+        system: &AffineSystem,
+        point: &OperatingPoint,
+        rectangle: &Rectangle,
+        margin: f64,
+    ) -> Result<Self, SparseError> {
+        // Internal states are left to the corrections; without them the system is the nearest that is quadratic.
+        let without_lags = OperatingPoint {
+            coefficients: point.coefficients.clone(),
+            channels: point.channels.iter().map(|gain| linsys::ChannelGain { lag: None, ..*gain }).collect(),
+        };
+        let SecondOrder { m, c, k, .. } = system.assemble(&without_lags)?;
+        let (order, gamma) = (m.nrows(), largest(rectangle));
+        let wide = |a: &DMatrix<f64>| a.map(Complex::from);
+        let mass = wide(&m);
+        let by_mass = |a: &DMatrix<f64>| Ok::<_, SparseError>(dense::solve(&mass, &wide(a))?.map(|x| x.re));
+        let mut state = DMatrix::zeros(2 * order, 2 * order);
+        state.view_mut((0, order), (order, order)).fill_diagonal(gamma);
+        state.view_mut((order, 0), (order, order)).copy_from(&(by_mass(&k)? / -gamma));
+        state.view_mut((order, order), (order, order)).copy_from(&-by_mass(&c)?);
+        let (all, z) = dense::eigen_real(&state)?;
+        let inverse = dense::solve(&z, &DMatrix::identity(2 * order, 2 * order))?;
+        // W^H = Z^-1 B^-1: the lower part times M^-1 from the right.
+        let lower = dense::solve(&mass.transpose(), &inverse.columns(order, order).transpose())?.transpose();
+        let upper = inverse.columns(0, order);
+
+        let near_one = |lambda: Complex<f64>| outside(rectangle, lambda) <= margin;
+        let listed: Vec<usize> = (0..all.len()).filter(|&j| all[j].im >= 0.0).collect();
+        let near: Vec<usize> = (0..all.len()).filter(|&j| near_one(all[j])).collect();
+        let lambdas: Vec<_> = listed.iter().map(|&j| all[j]).collect();
+        let is_near = lambdas.iter().map(|&l| [near_one(l), l.im > 0.0 && near_one(l.conj())]).collect();
+        let y = z.rows(0, order).into_owned();
+        let near = Near::new(
+            system,
+            gamma,
+            &NearVectors {
+                y: y.select_columns(&near),
+                velocity: z.rows(order, order).select_columns(&near),
+                upper: upper.select_rows(&near),
+                lower: lower.select_rows(&near),
+            },
+        );
+        Ok(Self {
+            point: point.clone(),
+            gamma,
+            is_near,
+            left: stacked(&lower.select_rows(&listed)),
+            right: split::from_columns(&y.select_columns(&listed)),
+            lambdas,
+            near,
+        })
+    }
+
+    /// How far a point is: the changes of the coefficients, each times what it moves the near modes by, rad/s.
+    pub fn distance(&self, point: &OperatingPoint) -> f64 {
+        let terms = self.near.terms.iter().zip(self.point.coefficients.iter().zip(&point.coefficients));
+        let terms = terms.map(|((a, _), (here, there))| (here - there) * a.norm());
+        let channels = self.near.channels.iter().zip(self.point.channels.iter().zip(&point.channels));
+        let channels = channels.flat_map(|([friction, slope], (here, there))| {
+            [(here.mu - there.mu) * friction.norm(), (here.slope - there.slope) * slope.norm()]
+        });
+        terms.chain(channels).map(|part| part * part).sum::<f64>().sqrt()
+    }
+}
+
+/// Parts of the vectors of the near modes: right `[y; velocity]`, left `[upper, lower]` as rows.
+struct NearVectors {
+    y: DMatrix<Complex<f64>>,
+    velocity: DMatrix<Complex<f64>>,
+    upper: DMatrix<Complex<f64>>,
+    lower: DMatrix<Complex<f64>>,
+}
+
+impl Near {
+    fn new(system: &AffineSystem, gamma: f64, vectors: &NearVectors) -> Self {
+        let NearVectors { y, velocity, upper, lower } = vectors;
+        let wide = |a: &DMatrix<f64>| a.map(Complex::from);
+        let (inverse, minus) = (Complex::from(-1.0 / gamma), Complex::from(-1.0));
+        let is_zero = |a: &DMatrix<f64>| a.iter().all(|&x| x == 0.0);
+        let terms = system.terms().iter().map(|term| {
+            let SecondOrder { m, c, k, .. } = term.matrices();
+            let a = lower * (wide(k) * y * inverse + wide(c) * velocity * minus);
+            (a, (!is_zero(m)).then(|| lower * (wide(m) * velocity)))
+        });
+        let (force, reading) = (wide(&system.force_matrix()), wide(&system.reading_matrix()));
+        let channels = (0..force.ncols()).map(|at| {
+            let (b, r) = (force.columns(at, 1), reading.rows(at, 1));
+            let left = lower * b;
+            [&left * (r * y) * inverse, &left * (b.transpose() * velocity) * minus]
+        });
+        Self {
+            right: split::from_columns(y),
+            left: stacked(lower),
+            constant: [upper * velocity * Complex::from(gamma), upper * y],
+            terms: terms.collect(),
+            channels: channels.collect(),
+        }
+    }
+
+    /// The modes of `W^H A Z c = lambda W^H B Z c` at a point: the near modes where the others do not take part.
+    pub fn modes(&self, point: &OperatingPoint) -> Result<NearModes, SparseError> {
+        let [mut a, mut b] = self.constant.clone();
+        let add = |sum: &mut DMatrix<Complex<f64>>, part: &DMatrix<Complex<f64>>, factor: f64| {
+            sum.zip_apply(part, |sum, value| *sum += value * factor);
+        };
+        for ((stiffness, mass), &theta) in self.terms.iter().zip(&point.coefficients) {
+            add(&mut a, stiffness, theta);
+            if let Some(mass) = mass {
+                add(&mut b, mass, theta);
+            }
+        }
+        for ([friction, slope], gain) in self.channels.iter().zip(&point.channels) {
+            add(&mut a, friction, gain.mu);
+            add(&mut a, slope, gain.slope);
+        }
+        let (lambdas, x) = dense::eigen_complex(&dense::solve(&b, &a)?)?;
+        let left = dense::solve(&(b * &x), &DMatrix::identity(x.nrows(), x.ncols()))?;
+        let [re, im] = [x.map(|x| x.re), x.map(|x| x.im)];
+        let [left_re, left_im] = [left.map(|x| x.re), left.map(|x| x.im)];
+        Ok(NearModes {
+            lambdas,
+            right: &self.right * blocks([&re, &im], [&-&im, &re]),
+            left: blocks([&left_re, &-&left_im], [&left_im, &left_re]) * &self.left,
+        })
+    }
+}
+
+/// The near modes at a point, in the terms of [`Near`].
+#[derive(Debug)]
+pub(super) struct NearModes {
+    /// Their eigenvalues, p.
+    pub lambdas: Vec<Complex<f64>>,
+    /// Right vectors, split, k x 2 p.
+    pub right: DMatrix<f64>,
+    /// v^H, real parts above imaginary ones, 2 p x k.
+    pub left: DMatrix<f64>,
+}
+
+fn blocks(upper: [&DMatrix<f64>; 2], lower: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
+    let p = upper[0].nrows();
+    let mut out = DMatrix::zeros(2 * p, 2 * p);
+    for (row, part) in [upper, lower].into_iter().enumerate() {
+        for (column, block) in part.into_iter().enumerate() {
+            out.view_mut((row * p, column * p), (p, p)).copy_from(block);
+        }
+    }
+    out
+}
+
+/// Real parts above imaginary ones.
+fn stacked(rows: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+    let (count, columns) = rows.shape();
+    DMatrix::from_fn(2 * count, columns, |i, j| if i < count { rows[(i, j)].re } else { rows[(i - count, j)].im })
+}

@@ -1,0 +1,110 @@
+//! Dense decompositions of `faer`, for matrices of `nalgebra`.
+//!
+//! Those of nalgebra are not blocked: a basis of four hundred columns over five thousand rows would take it minutes.
+
+use faer::MatRef;
+use nalgebra::{ComplexField, DMatrix};
+use num_complex::Complex;
+
+use crate::SparseError;
+
+/// An eigenvalue decomposition: the eigenvalues, and their right vectors as columns.
+pub(super) type Eigen = (Vec<Complex<f64>>, DMatrix<Complex<f64>>);
+
+fn view<T>(matrix: &DMatrix<T>) -> MatRef<'_, T> {
+    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
+}
+
+fn owned<T: nalgebra::Scalar>(matrix: MatRef<'_, T>) -> DMatrix<T> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| matrix[(row, column)].clone())
+}
+
+fn check<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, what: &'static str) -> Result<(), SparseError> {
+    if matrix.iter().all(ComplexField::is_finite) { Ok(()) } else { Err(SparseError::Decomposition { what }) }
+}
+
+/// The left singular vectors and the singular values, descending, of a matrix A with more rows than columns. One with many
+/// more rows goes through its QR decomposition.
+pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>), SparseError> {
+    let what = "singular values of the vectors of a basis";
+    check(a, what)?;
+    if a.ncols() == 0 {
+        return Ok((a.clone(), Vec::new()));
+    }
+    let svd = view(a).thin_svd().map_err(|_| SparseError::Decomposition { what })?;
+    Ok((owned(svd.U()), svd.S().column_vector().iter().copied().collect()))
+}
+
+/// R of a column-pivoted QR decomposition `A P = Q R` with its columns in the order of A again: `R P^T`, min(rows, columns) rows.
+/// Rows come in descending order of what they hold.
+pub(super) fn unpivoted_r(a: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
+    check(a, "QR decomposition of the stacked terms")?;
+    if a.ncols() == 0 {
+        return Ok(DMatrix::zeros(0, 0));
+    }
+    // The first decomposition is blocked, the second pivots on the small factor.
+    let r = view(a).qr().thin_R().to_owned();
+    let pivoted = r.col_piv_qr();
+    let (r, order) = (pivoted.thin_R(), pivoted.P().arrays().0.to_vec());
+    let mut out = DMatrix::zeros(r.nrows(), r.ncols());
+    for (from, &to) in order.iter().enumerate() {
+        for row in 0..r.nrows().min(from + 1) {
+            out[(row, to)] = r[(row, from)];
+        }
+    }
+    Ok(out)
+}
+
+/// Eigenvalues and right vectors of a real matrix; complex ones in conjugate pairs, next to each other.
+pub(super) fn eigen_real(a: &DMatrix<f64>) -> Result<Eigen, SparseError> {
+    let what = "eigenvalues of a reduced system";
+    check(a, what)?;
+    let eigen = view(a).eigen().map_err(|_| SparseError::Decomposition { what })?;
+    Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
+}
+
+/// Eigenvalues and right vectors of a complex matrix.
+pub(super) fn eigen_complex(a: &DMatrix<Complex<f64>>) -> Result<Eigen, SparseError> {
+    let what = "eigenvalues of a projected system";
+    check(a, what)?;
+    let eigen = view(a).eigen().map_err(|_| SparseError::Decomposition { what })?;
+    Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
+}
+
+/// `A^-1 B`.
+pub(super) fn solve(
+    a: &DMatrix<Complex<f64>>,
+    b: &DMatrix<Complex<f64>>,
+) -> Result<DMatrix<Complex<f64>>, SparseError> {
+    use faer::prelude::Solve;
+    let solution = owned(view(a).partial_piv_lu().solve(view(b)).as_ref());
+    check(&solution, "vectors of a reduced system")?;
+    Ok(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decompositions_are_those_of_the_textbook() {
+        let a = DMatrix::from_fn(7, 4, |i, j| ((i * i + 3 * j * i + 2 * j) % 11) as f64 - 4.0);
+        let (u, s) = left_singular(&a).unwrap();
+        assert!((u.tr_mul(&u) - DMatrix::identity(4, 4)).amax() < 1e-14);
+        assert!((a.norm_squared() - s.iter().map(|s| s * s).sum::<f64>()).abs() < 1e-11);
+        let r = unpivoted_r(&a).unwrap();
+        assert!((r.tr_mul(&r) - a.tr_mul(&a)).amax() < 1e-12);
+
+        let square = DMatrix::from_fn(5, 5, |i, j| ((7 * i + 3 * j * j + i * j) % 13) as f64);
+        let (lambdas, vectors) = eigen_real(&square).unwrap();
+        let wide = square.map(Complex::from);
+        for (lambda, x) in lambdas.iter().zip(vectors.column_iter()) {
+            assert!((&wide * x - x * *lambda).norm() < 1e-12 * wide.norm());
+        }
+        let inverse = solve(&vectors, &DMatrix::identity(5, 5)).unwrap();
+        let again = &vectors * DMatrix::from_diagonal(&lambdas.clone().into()) * inverse;
+        assert!((again - &wide).norm() < 1e-11 * wide.norm());
+        assert_eq!(eigen_complex(&wide).unwrap().0.len(), 5);
+        assert!(eigen_real(&(square * f64::NAN)).is_err());
+    }
+}

@@ -1,0 +1,37 @@
+//! Reduction: a large brake projected on a few columns is a brake, with the residual of each mode in the large one.
+//!
+//! | to | use |
+//! | --- | --- |
+//! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
+//! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
+//! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
+//! | have a dense brake for a study | [`Reduced::system`] |
+//! | count and list what is above the tolerance | [`ResidualTally`] |
+//! | see cost against error | [`Report::stages`], [`Stage::measure`] |
+//!
+//! A basis V is real, n x k and orthonormal, and both sides of the equation are projected on it, so that terms stay symmetric and
+//! channels stay channels. It holds the right vectors of the wanted modes at a few operating points, as proper orthogonal
+//! decomposition does (Graebner, Mehrmann, Quraishi, Schroeder and von Wagner, ZAMM 96, 2016).
+
+mod anchor;
+mod basis;
+mod build;
+mod dense;
+mod follow;
+mod full;
+mod mixing;
+mod modal;
+mod norms;
+mod options;
+mod reduced;
+mod report;
+mod residual;
+mod split;
+
+pub use basis::Vectors;
+pub use build::{Reduction, Wanted};
+pub use follow::Doubt;
+pub use modal::real_modes;
+pub use options::Options;
+pub use reduced::{Reduced, ReducedModes, Route};
+pub use report::{MissedMode, Report, ResidualTally, Stage, Why};

@@ -1,0 +1,245 @@
+//! A reduced brake: a dense affine system over the columns of a basis, with what tells how good its modes are.
+
+use cea::{EigenSolver, QrSolver, Workspace};
+use linsys::{AffineSystem, OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::anchor::Anchor;
+use super::follow::{Doubt, Goal, follow};
+use super::full::largest;
+use super::residual::{ResidualAt, ResidualForm, Truncation};
+use super::{Options, split};
+use crate::{Rectangle, SparseAffineSystem, SparseError};
+
+/// A reduction of a [`SparseAffineSystem`] for the modes in a rectangle.
+///
+/// Cloning and sharing are free of state: the modes at a point depend on the point alone.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    system: AffineSystem,
+    basis: DMatrix<f64>,
+    rectangle: Rectangle,
+    form: ResidualForm,
+    anchors: Vec<Anchor>,
+    options: Options,
+}
+
+/// How the modes at a point were found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Route {
+    /// From an anchor, with this many corrections of single modes.
+    Followed {
+        /// Corrections, summed over modes.
+        corrections: u64,
+    },
+    /// From the whole spectrum of the reduced system, because of a doubt or because it was asked for.
+    Spectrum(Option<Doubt>),
+}
+
+/// The modes of a reduced system in the rectangle at one operating point, ascending in frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReducedModes {
+    /// Eigenvalues, rad/s.
+    pub lambdas: Vec<Complex<f64>>,
+    /// Shapes in the columns of the basis, k x m, of unit length; [`Reduced::lift`] makes them shapes of the full system.
+    pub shapes: DMatrix<Complex<f64>>,
+    /// `|Q(lambda) V y| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |V y|)` of the full system, Frobenius norms of matrices.
+    pub residuals: Vec<f64>,
+    /// How they were found.
+    pub route: Route,
+    /// Multiplications with addition that finding the modes and their residuals took; an estimate by leading terms.
+    pub multiply_adds: u64,
+}
+
+impl Reduced {
+    /// The projection of a system on the orthonormal columns of a basis. The modes at a point are followed from those of the
+    /// nearest of the `anchors`, each of which costs a full spectrum with vectors of the reduced system.
+    ///
+    /// # Errors
+    /// An option out of its range, a point or a basis of another system, a reduced mass matrix that is singular.
+    pub fn new(
+        system: &SparseAffineSystem,
+        basis: DMatrix<f64>,
+        rectangle: Rectangle,
+        anchors: &[OperatingPoint],
+        options: &Options,
+    ) -> Result<Self, SparseError> {
+        options.check()?;
+        let reduced = system.project(&basis)?;
+        anchors.iter().try_for_each(|point| reduced.check(point))?;
+        let truncation = Truncation { points: anchors, largest: largest(&rectangle), floor: options.residual_floor };
+        let form = ResidualForm::new(system, &basis, &truncation)?;
+        let mut out = Self { system: reduced, basis, rectangle, form, anchors: Vec::new(), options: options.clone() };
+        anchors.iter().try_for_each(|point| out.add_anchor(point))?;
+        Ok(out)
+    }
+
+    /// Adds a point from where modes can be followed.
+    ///
+    /// # Errors
+    /// A point of another system, a reduced mass matrix that is singular.
+    pub fn add_anchor(&mut self, point: &OperatingPoint) -> Result<(), SparseError> {
+        self.anchors.push(Anchor::new(&self.system, point, &self.rectangle, self.margin())?);
+        Ok(())
+    }
+
+    /// The reduced system: a brake like any other.
+    #[must_use]
+    pub fn system(&self) -> &AffineSystem {
+        &self.system
+    }
+
+    /// V, n x k, orthonormal.
+    #[must_use]
+    pub fn basis(&self) -> &DMatrix<f64> {
+        &self.basis
+    }
+
+    /// Where modes are wanted.
+    #[must_use]
+    pub fn rectangle(&self) -> &Rectangle {
+        &self.rectangle
+    }
+
+    /// The number of points from where modes are followed.
+    #[must_use]
+    pub fn anchors(&self) -> usize {
+        self.anchors.len()
+    }
+
+    /// Directions outside of the basis in which residuals are computed.
+    #[must_use]
+    pub fn residual_rank(&self) -> usize {
+        self.form.rank()
+    }
+
+    /// `V y`, a shape of the full system.
+    #[must_use]
+    pub fn lift(&self, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        linsys::real_times_complex(&self.basis, y)
+    }
+
+    /// The modes in the rectangle at a point, with their residuals.
+    ///
+    /// # Errors
+    /// A point of another system, or a reduced system that the dense solver does not support.
+    pub fn modes(&self, point: &OperatingPoint) -> Result<ReducedModes, SparseError> {
+        let system = self.system.assemble(point)?;
+        let residual = self.form.at(point);
+        let nearest = self.anchors.iter().map(|anchor| (anchor.distance(point), anchor));
+        let Some((_, anchor)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return self.from_spectrum(&system, &residual, Some(Doubt::NoStart));
+        };
+        let goal = Goal {
+            rectangle: &self.rectangle,
+            margin: self.margin(),
+            backward_error: REDUCED_PART * self.options.tolerance,
+        };
+        match follow(anchor, point, &system, |lambda| residual.norms.size(lambda), &goal)? {
+            Ok(found) => {
+                let route = Route::Followed { corrections: found.corrections };
+                Ok(self.judged(&system, &residual, found.lambdas, found.shapes, route, found.multiply_adds))
+            }
+            Err(doubt) => self.from_spectrum(&system, &residual, Some(doubt)),
+        }
+    }
+
+    /// [`Reduced::modes`] from the whole spectrum of the reduced system: slower, and without an anchor.
+    ///
+    /// # Errors
+    /// As [`Reduced::modes`].
+    pub fn modes_by_spectrum(&self, point: &OperatingPoint) -> Result<ReducedModes, SparseError> {
+        self.from_spectrum(&self.system.assemble(point)?, &self.form.at(point), None)
+    }
+
+    /// The residual of any pair (lambda, V y) at a point.
+    ///
+    /// # Errors
+    /// A point of another system.
+    pub fn residual(
+        &self,
+        point: &OperatingPoint,
+        lambda: Complex<f64>,
+        y: &DVector<Complex<f64>>,
+    ) -> Result<f64, SparseError> {
+        let (found, expected) = (y.len(), self.basis.ncols());
+        if found != expected {
+            return Err(linsys::LinsysError::Count { what: "entries of the shape", found, expected }.into());
+        }
+        let system = self.system.assemble(point)?;
+        let y = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(y)));
+        Ok(self.form.at(point).of(&system, &[lambda], &y).first().copied().unwrap_or(f64::NAN))
+    }
+
+    /// All eigenvalues of the reduced system at a point.
+    pub(super) fn spectrum(&self, point: &OperatingPoint) -> Result<Vec<Complex<f64>>, SparseError> {
+        Ok(QrSolver.eigenvalues(&self.system.assemble(point)?, &mut Workspace::default())?.eigenvalues)
+    }
+
+    /// Distance in which eigenvalues outside of the rectangle are looked after, rad/s.
+    fn margin(&self) -> f64 {
+        self.options.margin * largest(&self.rectangle)
+    }
+
+    pub(super) fn distance(&self, point: &OperatingPoint) -> f64 {
+        self.anchors.iter().map(|anchor| anchor.distance(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn from_spectrum(
+        &self,
+        system: &SecondOrder,
+        residual: &ResidualAt,
+        doubt: Option<Doubt>,
+    ) -> Result<ReducedModes, SparseError> {
+        let mut work = Workspace::default();
+        let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+        let wanted: Vec<_> =
+            spectrum.eigenvalues.into_iter().filter(|&lambda| self.rectangle.contains(lambda, 0.0)).collect();
+        let shapes = cea::right_vectors(system, &wanted, &mut work)?;
+        let mut columns = split::zeros(system.order(), wanted.len());
+        shapes.iter().enumerate().for_each(|(at, shape)| split::set(&mut columns, at, shape.iter().copied()));
+        // Hessenberg form and QR iteration of a matrix of order d: 10 d^3 operations (Golub and Van Loan, section 7.5).
+        let (d, k) = (system.dimension() as u64, system.order() as u64);
+        let multiply_adds = 5 * d.pow(3) + 2 * wanted.len() as u64 * k.pow(3);
+        Ok(self.judged(system, residual, wanted, columns, Route::Spectrum(doubt), multiply_adds))
+    }
+
+    /// Modes in order, their shapes scaled, with their residuals.
+    fn judged(
+        &self,
+        system: &SecondOrder,
+        residual: &ResidualAt,
+        lambdas: Vec<Complex<f64>>,
+        shapes: DMatrix<f64>,
+        route: Route,
+        multiply_adds: u64,
+    ) -> ReducedModes {
+        let residuals = residual.of(system, &lambdas, &shapes);
+        let mut order: Vec<usize> = (0..lambdas.len()).collect();
+        order.sort_by(|&a, &b| cea::by_frequency(&lambdas[a], &lambdas[b]));
+        let columns: Vec<_> = order.iter().map(|&at| split::vector(&shapes, at).normalize()).collect();
+        let k = system.order();
+        let residual_cost = 6 * (k * (k + self.form.rank()) * lambdas.len()) as u64;
+        ReducedModes {
+            lambdas: order.iter().map(|&at| lambdas[at]).collect(),
+            shapes: if columns.is_empty() { DMatrix::zeros(k, 0) } else { DMatrix::from_columns(&columns) },
+            residuals: order.iter().map(|&at| residuals[at]).collect(),
+            route,
+            multiply_adds: multiply_adds + residual_cost,
+        }
+    }
+}
+
+/// Part of the wanted residual at which the modes of the reduced system itself have converged.
+const REDUCED_PART: f64 = 0.01;
+
+impl ReducedModes {
+    /// The largest residual, zero where there is no mode, not a number where one is not.
+    #[must_use]
+    pub fn largest_residual(&self) -> f64 {
+        self.residuals
+            .iter()
+            .fold(0.0, |largest, &residual| if residual > largest || residual.is_nan() { residual } else { largest })
+    }
+}

@@ -1,0 +1,220 @@
+//! The residual of a reduced mode in the full system, at a cost that does not know the full system's size.
+//!
+//! ```text
+//! Q(lambda) V y = sum_k theta_k (lambda^2 M_k V + lambda C_k V + K_k V) y
+//!               + sum_i b_i (mu_i r_i^T V y + lambda s_i(lambda) b_i^T V y)
+//! ```
+//!
+//! All that stands on the left of coefficients is known when the basis V is: the columns of every `A_k V` and the b_i. In an
+//! orthonormal basis of what they span the residual is a short vector with the same norm. The first columns of that basis are
+//! V itself, where the residual is that of the reduced system; the others come from a pivoted QR decomposition of the parts
+//! orthogonal to V. Nothing is squared but the last short vector: the usual expansion of `|Q V y|^2` in inner products of the
+//! terms loses half of the digits.
+
+use linsys::{Lag, OperatingPoint, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::norms::{Norms, NormsAt};
+use super::{dense, split};
+use crate::{SparseAffineSystem, SparseError};
+
+/// The parts of the stacked terms that are orthogonal to the basis.
+#[derive(Debug, Clone)]
+pub(super) struct ResidualForm {
+    /// `W^T A_k V` of each term's M, C and K, r x k; no rows where the matrix is zero.
+    terms: Vec<[DMatrix<f64>; 3]>,
+    /// `W^T b_i`, `V^T b_i`, `V^T r_i` of each channel.
+    channels: Vec<[DVector<f64>; 3]>,
+    /// 2-norms at most of what was left out of each term's matrices and of each b_i.
+    dropped: (Vec<[f64; 3]>, Vec<f64>),
+    norms: Norms,
+    rank: usize,
+}
+
+/// The residual form at one operating point.
+#[derive(Debug, Clone)]
+pub(super) struct ResidualAt {
+    outer: [DMatrix<f64>; 3],
+    /// A lag with `W^T b` and `V^T b` of its channel.
+    lags: Vec<(Lag, DVector<f64>, DVector<f64>)>,
+    pub norms: NormsAt,
+    /// Norms at most of what was left out of M, C, K.
+    dropped: [f64; 3],
+}
+
+/// What a residual form may leave out.
+pub(super) struct Truncation<'a> {
+    /// Operating points whose coefficients weigh the terms.
+    pub points: &'a [OperatingPoint],
+    /// The largest |lambda| that is wanted.
+    pub largest: f64,
+    /// The residual up to which directions may be left out.
+    pub floor: f64,
+}
+
+impl ResidualForm {
+    /// The form of a system over the orthonormal columns of `basis`.
+    pub fn new(
+        system: &SparseAffineSystem,
+        basis: &DMatrix<f64>,
+        truncation: &Truncation<'_>,
+    ) -> Result<Self, SparseError> {
+        let (n, k, norms) = (system.order(), basis.ncols(), Norms::new(system));
+        let &Truncation { points, largest, floor } = truncation;
+        let greatest = |of: &dyn Fn(&OperatingPoint) -> f64| points.iter().map(|at| of(at).abs()).fold(0.0, f64::max);
+        let mut blocks: Vec<(usize, usize, f64)> = Vec::new();
+        let mut columns: Vec<DMatrix<f64>> = Vec::new();
+        for (at, term) in system.terms().iter().enumerate() {
+            let theta = greatest(&|point| point.coefficients[at]);
+            let matrices = [&term.matrices.m, &term.matrices.c, &term.matrices.k];
+            for (power, (matrix, scale)) in matrices.into_iter().zip([largest * largest, largest, 1.0]).enumerate() {
+                if matrix.nnz() > 0 {
+                    columns.push(matrix * basis);
+                    blocks.push((at, power, if theta > 0.0 { theta * scale } else { scale }));
+                }
+            }
+        }
+        let of = |side: &[(usize, f64)]| {
+            let mut vector = DVector::zeros(n);
+            side.iter().for_each(|&(dof, value)| vector[dof] += value);
+            vector
+        };
+        let sides: Vec<(DVector<f64>, DVector<f64>)> =
+            system.channels().iter().map(|channel| (of(&channel.force), of(&channel.reading))).collect();
+        let weights: Vec<f64> = sides
+            .iter()
+            .enumerate()
+            .map(|(at, (force, reading))| {
+                let lag =
+                    |point: &OperatingPoint| point.channels[at].lag.map_or(0.0, |lag| (lag.force * lag.drive).abs());
+                let velocity = largest * greatest(&|point| point.channels[at].slope) + greatest(&lag);
+                let weight = greatest(&|point| point.channels[at].mu) * reading.norm() + velocity * force.norm();
+                if weight > 0.0 { weight } else { reading.norm().max(force.norm()) }
+            })
+            .collect();
+        let width = columns.len() * k + sides.len();
+        let mut stack = DMatrix::zeros(n, width);
+        for (block, ((_, _, weight), columns)) in blocks.iter().zip(&columns).enumerate() {
+            stack.columns_mut(block * k, k).copy_from(&(columns * *weight));
+        }
+        for (at, ((force, _), weight)) in sides.iter().zip(&weights).enumerate() {
+            stack.set_column(columns.len() * k + at, &(force * *weight));
+        }
+        drop(columns);
+        // nalgebra's `tr_mul` is not blocked; this product is.
+        let transposed = basis.transpose();
+        for _ in 0..2 {
+            let inside = &transposed * &stack;
+            stack.gemm(-1.0, basis, &inside, 1.0);
+        }
+        let smallest = points.iter().map(|at| norms.at(at).matrices[2]).fold(f64::INFINITY, f64::min);
+        let r = dense::unpivoted_r(&stack)?;
+        let rank = rank(&r, floor * if smallest.is_finite() { smallest } else { 0.0 });
+
+        let empty = || DMatrix::zeros(0, k);
+        let mut terms: Vec<_> = system.terms().iter().map(|_| [empty(), empty(), empty()]).collect();
+        let mut dropped = (vec![[0.0; 3]; terms.len()], vec![0.0; sides.len()]);
+        for (block, &(at, power, weight)) in blocks.iter().enumerate() {
+            let columns = r.columns(block * k, k);
+            terms[at][power] = columns.rows(0, rank) / weight;
+            dropped.0[at][power] = columns.rows(rank, r.nrows() - rank).norm() / weight;
+        }
+        let mut channels = Vec::with_capacity(sides.len());
+        for (at, ((force, reading), weight)) in sides.iter().zip(&weights).enumerate() {
+            let column = r.column(blocks.len() * k + at);
+            let scale = if *weight > 0.0 { 1.0 / weight } else { 0.0 };
+            channels.push([column.rows(0, rank) * scale, basis.tr_mul(force), basis.tr_mul(reading)]);
+            dropped.1[at] = column.rows(rank, r.nrows() - rank).norm() * scale;
+        }
+        Ok(Self { terms, channels, dropped, norms, rank })
+    }
+
+    /// Directions outside of the basis that residuals are computed in.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// The form at a point that belongs to the system.
+    pub fn at(&self, point: &OperatingPoint) -> ResidualAt {
+        let columns = self.terms.first().map_or(0, |[m, ..]| m.ncols());
+        let mut outer = [(); 3].map(|()| DMatrix::zeros(self.rank, columns));
+        let (mut dropped, mut lags) = ([0.0; 3], Vec::new());
+        for ((term, left_out), &theta) in self.terms.iter().zip(&self.dropped.0).zip(&point.coefficients) {
+            for (power, part) in term.iter().enumerate().filter(|(_, part)| part.nrows() > 0) {
+                outer[power].zip_apply(part, |sum, value| *sum += theta * value);
+                dropped[power] += theta.abs() * left_out[power];
+            }
+        }
+        let [_, c, k] = &mut outer;
+        for (([out, force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels)
+        {
+            k.ger(gain.mu, out, reading, 1.0);
+            c.ger(gain.slope, out, force, 1.0);
+            dropped[2] += gain.mu.abs() * left_out * reading.norm();
+            dropped[1] += gain.slope.abs() * left_out * force.norm();
+            if let Some(lag) = gain.lag {
+                dropped[2] += (lag.force * lag.drive).abs() * left_out * force.norm();
+                lags.push((lag, out.clone(), force.clone()));
+            }
+        }
+        ResidualAt { outer, lags, norms: self.norms.at(point), dropped }
+    }
+}
+
+impl ResidualAt {
+    /// The residual of each pair (lambda_j, V y_j), y_j the split columns of `y`, where `system` is the reduced system at the
+    /// point: an upper bound, above the residual by no more than what the truncation left out.
+    pub fn of(&self, system: &SecondOrder, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> Vec<f64> {
+        let inner = reduced_residual(system, lambdas, y);
+        let [m, c, k] = &self.outer;
+        let mut outer = split::quadratic([m, c, k], lambdas, y);
+        for (lag, out, force) in &self.lags {
+            for (at, &lambda) in lambdas.iter().enumerate() {
+                let (re, im) = split::parts(y, at);
+                let drive = Complex::new(force.dot(&re), force.dot(&im));
+                let pull = drive * lambda * (lag.force * lag.drive) / (lambda + lag.decay);
+                outer.column_mut(at).axpy(pull.re, out, 1.0);
+                outer.column_mut(lambdas.len() + at).axpy(pull.im, out, 1.0);
+            }
+        }
+        let [m, c, k] = self.dropped;
+        let residual = |(at, &lambda): (usize, &Complex<f64>)| {
+            let (size, l) = (split::norm_squared(y, at).sqrt(), lambda.norm());
+            let left_out = (l * l * m + l * c + k) * size;
+            let squared = split::norm_squared(&inner, at) + (split::norm_squared(&outer, at).sqrt() + left_out).powi(2);
+            squared.sqrt() / (self.norms.size(lambda) * size)
+        };
+        lambdas.iter().enumerate().map(residual).collect()
+    }
+}
+
+/// `Q(lambda_j) y_j` of the reduced system, internal states eliminated.
+pub(super) fn reduced_residual(system: &SecondOrder, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = split::quadratic([&system.m, &system.c, &system.k], lambdas, y);
+    if system.states() > 0 {
+        let drive = &system.internal.drive * y;
+        let mut gains = split::zeros(system.states(), lambdas.len());
+        for (at, &lambda) in lambdas.iter().enumerate() {
+            let values = split::vector(&drive, at);
+            let gain = |(value, decay): (&Complex<f64>, &f64)| value * lambda / (lambda + decay);
+            split::set(&mut gains, at, values.iter().zip(&system.internal.decay).map(gain));
+        }
+        out.gemm(-1.0, &system.internal.force, &gains, 1.0);
+    }
+    out
+}
+
+/// The rows of R to keep so that the Frobenius norm of the others is at most `floor`.
+fn rank(r: &DMatrix<f64>, floor: f64) -> usize {
+    let mut left_out = 0.0;
+    let mut rank = r.nrows();
+    while rank > 0 {
+        left_out += r.row(rank - 1).norm_squared();
+        if left_out > floor * floor {
+            break;
+        }
+        rank -= 1;
+    }
+    rank
+}

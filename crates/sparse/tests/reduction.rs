@@ -1,0 +1,238 @@
+//! Reductions of a plate of 240 degrees of freedom, with the answers of dense solvers as the truth.
+
+use cea::{EigenSolver, QrSolver, Workspace, backward_error};
+use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::reduction::{Options, Reduced, Reduction, ResidualTally, Route, Vectors, Wanted, real_modes};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm, eigenpairs_in};
+
+const ROWS: usize = 12;
+const COLUMNS: usize = 10;
+const N: usize = 2 * ROWS * COLUMNS;
+
+fn dof(row: usize, column: usize, direction: usize) -> usize {
+    2 * (row * COLUMNS + column) + direction
+}
+
+/// `sum x_e y_e^T` times a factor.
+fn add(matrix: &mut CooMatrix<f64>, left: &[(usize, f64)], right: &[(usize, f64)], factor: f64) {
+    for &(row, a) in left {
+        right.iter().for_each(|&(column, b)| matrix.push(row, column, factor * a * b));
+    }
+}
+
+/// A grid of masses with springs along and across it, held at one edge; a mass that turns with the grid (gyroscopic), friction on
+/// some nodes (circulatory), dampers on others, and one friction channel.
+fn plate() -> SparseAffineSystem {
+    let mut parts = [(); 5].map(|()| CooMatrix::new(N, N));
+    let [mass, stiffness, damping, gyroscopic, circulatory] = &mut parts;
+    for row in 0..ROWS {
+        for column in 0..COLUMNS {
+            for direction in 0..2 {
+                let here = dof(row, column, direction);
+                mass.push(here, here, 1.0 + 0.1 * ((3 * row + 5 * column + direction) % 7) as f64);
+                stiffness.push(here, here, if row == 0 { 900.0 } else { 3.0 });
+                let spring = 400.0 + 150.0 * direction as f64;
+                for next in [(row + 1, column), (row, column + 1)].into_iter().filter(|n| n.0 < ROWS && n.1 < COLUMNS) {
+                    let along = [(here, 1.0), (dof(next.0, next.1, direction), -1.0)];
+                    add(stiffness, &along, &along, spring);
+                    add(damping, &along, &along, 2e-3 * spring * ((row + 2 * column) % 3) as f64);
+                }
+            }
+            let [x, y] = [dof(row, column, 0), dof(row, column, 1)];
+            add(stiffness, &[(x, 1.0), (y, 0.4)], &[(x, 1.0), (y, 0.4)], 60.0);
+            gyroscopic.push(x, y, 0.2);
+            gyroscopic.push(y, x, -0.2);
+            if row > 7 && column < 5 {
+                circulatory.push(x, y, 25.0);
+                circulatory.push(y, x, -25.0);
+            }
+        }
+    }
+    let [mass, stiffness, damping, gyroscopic, circulatory] = parts.each_ref().map(CscMatrix::from);
+    let zero = || CscMatrix::zeros(N, N);
+    let term = |name: &str, m, c, k| {
+        let matrices = SparseSecondOrder::new(m, c, k).unwrap();
+        SparseTerm { name: name.into(), family: name.into(), matrices }
+    };
+    let terms = vec![
+        term("structure", mass, zero(), stiffness),
+        term("damping", zero(), damping, zero()),
+        term("gyroscopic", zero(), gyroscopic, zero()),
+        term("circulatory", zero(), zero(), circulatory),
+    ];
+    let force = vec![(dof(11, 9, 0), 1.0), (dof(10, 9, 0), -0.5)];
+    let channel = Channel::new("pad", "friction", force, vec![(dof(11, 9, 1), -200.0), (dof(10, 8, 1), 90.0)]);
+    SparseAffineSystem::new(terms, vec![channel]).unwrap()
+}
+
+fn dense(system: &SparseAffineSystem) -> AffineSystem {
+    let terms = system.terms().iter().map(|term| {
+        let SparseSecondOrder { m, c, k, .. } = &term.matrices;
+        let [m, c, k] = [m, c, k].map(DMatrix::from);
+        Term::new(&term.name, &term.family, linsys::SecondOrder::new(m, c, k).unwrap()).unwrap()
+    });
+    AffineSystem::new(terms.collect(), system.channels().to_vec()).unwrap()
+}
+
+fn point([damping, speed, friction]: [f64; 3]) -> OperatingPoint {
+    let lag = Some(Lag { decay: 40.0, drive: 3.0, force: -0.5 });
+    let gain = ChannelGain { mu: 0.4 * friction, slope: 0.1 * damping, lag };
+    OperatingPoint { coefficients: vec![1.0, damping, speed, friction], channels: vec![gain] }
+}
+
+/// Damping, speed and friction over their ranges, by an additive sequence that covers the cube evenly.
+fn draws(count: usize) -> Vec<OperatingPoint> {
+    let part = |at: usize, step: f64| (0.5 + at as f64 * step).fract();
+    (1..=count).map(|at| point([0.6 + 0.8 * part(at, 0.819_17), part(at, 0.671_04), part(at, 0.549_7)])).collect()
+}
+
+const RECTANGLE: Rectangle = Rectangle { re: [-0.6, 2.0], im: [0.5, 12.0] };
+
+/// The truth: all eigenvalues of the full system in the rectangle by the dense solver.
+fn truth(dense: &AffineSystem, at: &OperatingPoint) -> Vec<Complex<f64>> {
+    let spectrum = QrSolver.eigenvalues(&dense.assemble(at).unwrap(), &mut Workspace::default()).unwrap();
+    spectrum.eigenvalues.into_iter().filter(|&lambda| RECTANGLE.contains(lambda, 0.0)).collect()
+}
+
+fn distance(of: Complex<f64>, from: &[Complex<f64>]) -> f64 {
+    from.iter().map(|other| (other - of).norm() / of.norm()).fold(f64::INFINITY, f64::min)
+}
+
+fn build(system: &SparseAffineSystem, points: &[OperatingPoint], options: &Options) -> Reduction {
+    Reduction::build(system, &Wanted { rectangle: RECTANGLE, points, training: &draws(24) }, options).unwrap()
+}
+
+#[test]
+fn a_reduction_finds_the_modes_of_the_full_system_with_the_residual_asked_for() {
+    let system = plate();
+    let large = dense(&system);
+    let Reduction { reduced, report } = build(&system, &draws(2), &Options { anchors: 8, ..Options::default() });
+    assert!(report.is_reached, "{:?}", report.stages);
+    assert!(reduced.basis().ncols() < N / 2);
+    let mut tally = ResidualTally::new(1e-7);
+    for (sample, at) in (0..).zip(&draws(40)[24..]) {
+        let (modes, expected) = (reduced.modes(at).unwrap(), truth(&large, at));
+        assert!(matches!(modes.route, Route::Followed { .. }), "{:?}", modes.route);
+        assert_eq!(modes.lambdas.len(), expected.len());
+        let full = large.assemble(at).unwrap();
+        for (lambda, (y, &residual)) in modes.lambdas.iter().zip(modes.shapes.column_iter().zip(&modes.residuals)) {
+            assert!(distance(*lambda, &expected) < 1e-6);
+            let direct = backward_error(&full, *lambda, &reduced.lift(&y.into_owned()));
+            assert!((direct - residual).abs() < 1e-3 * direct + 1e-12, "{direct:e} {residual:e}");
+        }
+        tally.record(sample, &modes);
+    }
+    assert_eq!((tally.samples, tally.above, tally.spectra), (16, 0, 0));
+}
+
+#[test]
+fn modes_that_are_followed_are_those_of_the_whole_spectrum() {
+    let system = plate();
+    let Reduction { reduced, .. } = build(&system, &draws(2), &Options { anchors: 6, ..Options::default() });
+    for at in draws(12) {
+        let (followed, all) = (reduced.modes(&at).unwrap(), reduced.modes_by_spectrum(&at).unwrap());
+        assert_eq!(followed.lambdas.len(), all.lambdas.len());
+        for (one, other) in followed.lambdas.iter().zip(&all.lambdas) {
+            assert!((one - other).norm() < 1e-8 * one.norm(), "{one} {other}");
+        }
+        assert_eq!(all.route, Route::Spectrum(None));
+    }
+}
+
+/// All right vectors of the rectangle at a few points make residuals at one of them that are small, and others elsewhere.
+#[test]
+fn the_residual_is_that_of_the_full_system_whatever_its_size() {
+    let system = plate();
+    let large = dense(&system);
+    let options = Options { residual_floor: 0.0, ..Options::default() };
+    let points = draws(3);
+    let Reduction { reduced, .. } = build(&system, &points[..1], &Options { most_enrichments: 0, ..options.clone() });
+    let full = |at: &OperatingPoint| large.assemble(at).unwrap();
+    // Any shape at any lambda, and modes at a point that the basis does not know: relative to the residual.
+    let any = DVector::from_fn(reduced.basis().ncols(), |i, _| Complex::new((i % 5) as f64 - 1.7, (i % 3) as f64));
+    let lambda = Complex::new(0.3, 7.0);
+    let direct = backward_error(&full(&points[1]), lambda, &reduced.lift(&any));
+    let found = reduced.residual(&points[1], lambda, &any).unwrap();
+    assert!((found - direct).abs() < 1e-12 * direct, "{found:e} {direct:e}");
+    let mut smallest = f64::INFINITY;
+    for mode in
+        eigenpairs_in(&system.assemble(&points[0]).unwrap(), &RECTANGLE, &sparse::Options::default(), &mut |_| ())
+            .unwrap()
+            .pairs
+    {
+        let y = reduced.basis().map(Complex::from).tr_mul(&mode.right);
+        let direct = backward_error(&full(&points[0]), mode.lambda, &reduced.lift(&y));
+        let found = reduced.residual(&points[0], mode.lambda, &y).unwrap();
+        smallest = smallest.min(direct);
+        // Both are sums of terms as large as 1 in these units, so rounding leaves either 1e-16 of them.
+        assert!((found - direct).abs() < 1e-12 * direct + 1e-16, "{found:e} {direct:e}");
+    }
+    assert!(smallest < 1e-9, "{smallest:e}");
+}
+
+#[test]
+fn an_unstable_mode_that_the_first_basis_does_not_hold_is_found_and_reported() {
+    let system = plate();
+    let large = dense(&system);
+    // Strong damping and no friction at the one point given: what flutters later is outside of the rectangle there.
+    let first = [point([30.0, 0.0, 0.0])];
+    let at = point([0.6, 0.9, 1.0]);
+    let is_found = |reduced: &Reduced| {
+        let unstable: Vec<_> = truth(&large, &at).into_iter().filter(|lambda| lambda.re > 1e-3).collect();
+        assert!(!unstable.is_empty());
+        let modes = reduced.modes_by_spectrum(&at).unwrap();
+        unstable.iter().all(|&lambda| distance(lambda, &modes.lambdas) < 1e-4)
+    };
+    let training = [draws(24), vec![at.clone()]].concat();
+    let with = |most_enrichments: usize| {
+        let options = Options { most_enrichments, ..Options::default() };
+        let wanted = Wanted { rectangle: RECTANGLE, points: &first, training: &training };
+        Reduction::build(&system, &wanted, &options).unwrap()
+    };
+    let (poor, rich) = (with(0), with(20));
+    assert!(!poor.report.is_reached && !is_found(&poor.reduced));
+    assert!(rich.report.is_reached && is_found(&rich.reduced));
+    assert!(!rich.report.missed.is_empty());
+    assert_eq!(rich.report.stages.last().map(|stage| stage.missed), Some(rich.report.missed.len()));
+}
+
+#[test]
+fn real_modes_are_a_basis_that_needs_more_columns() {
+    let system = plate();
+    let at = &draws(1)[0];
+    let basis = real_modes(&system, at, [0.01, 30.0]).unwrap();
+    assert!((basis.tr_mul(&basis) - DMatrix::identity(basis.ncols(), basis.ncols())).amax() < 1e-13);
+    // As many as the dense pencil of M and the symmetric part of K has.
+    let full = dense(&system).assemble(at).unwrap();
+    let symmetric =
+        linsys::SecondOrder::new(full.m, DMatrix::zeros(N, N), (&full.k + full.k.transpose()) * 0.5).unwrap();
+    let spectrum = QrSolver.eigenvalues(&symmetric, &mut Workspace::default()).unwrap();
+    assert_eq!(basis.ncols(), spectrum.oscillatory().filter(|lambda| lambda.im < 30.0).count());
+    let columns = basis.ncols();
+    let modal = Reduced::new(&system, basis, RECTANGLE, std::slice::from_ref(at), &Options::default()).unwrap();
+    let options = Options { most_columns: columns, vectors: Vectors::RightAndLeft, ..Options::default() };
+    let reduction = build(&system, std::slice::from_ref(at), &Options { most_enrichments: 0, ..options });
+    let largest = |reduced: &Reduced| reduced.modes_by_spectrum(at).unwrap().largest_residual();
+    assert!(largest(&reduction.reduced) < 0.1 * largest(&modal));
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let system = plate();
+    let basis = DMatrix::identity(N, 3);
+    let with =
+        |options: &Options| Reduced::new(&system, basis.clone(), RECTANGLE, &[], options).unwrap_err().to_string();
+    assert_eq!(
+        with(&Options { tolerance: 0.0, ..Options::default() }),
+        "the tolerance of a reduction is 0; it must be above 0 and below 1"
+    );
+    let reduced = Reduced::new(&system, basis, RECTANGLE, &[], &Options::default()).unwrap();
+    let found = reduced.residual(&draws(1)[0], Complex::new(0.0, 1.0), &DVector::zeros(2)).unwrap_err();
+    assert_eq!(found.to_string(), "2 entries of the shape; expected 3");
+    assert!(reduced.modes(&OperatingPoint::default()).is_err());
+    // Without an anchor the spectrum is taken.
+    assert!(matches!(reduced.modes(&draws(1)[0]).unwrap().route, Route::Spectrum(Some(_))));
+}
