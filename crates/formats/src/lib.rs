@@ -8,6 +8,7 @@
 //! | [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
 //! | [`Limits`], [`Options`] | bounds on memory, an assumption on symmetry, progress |
 //! | [`read_market`] | Matrix Market alone |
+//! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
 //! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
 //! | [`FormatsError`] | one line: [`Place`] and [`Problem`] |
 //!
@@ -19,6 +20,7 @@ mod abaqus;
 mod builder;
 mod bytes;
 mod coordinates;
+mod deck;
 mod detect;
 mod dmig;
 mod dof;
@@ -43,6 +45,7 @@ pub use nalgebra;
 pub use nalgebra_sparse;
 pub use num_complex;
 
+pub use deck::{Deck, read_deck};
 pub use detect::Format;
 pub use dof::{BadDof, Dof};
 pub use error::{FormatsError, Place};
