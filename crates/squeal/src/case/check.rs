@@ -122,6 +122,18 @@ impl Check<'_> {
         move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
+    /// The error for sparse matrices that make no system.
+    pub fn sparse(&self, field: &str) -> impl Fn(sparse::SparseError) -> CaseError + use<> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::Sparse { path: path.clone(), field: field.clone(), source: Box::new(source) }
+    }
+
+    /// The error for a file that gives no matrix or mesh.
+    pub fn matrix(&self, field: &str, file: &Path, source: formats::FormatsError) -> CaseError {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        CaseError::Matrix { path, field, file: file.to_owned(), source: Box::new(source) }
+    }
+
     /// The number, if it is neither infinite nor NaN.
     pub fn finite(&self, field: &str, value: f64) -> Result<f64, CaseError> {
         if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }

@@ -80,6 +80,16 @@ pub enum CaseError {
         /// The error of the matrices.
         source: Box<linsys::LinsysError>,
     },
+    /// Sparse matrices that make no system together.
+    #[error("{}: {field}: {source}", path.display())]
+    Sparse {
+        /// The case file.
+        path: PathBuf,
+        /// The table, as `terms "name"`.
+        field: String,
+        /// The error of the matrices.
+        source: Box<sparse::SparseError>,
+    },
     /// The lattice refuses its parameters, an arrangement or a constraint.
     #[error("{}: {table}: {source}", path.display())]
     Lattice {

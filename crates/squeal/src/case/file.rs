@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::check::{Check, syntax};
-use super::{CaseError, LatticeCase, MatricesCase};
+use super::{CaseError, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::input::{LARGEST_CASE, read_text};
 
 /// A case file, by the kind of its brake.
@@ -15,6 +15,8 @@ pub enum CaseFile {
     Lattice(Box<LatticeCase>),
     /// A brake given by its matrices, `[brake] kind = "matrices"`.
     Matrices(Box<MatricesCase>),
+    /// The export of a finite element program, `[brake] kind = "finite-elements"`.
+    FiniteElements(Box<FiniteElementCase>),
 }
 
 /// The part of a case file that gives its kind.
@@ -34,6 +36,7 @@ struct KindOfBrake {
 enum BrakeKind {
     Lattice,
     Matrices,
+    FiniteElements,
 }
 
 impl CaseFile {
@@ -57,7 +60,12 @@ impl CaseFile {
                 LatticeCase::parse(path, text).map(Box::new).map(Self::Lattice)
             }
             (Some(BrakeKind::Matrices), _) => MatricesCase::parse(path, text).map(Box::new).map(Self::Matrices),
-            (None, None) => Err(Check { path }.value("brake.kind", "missing", "\"lattice\" or \"matrices\"")),
+            (Some(BrakeKind::FiniteElements), _) => {
+                FiniteElementCase::parse(path, text).map(Box::new).map(Self::FiniteElements)
+            }
+            (None, None) => {
+                Err(Check { path }.value("brake.kind", "missing", "\"lattice\", \"matrices\" or \"finite-elements\""))
+            }
         }
     }
 }

@@ -222,7 +222,7 @@ fn check_paper(check: &Check<'_>, paper: &Paper, oscillators: usize) -> Result<(
     Ok(())
 }
 
-fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<Vec<SpeedRange>, CaseError> {
+pub(super) fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<Vec<SpeedRange>, CaseError> {
     if speeds.is_empty() {
         return Err(check.value("speeds", "[]", "one range or more"));
     }
@@ -239,7 +239,10 @@ fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) -> Result<V
     Ok(speeds.into_iter().map(|schema::SpeedsTable { name, from, to }| SpeedRange { name, from, to }).collect())
 }
 
-fn distributions(check: &Check<'_>, friction: FrictionDistributions) -> Result<FrictionDistributions, CaseError> {
+pub(super) fn distributions(
+    check: &Check<'_>,
+    friction: FrictionDistributions,
+) -> Result<FrictionDistributions, CaseError> {
     let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = &friction;
     let all = [
         ("mu", mu, false),

@@ -6,7 +6,7 @@ use crate::case::check::Check;
 use crate::case::{CaseError, Expression};
 
 /// Reads expressions and records the parameters that occur in them.
-pub(super) struct Formulas<'a> {
+pub(in crate::case) struct Formulas<'a> {
     check: &'a Check<'a>,
     parameters: Vec<String>,
     used: Vec<bool>,

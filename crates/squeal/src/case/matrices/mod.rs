@@ -4,9 +4,9 @@
 mod brake;
 mod contacts;
 mod dofs;
-mod formulas;
-mod read;
-mod schema;
+pub(super) mod formulas;
+pub(super) mod read;
+pub(super) mod schema;
 mod terms;
 
 use std::path::PathBuf;

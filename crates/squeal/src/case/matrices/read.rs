@@ -54,7 +54,11 @@ impl MatricesCase {
     }
 }
 
-fn parameter(check: &Check<'_>, name: String, given: schema::ParameterTable) -> Result<Parameter, CaseError> {
+pub(in crate::case) fn parameter(
+    check: &Check<'_>,
+    name: String,
+    given: schema::ParameterTable,
+) -> Result<Parameter, CaseError> {
     if !is_parameter_name(&name) {
         let allowed = "a letter or _, then letters, digits and _, no function and not pi";
         return Err(check.value("parameters", format!("{name:?}"), allowed));

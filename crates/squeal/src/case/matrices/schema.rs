@@ -49,7 +49,7 @@ pub(super) enum MatricesKind {
 
 /// A unit, and a distribution whose fields are in the same table.
 #[derive(Debug, Deserialize)]
-pub(super) struct ParameterTable {
+pub(in crate::case) struct ParameterTable {
     #[serde(default)]
     pub unit: String,
     #[serde(flatten)]
@@ -70,7 +70,7 @@ pub(super) struct TermTable {
 /// A number, or an expression in the parameters.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a number or an expression in quotes")]
-pub(super) enum Formula {
+pub(in crate::case) enum Formula {
     Number(f64),
     Text(String),
 }

@@ -1,0 +1,118 @@
+//! A brake from the export of a finite element program: sparse matrices with names of their rows, a mesh with node sets, and
+//! contact between matching nodes in patches that are in or out of contact.
+
+mod contact;
+mod nodes;
+mod read;
+mod schema;
+mod terms;
+
+use std::path::PathBuf;
+
+use formats::{Dof, Mesh};
+use friction::BristleDamping;
+use osc_model::ContactArrangement;
+use sparse::SparseAffineSystem;
+
+use super::{Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange};
+
+/// A checked study of a finite element brake.
+#[derive(Debug, Clone)]
+pub struct FiniteElementCase {
+    /// The case file.
+    pub path: PathBuf,
+    /// The text of the case file.
+    pub text: String,
+    /// Name of the study.
+    pub name: String,
+    /// Samples per scene, >= 1.
+    pub samples: u64,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Half width to which every occurrence is also estimated, if asked for.
+    pub half_width: Option<f64>,
+    /// The drawn parameters of coefficients, in the order of their names.
+    pub parameters: Vec<Parameter>,
+    /// The mesh, where the case names one.
+    pub mesh: Option<Mesh>,
+    /// What each row of the matrices is; a matrix without labels has the numbers of its rows as nodes, and direction 0.
+    pub dofs: Vec<Dof>,
+    /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; one channel for each
+    /// pair of nodes in contact, patch by patch.
+    pub system: SparseAffineSystem,
+    /// The coefficients of the terms of the file.
+    pub coefficients: Vec<Expression>,
+    /// The contact, where there is one.
+    pub contact: Option<PatchContact>,
+    /// Sets of constraints, in the order of the file; at least one.
+    pub constraints: Vec<FixedDofs>,
+    /// What the reduced brake shall hold.
+    pub reduction: ReductionGoal,
+}
+
+/// Contact in patches, each of pairs of nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PatchContact {
+    /// The patches.
+    pub patches: Vec<Patch>,
+    /// Arrangements of patches in contact, by their number, in the order of the file.
+    pub panels: Vec<(usize, Vec<ContactArrangement>)>,
+    /// Friction laws, in the order of the file.
+    pub laws: Vec<Law>,
+    /// Distributions of the friction parameters.
+    pub friction: FrictionDistributions,
+    /// Ranges of sliding speed; at least one.
+    pub speeds: Vec<SpeedRange>,
+    /// One draw for all patches or one for each.
+    pub draws: Draws,
+    /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
+    pub bristle_damping: Option<BristleDamping>,
+}
+
+/// A patch of the contact, which is closed or open as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patch {
+    /// Its name: that of its node set.
+    pub name: String,
+    /// Its pairs of nodes (pad, disc).
+    pub pairs: Vec<[i64; 2]>,
+    /// The place of its first channel in the system.
+    pub first_channel: usize,
+    /// The normal load of each of its pairs while it is closed, N.
+    pub load: f64,
+}
+
+/// What a reduced brake shall hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReductionGoal {
+    /// Lowest and highest frequency of the modes that are studied, Hz.
+    pub frequencies: [f64; 2],
+    /// Lowest and highest growth rate of the modes that it shall hold, 1/s.
+    pub growth: [f64; 2],
+    /// Largest residual of a mode.
+    pub residual: f64,
+    /// Draws at which the residuals are brought below it.
+    pub training: usize,
+}
+
+impl FiniteElementCase {
+    /// What a row of the matrices is called: `1042.z`, or its number.
+    pub fn dof_name(&self, row: usize) -> String {
+        self.dofs.get(row).map_or_else(String::new, |dof| match dof.direction {
+            0 => dof.node.to_string(),
+            _ => dof.to_string(),
+        })
+    }
+
+    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on,
+    /// including matrices in other files.
+    pub fn identity(&self) -> String {
+        let Self { parameters, dofs, system, coefficients, contact, constraints, reduction, .. } = self;
+        let content =
+            format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contact:?} {constraints:?} {reduction:?}");
+        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
+    }
+}
+
+#[cfg(test)]
+mod tests;

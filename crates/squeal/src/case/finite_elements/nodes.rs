@@ -1,0 +1,98 @@
+//! Nodes, node sets and degrees of freedom by the names that a case gives them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use formats::{Dof, Mesh};
+
+use crate::case::CaseError;
+use crate::case::check::Check;
+
+/// Most names that a message lists; chosen, so that the message stays short.
+const MOST_NAMES_LISTED: usize = 12;
+
+/// The nodes of a model: where they are, in which sets, and their rows in the matrices.
+pub(super) struct Model<'a> {
+    pub check: &'a Check<'a>,
+    pub mesh: Option<Mesh>,
+    pub sets: BTreeMap<String, Vec<i64>>,
+    pub dofs: Vec<Dof>,
+    rows: HashMap<Dof, usize>,
+    positions: HashMap<i64, [f64; 3]>,
+}
+
+impl<'a> Model<'a> {
+    pub fn new(check: &'a Check<'a>, deck: Option<formats::Deck>, dofs: Vec<Dof>) -> Self {
+        let (mesh, sets) = deck.map_or((None, BTreeMap::new()), |deck| (Some(deck.mesh), deck.sets));
+        let rows = dofs.iter().copied().zip(0..).collect();
+        let nodes = mesh.iter().flat_map(|mesh| &mesh.nodes);
+        let positions = nodes.map(|node| (node.label, node.position)).collect();
+        Self { check, mesh, sets, dofs, rows, positions }
+    }
+
+    /// The row of a node in a direction (1 to 3); `None` where the model holds it.
+    pub fn row(&self, node: i64, direction: u32) -> Option<usize> {
+        self.rows.get(&Dof { node, direction }).copied()
+    }
+
+    /// Where a node is.
+    pub fn position(&self, field: &str, node: i64) -> Result<[f64; 3], CaseError> {
+        let unknown = || self.check.value(field, node, "a node of the mesh, which brake.mesh names");
+        self.positions.get(&node).copied().ok_or_else(unknown)
+    }
+
+    /// The nodes of sets and numbers, each once, ascending.
+    pub fn nodes(&self, field: &str, items: &[String]) -> Result<Vec<i64>, CaseError> {
+        let mut all = Vec::new();
+        for item in items {
+            all.extend(self.set_or_node(field, item)?);
+        }
+        all.sort_unstable();
+        all.dedup();
+        if all.is_empty() {
+            return Err(self.check.value(field, "[]", "one node or more"));
+        }
+        Ok(all)
+    }
+
+    fn set_or_node(&self, field: &str, item: &str) -> Result<Vec<i64>, CaseError> {
+        if let Some(nodes) = self.sets.get(&item.to_ascii_uppercase()) {
+            return Ok(nodes.clone());
+        }
+        let node = item.parse::<i64>().ok();
+        let is_known = |node: &i64| self.positions.contains_key(node) || self.dofs.iter().any(|dof| dof.node == *node);
+        node.filter(is_known).map(|node| vec![node]).ok_or_else(|| {
+            let names: Vec<&str> = self.sets.keys().map(String::as_str).take(MOST_NAMES_LISTED).collect();
+            let more = if self.sets.len() > MOST_NAMES_LISTED { ", ..." } else { "" };
+            let allowed = format!("the number of a node, or a node set of the mesh: {}{more}", names.join(", "));
+            self.check.value(field, format!("{item:?}"), &allowed)
+        })
+    }
+
+    /// The rows of `SET`, `SET.z`, `1042` and `1042.z`, each once, ascending. Those that the model holds anyway are left out.
+    pub fn rows(&self, field: &str, items: &[String]) -> Result<Vec<usize>, CaseError> {
+        let mut all = Vec::new();
+        for item in items {
+            let (name, direction) = match item.rsplit_once('.') {
+                None => (item.as_str(), None),
+                Some((name, direction)) => {
+                    let dof = format!("0.{direction}").parse::<Dof>();
+                    let refused = |_| {
+                        let allowed = "SET, SET.z, 1042 or 1042.z, with x, y, z, rx, ry or rz";
+                        self.check.value(field, format!("{item:?}"), allowed)
+                    };
+                    (name, Some(dof.map_err(refused)?.direction))
+                }
+            };
+            let nodes = self.set_or_node(field, name)?;
+            let is_meant = |dof: &Dof| direction.is_none_or(|d| d == dof.direction) && nodes.contains(&dof.node);
+            let before = all.len();
+            all.extend((0..self.dofs.len()).filter(|&row| is_meant(&self.dofs[row])));
+            if all.len() == before {
+                return Err(self.check.value(field, format!("{item:?}"), "a degree of freedom that the matrices have"));
+            }
+        }
+        all.sort_unstable();
+        all.dedup();
+        Ok(all)
+    }
+}

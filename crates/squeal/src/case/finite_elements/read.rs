@@ -1,0 +1,154 @@
+//! From the fields of a case file with a finite element brake to a checked case.
+
+use std::path::Path;
+
+use formats::{Limits, read_deck};
+use sparse::SparseAffineSystem;
+
+use super::contact::Patches;
+use super::nodes::Model;
+use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, ReductionTable};
+use super::terms::{holders_term, read_terms, terms_with_coefficients};
+use super::{FiniteElementCase, PatchContact, ReductionGoal};
+use crate::case::arrangements::arrangements_by_number;
+use crate::case::check::{Check, field, syntax};
+use crate::case::matrices::formulas::Formulas;
+use crate::case::matrices::read::parameter;
+use crate::case::validate::{distributions, speed_ranges};
+use crate::case::{CaseError, FixedDofs, FrictionDistributions, Law, schema};
+
+/// Most training points of a reduction; chosen: each costs one evaluation for each basis.
+const MOST_TRAINING: usize = 10_000;
+
+impl FiniteElementCase {
+    /// Checks the text of a case file; `path` is for messages, and files are read relative to its folder.
+    ///
+    /// # Errors
+    /// The first fault, in one line that names the file, the field, the value and what is allowed.
+    pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
+        let file: FiniteElementsFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
+        let check = Check { path };
+        let FiniteElementsFile {
+            study,
+            brake,
+            parameters,
+            terms,
+            holders,
+            contact,
+            constraints,
+            speeds,
+            friction,
+            reduction,
+            accuracy,
+        } = file;
+        check.line("study.name", &study.name)?;
+        check.samples(study.samples)?;
+        let parameters = parameters
+            .into_iter()
+            .map(|(name, given)| parameter(&check, name, given))
+            .collect::<Result<Vec<_>, _>>()?;
+        let deck = brake.mesh.map(|file| {
+            let path = path.parent().unwrap_or(Path::new("")).join(&file);
+            read_deck(&path, &Limits::default()).map_err(|source| check.matrix("brake.mesh", &file, source))
+        });
+        let deck = deck.transpose()?;
+        let (parts, dofs) = read_terms(&check, terms)?;
+        let model = Model::new(&check, deck, dofs);
+        let mut formulas = Formulas::new(&check, &parameters);
+        let (mut terms, coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
+        formulas.all_used()?;
+        terms.extend(holders_term(&model, &holders)?);
+        let mut channels = Vec::new();
+        let contact = match contact {
+            None => None,
+            Some(table) => {
+                let of_contact = Patches::new(&model, &table)?;
+                terms.extend(of_contact.terms);
+                channels = of_contact.channels;
+                let friction =
+                    friction.ok_or_else(|| check.value("friction", "missing", "a table, as there is a contact"))?;
+                let given = (study.laws, speeds, friction);
+                Some(patch_contact(&check, table, of_contact.patches, given)?)
+            }
+        };
+        let constraints = constraint_sets(&model, constraints)?;
+        let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
+        Ok(Self {
+            path: path.to_owned(),
+            text,
+            name: study.name,
+            samples: study.samples,
+            seed: study.seed,
+            half_width: check.half_width(accuracy)?,
+            parameters,
+            system,
+            coefficients,
+            contact,
+            constraints,
+            reduction: goal(&check, &reduction)?,
+            dofs: model.dofs,
+            mesh: model.mesh,
+        })
+    }
+}
+
+fn patch_contact(
+    check: &Check<'_>,
+    table: ContactTable,
+    patches: Vec<super::Patch>,
+    (laws, speeds, friction): (Vec<Law>, Vec<schema::SpeedsTable>, FrictionDistributions),
+) -> Result<PatchContact, CaseError> {
+    if laws.is_empty() {
+        return Err(check.value("study.laws", "[]", "one law or more"));
+    }
+    check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
+    let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
+    let of_patches = schema::ContactTable { in_contact, arrangements };
+    Ok(PatchContact {
+        panels: arrangements_by_number(check, &of_patches, patches.len())?,
+        patches,
+        laws,
+        friction: distributions(check, friction)?,
+        speeds: speed_ranges(check, speeds)?,
+        draws,
+        bristle_damping: bristle_damping.into(),
+    })
+}
+
+fn constraint_sets(model: &Model<'_>, given: Vec<ConstraintsTable>) -> Result<Vec<FixedDofs>, CaseError> {
+    let check = model.check;
+    if given.is_empty() {
+        return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
+    }
+    check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
+    let set = |ConstraintsTable { name, fixed }: ConstraintsTable| {
+        check.plain_name("constraints.name", &name)?;
+        let field = field("constraints", &name, "fixed");
+        let fixed = model.rows(&field, &fixed)?;
+        match fixed.len() == model.dofs.len() {
+            true => Err(check.value(&field, "all", "at most all degrees of freedom but one")),
+            false => Ok(FixedDofs { name, fixed }),
+        }
+    };
+    given.into_iter().map(set).collect()
+}
+
+fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, CaseError> {
+    let ReductionTable { frequencies, growth, residual, training } = *table;
+    let is_range = |[from, to]: [f64; 2]| from.is_finite() && to.is_finite() && from < to;
+    if !(is_range(frequencies) && frequencies[0] > 0.0) {
+        let allowed = "[lowest, highest] in Hz, 0 < lowest < highest";
+        return Err(check.value("reduction.frequencies", format!("{frequencies:?}"), allowed));
+    }
+    if !(is_range(growth) && growth[0] < 0.0 && growth[1] > 0.0) {
+        let allowed = "[lowest, highest] in 1/s, lowest < 0 < highest";
+        return Err(check.value("reduction.growth", format!("{growth:?}"), allowed));
+    }
+    if !(1e-12..=1e-3).contains(&residual) {
+        return Err(check.value("reduction.residual", residual, "1e-12 to 1e-3"));
+    }
+    if !(1..=MOST_TRAINING).contains(&training) {
+        return Err(check.value("reduction.training", training, &format!("1 to {MOST_TRAINING}")));
+    }
+    Ok(ReductionGoal { frequencies, growth, residual, training })
+}
