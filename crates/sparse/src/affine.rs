@@ -1,6 +1,6 @@
 //! Sparse systems that are affine in a few coefficients, and their projection.
 
-use linsys::{AffineSystem, Channel, LinsysError, OperatingPoint, SecondOrder, Term};
+use linsys::{AffineSystem, Channel, DofMap, LinsysError, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
@@ -61,6 +61,39 @@ impl SparseAffineSystem {
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
+    }
+
+    /// The system over the free degrees of freedom. Channels keep the entries of their forces and readings at these.
+    ///
+    /// # Errors
+    /// Another number of degrees of freedom.
+    pub fn on(&self, dofs: &DofMap) -> Result<Self, SparseError> {
+        let (found, expected) = (dofs.total(), self.order());
+        if found != expected {
+            return Err(LinsysError::Count { what: "degrees of freedom", found, expected }.into());
+        }
+        let free = |matrix: &CscMatrix<f64>| {
+            let mut kept = CooMatrix::new(dofs.free().len(), dofs.free().len());
+            for (row, column, &value) in matrix.triplet_iter() {
+                if let (Some(row), Some(column)) = (dofs.position(row), dofs.position(column)) {
+                    kept.push(row, column, value);
+                }
+            }
+            CscMatrix::from(&kept)
+        };
+        let term = |term: &SparseTerm| {
+            let SparseSecondOrder { m, c, k, .. } = &term.matrices;
+            let matrices = SparseSecondOrder::new(free(m), free(c), free(k))?;
+            Ok(SparseTerm { matrices, ..term.clone() })
+        };
+        let entries = |entries: &[(usize, f64)]| {
+            entries.iter().filter_map(|&(dof, value)| Some((dofs.position(dof)?, value))).collect()
+        };
+        let channel = |channel: &Channel| {
+            Channel::new(&channel.name, &channel.family, entries(&channel.force), entries(&channel.reading))
+        };
+        let terms = self.terms.iter().map(term).collect::<Result<_, SparseError>>()?;
+        Self::new(terms, self.channels.iter().map(channel).collect())
     }
 
     /// The system at an operating point. The lag of a channel becomes an internal state.

@@ -12,6 +12,10 @@ pub enum Error {
     #[cfg(feature = "case-files")]
     #[error(transparent)]
     Case(#[from] crate::case::CaseError),
+    /// A large brake or its reduction.
+    #[cfg(feature = "case-files")]
+    #[error(transparent)]
+    Sparse(#[from] sparse::SparseError),
     /// The model of a brake.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),

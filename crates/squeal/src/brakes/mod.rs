@@ -1,7 +1,9 @@
 //! The brakes of case files, as [`UncertainBrake`](crate::study::UncertainBrake)s.
 
+mod finite_elements;
 mod lattice;
 mod matrices;
 
+pub use finite_elements::{FiniteElementBrake, FiniteElementSample, ReducedSet};
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;

@@ -13,10 +13,11 @@ use work::ModeWork;
 use super::eig::announce;
 use super::options::number;
 use crate::Error;
-use crate::brakes::{LatticeSample, lattice, sliding};
-use crate::case::{CaseFile, LatticeCase, Law, MatricesCase};
+use crate::brakes::{FiniteElementBrake, LatticeSample, lattice, sliding};
+use crate::case::{CaseFile, FiniteElementCase, LatticeCase, Law, MatricesCase};
 use crate::report::hertz;
-use crate::study::mode_work;
+use crate::run::bar;
+use crate::study::{Scene, UncertainBrake, mode_work};
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -61,6 +62,7 @@ impl CeaArgs {
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(case) => self.lattice(&case)?,
             CaseFile::Matrices(case) => self.matrices(&case)?,
+            CaseFile::FiniteElements(case) => self.finite_elements(*case)?,
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
@@ -95,6 +97,50 @@ impl CeaArgs {
             case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
         let scene = json!({ "constraints": set.name, "parameters": named });
         self.text(&case.brake(set)?, &case.operating_point(&medians)?, &heading, &scene)
+    }
+
+    /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
+    fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
+        let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let constraints = chosen("--constraints", self.constraints.as_deref(), &names)?;
+        let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
+        let is_meant = |scene: &&Scene| scene.key.constraints == constraints;
+        let Some(scene) = brake.plan.scenes.iter().find(is_meant) else {
+            return Err(Error::Option {
+                option: "--constraints",
+                value: names[constraints].into(),
+                allowed: names.join(", "),
+            });
+        };
+        let (at, reduced) =
+            (brake.operating_point(scene, &brake.median())?, &brake.sets[constraints].reduction.reduced);
+        let modes = reduced.modes(&brake.full_point(scene, &at))?;
+        let heading = format!("{}; median parameters", brake.plan.describe(scene));
+        let rows = modes.lambdas.iter().zip(&modes.residuals);
+        if self.json {
+            let list: Vec<Value> = rows
+                .map(|(lambda, residual)| {
+                    json!({
+                        "re": lambda.re,
+                        "im": lambda.im,
+                        "frequency_hz": frequency_hz(*lambda),
+                        "damping_ratio": damping_ratio(*lambda),
+                        "residual": residual,
+                    })
+                })
+                .collect();
+            return Ok(format!("{:#}\n", json!({ "scene": heading, "modes": list })));
+        }
+        let mut text =
+            format!("{heading}\n\n{:>12}  {:>14}  {:>14}  {:>9}\n", "Hz", "growth 1/s", "damping ratio", "residual");
+        for (lambda, residual) in rows {
+            let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
+            text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}\n", lambda.re);
+        }
+        Ok(
+            text + "\ndamping ratio: -Re / |lambda|, negative is unstable; residual: of the mode in the unreduced brake\n"
+        )
     }
 
     /// The analysis of a brake at an operating point, for people or for machines.

@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::options::{override_run, whole_number};
-use crate::brakes::{LatticeBrake, MatricesBrake};
-use crate::case::{CaseFile, Draws};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::case::{CaseFile, Draws, FiniteElementCase};
 use crate::output::{bytes_in_words, in_words, note, printable};
+use crate::run::bar;
 use crate::study::{Cost, Plan, UncertainBrake};
 use crate::{Error, estimate};
 
@@ -39,6 +40,10 @@ impl CheckArgs {
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
                 self.matrices(&MatricesBrake::new(*case)?)?
+            }
+            CaseFile::FiniteElements(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
+                self.finite_elements(*case)?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -82,6 +87,37 @@ impl CheckArgs {
         text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
         Ok(text + &cost(brake)?)
+    }
+
+    fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
+        let (dofs, reduction) = (case.dofs.len(), case.reduction);
+        let terms = listed(case.system.terms().iter().take(case.coefficients.len()).map(|term| term.name.clone()));
+        let patches = case.contact.as_ref().map_or("none".into(), |contact| {
+            listed(contact.patches.iter().map(|patch| format!("{} ({} pairs)", patch.name, patch.pairs.len())))
+        });
+        let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
+        let plan = &brake.plan;
+        let mut text = self.heading(plan);
+        text += &line("dofs", &dofs.to_string());
+        text += &line("terms", &terms);
+        text += &line("patches", &patches);
+        text += &line("constraints", &plan.labels.constraints.join(", "));
+        for (set, name) in brake.sets.iter().zip(&plan.labels.constraints) {
+            let report = &set.reduction.report;
+            let residual = report.stages.last().map_or(f64::NAN, |stage| stage.largest_residual);
+            let reached = if report.is_reached { "" } else { ", NOT reached" };
+            let columns = set.reduction.reduced.basis().ncols();
+            let found = format!(
+                "{name}: {columns} columns from {} full problems, largest residual {residual:.1e} (asked: {:.0e}{reached}), {} modes found missing on the way",
+                report.full_problems,
+                reduction.residual,
+                report.missed.len()
+            );
+            text += &line("reduction", &found);
+        }
+        text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
+        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
+        Ok(text + &cost(&brake)?)
     }
 
     fn heading(&self, plan: &Plan) -> String {

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use super::check::announced;
 use super::options::{number, override_run, threads, whole_number};
-use crate::brakes::{LatticeBrake, MatricesBrake};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
 use crate::output::printable;
 use crate::report::{Claim, Estimates, Results, claims, claims_markdown, draw_occurrence};
+use crate::run::bar;
 use crate::study::UncertainBrake;
 use crate::{Error, run_study};
 
@@ -57,6 +58,12 @@ impl RunArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 self.run_brake(&MatricesBrake::new(*case)?, half_width, &|_| Ok(Vec::new()), out)
+            }
+            CaseFile::FiniteElements(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                let half_width = self.half_width.or(case.half_width);
+                let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
+                self.run_brake(&brake, half_width, &|_| Ok(Vec::new()), out)
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
+use nalgebra::DVector;
+use num_complex::Complex;
 
 use super::{Plan, Scene};
 use crate::Error;
@@ -56,5 +58,20 @@ pub trait UncertainBrake: Sync {
     /// The sample in which that parameter has a value and all others their medians.
     fn with_parameter(&self, _scene: &Scene, _value: f64) -> Self::Sample {
         self.median()
+    }
+
+    /// The residual of a mode in a larger system that the scene's brake is a reduction of, relative to
+    /// `|lambda|^2 |M| + |lambda| |C| + |K|`; `None` of a brake that is none.
+    ///
+    /// # Errors
+    /// A point or shape of another system.
+    fn mode_residual(
+        &self,
+        _scene: &Scene,
+        _at: &OperatingPoint,
+        _lambda: Complex<f64>,
+        _shape: &DVector<Complex<f64>>,
+    ) -> Result<Option<f64>, Error> {
+        Ok(None)
     }
 }

@@ -38,6 +38,8 @@ pub struct UnstableMode {
     pub names: Vec<ModeLabel>,
     /// Work in one period on each body; in scenes that want it.
     pub work: Option<ModeWork>,
+    /// Its residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    pub residual: Option<f64>,
 }
 
 /// A brake, ready to be sampled.
@@ -247,13 +249,15 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
-            for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
+            let studied = of_sector.unstable.iter().filter(|unstable| self.plan().is_studied(unstable.mode.lambda));
+            for UnstableSectorMode { index, mode, names } in studied {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
                 outcome.unstable.push(UnstableMode {
                     rank: ModeLabel::of_rank(ranks[*index]),
                     names: names.clone(),
                     work,
+                    residual: self.brake.mode_residual(scene, at, mode.lambda, &mode.shape)?,
                 });
             }
             outcome.divergent += of_sector.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;

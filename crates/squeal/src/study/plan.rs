@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use linsys::OperatingPoint;
+use num_complex::Complex;
 use osc_model::Brake;
 use serde::{Deserialize, Serialize};
 
@@ -180,6 +181,8 @@ pub struct Plan {
     pub mode_labels: ModeNaming,
     /// How a tracked mode is known again.
     pub mode_identity: ModeIdentity,
+    /// The frequencies that are studied, rad/s: of a reduced brake those that it holds. `None` studies all modes.
+    pub band: Option<[f64; 2]>,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -211,6 +214,7 @@ impl Plan {
             seed,
             mode_labels: ModeNaming::Tracked,
             mode_identity: ModeIdentity::Continuation,
+            band: None,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -250,6 +254,11 @@ impl Plan {
             contacts => format!("contact {contacts}, "),
         };
         format!("{}, {}, {contacts}{speed}", self.labels.constraints[constraints], self.labels.laws[law].name)
+    }
+
+    /// Whether a mode with this eigenvalue is studied.
+    pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
+        self.band.is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
     }
 
     /// The configuration of a scene.

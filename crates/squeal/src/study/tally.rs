@@ -210,6 +210,7 @@ mod tests {
             rank: ModeLabel::new(rank),
             names: labels(names),
             work: None,
+            residual: None,
         };
         names.iter().zip(1..).map(mode).collect()
     }

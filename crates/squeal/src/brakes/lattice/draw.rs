@@ -114,18 +114,35 @@ impl LatticeSample {
     /// # Errors
     /// Those of [`Distribution::draw`](montecarlo::Distribution::draw).
     pub fn draw(case: &LatticeCase, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
-        let speed_quantile = StandardUniform.sample(rng);
         let count = match case.readings.draws {
             Draws::Shared => 1,
             Draws::Each => case.lattice.grid.oscillators(),
         };
-        let contacts = (0..count).map(|_| FrictionDraw::draw(&case.friction, rng)).collect::<Result<_, _>>()?;
+        Self::draw_for(&case.friction, count, rng)
+    }
+
+    /// Draws so many contacts, one for all or one for each.
+    ///
+    /// # Errors
+    /// Those of [`Distribution::draw`](montecarlo::Distribution::draw).
+    pub fn draw_for(
+        friction: &FrictionDistributions,
+        count: usize,
+        rng: &mut StreamRng,
+    ) -> Result<Self, MonteCarloError> {
+        let speed_quantile = StandardUniform.sample(rng);
+        let contacts = (0..count).map(|_| FrictionDraw::draw(friction, rng)).collect::<Result<_, _>>()?;
         Ok(Self { contacts, speed_quantile })
     }
 
     /// The medians of all distributions.
     pub fn median(case: &LatticeCase) -> Self {
-        Self { contacts: vec![FrictionDraw::median(&case.friction)], speed_quantile: 0.5 }
+        Self::median_of(&case.friction)
+    }
+
+    /// The medians of these distributions, alike in all contacts.
+    pub fn median_of(friction: &FrictionDistributions) -> Self {
+        Self { contacts: vec![FrictionDraw::median(friction)], speed_quantile: 0.5 }
     }
 
     /// A sample with the given draw in every contact.

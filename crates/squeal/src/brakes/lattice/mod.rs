@@ -51,6 +51,7 @@ impl LatticeBrake {
             seed: case.seed,
             mode_labels: case.readings.labels,
             mode_identity: case.readings.identity,
+            band: None,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),

@@ -1,0 +1,139 @@
+//! The scenes of a finite element brake.
+
+use std::f64::consts::TAU;
+
+use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
+use osc_model::{Body, Brake, Sectors};
+
+use super::ReducedSet;
+use super::points::{closed_channels, full_point, median, no_median, of_configuration};
+use crate::Error;
+use crate::case::{FiniteElementCase, Law, PatchContact};
+use crate::study::{
+    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
+};
+
+/// The plan, and the closed patches of each of its configurations.
+pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Plan, Vec<Vec<usize>>), Error> {
+    let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
+    plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+    plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
+    let mut closed = Vec::new();
+    for (set, constraints) in sets.iter().zip(&case.constraints) {
+        let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+        let whole = (brake(case, set, &all)?, naming_point(case, &all)?);
+        match &case.contact {
+            None => {
+                plan.add_constraint_set(&constraints.name, whole.0, whole.1);
+                closed.push(Vec::new());
+            }
+            Some(contact) => {
+                plan.labels.constraints.push(constraints.name.clone());
+                plan.origins.push(Origin { brake: whole.0, naming_point: whole.1 });
+                add_scenes(case, set, contact, &mut plan, &mut closed)?;
+            }
+        }
+    }
+    if let Some(contact) = &case.contact {
+        plan.labels = SceneLabels { constraints: plan.labels.constraints, ..labels(contact) };
+    }
+    Ok((plan, closed))
+}
+
+/// Adds the configurations and scenes of a set of constraints with a contact.
+fn add_scenes(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    contact: &PatchContact,
+    plan: &mut Plan,
+    closed: &mut Vec<Vec<usize>>,
+) -> Result<(), Error> {
+    let constraints = plan.origins.len() - 1;
+    for (panel, (_, arrangements)) in contact.panels.iter().enumerate() {
+        for (at, arrangement) in arrangements.iter().enumerate() {
+            let in_contact = arrangement.in_contact().to_vec();
+            let configuration = plan.configurations.len();
+            let wants_work = in_contact.len() == contact.patches.len();
+            for (law, &of_law) in contact.laws.iter().enumerate() {
+                for speed in speeds_of(contact, of_law) {
+                    let key = SceneKey { constraints, law, speed, panel };
+                    plan.scenes.push(Scene { key, members: vec![at], configuration, wants_work });
+                }
+            }
+            plan.configurations.push(Configuration {
+                brake: brake(case, set, &in_contact)?,
+                naming_point: naming_point(case, &in_contact)?,
+                origin: constraints,
+                contacts: arrangement.to_string(),
+            });
+            closed.push(in_contact);
+        }
+    }
+    Ok(())
+}
+
+/// Amontons-Coulomb friction does not depend on speed.
+fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
+    if law == Law::AmontonsCoulomb { vec![None] } else { (0..contact.speeds.len()).map(Some).collect() }
+}
+
+/// Amontons-Coulomb friction at median parameters.
+fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
+    let full = full_point(case, closed, Some((Law::AmontonsCoulomb, 1.0)), &median(case)).map_err(no_median(case))?;
+    Ok(of_configuration(case, closed, &full))
+}
+
+/// The reduced brake with some patches closed. What is constant in it, holders and closed patches, is one term, and open patches
+/// have no channels.
+///
+/// Columns of a basis belong to no body, so there is one body. Friction of each patch is a force family of its own.
+fn brake(case: &FiniteElementCase, set: &ReducedSet, closed: &[usize]) -> Result<Brake, Error> {
+    let (reduced, own) = (set.reduction.reduced.system(), case.coefficients.len());
+    let mut terms = reduced.terms()[..own].to_vec();
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let holders = own..reduced.terms().len() - patches;
+    let constant = holders.clone().chain(closed.iter().map(|patch| holders.end + patch));
+    if reduced.terms().len() > own {
+        let order = reduced.order();
+        let mut sum = SecondOrder::zeros(order, 0);
+        for matrices in constant.map(|term| reduced.terms()[term].matrices()) {
+            sum.c += &matrices.c;
+            sum.k += &matrices.k;
+        }
+        terms.push(Term::new("holders and contact", "holders", sum)?);
+    }
+    let channels = closed_channels(case, closed).map(|channel| reduced.channels()[channel].clone()).collect();
+    let system = AffineSystem::new(terms, channels)?;
+    let (order, channels) = (system.order(), system.channels().len());
+    Ok(Brake {
+        dofs: linsys::DofMap::all(order),
+        bodies: vec![Body { name: "brake".into(), dofs: (0..order).collect() }],
+        sectors: Sectors::whole(order, channels),
+        system,
+    })
+}
+
+fn labels(contact: &PatchContact) -> SceneLabels {
+    SceneLabels {
+        laws: contact.laws.iter().map(|law| LawLabel { name: law.name().into(), title: law.title().into() }).collect(),
+        baseline_law: contact.laws.iter().position(|&law| law == Law::AmontonsCoulomb),
+        speeds: contact
+            .speeds
+            .iter()
+            .map(|range| SpeedLabel {
+                name: range.name.clone(),
+                description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
+            })
+            .collect(),
+        panels: contact
+            .panels
+            .iter()
+            .map(|(number, list)| PanelLabel {
+                in_contact: *number,
+                arrangements: list.iter().map(ToString::to_string).collect(),
+            })
+            .collect(),
+        named_at: "with all patches in contact, Amontons-Coulomb, median parameters".into(),
+        ..SceneLabels::default()
+    }
+}

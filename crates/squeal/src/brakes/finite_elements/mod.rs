@@ -1,0 +1,116 @@
+//! A finite element brake of a case, reduced, with its friction laws and distributions.
+
+mod layout;
+mod points;
+mod reduce;
+
+pub use reduce::ReducedSet;
+
+use linsys::OperatingPoint;
+use montecarlo::{Distribution, Progress, StreamRng};
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::LatticeSample;
+use crate::Error;
+use crate::case::{Draws, FiniteElementCase, Law};
+use crate::study::{Plan, Scene, UncertainBrake};
+
+/// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
+#[derive(Debug)]
+pub struct FiniteElementBrake {
+    /// The case.
+    pub case: FiniteElementCase,
+    /// The scenes of the case.
+    pub plan: Plan,
+    /// The reduced brake of each set of constraints.
+    pub sets: Vec<ReducedSet>,
+    /// The closed patches of each configuration of the plan, from 0; none without a contact.
+    closed: Vec<Vec<usize>>,
+}
+
+/// One draw of all that is uncertain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FiniteElementSample {
+    /// The parameters of coefficients.
+    pub values: Vec<f64>,
+    /// Friction and speed; `None` without a contact.
+    pub contacts: Option<LatticeSample>,
+}
+
+impl FiniteElementBrake {
+    /// Reduces the brake for each set of constraints, and lays out its scenes.
+    ///
+    /// # Errors
+    /// What the reduction refuses; [`Error::Median`] where the medians of the parameters have no operating point.
+    pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
+        let sets = reduce::reduced_sets(&case, progress)?;
+        let (plan, closed) = layout::plan(&case, &sets)?;
+        Ok(Self { case, plan, sets, closed })
+    }
+
+    /// The closed patches of a scene, from 0.
+    pub fn closed(&self, scene: &Scene) -> &[usize] {
+        &self.closed[scene.configuration]
+    }
+
+    /// The operating point of the whole brake, reduced or not, from that of a scene.
+    pub fn full_point(&self, scene: &Scene, at: &OperatingPoint) -> OperatingPoint {
+        points::of_brake(&self.case, self.closed(scene), at)
+    }
+
+    fn law_and_speed(&self, scene: &Scene, sample: &FiniteElementSample) -> Option<(Law, f64)> {
+        let contact = self.case.contact.as_ref()?;
+        Some((contact.laws[scene.key.law], points::speed(contact, scene.key.speed, sample)))
+    }
+}
+
+impl UncertainBrake for FiniteElementBrake {
+    type Sample = FiniteElementSample;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<FiniteElementSample, Error> {
+        points::draw(&self.case, rng)
+    }
+
+    fn median(&self) -> FiniteElementSample {
+        points::median(&self.case)
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, Error> {
+        let full = points::full_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)?;
+        Ok(points::of_configuration(&self.case, self.closed(scene), &full))
+    }
+
+    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn.
+    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+        let contact = self.case.contact.as_ref()?;
+        let is_single = contact.laws[scene.key.law] == Law::AmontonsCoulomb
+            && contact.draws == Draws::Shared
+            && self.case.parameters.iter().all(|p| matches!(p.distribution, Distribution::Constant { .. }));
+        is_single.then_some(&contact.friction.mu)
+    }
+
+    fn with_parameter(&self, _: &Scene, mu: f64) -> FiniteElementSample {
+        let median = self.median();
+        let contacts = median.contacts.map(|sample| {
+            let draw = super::FrictionDraw { mu, lateral_mu: mu, ..*sample.contact(0) };
+            LatticeSample::shared(draw, sample.speed_quantile)
+        });
+        FiniteElementSample { contacts, ..median }
+    }
+
+    fn mode_residual(
+        &self,
+        scene: &Scene,
+        at: &OperatingPoint,
+        lambda: Complex<f64>,
+        shape: &DVector<Complex<f64>>,
+    ) -> Result<Option<f64>, Error> {
+        let set = &self.sets[scene.key.constraints];
+        Ok(Some(set.reduction.reduced.residual(&self.full_point(scene, at), lambda, shape)?))
+    }
+}

@@ -1,0 +1,106 @@
+//! Samples and operating points of a finite element brake.
+
+use linsys::{ChannelGain, Lag, OperatingPoint};
+use montecarlo::StreamRng;
+
+use super::FiniteElementSample;
+use crate::Error;
+use crate::brakes::LatticeSample;
+use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact};
+
+/// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
+const ANY_SPEED: f64 = 1.0;
+
+/// Draws a sample: the parameters, then friction and speed.
+pub(super) fn draw(case: &FiniteElementCase, rng: &mut StreamRng) -> Result<FiniteElementSample, Error> {
+    let values = case.parameters.iter().map(|parameter| parameter.distribution.draw(rng)).collect::<Result<_, _>>()?;
+    let of_contact = |contact: &PatchContact| {
+        let count = if contact.draws == Draws::Shared { 1 } else { contact.patches.len() };
+        LatticeSample::draw_for(&contact.friction, count, rng)
+    };
+    Ok(FiniteElementSample { values, contacts: case.contact.as_ref().map(of_contact).transpose()? })
+}
+
+/// The sample with the medians of all distributions.
+pub(super) fn median(case: &FiniteElementCase) -> FiniteElementSample {
+    FiniteElementSample {
+        values: case.parameters.iter().map(|parameter| parameter.distribution.median()).collect(),
+        contacts: case.contact.as_ref().map(|contact| LatticeSample::median_of(&contact.friction)),
+    }
+}
+
+/// The sliding speed of a sample in a range of speeds, m/s.
+pub(super) fn speed(contact: &PatchContact, range: Option<usize>, sample: &FiniteElementSample) -> f64 {
+    let quantile = sample.contacts.as_ref().map_or(0.5, |contacts| contacts.speed_quantile);
+    range.map_or(ANY_SPEED, |range| contact.speeds[range].quantile(quantile))
+}
+
+/// The operating point of the whole brake, with some patches closed, under a law at a speed.
+pub(super) fn full_point(
+    case: &FiniteElementCase,
+    closed: &[usize],
+    friction: Option<(Law, f64)>,
+    sample: &FiniteElementSample,
+) -> Result<OperatingPoint, Error> {
+    let named = |name: &str, source| CaseError::Expression {
+        path: case.path.clone(),
+        field: format!("terms {name:?}.coefficient"),
+        source: Box::new(source),
+    };
+    let terms = case.system.terms().iter().zip(&case.coefficients);
+    let coefficients =
+        terms.map(|(term, coefficient)| coefficient.value(&sample.values).map_err(|source| named(&term.name, source)));
+    let coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
+    let mut gains = Vec::new();
+    if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
+        for &patch in closed {
+            let tangent = sample.contact(patch).tangent(law, speed, contact.bristle_damping)?;
+            let load = contact.patches[patch].load;
+            let lag =
+                tangent.internal.map(|state| Lag { decay: state.decay, drive: state.drive, force: load * state.force });
+            let gain = ChannelGain { mu: tangent.mu, slope: load * tangent.slope, lag };
+            gains.extend(vec![gain; contact.patches[patch].pairs.len()]);
+        }
+    }
+    Ok(of_brake(case, closed, &OperatingPoint { coefficients, channels: gains }))
+}
+
+/// The operating point of a configuration: the coefficients of the case's terms, then one for all that is constant in it, and the
+/// gains of closed patches.
+pub(super) fn of_configuration(case: &FiniteElementCase, closed: &[usize], full: &OperatingPoint) -> OperatingPoint {
+    let mut coefficients = full.coefficients[..case.coefficients.len()].to_vec();
+    if case.system.terms().len() > coefficients.len() {
+        coefficients.push(1.0);
+    }
+    let channels = closed_channels(case, closed).map(|channel| full.channels[channel]).collect();
+    OperatingPoint { coefficients, channels }
+}
+
+/// The operating point of the whole brake from that of a configuration: holders count once, closed patches once, open ones not.
+pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &OperatingPoint) -> OperatingPoint {
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let own = case.coefficients.len();
+    let holders = case.system.terms().len() - own - patches;
+    let mut coefficients = at.coefficients[..own].to_vec();
+    coefficients.extend(std::iter::repeat_n(1.0, holders));
+    coefficients.extend((0..patches).map(|patch| if closed.contains(&patch) { 1.0 } else { 0.0 }));
+    let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
+    for (channel, gain) in closed_channels(case, closed).zip(&at.channels) {
+        channels[channel] = *gain;
+    }
+    OperatingPoint { coefficients, channels }
+}
+
+/// The channels of closed patches, as places in the system.
+pub(super) fn closed_channels<'a>(
+    case: &'a FiniteElementCase,
+    closed: &'a [usize],
+) -> impl Iterator<Item = usize> + 'a {
+    let patches = case.contact.iter().flat_map(move |contact| closed.iter().map(|&patch| &contact.patches[patch]));
+    patches.flat_map(|patch| patch.first_channel..patch.first_channel + patch.pairs.len())
+}
+
+/// The error of a case whose medians have no operating point.
+pub(super) fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
+    |source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) }
+}
