@@ -14,8 +14,8 @@ use crate::SparseError;
 const SEEN: f64 = 1e-6;
 /// Residual of a right Ritz vector that is wanted; chosen, so that nearly all need no other improvement.
 const CONVERGED: f64 = 1e-13;
-/// Residual of a left Ritz vector: lambda has an error of the product of both.
-const CONVERGED_LEFT: f64 = 1e-10;
+/// The same for a left vector, of which lambda depends on the product of both residuals.
+const CONVERGED_LEFT: f64 = 1e-12;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values, and growth of the basis between two looks; chosen.
@@ -99,19 +99,18 @@ impl Problem {
     /// Q at the centre of the target, or beside it where an eigenvalue sits there.
     fn factor_near(&self, target: &Rectangle, counters: &mut Counters) -> Result<Factor<'_>, SparseError> {
         let step = Complex::new(0.01, 0.007) * target.half_diagonal();
-        let mut failure = None;
+        let known = starting_block(self.pencil.order(), 1);
         for attempt in 0..ATTEMPTS {
             let sigma = target.centre() + step * attempt as f64;
             counters.factorisations += 1;
-            match self.symbolic.factor(&self.pencil, sigma).and_then(|factor| {
-                let probe = starting_block(self.pencil.order(), 1);
-                factor.solve(Side::Right, &probe).map(|_| factor)
-            }) {
-                Err(error @ (SparseError::Singular { .. } | SparseError::Solve { .. })) => failure = Some(error),
-                other => return other,
+            match Factor::new(&self.symbolic, &self.pencil, sigma) {
+                Ok(factor) if factor.is_regular(&known)? => return Ok(factor),
+                Ok(_) => {}
+                Err(SparseError::Singular { .. }) => {}
+                Err(other) => return Err(other),
             }
         }
-        Err(failure.unwrap_or(SparseError::Singular { shift: target.centre() }))
+        Err(SparseError::Singular { shift: target.centre() })
     }
 }
 

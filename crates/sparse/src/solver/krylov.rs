@@ -25,7 +25,8 @@ pub(crate) struct Krylov<'a> {
     side: Side,
     /// v is kept in units of `scale * u`.
     scale: f64,
-    mass: &'a [f64],
+    /// `scale * M` and `C + sigma M`.
+    mass: Vec<Complex<f64>>,
     damping: Vec<Complex<f64>>,
     basis: Block,
     projected: Block,
@@ -46,15 +47,17 @@ impl<'a> Krylov<'a> {
     ) -> Result<Self, SparseError> {
         let pencil = factor.pencil();
         let states = vec![Complex::default(); pencil.states().len()];
-        let weights =
-            Weights { mass: factor.shift(), damping: Complex::from(1.0), stiffness: Complex::default(), states };
+        let zero = Complex::default();
+        let mass = Weights { mass: Complex::from(scale), damping: zero, stiffness: zero, states: states.clone() };
+        let damping = Weights { mass: factor.shift(), damping: Complex::from(1.0), stiffness: zero, states };
+        let values = |weights| pencil.by_rows(&pencil.values(weights), side);
         let rows = start.nrows();
         let mut krylov = Self {
             factor,
             side,
             scale,
-            mass: pencil.mass(),
-            damping: pencil.values(&weights),
+            mass: values(&mass),
+            damping: values(&damping),
             basis: Mat::zeros(rows, capacity + start.ncols()),
             projected: Mat::zeros(capacity + start.ncols(), capacity),
             columns: 0,
@@ -114,12 +117,9 @@ impl<'a> Krylov<'a> {
         let (pencil, sigma) = (self.factor.pencil(), self.factor.shift());
         let (n, p) = (pencil.order(), x.ncols());
         let (u, v, z) = (x.subrows(0, n), x.subrows(n, n), x.subrows(2 * n, pencil.states().len()));
-        let scaled = Mat::from_fn(n, p, |i, j| v[(i, j)] * self.scale);
-        let mut b = Mat::zeros(n, p);
-        pencil.accumulate(self.mass, self.side, scaled.as_ref(), &mut b);
-        pencil.accumulate(&self.damping, self.side, u, &mut b);
+        let mut b = pencil.gathered([(&self.mass, v), (&self.damping, u)]);
         for (i, state) in pencil.states().iter().enumerate() {
-            let (drive, force) = sides(state, self.side);
+            let (drive, force) = state.sides(self.side);
             for j in 0..p {
                 let driven: Complex<f64> = drive.iter().map(|&(dof, e)| u[(dof, j)] * e).sum();
                 let change = (driven - z[(i, j)]) / (sigma + state.decay);
@@ -134,7 +134,7 @@ impl<'a> Krylov<'a> {
                 out[(n + i, j)] = (u[(i, j)] - sigma * solved[(i, j)]) / self.scale;
             }
             for (i, state) in pencil.states().iter().enumerate() {
-                let (drive, _) = sides(state, self.side);
+                let (drive, _) = state.sides(self.side);
                 let driven: Complex<f64> = drive.iter().map(|&(dof, e)| out[(n + dof, j)] * (e * self.scale)).sum();
                 out[(2 * n + i, j)] = (driven - z[(i, j)]) / (sigma + state.decay);
             }
@@ -176,13 +176,5 @@ impl<'a> Krylov<'a> {
         if let Some(first) = multiplied {
             self.projected.as_mut().submatrix_mut(0, first, k + p, p).copy_from(&coefficients);
         }
-    }
-}
-
-/// Which side of a state is driven and which acts, of the system or the transposed one.
-pub(crate) fn sides(state: &crate::State, side: Side) -> (&[(usize, f64)], &[(usize, f64)]) {
-    match side {
-        Side::Right => (&state.drive, &state.force),
-        Side::Left => (&state.force, &state.drive),
     }
 }

@@ -3,15 +3,19 @@
 use faer::{Mat, MatRef};
 use nalgebra::DVector;
 use num_complex::Complex;
+use pulp::{Arch, NullaryFnOnce};
 
 use crate::{SparseSecondOrder, State};
 
-/// Q(lambda) and its parts on the union of the patterns of M, C, K and the internal states, by compressed columns.
+/// Q(lambda) and its parts on the union of the patterns of M, C, K, the internal states and their transposes, by compressed
+/// columns.
 #[derive(Debug, Clone)]
 pub(crate) struct Pencil {
     order: usize,
     column_starts: Vec<usize>,
     rows: Vec<usize>,
+    /// Where the transposed entry stands: the pattern is symmetric.
+    mirror: Vec<usize>,
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
@@ -39,6 +43,9 @@ pub(crate) struct Weights {
     pub(crate) states: Vec<Complex<f64>>,
 }
 
+/// Vectors in columns.
+type Block<'a> = MatRef<'a, Complex<f64>>;
+
 /// Whether a matrix acts as it is or transposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -48,16 +55,35 @@ pub(crate) enum Side {
     Left,
 }
 
+/// Degrees of freedom with coefficients.
+type Coefficients = [(usize, f64)];
+
+impl State {
+    /// What drives the state and where it acts, of the system or the transposed one.
+    pub(super) fn sides(&self, side: Side) -> (&Coefficients, &Coefficients) {
+        match side {
+            Side::Right => (&self.drive, &self.force),
+            Side::Left => (&self.force, &self.drive),
+        }
+    }
+}
+
 impl Pencil {
     pub(crate) fn new(system: &SparseSecondOrder) -> Self {
         let order = system.order();
         let mut columns: Vec<Vec<usize>> = vec![Vec::new(); order];
         for matrix in [&system.m, &system.c, &system.k] {
-            matrix.triplet_iter().for_each(|(row, column, _)| columns[column].push(row));
+            for (row, column, _) in matrix.triplet_iter() {
+                columns[column].push(row);
+                columns[row].push(column);
+            }
         }
         for state in &system.states {
             for &(column, _) in &state.drive {
-                columns[column].extend(state.force.iter().map(|&(row, _)| row));
+                for &(row, _) in &state.force {
+                    columns[column].push(row);
+                    columns[row].push(column);
+                }
             }
         }
         let (mut column_starts, mut rows) = (vec![0], Vec::new());
@@ -71,6 +97,10 @@ impl Pencil {
             let (from, to) = (column_starts[column], column_starts[column + 1]);
             from + rows[from..to].partition_point(|&other| other < row)
         };
+        let mirrored = |column: usize| {
+            rows[column_starts[column]..column_starts[column + 1]].iter().map(move |&row| place(column, row))
+        };
+        let mirror = (0..order).flat_map(mirrored).collect();
         let spread = |matrix: &nalgebra_sparse::CscMatrix<f64>| {
             let mut values = vec![0.0; rows.len()];
             matrix.triplet_iter().for_each(|(row, column, &value)| values[place(row, column)] += value);
@@ -92,7 +122,7 @@ impl Pencil {
             states: system.states.iter().map(|s| length(&s.drive) * length(&s.force)).collect(),
         };
         let states = system.states.clone();
-        Self { order, column_starts, rows, mass, damping, stiffness, coupling, states, norms }
+        Self { order, column_starts, rows, mirror, mass, damping, stiffness, coupling, states, norms }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -134,25 +164,33 @@ impl Pencil {
 
     /// A sum of the parts times a vector.
     pub(crate) fn times(&self, weights: &Weights, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        self.product(weights, Side::Right, x)
+    }
+
+    /// The transposed sum times a vector.
+    pub(crate) fn times_transposed(&self, weights: &Weights, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        self.product(weights, Side::Left, x)
+    }
+
+    fn product(&self, weights: &Weights, side: Side, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         let mut product = DVector::zeros(self.order);
-        for (column, &x) in x.iter().enumerate() {
+        for column in 0..self.order {
             for at in self.column_starts[column]..self.column_starts[column + 1] {
                 let value = weights.mass * self.mass[at]
                     + weights.damping * self.damping[at]
                     + weights.stiffness * self.stiffness[at];
-                product[self.rows[at]] += value * x;
+                match side {
+                    Side::Right => product[self.rows[at]] += value * x[column],
+                    Side::Left => product[column] += value * x[self.rows[at]],
+                }
             }
         }
         for (state, &weight) in self.states.iter().zip(&weights.states) {
-            let driven: Complex<f64> = state.drive.iter().map(|&(dof, e)| x[dof] * e).sum();
-            state.force.iter().for_each(|&(dof, f)| product[dof] += weight * driven * f);
+            let (drive, force) = state.sides(side);
+            let driven: Complex<f64> = drive.iter().map(|&(dof, e)| x[dof] * e).sum();
+            force.iter().for_each(|&(dof, f)| product[dof] += weight * driven * f);
         }
         product
-    }
-
-    /// The entries of M.
-    pub(crate) fn mass(&self) -> &[f64] {
-        &self.mass
     }
 
     /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of the internal states, as [`cea::backward_error`] has it.
@@ -164,38 +202,82 @@ impl Pencil {
         (l * self.norms.mass + self.norms.damping) * l + self.norms.stiffness + states
     }
 
-    /// `out += A x`, or `A^T x`, for entries on the pattern; rows of x and out are those of the transposed arguments, so that
-    /// the entries of one row of a block stand together.
-    pub(crate) fn accumulate<T>(
+    /// Values on the pattern in the order in which [`gathered`](Self::gathered) reads them on a side.
+    pub(crate) fn by_rows<T: Copy>(&self, values: &[T], side: Side) -> Vec<T> {
+        match side {
+            Side::Right => self.mirror.iter().map(|&at| values[at]).collect(),
+            Side::Left => values.to_vec(),
+        }
+    }
+
+    /// `sum_k A_k x_k`, or `sum_k A_k^T x_k`, of blocks x_k, for values [`by_rows`](Self::by_rows) of that side.
+    pub(crate) fn gathered<const TERMS: usize>(
         &self,
-        values: &[T],
-        side: Side,
-        x: MatRef<'_, Complex<f64>>,
-        out: &mut Mat<Complex<f64>>,
-    ) where
-        T: Copy,
-        Complex<f64>: std::ops::Mul<T, Output = Complex<f64>>,
-    {
-        let rows = transposed(x);
-        let mut sum = transposed(out.as_ref());
-        for column in 0..self.order {
-            for at in self.column_starts[column]..self.column_starts[column + 1] {
-                let (from, to) = match side {
-                    Side::Right => (column, self.rows[at]),
-                    Side::Left => (self.rows[at], column),
-                };
-                let value = values[at];
-                let target = sum.col_as_slice_mut(to);
-                target.iter_mut().zip(rows.col_as_slice(from)).for_each(|(t, &x)| *t += x * value);
+        terms: [(&[Complex<f64>], Block<'_>); TERMS],
+    ) -> Mat<Complex<f64>> {
+        let columns = terms.first().map_or(0, |(_, x)| x.ncols());
+        let mut out = Mat::zeros(self.order, columns);
+        let mut sums = vec![Lanes::default(); self.order];
+        for from in (0..columns).step_by(LANES) {
+            let count = LANES.min(columns - from);
+            let rows = terms.map(|(_, x)| interleaved(x.subcols(from, count)));
+            let terms: [_; TERMS] = std::array::from_fn(|k| (terms[k].0, &rows[k][..]));
+            Arch::new().dispatch(Product { starts: &self.column_starts, columns: &self.rows, terms, sums: &mut sums });
+            for j in 0..count {
+                let target = &mut out.col_as_slice_mut(from + j)[..];
+                target.iter_mut().zip(&sums).for_each(|(t, s)| *t = Complex::new(s.re[j], s.im[j]));
             }
         }
-        *out = transposed(sum.as_ref());
+        out
     }
 }
 
-/// The transposed block.
-fn transposed(block: MatRef<'_, Complex<f64>>) -> Mat<Complex<f64>> {
-    Mat::from_fn(block.ncols(), block.nrows(), |i, j| block[(j, i)])
+/// Columns of a block that are multiplied together.
+const LANES: usize = 4;
+
+/// One row of at most [`LANES`] columns, filled up with zeros.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lanes {
+    re: [f64; LANES],
+    im: [f64; LANES],
+}
+
+fn interleaved(block: Block<'_>) -> Vec<Lanes> {
+    let mut rows = vec![Lanes::default(); block.nrows()];
+    for j in 0..block.ncols() {
+        rows.iter_mut().zip(block.col(j).iter()).for_each(|(row, x)| (row.re[j], row.im[j]) = (x.re, x.im));
+    }
+    rows
+}
+
+/// The products of all rows, a function that is compiled for each kind of processor.
+struct Product<'a, const TERMS: usize> {
+    starts: &'a [usize],
+    columns: &'a [usize],
+    terms: [(&'a [Complex<f64>], &'a [Lanes]); TERMS],
+    sums: &'a mut [Lanes],
+}
+
+impl<const TERMS: usize> NullaryFnOnce for Product<'_, TERMS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (row, target) in self.sums.iter_mut().enumerate() {
+            let entries = self.starts[row]..self.starts[row + 1];
+            let mut sum = Lanes::default();
+            for (values, x) in self.terms {
+                for (value, &column) in values[entries.clone()].iter().zip(&self.columns[entries.clone()]) {
+                    let x = &x[column];
+                    for lane in 0..LANES {
+                        sum.re[lane] += value.re * x.re[lane] - value.im * x.im[lane];
+                        sum.im[lane] += value.re * x.im[lane] + value.im * x.re[lane];
+                    }
+                }
+            }
+            *target = sum;
+        }
+    }
 }
 
 /// The 2-norm without overflow of the squares.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::disc::{Candidate, Problem};
-use super::factor::length;
+use super::factor::{Factor, length};
 use super::pencil::{Pencil, Side};
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
@@ -38,7 +38,7 @@ impl Problem {
             let right = unit(right);
             let trial = left.map(|left| Trial::new(pencil, lambda, right.clone(), unit(left)));
             trials.push(match trial {
-                Some(trial) if trial.error <= tolerance => trial,
+                Some(trial) if trial.error.max(trial.left_error(pencil)) <= tolerance => trial,
                 _ => self.by_inverse_iteration(lambda, right, counters)?,
             });
         }
@@ -59,7 +59,7 @@ impl Problem {
             // Beside the eigenvalue, where the factors are regular.
             let beside = shift * (1.0 + 8.0 * f64::EPSILON);
             counters.factorisations += 1;
-            let factor = self.symbolic.factor(&self.pencil, beside)?;
+            let factor = Factor::new(&self.symbolic, &self.pencil, beside)?;
             for _ in 0..INVERSE_STEPS {
                 x = unit(factor.solve(Side::Right, &column(&x))?.col_as_slice(0).to_vec());
                 y = unit(factor.solve(Side::Left, &column(&y))?.col_as_slice(0).to_vec());
@@ -102,6 +102,11 @@ impl Trial {
             }
         }
         trial
+    }
+
+    /// The backward error of the left vector.
+    fn left_error(&self, pencil: &Pencil) -> f64 {
+        pencil.times_transposed(&pencil.weights(self.lambda), &self.y).norm() / pencil.size(self.lambda)
     }
 
     fn finish(mut self, pencil: &Pencil, tolerance: f64) -> Result<Eigenpair, SparseError> {

@@ -76,7 +76,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-11, block: 4, columns: 200, shifts: 2000 }
+        Self { tolerance: 1e-11, block: 4, columns: 140, shifts: 2000 }
     }
 }
 

@@ -1,0 +1,210 @@
+//! All eigenvalues in a rectangle, compared with those of the certified dense solver.
+
+use cea::certified::{certify, solve};
+use linsys::{Internal, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use proptest::prelude::*;
+use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::{Eigenpair, Found, Options, Rectangle, SparseError, SparseSecondOrder, State, eigenpairs_in};
+
+/// Numbers that look random and are the same in every run.
+struct Numbers(u64);
+
+impl Numbers {
+    /// From -1 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+    }
+}
+
+/// A disc as a ring of masses on springs that also hold it, with friction forces that follow a neighbour's normal motion.
+struct Ring {
+    masses: usize,
+    gyroscopic: f64,
+    friction: f64,
+    massless: usize,
+    states: usize,
+    disorder: f64,
+}
+
+const RING: Ring = Ring { masses: 40, gyroscopic: 0.0, friction: 0.0, massless: 0, states: 0, disorder: 0.1 };
+
+impl Ring {
+    /// Two degrees of freedom per mass.
+    fn build(&self) -> (SparseSecondOrder, SecondOrder) {
+        let n = 2 * self.masses;
+        let mut numbers = Numbers(7);
+        let (mut m, mut c, mut k) = (CooMatrix::new(n, n), CooMatrix::new(n, n), CooMatrix::new(n, n));
+        for mass in 0..self.masses {
+            let [here, next] = [2 * mass, 2 * ((mass + 1) % self.masses)];
+            for axis in 0..2 {
+                let (a, b) = (here + axis, next + axis);
+                if mass >= self.massless {
+                    m.push(a, a, 1.0 + self.disorder * numbers.next());
+                }
+                let spring = 1e4 * (1.0 + self.disorder * numbers.next());
+                for (row, column, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                    k.push(row, column, sign * spring);
+                    c.push(row, column, sign * spring * 1e-5);
+                }
+                k.push(a, a, 3e3 + 1e3 * axis as f64);
+            }
+            c.push(here, here + 1, self.gyroscopic);
+            c.push(here + 1, here, -self.gyroscopic);
+            k.push(here, here + 1, self.friction * 2e3);
+            k.push(here + 1, here, -self.friction * 2e3);
+        }
+        let mut sparse = SparseSecondOrder::new(CscMatrix::from(&m), CscMatrix::from(&c), CscMatrix::from(&k)).unwrap();
+        let mut internal = Internal::zeros(n, self.states);
+        for state in 0..self.states {
+            let (decay, drive, force) =
+                (40.0 + 10.0 * state as f64, vec![(2 * state, 3.0), (2 * state + 3, -1.0)], vec![(2 * state, -900.0)]);
+            internal.decay[state] = decay;
+            drive.iter().for_each(|&(dof, value)| internal.drive[(state, dof)] = value);
+            force.iter().for_each(|&(dof, value)| internal.force[(dof, state)] = value);
+            sparse.states.push(State { decay, drive, force });
+        }
+        let dense = |matrix: &CscMatrix<f64>| DMatrix::from(matrix);
+        let dense = SecondOrder::with_internal(dense(&sparse.m), dense(&sparse.c), dense(&sparse.k), internal).unwrap();
+        (sparse, dense)
+    }
+}
+
+fn find(system: &SparseSecondOrder, rectangle: Rectangle) -> Found {
+    eigenpairs_in(system, &rectangle, &Options::default(), &mut |_| ()).unwrap()
+}
+
+/// Every eigenvalue that the dense solver has inside is found, as often, and no other; every pair is one of the dense system.
+fn agrees(sparse: &SparseSecondOrder, dense: &SecondOrder, rectangle: Rectangle) -> Found {
+    let mut work = cea::Workspace::default();
+    let spectrum = solve(dense, &mut work).unwrap();
+    let certified = certify(dense, &spectrum, &mut work).unwrap();
+    let found = find(sparse, rectangle);
+    let expected: Vec<_> = certified.eigenvalues.iter().filter(|e| rectangle.contains(e.lambda, 0.0)).collect();
+    let clear = expected.iter().filter(|e| rectangle.border_distance(e.lambda) > 1e-6 * e.lambda.norm()).count();
+    assert!(found.pairs.len() >= clear && found.pairs.len() <= expected.len() + (expected.len() - clear));
+    let mut is_free = vec![true; certified.eigenvalues.len()];
+    for pair in &found.pairs {
+        let distance = |i: &usize| (certified.eigenvalues[*i].lambda - pair.lambda).norm();
+        let free = (0..is_free.len()).filter(|&i| is_free[i]);
+        let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+        is_free[nearest] = false;
+        let reference = &certified.eigenvalues[nearest];
+        let allowed = 1e-9 * pair.lambda.norm() + reference.bound;
+        assert!(distance(&nearest) <= allowed, "{} for {}: {:e}", pair.lambda, reference.lambda, distance(&nearest));
+        is_pair_of(dense, pair);
+    }
+    found
+}
+
+fn is_pair_of(dense: &SecondOrder, pair: &Eigenpair) {
+    assert!(cea::backward_error(dense, pair.lambda, &pair.right) < 1e-11);
+    let left: DVector<Complex<f64>> = pair.left.conjugate();
+    assert!(cea::backward_error(&dense.transposed(), pair.lambda, &left) < 1e-9, "left of {}", pair.lambda);
+    assert!((pair.right.norm() - 1.0).abs() < 1e-12 && (pair.left.norm() - 1.0).abs() < 1e-12);
+    let own = cea::backward_error(dense, pair.lambda, &pair.right);
+    assert!((own - pair.backward_error).abs() <= 1e-15 + 0.1 * own);
+}
+
+const WIDE: Rectangle = Rectangle { re: [-60.0, 40.0], im: [-1.0, 150.0] };
+
+#[test]
+fn a_symmetric_ring_with_double_eigenvalues() {
+    let (sparse, dense) = Ring { disorder: 0.0, ..RING }.build();
+    let found = agrees(&sparse, &dense, WIDE);
+    let doubles = found.pairs.windows(2).filter(|w| (w[0].lambda - w[1].lambda).norm() < 1e-9 * w[0].lambda.norm());
+    assert!(doubles.count() > 10);
+    assert!(found.pairs.iter().all(|pair| pair.condition < 1e6));
+}
+
+#[test]
+fn gyroscopic_frictional_singular_mass_and_states() {
+    let rings = [
+        Ring { gyroscopic: 4.0, ..RING },
+        Ring { friction: 0.8, ..RING },
+        Ring { massless: 9, friction: 0.3, ..RING },
+        Ring { states: 5, friction: 0.5, gyroscopic: 1.0, ..RING },
+    ];
+    for ring in rings {
+        let (sparse, dense) = ring.build();
+        agrees(&sparse, &dense, WIDE);
+        agrees(&sparse, &dense, Rectangle { re: [-3.0, 20.0], im: [80.0, 120.0] });
+    }
+}
+
+#[test]
+fn many_discs_find_what_one_does_and_the_lower_half_is_the_upper_one() {
+    let (sparse, _) = Ring { friction: 0.4, ..RING }.build();
+    let one = eigenpairs_in(&sparse, &WIDE, &Options { columns: 160, ..Options::default() }, &mut |_| ()).unwrap();
+    let many = eigenpairs_in(&sparse, &WIDE, &Options { columns: 30, ..Options::default() }, &mut |_| ()).unwrap();
+    assert!(many.discs.len() > 3 * one.discs.len());
+    assert_eq!(one.pairs.len(), many.pairs.len());
+    for (a, b) in one.pairs.iter().zip(&many.pairs) {
+        assert!((a.lambda - b.lambda).norm() <= 1e-10 * a.lambda.norm());
+    }
+    let [upper, lower] = [[50.0, 150.0], [-150.0, -50.0]].map(|im| find(&sparse, Rectangle { im, ..WIDE }));
+    assert_eq!(upper.pairs.len(), lower.pairs.len());
+    for (a, b) in upper.pairs.iter().zip(&lower.pairs) {
+        assert_eq!(a.lambda, b.lambda.conj());
+    }
+    assert_eq!(find(&sparse, WIDE), find(&sparse, WIDE));
+}
+
+#[test]
+fn an_eigenvalue_on_the_border_is_flagged() {
+    let one = CscMatrix::identity(3);
+    let k = CscMatrix::from(&DMatrix::from_diagonal(&DVector::from_vec(vec![4.0, 9.0, 100.0])));
+    let system = SparseSecondOrder::new(one, CscMatrix::zeros(3, 3), k).unwrap();
+    let found = find(&system, Rectangle { re: [-1.0, 1.0], im: [1.0, 3.0] });
+    let seen: Vec<_> = found.pairs.iter().map(|pair| (pair.lambda.im.round(), pair.on_border)).collect();
+    assert_eq!(seen, [(2.0, false), (3.0, true)]);
+}
+
+#[test]
+fn a_nearly_defective_pair_is_found_twice() {
+    let one = CscMatrix::identity(2);
+    for coupling in [0.0, 1e-6] {
+        let k = CscMatrix::from(&DMatrix::from_row_slice(2, 2, &[25.0, 1.0, coupling, 25.0]));
+        let system = SparseSecondOrder::new(one.clone(), CscMatrix::zeros(2, 2), k).unwrap();
+        let found = find(&system, Rectangle { re: [-1.0, 1.0], im: [4.0, 6.0] });
+        assert_eq!(found.pairs.len(), 2);
+        assert!(found.pairs.iter().all(|p| (p.lambda - Complex::new(0.0, 5.0)).norm() < 1e-3 && p.condition > 100.0));
+    }
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused() {
+    let (sparse, _) = RING.build();
+    let search = |system: &SparseSecondOrder, re, im, options: &Options| {
+        eigenpairs_in(system, &Rectangle { re, im }, options, &mut |_| ())
+    };
+    let all = Options::default();
+    for (re, im) in [([1.0, 1.0], [0.0, 1.0]), ([0.0, f64::NAN], [0.0, 1.0]), ([0.0, 1.0], [2.0, 1.0])] {
+        assert!(matches!(search(&sparse, re, im, &all), Err(SparseError::Rectangle { .. })));
+    }
+    let few = Options { shifts: 1, columns: 20, ..all };
+    assert!(matches!(search(&sparse, WIDE.re, WIDE.im, &few), Err(SparseError::TooManyShifts { .. })));
+    let zero = || CscMatrix::from(&DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]));
+    let singular = SparseSecondOrder::new(zero(), zero(), zero()).unwrap();
+    assert!(search(&singular, [-1.0, 1.0], [1.0, 2.0], &all).is_err());
+    let empty = SparseSecondOrder::new(CscMatrix::zeros(2, 2), CscMatrix::zeros(2, 2), CscMatrix::zeros(2, 2)).unwrap();
+    assert!(search(&empty, [-1.0, 1.0], [1.0, 2.0], &all).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+    #[test]
+    fn any_rectangle_of_any_ring(
+        gyroscopic in 0.0..5.0_f64,
+        friction in 0.0..1.0_f64,
+        states in 0..4_usize,
+        low in 20.0..140.0_f64,
+        height in 5.0..120.0_f64,
+        width in 0.5..60.0_f64,
+    ) {
+        let (sparse, dense) = Ring { masses: 20, gyroscopic, friction, states, ..RING }.build();
+        agrees(&sparse, &dense, Rectangle { re: [-width, 0.7 * width], im: [low, low + height] });
+    }
+}
