@@ -1,5 +1,7 @@
 //! Reductions of a plate of 240 degrees of freedom, with the answers of dense solvers as the truth.
 
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
 use cea::{EigenSolver, QrSolver, Workspace, backward_error};
 use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 use nalgebra::{DMatrix, DVector};
