@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
 //! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
+//! | [`eigenpairs_in`] | all eigenvalues of such a system in a rectangle |
 //!
 //! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
 
@@ -18,3 +19,8 @@ pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle, eigenpairs_in};
 pub use system::{SparseSecondOrder, State};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
