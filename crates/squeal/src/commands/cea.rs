@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use work::ModeWork;
 
 use super::eig::announce;
-use super::run::number;
+use super::options::number;
 use crate::Error;
 use crate::brakes::{LatticeSample, lattice, sliding};
 use crate::case::{CaseFile, LatticeCase, Law, MatricesCase};

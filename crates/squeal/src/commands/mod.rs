@@ -3,11 +3,13 @@
 mod cea;
 mod check;
 mod eig;
+mod options;
 mod refuse;
 mod run;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
+pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
-pub use run::{RunArgs, override_run, threads, whole_number};
+pub use run::RunArgs;
