@@ -1,7 +1,7 @@
 //! A reduction of the disc brake of 4,669 degrees of freedom, over speed, damping and friction.
 //!
 //! Its matrices are not part of this repository: M, D1, DG, DR, D4, K1, KR, KGEO of BrakeSqueal 0.1 as Matrix Market files,
-//! gzipped, in the folder that the environment variable names. docs/reduction.md has what this prints.
+//! gzipped, in the folder that the environment variable names. docs/large-problems.md has what this prints.
 
 use std::error::Error;
 use std::f64::consts::PI;
