@@ -21,3 +21,8 @@ pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle, eigenpairs_in};
 pub use system::{SparseSecondOrder, State};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -155,20 +155,7 @@ fn the_disc_brake_over_speed_damping_and_friction() -> Result<(), Box<dyn Error>
     let system = brake(Path::new(&folder))?;
     let samples = std::env::var("SAMPLES").map_or(Ok(10_000), |text| text.parse())?;
     for (name, spread, tolerance) in [("speed alone", 0.0, 1e-8), ("speed, damping, friction", 0.2, 1e-8)] {
-        let options = Options {
-            tolerance,
-            most_columns: var("MOST", 300.0) as usize,
-            anchors: var("ANCHORS", 32.0) as usize,
-            margin: var("MARGIN", 0.02),
-            most_enrichments: var("ENRICH", 20.0) as usize,
-            ..Options::default()
-        };
-        let tolerance = options.tolerance;
-        let _ = tolerance;
-        let spread = if spread > 0.0 { var("SPREAD", spread) } else { 0.0 };
-        if var("ONLY", spread) != spread {
-            continue;
-        }
+        let options = Options { tolerance, ..Options::default() };
         let reduction = study(name, &system, spread, samples, &options)?;
         let (distance, differing) = compare(&reduction.reduced, &draws(3, 200, spread))?;
         println!("200 whole spectra: largest relative distance {distance:.1e}, {differing} of another number of modes");
@@ -177,8 +164,4 @@ fn the_disc_brake_over_speed_damping_and_friction() -> Result<(), Box<dyn Error>
         assert!(distance < 1e-6);
     }
     Ok(())
-}
-
-fn var(name: &str, default: f64) -> f64 {
-    std::env::var(name).map_or(default, |t| t.parse().unwrap())
 }

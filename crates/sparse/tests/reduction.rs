@@ -1,5 +1,7 @@
 //! Reductions of a plate of 240 degrees of freedom, with the answers of dense solvers as the truth.
 
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
 use cea::{EigenSolver, QrSolver, Workspace, backward_error};
 use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 use nalgebra::{DMatrix, DVector};
@@ -113,7 +115,7 @@ fn a_reduction_finds_the_modes_of_the_full_system_with_the_residual_asked_for() 
     assert!(report.is_reached, "{:?}", report.stages);
     assert!(reduced.basis().ncols() < N / 2);
     let mut tally = ResidualTally::new(1e-7);
-    for (sample, at) in (0..).zip(&draws(40)[24..]) {
+    for (sample, at) in (0..).zip(&draws(32)[24..]) {
         let (modes, expected) = (reduced.modes(at).unwrap(), truth(&large, at));
         assert!(matches!(modes.route, Route::Followed { .. }), "{:?}", modes.route);
         assert_eq!(modes.lambdas.len(), expected.len());
@@ -125,7 +127,7 @@ fn a_reduction_finds_the_modes_of_the_full_system_with_the_residual_asked_for() 
         }
         tally.record(sample, &modes);
     }
-    assert_eq!((tally.samples, tally.above, tally.spectra), (16, 0, 0));
+    assert_eq!((tally.samples, tally.above, tally.spectra), (8, 0, 0));
 }
 
 #[test]

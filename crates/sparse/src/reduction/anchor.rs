@@ -36,6 +36,9 @@ pub(super) struct Anchor {
     pub near: Near,
 }
 
+/// A p x p matrix between near modes.
+type Square = DMatrix<Complex<f64>>;
+
 /// The vectors of the near modes, and the terms between them.
 #[derive(Debug, Clone)]
 pub(super) struct Near {
@@ -44,11 +47,11 @@ pub(super) struct Near {
     /// v^H, real parts above imaginary ones, 2 p x k.
     pub left: DMatrix<f64>,
     /// What of `W^H A Z` and `W^H B Z` does not depend on the point.
-    constant: [DMatrix<Complex<f64>>; 2],
+    constant: [Square; 2],
     /// What each term adds per unit of its coefficient; no matrix B where its M is zero.
-    terms: Vec<(DMatrix<Complex<f64>>, Option<DMatrix<Complex<f64>>>)>,
+    terms: Vec<(Square, Option<Square>)>,
     /// What each channel adds to `W^H A Z` per unit of mu, and per unit of its slope.
-    channels: Vec<[DMatrix<Complex<f64>>; 2]>,
+    channels: Vec<[Square; 2]>,
 }
 
 impl Anchor {

@@ -21,7 +21,8 @@ use super::residual::reduced_residual;
 use super::split;
 use crate::{Rectangle, SparseError};
 
-/// Corrections after which a mode that has not converged is a doubt; most need three to six.
+/// Corrections after which a mode that has not converged is a doubt; the disc brake of docs/large-problems.md
+/// takes four or five.
 const MOST_CORRECTIONS: usize = 12;
 /// Last change of an eigenvalue, relative to its size, at which it has converged: the next would be smaller.
 const CONVERGED_STEP: f64 = 1e-9;

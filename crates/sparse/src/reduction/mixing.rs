@@ -8,7 +8,7 @@ use num_complex::Complex;
 
 type Vector = DVector<Complex<f64>>;
 
-/// Changes that are remembered. Chosen: two and four were slower on the brake of 4,669 degrees of freedom.
+/// Changes that are remembered before the memory starts anew; chosen.
 const MOST_REMEMBERED: usize = 3;
 
 /// The memory of one iteration.
@@ -25,7 +25,7 @@ impl Mixing {
         let mut next = x + f;
         if let Some((last_x, last_f)) = self.last.replace((x.clone(), f.clone())) {
             if self.remembered.len() == MOST_REMEMBERED {
-                // The basis is orthogonal from the oldest on, so it starts anew.
+                // Each direction is orthogonal to the older ones, so none can be dropped alone.
                 self.remembered.clear();
             }
             let (mut change, mut step) = (f - &last_f, x - &last_x + f - &last_f);

@@ -129,7 +129,7 @@ impl Reduced {
         let residual = self.form.at(point);
         let nearest = self.anchors.iter().map(|anchor| (anchor.distance(point), anchor));
         let Some((_, anchor)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return self.from_spectrum(&system, &residual, Some(Doubt::NoStart));
+            return self.by_spectrum(&system, &residual, Some(Doubt::NoStart));
         };
         let goal = Goal {
             rectangle: &self.rectangle,
@@ -141,7 +141,7 @@ impl Reduced {
                 let route = Route::Followed { corrections: found.corrections };
                 Ok(self.judged(&system, &residual, found.lambdas, found.shapes, route, found.multiply_adds))
             }
-            Err(doubt) => self.from_spectrum(&system, &residual, Some(doubt)),
+            Err(doubt) => self.by_spectrum(&system, &residual, Some(doubt)),
         }
     }
 
@@ -150,7 +150,7 @@ impl Reduced {
     /// # Errors
     /// As [`Reduced::modes`].
     pub fn modes_by_spectrum(&self, point: &OperatingPoint) -> Result<ReducedModes, SparseError> {
-        self.from_spectrum(&self.system.assemble(point)?, &self.form.at(point), None)
+        self.by_spectrum(&self.system.assemble(point)?, &self.form.at(point), None)
     }
 
     /// The residual of any pair (lambda, V y) at a point.
@@ -186,7 +186,7 @@ impl Reduced {
         self.anchors.iter().map(|anchor| anchor.distance(point)).fold(f64::INFINITY, f64::min)
     }
 
-    fn from_spectrum(
+    fn by_spectrum(
         &self,
         system: &SecondOrder,
         residual: &ResidualAt,
