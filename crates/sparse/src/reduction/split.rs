@@ -83,8 +83,8 @@ mod tests {
         for (at, &lambda) in lambdas.iter().enumerate() {
             let q = m.map(Complex::from) * lambda * lambda + c.map(Complex::from) * lambda + k.map(Complex::from);
             let expected = q * y.column(at);
-            assert!((vector(&found, at) - &expected).norm() < 1e-13);
-            assert!((norm_squared(&found, at) - expected.norm_squared()).abs() < 1e-11);
+            assert!((vector(&found, at) - &expected).norm() < 1e-14 * expected.norm());
+            assert!((norm_squared(&found, at) - expected.norm_squared()).abs() < 1e-13 * expected.norm_squared());
         }
         assert_eq!((count(&split), vector(&split, 1)), (3, y.column(1).into_owned()));
     }
