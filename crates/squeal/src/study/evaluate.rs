@@ -4,6 +4,7 @@
 use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
+use num_complex::Complex;
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
@@ -152,6 +153,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let solvers = each.map(|((reference, secular), anchors)| SectorSolver {
             eigen_solver: self.solver,
             reference,
+            plan: self.plan(),
             equation: secular
                 .as_ref()
                 .zip(anchors.as_ref())
@@ -249,8 +251,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
-            let studied = of_sector.unstable.iter().filter(|unstable| self.plan().is_studied(unstable.mode.lambda));
-            for UnstableSectorMode { index, mode, names } in studied {
+            for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
                 outcome.unstable.push(UnstableMode {
@@ -260,7 +261,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                     residual: self.brake.mode_residual(scene, at, mode.lambda, &mode.shape)?,
                 });
             }
-            outcome.divergent += of_sector.modes.real.iter().filter(|&&re| re > 0.0).count() as u32;
+            let is_divergent = |re: &&f64| **re > 0.0 && self.plan().is_studied(Complex::from(**re));
+            outcome.divergent += of_sector.modes.real.iter().filter(is_divergent).count() as u32;
             outcome.undecided += of_sector.undecided;
         }
         outcome.unstable.sort_by_key(|mode| mode.rank);

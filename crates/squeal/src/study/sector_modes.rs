@@ -9,7 +9,7 @@ use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart};
 
 use super::memory::{Memory, timed};
-use super::{ModeLabel, Reference};
+use super::{ModeLabel, Plan, Reference};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -46,6 +46,8 @@ pub(super) struct SectorSolver<'a> {
     pub eigen_solver: &'a dyn EigenSolver,
     /// The modes that give the names.
     pub reference: &'a Reference,
+    /// Which modes are judged.
+    pub plan: &'a Plan,
     /// `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
 }
@@ -76,7 +78,7 @@ impl SectorSolver<'_> {
         let judged: Vec<Result<ModesWithVerdicts, CeaError>> = timed(&mut spent.spectra, || {
             self.eigen_solver.eigenvalues_of_all(systems, work, spectra);
             let judge = |(system, spectrum): (&SecondOrder, &Result<Spectrum, CeaError>)| {
-                ModesWithVerdicts::new(system, spectrum.as_ref().map_err(CeaError::clone)?, work)
+                ModesWithVerdicts::new(system, spectrum.as_ref().map_err(CeaError::clone)?, self.plan, work)
             };
             systems.iter().zip(&*spectra).map(judge).collect()
         });
@@ -92,7 +94,7 @@ impl SectorSolver<'_> {
     /// The modes of this sector in some samples, from the growing modes that its secular equation found; these with names.
     pub fn name_growing(&self, found: &[(Gain, Growing)], memory: &mut Memory) -> Vec<Result<SectorModes, CeaError>> {
         let judged: Vec<ModesWithVerdicts> =
-            found.iter().map(|(_, growing)| ModesWithVerdicts::from_growing(growing)).collect();
+            found.iter().map(|(_, growing)| ModesWithVerdicts::from_growing(growing, self.plan)).collect();
         let lambdas: Vec<(Gain, Vec<Complex<f64>>)> =
             found.iter().zip(&judged).map(|((gain, _), judged)| (*gain, judged.lambdas())).collect();
         let named = self.named_at(&lambdas, memory);
@@ -144,16 +146,20 @@ struct ModesWithVerdicts {
 }
 
 impl ModesWithVerdicts {
-    fn from_growing(Growing { modes, .. }: &Growing) -> Self {
-        let unstable = modes.iter().enumerate().filter(|(_, lambda)| lambda.re > 0.0).map(|(index, _)| index).collect();
+    fn from_growing(Growing { modes, .. }: &Growing, plan: &Plan) -> Self {
+        let is_unstable = |lambda: Complex<f64>| lambda.re > 0.0 && plan.is_studied(lambda);
+        let unstable = (0..modes.len()).filter(|&index| is_unstable(modes[index])).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
         Self { modes, unstable, undecided: 0 }
     }
 
-    fn new(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
+    fn new(system: &SecondOrder, spectrum: &Spectrum, plan: &Plan, work: &mut Workspace) -> Result<Self, CeaError> {
         let modes = Modes::classify(system, spectrum, work)?;
         let (mut unstable, mut undecided) = (Vec::new(), 0);
-        for (index, verdict) in verdicts(system, &modes.oscillatory, spectrum, work)?.into_iter().enumerate() {
+        let studied: Vec<usize> =
+            (0..modes.oscillatory.len()).filter(|&index| plan.is_studied(modes.oscillatory[index])).collect();
+        let lambdas: Vec<_> = studied.iter().map(|&index| modes.oscillatory[index]).collect();
+        for (index, verdict) in studied.into_iter().zip(verdicts(system, &lambdas, spectrum, work)?) {
             match verdict {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
