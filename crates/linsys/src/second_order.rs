@@ -152,7 +152,8 @@ impl SecondOrder {
     pub fn dynamic_stiffness(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let n = self.order();
         let square = lambda * lambda;
-        let mut q = DMatrix::from_fn(n, n, |i, j| square * self.m[(i, j)] + lambda * self.c[(i, j)] + self.k[(i, j)]);
+        let entries = self.m.as_slice().iter().zip(self.c.as_slice()).zip(self.k.as_slice());
+        let mut q = DMatrix::from_iterator(n, n, entries.map(|((&m, &c), &k)| square * m + lambda * c + k));
         for state in 0..self.states() {
             let gain = lambda / (lambda + self.internal.decay[state]);
             for (j, &drive) in self.internal.drive.row(state).iter().enumerate() {
@@ -171,7 +172,8 @@ impl SecondOrder {
     #[must_use]
     pub fn dynamic_stiffness_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
         let n = self.order();
-        let mut q = DMatrix::from_fn(n, n, |i, j| lambda * (2.0 * self.m[(i, j)]) + self.c[(i, j)]);
+        let entries = self.m.as_slice().iter().zip(self.c.as_slice());
+        let mut q = DMatrix::from_iterator(n, n, entries.map(|(&m, &c)| lambda * (2.0 * m) + c));
         for state in 0..self.states() {
             let decay = self.internal.decay[state];
             let gain = decay / ((lambda + decay) * (lambda + decay));

@@ -4,6 +4,7 @@ use linsys::{AffineSystem, Channel, DofMap, LinsysError, OperatingPoint, SecondO
 use nalgebra::DMatrix;
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 
+use crate::product::times;
 use crate::{SparseError, SparseSecondOrder, State};
 
 /// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
@@ -157,7 +158,7 @@ impl SparseAffineSystem {
 
 /// `V^T A V`, exactly symmetric where A is.
 fn projected(matrix: &CscMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
-    let reduced = basis.tr_mul(&(matrix * basis));
+    let reduced = basis.tr_mul(&times(matrix, basis));
     if *matrix == matrix.transpose() { (&reduced + reduced.transpose()) * 0.5 } else { reduced }
 }
 

@@ -11,6 +11,7 @@
 
 mod affine;
 mod error;
+mod product;
 pub mod reduction;
 mod solver;
 mod system;

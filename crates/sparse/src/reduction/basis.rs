@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::{dense, split};
+use crate::product::times;
 use crate::{Eigenpair, SparseError, SparseSecondOrder};
 
 /// What of the full modes at the known points spans the basis.
@@ -72,7 +73,7 @@ pub(super) fn projected_residual(
     let mut x = split::zeros(first.right.len(), modes.len());
     modes.iter().enumerate().for_each(|(at, mode)| split::set(&mut x, at, mode.right.iter().copied()));
     let x = basis * (basis.transpose() * x);
-    let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| matrix * &x);
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(|matrix| times(matrix, &x));
     let mut largest = 0.0_f64;
     for (at, mode) in modes.iter().enumerate() {
         let lambda = mode.lambda;

@@ -9,10 +9,10 @@ use num_complex::Complex;
 
 use super::basis::{ROUNDING, candidates, directions, fewest, projected_residual};
 use super::full;
-use super::norms::Norms;
+use super::norms::{Norms, NormsAt};
 use super::report::{MissedMode, Report, Stage, Why};
 use super::{Options, Reduced};
-use crate::{Eigenpair, Rectangle, SparseAffineSystem, SparseError};
+use crate::{Eigenpair, Rectangle, SparseAffineSystem, SparseError, SparseSecondOrder};
 
 /// Part of the tolerance that the modes at a known point may use, so that there is room between known points.
 const AT_KNOWN_POINTS: f64 = 0.5;
@@ -51,13 +51,14 @@ impl Reduction {
     /// reduced mass matrix that is singular.
     pub fn build(system: &SparseAffineSystem, wanted: &Wanted<'_>, options: &Options) -> Result<Self, SparseError> {
         options.check()?;
-        let mut work = Building { system, wanted, options, norms: Norms::new(system), report: Report::default() };
+        let (norms, report, solved) = (Norms::new(system), Report::default(), Vec::new());
+        let mut work = Building { system, wanted, options, norms, report, solved };
         let mut known: Vec<OperatingPoint> = wanted.points.to_vec();
         let mut modes = Vec::with_capacity(known.len());
         for point in &known {
             modes.push(work.solve(point)?);
         }
-        let mut basis = work.basis(&known, &modes)?;
+        let mut basis = work.basis(&modes)?;
         let mut why = Why::Given;
         let mut quiet = 0;
         loop {
@@ -84,7 +85,7 @@ impl Reduction {
             work.report.missed.extend(missed.into_iter().map(|lambda| MissedMode { training: next, lambda }));
             known.push(point.clone());
             modes.push(found);
-            basis = work.basis(&known, &modes)?;
+            basis = work.basis(&modes)?;
         }
     }
 
@@ -102,25 +103,24 @@ struct Building<'a> {
     options: &'a Options,
     norms: Norms,
     report: Report,
+    /// The systems at the known points, in their order, with their norms.
+    solved: Vec<(SparseSecondOrder, NormsAt)>,
 }
 
 impl Building<'_> {
     /// The full modes at a point.
     fn solve(&mut self, point: &OperatingPoint) -> Result<Vec<Eigenpair>, SparseError> {
         let solver = crate::Options { tolerance: self.options.full_tolerance, ..crate::Options::default() };
-        let (modes, factorisations) = full::solve(&self.system.assemble(point)?, &self.wanted.rectangle, &solver)?;
+        let full = self.system.assemble(point)?;
+        let (modes, factorisations) = full::solve(&full, &self.wanted.rectangle, &solver)?;
+        self.solved.push((full, self.norms.at(point)));
         self.report.full_problems += 1;
         self.report.factorisations += factorisations;
         Ok(modes)
     }
 
-    fn error(&self, point: &OperatingPoint, basis: &DMatrix<f64>, modes: &[Eigenpair]) -> Result<f64, SparseError> {
-        let norms = self.norms.at(point);
-        Ok(projected_residual(&self.system.assemble(point)?, |lambda| norms.size(lambda), basis, modes))
-    }
-
     /// The fewest principal directions of all vectors that hold the modes at all points.
-    fn basis(&self, points: &[OperatingPoint], modes: &[Vec<Eigenpair>]) -> Result<DMatrix<f64>, SparseError> {
+    fn basis(&self, modes: &[Vec<Eigenpair>]) -> Result<DMatrix<f64>, SparseError> {
         let empty = DMatrix::zeros(self.system.order(), 0);
         let all: Vec<Eigenpair> = modes.iter().flatten().cloned().collect();
         let found = directions(&empty, candidates(&all, self.options.vectors), ROUNDING)?;
@@ -132,8 +132,12 @@ impl Building<'_> {
             });
         }
         let error = |basis: &DMatrix<f64>| {
-            let errors = points.iter().zip(modes).map(|(point, modes)| self.error(point, basis, modes));
-            errors.fold(0.0, |largest: f64, error| largest.max(error.unwrap_or(1.0)))
+            let errors = self
+                .solved
+                .iter()
+                .zip(modes)
+                .map(|((full, norms), modes)| projected_residual(full, |lambda| norms.size(lambda), basis, modes));
+            errors.fold(0.0, f64::max)
         };
         Ok(fewest(&empty, &found, self.options.most_columns, AT_KNOWN_POINTS * self.options.tolerance, error))
     }

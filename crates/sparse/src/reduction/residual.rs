@@ -17,6 +17,7 @@ use num_complex::Complex;
 
 use super::norms::{Norms, NormsAt};
 use super::{dense, split};
+use crate::product::times;
 use crate::{SparseAffineSystem, SparseError};
 
 /// The parts of the stacked terms that are orthogonal to the basis.
@@ -53,6 +54,46 @@ pub(super) struct Truncation<'a> {
     pub floor: f64,
 }
 
+/// `A V` of a matrix of one term as columns of the stack.
+struct Block {
+    term: usize,
+    /// 0 for M, 1 for C, 2 for K.
+    power: usize,
+    /// What the columns are multiplied by in the stack.
+    weight: f64,
+    /// Its columns in the stack.
+    columns: DMatrix<f64>,
+    start: usize,
+    width: usize,
+    /// Of a matrix with few rows that are not zero, such as the springs of a patch of contact, the columns are unit vectors of these
+    /// rows, and `A V` is their product with this.
+    factor: Option<DMatrix<f64>>,
+}
+
+impl Block {
+    fn new(term: usize, power: usize, weight: f64, image: &DMatrix<f64>) -> Self {
+        let sizes: Vec<(usize, f64)> =
+            image.row_iter().map(|row| row.norm()).enumerate().filter(|row| row.1 > 0.0).collect();
+        let (columns, factor) = if sizes.len() < image.ncols() {
+            let mut units = DMatrix::zeros(image.nrows(), sizes.len());
+            let mut factor = DMatrix::zeros(sizes.len(), image.ncols());
+            for (at, &(row, size)) in sizes.iter().enumerate() {
+                units[(row, at)] = size;
+                factor.set_row(at, &(image.row(row) / size));
+            }
+            (units, Some(factor))
+        } else {
+            (image.clone(), None)
+        };
+        Self { term, power, weight, columns, start: 0, width: 0, factor }
+    }
+
+    /// What its columns became, as what `A V` becomes.
+    fn through(&self, columns: DMatrix<f64>) -> DMatrix<f64> {
+        self.factor.as_ref().map_or_else(|| columns.clone(), |factor| &columns * factor)
+    }
+}
+
 impl ResidualForm {
     /// The form of a system over the orthonormal columns of `basis`.
     pub fn new(
@@ -63,15 +104,14 @@ impl ResidualForm {
         let (n, k, norms) = (system.order(), basis.ncols(), Norms::new(system));
         let &Truncation { points, largest, floor } = truncation;
         let greatest = |of: &dyn Fn(&OperatingPoint) -> f64| points.iter().map(|at| of(at).abs()).fold(0.0, f64::max);
-        let mut blocks: Vec<(usize, usize, f64)> = Vec::new();
-        let mut columns: Vec<DMatrix<f64>> = Vec::new();
+        let mut blocks: Vec<Block> = Vec::new();
         for (at, term) in system.terms().iter().enumerate() {
             let theta = greatest(&|point| point.coefficients[at]);
             let matrices = [&term.matrices.m, &term.matrices.c, &term.matrices.k];
             for (power, (matrix, scale)) in matrices.into_iter().zip([largest * largest, largest, 1.0]).enumerate() {
                 if matrix.nnz() > 0 {
-                    columns.push(matrix * basis);
-                    blocks.push((at, power, if theta > 0.0 { theta * scale } else { scale }));
+                    let weight = if theta > 0.0 { theta * scale } else { scale };
+                    blocks.push(Block::new(at, power, weight, &times(matrix, basis)));
                 }
             }
         }
@@ -93,15 +133,18 @@ impl ResidualForm {
                 if weight > 0.0 { weight } else { reading.norm().max(force.norm()) }
             })
             .collect();
-        let width = columns.len() * k + sides.len();
-        let mut stack = DMatrix::zeros(n, width);
-        for (block, ((_, _, weight), columns)) in blocks.iter().zip(&columns).enumerate() {
-            stack.columns_mut(block * k, k).copy_from(&(columns * *weight));
+        let of_blocks: usize = blocks.iter().map(|block| block.columns.ncols()).sum();
+        let mut stack = DMatrix::zeros(n, of_blocks + sides.len());
+        let mut start = 0;
+        for block in &mut blocks {
+            let columns = std::mem::replace(&mut block.columns, DMatrix::zeros(0, 0));
+            (block.start, block.width) = (start, columns.ncols());
+            stack.columns_mut(start, block.width).copy_from(&(columns * block.weight));
+            start += block.width;
         }
         for (at, ((force, _), weight)) in sides.iter().zip(&weights).enumerate() {
-            stack.set_column(columns.len() * k + at, &(force * *weight));
+            stack.set_column(of_blocks + at, &(force * *weight));
         }
-        drop(columns);
         // nalgebra's `tr_mul` is not blocked; this product is.
         let transposed = basis.transpose();
         for _ in 0..2 {
@@ -115,14 +158,14 @@ impl ResidualForm {
         let empty = || DMatrix::zeros(0, k);
         let mut terms: Vec<_> = system.terms().iter().map(|_| [empty(), empty(), empty()]).collect();
         let mut dropped = (vec![[0.0; 3]; terms.len()], vec![0.0; sides.len()]);
-        for (block, &(at, power, weight)) in blocks.iter().enumerate() {
-            let columns = r.columns(block * k, k);
-            terms[at][power] = columns.rows(0, rank) / weight;
-            dropped.0[at][power] = columns.rows(rank, r.nrows() - rank).norm() / weight;
+        for block in &blocks {
+            let columns = block.through(r.columns(block.start, block.width).into_owned());
+            terms[block.term][block.power] = columns.rows(0, rank) / block.weight;
+            dropped.0[block.term][block.power] = columns.rows(rank, r.nrows() - rank).norm() / block.weight;
         }
         let mut channels = Vec::with_capacity(sides.len());
         for (at, ((force, reading), weight)) in sides.iter().zip(&weights).enumerate() {
-            let column = r.column(blocks.len() * k + at);
+            let column = r.column(of_blocks + at);
             let scale = if *weight > 0.0 { 1.0 / weight } else { 0.0 };
             channels.push([column.rows(0, rank) * scale, basis.tr_mul(force), basis.tr_mul(reading)]);
             dropped.1[at] = column.rows(rank, r.nrows() - rank).norm() * scale;

@@ -164,6 +164,10 @@ pub struct StudySource {
     pub text: String,
 }
 
+/// How much lower and higher than the band of a study the modes are that may come into it, as a factor; chosen: friction and
+/// open contacts move a mode by less.
+const BAND_MARGIN: f64 = 1.2;
+
 /// All scenes of a study.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -259,6 +263,11 @@ impl Plan {
     /// Whether a mode with this eigenvalue is studied.
     pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
         self.band.is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
+    }
+
+    /// Whether the reference modes have one with this eigenvalue: those that are studied, and neighbours that may become one.
+    pub fn is_followed(&self, lambda: Complex<f64>) -> bool {
+        self.band.is_none_or(|[from, to]| (from / BAND_MARGIN..=to * BAND_MARGIN).contains(&lambda.im))
     }
 
     /// The configuration of a scene.

@@ -56,15 +56,17 @@ pub struct SectoredReference {
 }
 
 impl Reference {
-    /// The modes of `system`, without names.
+    /// The modes of `system` that a plan follows, without names, and all that there are.
     pub(super) fn unnamed(
         solver: &dyn EigenSolver,
         system: SecondOrder,
+        plan: &Plan,
         work: &mut Workspace,
     ) -> Result<(Self, Modes), Error> {
         let spectrum = solver.eigenvalues(&system, work)?;
         let found = Modes::classify(&system, &spectrum, work)?;
-        let modes = Mode::at(&system, &found.oscillatory, work)?;
+        let followed: Vec<_> = found.oscillatory.iter().copied().filter(|&lambda| plan.is_followed(lambda)).collect();
+        let modes = Mode::at(&system, &followed, work)?;
         Ok((Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None }, found))
     }
 
@@ -154,9 +156,10 @@ impl Reference {
         solver: &dyn EigenSolver,
         system: SecondOrder,
         near: bool,
+        plan: &Plan,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
-        let (mut next, _) = Self::unnamed(solver, system, work)?;
+        let (mut next, _) = Self::unnamed(solver, system, plan, work)?;
         if let Some(shapes) = &self.shapes {
             next.names = shapes.names_of(&next.modes, &next.system.m);
             next.shapes = Some(shapes.clone());
@@ -194,7 +197,7 @@ pub(super) fn references(
     progress: &dyn Progress,
 ) -> Result<References, Error> {
     let origin = |origin: &Origin| {
-        let named = of_origin(origin, solver)?;
+        let named = of_origin(origin, plan, solver)?;
         Ok(match plan.mode_identity {
             ModeIdentity::Continuation => named,
             ModeIdentity::Mac => named.naming_by_likeness(),
@@ -202,7 +205,7 @@ pub(super) fn references(
     };
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |configuration: &Configuration| {
-        let found = of_configuration(configuration, &origins[configuration.origin], solver);
+        let found = of_configuration(configuration, &origins[configuration.origin], plan, solver);
         progress.advance(1);
         found.map_err(|source| Error::Scene {
             scene: format!("contact {}", configuration.contacts),
@@ -212,7 +215,7 @@ pub(super) fn references(
     let configurations =
         plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
-        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], solver);
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], plan, solver);
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
@@ -221,14 +224,16 @@ pub(super) fn references(
 }
 
 /// The modes of an origin, each named by its frequency rank.
-fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Error> {
+fn of_origin(origin: &Origin, plan: &Plan, solver: &dyn EigenSolver) -> Result<Reference, Error> {
     let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
-    let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, &mut work);
+    let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, plan, &mut work);
     let (mut parts, found): (Vec<_>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
-    for (part, ranks) in parts.iter_mut().zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
-        part.names = ranks.into_iter().map(|rank| vec![ModeLabel::of_rank(rank)]).collect();
+    let ranks = ranks_together(&found.iter().collect::<Vec<_>>());
+    for ((part, all), ranks) in parts.iter_mut().zip(&found).zip(ranks) {
+        let followed = all.oscillatory.iter().zip(ranks).filter(|(lambda, _)| plan.is_followed(**lambda));
+        part.names = followed.map(|(_, rank)| vec![ModeLabel::of_rank(rank)]).collect();
         part.open_equal_modes();
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
@@ -237,6 +242,7 @@ fn of_origin(origin: &Origin, solver: &dyn EigenSolver) -> Result<Reference, Err
 fn of_configuration(
     configuration: &Configuration,
     origin: &Reference,
+    plan: &Plan,
     solver: &dyn EigenSolver,
 ) -> Result<SectoredReference, Error> {
     let Configuration { brake, naming_point, .. } = configuration;
@@ -247,20 +253,21 @@ fn of_configuration(
     }
     // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
     // together.
-    SectoredReference::linked(&from, solver, &brake.sectors, system, false)
+    SectoredReference::linked(&from, solver, &brake.sectors, system, false, plan)
 }
 
 fn of_scene(
     brake: &Brake,
     at: &OperatingPoint,
     configuration: &SectoredReference,
+    plan: &Plan,
     solver: &dyn EigenSolver,
 ) -> Result<SectoredReference, Error> {
     let system = brake.system.assemble(at)?;
     if system == configuration.whole.system {
         return Ok(configuration.clone());
     }
-    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, true)
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, true, plan)
 }
 
 impl SectoredReference {
@@ -271,10 +278,12 @@ impl SectoredReference {
         sectors: &Sectors,
         system: SecondOrder,
         near: bool,
+        plan: &Plan,
     ) -> Result<Self, Error> {
         let mut work = bounded_workspace(system.order());
-        let of_sector =
-            |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, near, &mut work);
+        let of_sector = |(from, sector): (&Reference, &Sector)| {
+            from.linked(solver, sector.reduced(&system)?, near, plan, &mut work)
+        };
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { whole: Reference::joined(system, sectors, &parts), sectors: parts })
     }

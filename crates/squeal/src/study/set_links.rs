@@ -6,7 +6,7 @@
 //! limit would end in the same modes, but push those of what is held up through all others, which exchange shapes with them on
 //! the way.
 
-use cea::{EigenSolver, Mode, Workspace};
+use cea::{EigenSolver, Mode, Modes, Workspace};
 use linsys::{DofMap, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -124,13 +124,14 @@ fn modes_of_held(
     let places: Vec<usize> = (0..held.len()).filter(|&i| held[i]).collect();
     let part = |matrix: &DMatrix<f64>| matrix.select_rows(&places).select_columns(&places);
     let alone = SecondOrder::new(part(&system.m), part(&system.c), part(&system.k))?;
-    let (reference, _) = Reference::unnamed(solver, alone, work)?;
+    let spectrum = solver.eigenvalues(&alone, work)?;
+    let found = Modes::classify(&alone, &spectrum, work)?;
     let expand = |mode: Mode| {
         let mut shape = DVector::zeros(held.len());
         places.iter().zip(mode.shape.iter()).for_each(|(&i, &u)| shape[i] = u);
         Mode { lambda: mode.lambda, shape }
     };
-    Ok(reference.modes.into_iter().map(expand).collect())
+    Ok(Mode::at(&alone, &found.oscillatory, work)?.into_iter().map(expand).collect())
 }
 
 /// The system with nothing between what is held and the rest; what is held is left to itself.

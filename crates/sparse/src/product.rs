@@ -1,0 +1,30 @@
+//! The product of a sparse and a dense matrix, column by column: that of `nalgebra-sparse` goes along rows of the dense matrix
+//! and takes several times as long.
+
+use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
+
+/// `A X`, n x k, of a sparse A, n x n, and a dense X, n x k.
+pub(crate) fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut product = DMatrix::zeros(a.nrows(), x.ncols());
+    for (mut sums, factors) in product.column_iter_mut().zip(x.column_iter()) {
+        for (column, &factor) in a.col_iter().zip(factors.iter()) {
+            for (&row, &value) in column.row_indices().iter().zip(column.values()) {
+                sums[row] += value * factor;
+            }
+        }
+    }
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_product_is_that_of_the_full_matrices() {
+        let a = DMatrix::from_fn(5, 5, |i, j| if (i + 2 * j) % 3 == 0 { (1 + i + 5 * j) as f64 } else { 0.0 });
+        let x = DMatrix::from_fn(5, 3, |i, j| (i * j) as f64 - 2.0);
+        assert_eq!(times(&CscMatrix::from(&a), &x), a * x);
+    }
+}
