@@ -85,6 +85,7 @@ pub mod output;
 pub mod report;
 mod run;
 pub mod study;
+pub mod sweep;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;

@@ -1,0 +1,218 @@
+//! A sweep over one parameter: branches with names, onsets, coalescences.
+
+use cea::EigenSolver;
+use num_complex::Complex;
+use serde::Serialize;
+use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
+
+use super::coalescence::{Candidate, Coalescence, candidates, settle};
+use super::family::{DIFFERENCE, Evaluations, Family, Line, SHORTEST_STEP};
+use super::names::{Names, carry, in_words, names_at};
+use super::parameter::{Over, SweptParameter, swept};
+use crate::Error;
+use crate::study::{Study, UncertainBrake};
+
+/// A branch of the root locus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedBranch {
+    /// Candidates for the name of its mode: "16", or "16|20" where a coalescence leaves it open, or "?".
+    pub mode: String,
+    /// The parameter, ascending, and the eigenvalue there with its derivative.
+    pub points: Vec<(f64, BranchPoint)>,
+}
+
+/// An onset with the mode that crosses the axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepOnset {
+    /// The parameter.
+    pub at: f64,
+    /// Bound of the error of `at` by rounding.
+    pub error: f64,
+    /// Im lambda, rad/s.
+    pub omega: f64,
+    /// Whether the mode starts to grow where the parameter grows, or stops.
+    pub starts: bool,
+    /// Candidates for the name of the mode.
+    pub mode: String,
+}
+
+/// What a sweep over one parameter found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The parameter.
+    pub parameter: SweptParameter,
+    /// Branches, as [`RootLocus`] has them.
+    pub branches: Vec<NamedBranch>,
+    /// Steps in which branches end and others begin.
+    pub ambiguities: Vec<Ambiguity>,
+    /// Onsets, ascending.
+    pub onsets: Vec<SweepOnset>,
+    /// Steps in which a mode comes so near the axis that it is not known whether it crosses.
+    pub unresolved: Vec<(f64, f64)>,
+    /// Coalescences, ascending.
+    pub coalescences: Vec<Coalescence>,
+    /// Unstable modes at the lower end.
+    pub unstable_at_start: usize,
+    /// What was computed.
+    pub evaluations: Evaluations,
+    /// Spectra of a grid with equal steps as short as the shortest of this sweep.
+    pub fine_grid: u64,
+}
+
+/// Sweeps one parameter of a scene of a study. All modes must oscillate in all of the range.
+///
+/// # Errors
+/// A parameter or range that the scene does not have, a value that the brake refuses, and those of
+/// [`find_onsets`] and [`root_locus`].
+pub fn sweep<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    over: &Over,
+    solver: &dyn EigenSolver,
+) -> Result<Sweep, Error> {
+    let brake = study.brake();
+    let of_scene = &brake.plan().scenes[scene];
+    let parameters = swept(brake, of_scene, std::slice::from_ref(over))?;
+    let family = Family { brake, scene: of_scene, solver, parameters };
+    let parameter = family.parameters[0].clone();
+    let (from, to, median) = (parameter.from, parameter.to, parameter.median);
+    // What the brake refuses it refuses at the ends already.
+    for end in [from, to] {
+        family.system(&[end])?;
+    }
+    let mut branches = family.along(Line {
+        start: vec![0.0],
+        direction: vec![1.0],
+        bounds: [from.min(median), to.max(median)],
+        difference: DIFFERENCE * (to - from),
+    });
+    let smallest = SHORTEST_STEP * (to - from);
+    let found = find_onsets(&mut branches, from, to, smallest)?;
+    let locus = root_locus(&mut branches, from, to, smallest)?;
+    let known = branches.known_between(from, to);
+    let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
+    let named_at = *locus_parameters(&locus).iter().min_by(nearest).unwrap_or(&from);
+    let names = branch_names(&mut branches, &locus, &study.references()[scene], [median, named_at])?;
+    let coalescences = coalescences(&mut branches, &locus, &names, [from, to])?;
+    let shortest = known.windows(2).map(|step| step[1] - step[0]).fold(f64::INFINITY, f64::min);
+    let unstable_at_start = branches.lambdas(from)?.iter().filter(|lambda| lambda.re >= 0.0).count();
+    let evaluations = Evaluations::of(branches.counters());
+    let Onsets { onsets, unresolved } = found;
+    let onset = |onset: Onset| SweepOnset {
+        at: onset.at,
+        error: onset.error,
+        omega: onset.omega,
+        starts: onset.destabilises,
+        mode: in_words(&names_of_onset(&locus, &names, &onset)),
+    };
+    let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch {
+        mode: in_words(names),
+        points: branch.points,
+    };
+    Ok(Sweep {
+        onsets: onsets.into_iter().map(onset).collect(),
+        branches: locus.branches.into_iter().zip(&names).map(named).collect(),
+        ambiguities: locus.ambiguities,
+        parameter,
+        unresolved,
+        coalescences,
+        unstable_at_start,
+        evaluations,
+        fine_grid: ((to - from) / shortest).ceil() as u64 + 1,
+    })
+}
+
+/// The parameters at which branches have points, ascending.
+fn locus_parameters(locus: &RootLocus) -> Vec<f64> {
+    let mut all: Vec<f64> = locus.branches.iter().flat_map(|branch| &branch.points).map(|point| point.0).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The names of all branches, from those that they have next to the median.
+fn branch_names<B: Branches<Error = Error>>(
+    branches: &mut B,
+    locus: &RootLocus,
+    reference: &crate::study::Reference,
+    [median, named_at]: [f64; 2],
+) -> Result<Vec<Names>, Error> {
+    let of_modes = names_at(branches, reference, median, named_at)?;
+    let mut names = vec![Names::new(); locus.branches.len()];
+    let lambdas = branches.lambdas(named_at)?;
+    for (branch, names) in locus.branches.iter().zip(&mut names) {
+        let here = branch.points.iter().find(|point| point.0 == named_at);
+        let index = here.and_then(|(_, point)| lambdas.iter().position(|lambda| *lambda == point.lambda));
+        if let Some(index) = index {
+            names.clone_from(&of_modes[index]);
+        }
+    }
+    carry(&mut names, &locus.ambiguities, named_at);
+    Ok(names)
+}
+
+/// Candidates for the mode of an onset: those of the branch that is nearest to the axis there, or of all that end next to it.
+fn names_of_onset(locus: &RootLocus, names: &[Names], onset: &Onset) -> Names {
+    let lambda = Complex::new(0.0, onset.omega);
+    let distance = |branch: &tracking::Branch| {
+        let step = branch.points.windows(2).find(|step| step[0].0 <= onset.at && onset.at <= step[1].0)?;
+        let [(from, a), (to, b)] = [step[0], step[1]];
+        let forward = a.lambda + a.rate * (onset.at - from);
+        let backward = b.lambda + b.rate * (onset.at - to);
+        Some((forward - lambda).norm().min((backward - lambda).norm()))
+    };
+    let alive = locus.branches.iter().enumerate().filter_map(|(at, branch)| Some((at, distance(branch)?)));
+    let nearest = alive.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| names[at].clone());
+    let ambiguity = locus.ambiguities.iter().find(|step| (step.from..=step.to).contains(&onset.at));
+    let open = ambiguity.map(|step| step.before.iter().flat_map(|&branch| names[branch].clone()).collect::<Names>());
+    open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default()
+}
+
+/// Every coalescence in a range, ascending.
+fn coalescences<B: Branches<Error = Error>>(
+    branches: &mut B,
+    locus: &RootLocus,
+    names: &[Names],
+    [from, to]: [f64; 2],
+) -> Result<Vec<Coalescence>, Error> {
+    let parameters = locus_parameters(locus);
+    let mut open: Vec<Candidate> = Vec::new();
+    for (place, &at) in parameters.iter().enumerate() {
+        let points: Vec<(usize, BranchPoint)> = locus
+            .branches
+            .iter()
+            .enumerate()
+            .filter_map(|(index, branch)| {
+                let point = branch.points.binary_search_by(|point| point.0.total_cmp(&at)).ok()?;
+                Some((index, branch.points[point].1))
+            })
+            .collect();
+        let before = if place == 0 { from } else { parameters[place - 1] };
+        let after = parameters.get(place + 1).copied().unwrap_or(to);
+        open.extend(candidates(at, &points, [before, after]));
+    }
+    let mut found: Vec<(Coalescence, Complex<f64>)> = Vec::new();
+    for candidate in open {
+        let Some(branch_point) = settle(branches, &candidate, [from, to])? else { continue };
+        let (at, lambda) = (branch_point.at, branch_point.lambda);
+        // Of a pair of real matrices the branch points come in conjugate pairs of parameters, with other pairs of eigenvalues.
+        let same = |other: &(Coalescence, Complex<f64>)| {
+            (other.1 - at).norm() <= 1e-6 * (to - from) && (other.0.omega - lambda.im).abs() <= 1e-6 * lambda.im.abs()
+        };
+        if found.iter().any(same) {
+            continue;
+        }
+        let modes = candidate.branches.map(|branch| in_words(&names[branch]));
+        let coalescence = Coalescence {
+            at: at.re,
+            distance: at.im.abs(),
+            error: branch_point.error,
+            omega: lambda.im,
+            growth: lambda.re,
+            modes,
+        };
+        found.push((coalescence, at));
+    }
+    found.sort_by(|a, b| a.0.at.total_cmp(&b.0.at).then(a.0.omega.total_cmp(&b.0.omega)));
+    Ok(found.into_iter().map(|(coalescence, _)| coalescence).collect())
+}
