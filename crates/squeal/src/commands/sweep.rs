@@ -81,6 +81,11 @@ impl SweepArgs {
         let study = Study::new(brake, &QrSolver)?;
         eprintln!("study {:?}", start.elapsed());
         let start = std::time::Instant::now();
+        if let [a, b] = &self.over[..] {
+            let found = crate::sweep::stability_map(&study, 0, &[a.clone(), b.clone()], &QrSolver)?;
+            eprintln!("map {:?}", start.elapsed());
+            return Ok(format!("{:#?} {:?} {:?} {} {:?}", found.curves.iter().map(|c| (c.mode.clone(), c.ends, c.points.len(), c.points[0], c.points[c.points.len()-1])).collect::<Vec<_>>(), found.regions, found.contradicted, found.unresolved, found.evaluations));
+        }
         let found = sweep(&study, 0, &self.over[0], &QrSolver)?;
         eprintln!("sweep {:?}", start.elapsed());
         Ok(format!("{:#?} {:#?} {:#?} {:?} {} {:?} {}", found.onsets, found.coalescences, found.ambiguities, found.evaluations, found.fine_grid,

@@ -8,13 +8,20 @@
 //! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
 //! branches ask for it: [`Evaluations`] counts them.
 
+mod boundary;
 mod coalescence;
+mod eigenpair;
 mod family;
+mod map;
 mod names;
 mod one_parameter;
 mod parameter;
+mod regions;
 
+pub use boundary::CurveEnd;
 pub use coalescence::Coalescence;
 pub use family::Evaluations;
+pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
 pub use one_parameter::{NamedBranch, Sweep, SweepOnset, sweep};
 pub use parameter::{Over, SweptParameter};
+pub use regions::{Region, Run};

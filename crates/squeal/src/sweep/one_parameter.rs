@@ -2,15 +2,16 @@
 
 use cea::EigenSolver;
 use num_complex::Complex;
+use rayon::prelude::*;
 use serde::Serialize;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, candidates, settle};
-use super::family::{DIFFERENCE, Evaluations, Family, Line, SHORTEST_STEP};
+use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::parameter::{Over, SweptParameter, swept};
+use super::parameter::{Over, SweptParameter};
 use crate::Error;
-use crate::study::{Study, UncertainBrake};
+use crate::study::{Reference, Study, UncertainBrake};
 
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +56,9 @@ pub struct Sweep {
     pub unstable_at_start: usize,
     /// What was computed.
     pub evaluations: Evaluations,
-    /// Spectra of a grid with equal steps as short as the shortest of this sweep.
+    /// The shortest step of a branch.
+    pub shortest_step: f64,
+    /// Parameters on a grid of equal steps as short as the shortest.
     pub fine_grid: u64,
 }
 
@@ -70,34 +73,74 @@ pub fn sweep<B: UncertainBrake>(
     over: &Over,
     solver: &dyn EigenSolver,
 ) -> Result<Sweep, Error> {
-    let brake = study.brake();
-    let of_scene = &brake.plan().scenes[scene];
-    let parameters = swept(brake, of_scene, std::slice::from_ref(over))?;
-    let family = Family { brake, scene: of_scene, solver, parameters };
+    let family = Family::new(study, scene, std::slice::from_ref(over), solver)?;
     let parameter = family.parameters[0].clone();
-    let (from, to, median) = (parameter.from, parameter.to, parameter.median);
-    // What the brake refuses it refuses at the ends already.
-    for end in [from, to] {
-        family.system(&[end])?;
+    let (from, to) = (parameter.from, parameter.to);
+    let of_part = |part: &Part<'_, B>| of_part(part, &parameter);
+    let parts = family.parts()?.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+    let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
+    let mut sweep = parts.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter), Sweep::joined);
+    sweep.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
+    sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
+    sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
+    sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sweep.fine_grid = ((to - from) / sweep.shortest_step).ceil() as u64 + 1;
+    Ok(sweep)
+}
+
+impl Sweep {
+    fn empty(parameter: SweptParameter) -> Self {
+        Self {
+            shortest_step: parameter.to - parameter.from,
+            parameter,
+            branches: Vec::new(),
+            ambiguities: Vec::new(),
+            onsets: Vec::new(),
+            unresolved: Vec::new(),
+            coalescences: Vec::new(),
+            unstable_at_start: 0,
+            evaluations: Evaluations::default(),
+            fine_grid: 0,
+        }
     }
-    let mut branches = family.along(Line {
+
+    /// This sweep of some sectors with that of another one.
+    fn joined(mut self, other: Self) -> Self {
+        let first = self.branches.len();
+        let shifted = |branches: Vec<usize>| branches.into_iter().map(|branch| first + branch).collect();
+        self.ambiguities.extend(other.ambiguities.into_iter().map(|ambiguity| Ambiguity {
+            before: shifted(ambiguity.before),
+            after: shifted(ambiguity.after),
+            ..ambiguity
+        }));
+        self.branches.extend(other.branches);
+        self.onsets.extend(other.onsets);
+        self.unresolved.extend(other.unresolved);
+        self.coalescences.extend(other.coalescences);
+        self.unstable_at_start += other.unstable_at_start;
+        self.evaluations += other.evaluations;
+        self.shortest_step = self.shortest_step.min(other.shortest_step);
+        self
+    }
+}
+
+/// The sweep of one sector.
+fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) -> Result<Sweep, Error> {
+    let &SweptParameter { from, to, median, .. } = parameter;
+    let mut branches = part.along(Line {
         start: vec![0.0],
         direction: vec![1.0],
         bounds: [from.min(median), to.max(median)],
         difference: DIFFERENCE * (to - from),
     });
     let smallest = SHORTEST_STEP * (to - from);
-    let found = find_onsets(&mut branches, from, to, smallest)?;
+    let Onsets { onsets, unresolved } = find_onsets(&mut branches, from, to, smallest)?;
     let locus = root_locus(&mut branches, from, to, smallest)?;
-    let known = branches.known_between(from, to);
+    let parameters = locus_parameters(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
-    let named_at = *locus_parameters(&locus).iter().min_by(nearest).unwrap_or(&from);
-    let names = branch_names(&mut branches, &locus, &study.references()[scene], [median, named_at])?;
+    let named_at = *parameters.iter().min_by(nearest).unwrap_or(&from);
+    let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
     let coalescences = coalescences(&mut branches, &locus, &names, [from, to])?;
-    let shortest = known.windows(2).map(|step| step[1] - step[0]).fold(f64::INFINITY, f64::min);
-    let unstable_at_start = branches.lambdas(from)?.iter().filter(|lambda| lambda.re >= 0.0).count();
-    let evaluations = Evaluations::of(branches.counters());
-    let Onsets { onsets, unresolved } = found;
     let onset = |onset: Onset| SweepOnset {
         at: onset.at,
         error: onset.error,
@@ -105,20 +148,22 @@ pub fn sweep<B: UncertainBrake>(
         starts: onset.destabilises,
         mode: in_words(&names_of_onset(&locus, &names, &onset)),
     };
+    let onsets = onsets.into_iter().map(onset).collect();
+    let unstable_at_start = branches.lambdas(from)?.iter().filter(|lambda| lambda.re >= 0.0).count();
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch {
         mode: in_words(names),
         points: branch.points,
     };
     Ok(Sweep {
-        onsets: onsets.into_iter().map(onset).collect(),
+        onsets,
         branches: locus.branches.into_iter().zip(&names).map(named).collect(),
         ambiguities: locus.ambiguities,
-        parameter,
         unresolved,
         coalescences,
         unstable_at_start,
-        evaluations,
-        fine_grid: ((to - from) / shortest).ceil() as u64 + 1,
+        evaluations: Evaluations::of(branches.counters()),
+        shortest_step: parameters.windows(2).map(|step| step[1] - step[0]).fold(to - from, f64::min),
+        ..Sweep::empty(parameter.clone())
     })
 }
 
@@ -134,7 +179,7 @@ fn locus_parameters(locus: &RootLocus) -> Vec<f64> {
 fn branch_names<B: Branches<Error = Error>>(
     branches: &mut B,
     locus: &RootLocus,
-    reference: &crate::study::Reference,
+    reference: &Reference,
     [median, named_at]: [f64; 2],
 ) -> Result<Vec<Names>, Error> {
     let of_modes = names_at(branches, reference, median, named_at)?;
