@@ -24,8 +24,8 @@ const LARGEST_TURN: f64 = 0.966;
 const SMALL_TURN: f64 = 0.9945;
 /// Largest correction, as a part of the step; chosen.
 const LARGEST_CORRECTION: f64 = 0.2;
-/// Largest departure of lambda from its tangents, as a part of its change; chosen.
-const LARGEST_DEPARTURE: f64 = 0.1;
+/// Largest departure of lambda from its tangents, as a part of its change over a step of that length up the steepest way; chosen.
+const LARGEST_DEPARTURE: f64 = 0.05;
 /// Least likeness of shapes at the ends of a step; chosen.
 const LEAST_LIKENESS: f64 = 0.8;
 /// Distance from the curve at which a point is on it: rounding of coordinates near 1; chosen.
@@ -106,8 +106,7 @@ pub(super) struct Tracer<'a, B: UncertainBrake> {
 
 impl<B: UncertainBrake> Tracer<'_, B> {
     fn system(&self, at: Vector2<f64>) -> Result<linsys::SecondOrder, Error> {
-        let parameters = &self.part.family.parameters;
-        self.part.system(&[parameters[0].at(at.x), parameters[1].at(at.y)])
+        self.part.system(&[at.x, at.y])
     }
 
     /// A point whose eigenpair is known.
@@ -243,13 +242,11 @@ fn to_edge(at: Vector2<f64>, along: Vector2<f64>) -> (f64, usize) {
 /// Whether a point continues a curve.
 fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: f64) -> bool {
     let by = next.at - here.at;
-    let changes = [here.change(by), next.change(by)];
-    let size = changes[0].norm().max(changes[1].norm());
-    let departure = link_error([here.pair.lambda, next.pair.lambda], changes);
+    let departure = link_error([here.pair.lambda, next.pair.lambda], [here.change(by), next.change(by)]);
     next.tangent().dot(&here.tangent()) >= LARGEST_TURN
         && by.dot(&here.tangent()) * sign > 0.0
         && (next.at - predicted).norm() <= LARGEST_CORRECTION * by.norm()
-        && departure <= LARGEST_DEPARTURE * size + ROUNDING * next.pair.lambda.norm()
+        && departure <= LARGEST_DEPARTURE * here.rates.norm() * by.norm()
         && here.pair.likeness(&next.pair) >= LEAST_LIKENESS
 }
 

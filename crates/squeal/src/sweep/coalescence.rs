@@ -3,12 +3,14 @@
 //! Of two eigenvalues m +- sqrt(s) the squared half distance s is a smooth function of the parameter, also where they meet. Its
 //! zeros are the branch points: at a real one the two eigenvalues coalesce; one next to the real axis is what is left of a
 //! coalescence where damping keeps them apart. s and its derivative at three real parameters determine a polynomial of degree
-//! five, whose zero is the branch point; the middle one of them moves until the zero stands.
+//! five, whose zero is the branch point; the middle one of them moves until the zero stands. Here the parameter is the part of its
+//! range, 0 to 1.
 
 use num_complex::Complex;
 use serde::Serialize;
 use tracking::{BranchPoint, Branches, RefinedPoint};
 
+use super::parameter::SweptParameter;
 use crate::Error;
 
 /// Largest distance of a branch point from the real axis, as a part of the range, at which it is listed; chosen: farther away
@@ -39,6 +41,14 @@ pub struct Coalescence {
     pub growth: f64,
     /// The two modes, each by the candidates for its name.
     pub modes: [String; 2],
+}
+
+impl Coalescence {
+    /// A coalescence in parts of the range of a parameter, in its values.
+    pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
+        let slope = parameter.slope(self.at);
+        Self { at: parameter.at(self.at), distance: self.distance * slope, error: self.error * slope, ..self }
+    }
 }
 
 /// The mean and the squared half distance of two eigenvalues at a parameter, with their derivatives.
@@ -96,16 +106,14 @@ pub(super) struct BranchPointFound {
 pub(super) fn settle<B: Branches<Error = Error>>(
     branches: &mut B,
     candidate: &Candidate,
-    [from, to]: [f64; 2],
 ) -> Result<Option<BranchPointFound>, Error> {
-    let range = to - from;
     let (mut pair, mut zero) = (candidate.pair, candidate.pair.zero());
     for _ in 0..MOST_MOVES {
-        if !((from..=to).contains(&zero.re) && zero.im.abs() <= 2.0 * FARTHEST * range) {
+        if !((0.0..=1.0).contains(&zero.re) && zero.im.abs() <= 2.0 * FARTHEST) {
             return Ok(None);
         }
-        let spacing = (2.0 * zero.im.abs()).clamp(LEAST_SPACING * range, FARTHEST * range);
-        let centre = zero.re.clamp(from + spacing, to - spacing);
+        let spacing = (2.0 * zero.im.abs()).clamp(LEAST_SPACING, FARTHEST);
+        let centre = zero.re.clamp(spacing, 1.0 - spacing);
         let mut nodes = Vec::with_capacity(3);
         for at in [centre - spacing, centre, centre + spacing] {
             let Some(next) = pair_at(branches, &pair, at)? else { return Ok(None) };
@@ -114,13 +122,13 @@ pub(super) fn settle<B: Branches<Error = Error>>(
         let of = |part: fn(&Pair) -> [Complex<f64>; 2]| -> Vec<[Complex<f64>; 2]> { nodes.iter().map(part).collect() };
         let places: Vec<f64> = nodes.iter().map(|node| node.at).collect();
         let square = Hermite::new(&places, &of(|node| node.square));
-        let Some(next) = square.zero(zero, range) else { return Ok(None) };
+        let Some(next) = square.zero(zero) else { return Ok(None) };
         let error = (next - zero).norm();
         (pair, zero) = (nodes[1], next);
-        if error <= SETTLED * range {
+        if error <= SETTLED {
             let [_, slope, curvature] = square.values(zero);
-            let is_double = slope.norm() <= 0.5 * DOUBLE * range * curvature.norm();
-            let is_near = (from..=to).contains(&zero.re) && zero.im.abs() <= FARTHEST * range;
+            let is_double = slope.norm() <= 0.5 * DOUBLE * curvature.norm();
+            let is_near = (0.0..=1.0).contains(&zero.re) && zero.im.abs() <= FARTHEST;
             let lambda = Hermite::new(&places, &of(|node| node.mean)).values(zero)[0];
             return Ok((is_near && !is_double).then_some(BranchPointFound { at: zero, error, lambda }));
         }
@@ -181,13 +189,13 @@ impl Hermite {
     }
 
     /// The zero that Newton's method finds from a guess.
-    fn zero(&self, guess: Complex<f64>, range: f64) -> Option<Complex<f64>> {
+    fn zero(&self, guess: Complex<f64>) -> Option<Complex<f64>> {
         let mut at = guess;
         for _ in 0..50 {
             let [value, slope, _] = self.values(at);
             let step = value / slope;
             at -= step;
-            if step.norm() <= 1e-15 * range.max(at.norm()) {
+            if step.norm() <= 1e-15 {
                 return Some(at);
             }
         }

@@ -65,7 +65,7 @@ pub(super) struct Part<'a, B: UncertainBrake> {
     pub reference: &'a Reference,
 }
 
-/// A straight line: the values of the swept parameters at `t` are `start + t direction`.
+/// A straight line: at `t` the swept parameters are at the parts `start + t direction` of their ranges.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub start: Vec<f64>,
@@ -116,7 +116,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     /// Its parts: the sectors of the brake, if they hold wherever that is looked at, or the whole.
     pub fn parts(&'a self) -> Result<Vec<Part<'a, B>>, Error> {
         let brake = self.study.plan().brake(&self.study.plan().scenes[self.scene]);
-        let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect::<Vec<_>>();
+        let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect();
         let mut hold = brake.sectors.iter().len() > 1;
         for values in self.corners().into_iter().chain(PROBES.map(middle)) {
             hold = hold && divides(&brake.sectors, &self.system(&values)?)?;
@@ -144,21 +144,27 @@ fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
 }
 
 impl<'a, B: UncertainBrake> Part<'a, B> {
-    /// The system at values of the swept parameters.
-    pub fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
-        let whole = self.family.system(values)?;
+    /// The system at parts of the ranges of the swept parameters.
+    pub fn system(&self, parts: &[f64]) -> Result<SecondOrder, Error> {
+        let values = self.family.parameters.iter().zip(parts).map(|(parameter, part)| parameter.at(*part));
+        let whole = self.family.system(&values.collect::<Vec<_>>())?;
         Ok(match self.sector {
             Some(sector) => sector.reduced(&whole)?,
             None => whole,
         })
     }
 
+    /// The medians, as parts of the ranges.
+    pub fn medians(&self) -> Vec<f64> {
+        self.family.parameters.iter().map(|parameter| parameter.part(parameter.median)).collect()
+    }
+
     /// The spectra along a line.
     pub fn along(&'a self, line: Line) -> KeptSpectra<'a, MakeSystem<'a>> {
         let make: MakeSystem<'a> = Box::new(move |t| {
             let at = |t: f64| {
-                let values = line.start.iter().zip(&line.direction).map(|(from, by)| from + t * by);
-                self.system(&values.collect::<Vec<_>>())
+                let parts = line.start.iter().zip(&line.direction).map(|(from, by)| from + t * by);
+                self.system(&parts.collect::<Vec<_>>())
             };
             let (below, above) = ((t - line.difference).max(line.bounds[0]), (t + line.difference).min(line.bounds[1]));
             let change = SystemChange { below: at(below)?, above: at(above)?, distance: above - below };

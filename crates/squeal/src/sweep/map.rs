@@ -125,8 +125,7 @@ pub fn stability_map<B: UncertainBrake>(
     };
     let rows = runs(&lines, &on_left);
     let regions = regions(&rows);
-    let values = |at: [f64; 2]| [family.parameters[0].at(at[0]), family.parameters[1].at(at[1])];
-    let counts = regions.par_iter().map(|region| unstable(&parts, &values(region.at)));
+    let counts = regions.par_iter().map(|region| unstable(&parts, &region.at));
     let counts = counts.collect::<Result<Vec<_>, Error>>()?;
     evaluations.spectra += (parts.len() * regions.len()) as u64;
     let differs = |(region, count): (&Region, usize)| (region.unstable != count).then_some(*region);
@@ -143,9 +142,9 @@ pub fn stability_map<B: UncertainBrake>(
 }
 
 /// The number of unstable modes by spectra.
-fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], values: &[f64]) -> Result<usize, Error> {
+fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<usize, Error> {
     let of_part = |part: &Part<'_, B>| {
-        let spectrum = part.family.solver.eigenvalues(&part.system(values)?, &mut cea::Workspace::default())?;
+        let spectrum = part.family.solver.eigenvalues(&part.system(at)?, &mut cea::Workspace::default())?;
         Ok(spectrum.oscillatory().filter(|lambda| lambda.re >= 0.0).count())
     };
     parts.iter().map(of_part).sum()
@@ -185,7 +184,8 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>) -> Result<PartMap, Error> {
         let met: Vec<usize> = (0..starts.len()).filter(|&i| i == first || (open[i] && on_curve(&starts[i]))).collect();
         met.iter().for_each(|&i| open[i] = false);
         // The name is that at the point nearest to the medians, where the way there is shortest.
-        let median = median(part);
+        let medians = part.medians();
+        let median = vector![medians[0], medians[1]];
         let distance = |i: &usize| (starts[*i].0 - median).norm();
         let named_at = met.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(first);
         let (names, evaluations) = name(part, starts[named_at]);
@@ -198,11 +198,9 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>) -> Result<PartMap, Error> {
 
 /// The onsets on a line of the grid, in parts of the range.
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
-    let parameters = &part.family.parameters;
-    let (held, free) = (line.axis, 1 - line.axis);
     let (mut start, mut direction) = (vec![0.0; 2], vec![0.0; 2]);
-    start[held] = parameters[held].at(line.at);
-    (start[free], direction[free]) = (parameters[free].from, parameters[free].to - parameters[free].from);
+    start[line.axis] = line.at;
+    direction[1 - line.axis] = 1.0;
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
     let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
     let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
@@ -210,19 +208,11 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
     Ok(OnLine { line, onsets, unresolved: unresolved.len(), unstable_at_start, evaluations })
 }
 
-/// The medians, as parts of the ranges.
-fn median<B: UncertainBrake>(part: &Part<'_, B>) -> Vector2<f64> {
-    let of = |p: &SweptParameter| (p.median - p.from) / (p.to - p.from);
-    vector![of(&part.family.parameters[0]), of(&part.family.parameters[1])]
-}
-
 /// The names of the mode that crosses the axis at a point with a frequency, followed on the straight line to the medians; none where
 /// it cannot be followed.
 fn name<B: UncertainBrake>(part: &Part<'_, B>, (at, omega): (Vector2<f64>, f64)) -> (Names, Evaluations) {
-    let parameters = &part.family.parameters;
-    let start: Vec<f64> = parameters.iter().map(|parameter| parameter.median).collect();
-    let values = [parameters[0].at(at.x), parameters[1].at(at.y)];
-    let direction = values.iter().zip(&start).map(|(value, median)| value - median).collect();
+    let start = part.medians();
+    let direction = vec![at.x - start[0], at.y - start[1]];
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
     let lambda = Complex::new(0.0, omega);
     let mut followed = || -> Result<Names, Error> {

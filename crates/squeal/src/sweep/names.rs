@@ -21,10 +21,8 @@ pub(super) fn names_at<B: Branches<Error = Error>>(
     let there = branches.lambdas(at)?.len();
     let here = branches.lambdas(median)?.to_vec();
     let mut names = vec![Names::new(); there];
-    // The reference has the same system, but perhaps another solver, and modes that are not known by name.
-    let smallest = SHORTEST_STEP * (at - median).abs();
-    for (index, of_mode) in nearest(&here, &reference.modes).into_iter().zip(&reference.names) {
-        for to in follow_branch(branches, median, index, at, smallest)? {
+        for (index, of_mode) in nearest(&here, &reference.modes).into_iter().zip(&reference.names) {
+        for to in follow_branch(branches, median, index, at, SHORTEST_STEP)? {
             names[to].extend(of_mode);
         }
     }

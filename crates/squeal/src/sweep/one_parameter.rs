@@ -13,6 +13,9 @@ use super::parameter::{Over, SweptParameter};
 use crate::Error;
 use crate::study::{Reference, Study, UncertainBrake};
 
+/// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
+const SAME: f64 = 1e-6;
+
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedBranch {
@@ -56,7 +59,7 @@ pub struct Sweep {
     pub unstable_at_start: usize,
     /// What was computed.
     pub evaluations: Evaluations,
-    /// The shortest step of a branch.
+    /// The shortest step of a branch, as a part of the range.
     pub shortest_step: f64,
     /// Parameters on a grid of equal steps as short as the shortest.
     pub fine_grid: u64,
@@ -75,7 +78,6 @@ pub fn sweep<B: UncertainBrake>(
 ) -> Result<Sweep, Error> {
     let family = Family::new(study, scene, std::slice::from_ref(over), solver)?;
     let parameter = family.parameters[0].clone();
-    let (from, to) = (parameter.from, parameter.to);
     let of_part = |part: &Part<'_, B>| of_part(part, &parameter);
     let parts = family.parts()?.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
     let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
@@ -84,14 +86,14 @@ pub fn sweep<B: UncertainBrake>(
     sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
-    sweep.fine_grid = ((to - from) / sweep.shortest_step).ceil() as u64 + 1;
+    sweep.fine_grid = (1.0 / sweep.shortest_step).ceil() as u64 + 1;
     Ok(sweep)
 }
 
 impl Sweep {
     fn empty(parameter: SweptParameter) -> Self {
         Self {
-            shortest_step: parameter.to - parameter.from,
+            shortest_step: 1.0,
             parameter,
             branches: Vec::new(),
             ambiguities: Vec::new(),
@@ -126,49 +128,70 @@ impl Sweep {
 
 /// The sweep of one sector.
 fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) -> Result<Sweep, Error> {
-    let &SweptParameter { from, to, median, .. } = parameter;
+    let median = part.medians()[0];
     let mut branches = part.along(Line {
         start: vec![0.0],
         direction: vec![1.0],
-        bounds: [from.min(median), to.max(median)],
-        difference: DIFFERENCE * (to - from),
+        bounds: [median.min(0.0), median.max(1.0)],
+        difference: DIFFERENCE,
     });
-    let smallest = SHORTEST_STEP * (to - from);
-    let Onsets { onsets, unresolved } = find_onsets(&mut branches, from, to, smallest)?;
-    let locus = root_locus(&mut branches, from, to, smallest)?;
-    let parameters = locus_parameters(&locus);
+    let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let locus = root_locus(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
-    let named_at = *parameters.iter().min_by(nearest).unwrap_or(&from);
+    let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
     let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
-    let coalescences = coalescences(&mut branches, &locus, &names, [from, to])?;
+    let coalescences = coalescences(&mut branches, &locus, &names)?;
     let onset = |onset: Onset| SweepOnset {
-        at: onset.at,
-        error: onset.error,
+        at: parameter.at(onset.at),
+        error: onset.error * parameter.slope(onset.at),
         omega: onset.omega,
         starts: onset.destabilises,
         mode: in_words(&names_of_onset(&locus, &names, &onset)),
     };
     let onsets = onsets.into_iter().map(onset).collect();
-    let unstable_at_start = branches.lambdas(from)?.iter().filter(|lambda| lambda.re >= 0.0).count();
-    let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch {
-        mode: in_words(names),
-        points: branch.points,
+    let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
+    let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
+    let in_values = |ambiguity: Ambiguity| Ambiguity {
+        from: parameter.at(ambiguity.from),
+        to: parameter.at(ambiguity.to),
+        ..ambiguity
     };
     Ok(Sweep {
         onsets,
         branches: locus.branches.into_iter().zip(&names).map(named).collect(),
-        ambiguities: locus.ambiguities,
-        unresolved,
-        coalescences,
+        ambiguities: locus.ambiguities.into_iter().map(in_values).collect(),
+        unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
+        coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start,
         evaluations: Evaluations::of(branches.counters()),
-        shortest_step: parameters.windows(2).map(|step| step[1] - step[0]).fold(to - from, f64::min),
+        shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone())
     })
 }
 
-/// The parameters at which branches have points, ascending.
-fn locus_parameters(locus: &RootLocus) -> Vec<f64> {
+impl NamedBranch {
+    /// A branch over parts of the range of a parameter, in its values.
+    fn new(parameter: &SweptParameter, branch: tracking::Branch, names: &Names) -> Self {
+        let point = |(part, point): (f64, BranchPoint)| {
+            (parameter.at(part), BranchPoint { rate: point.rate / parameter.slope(part), ..point })
+        };
+        Self { mode: in_words(names), points: branch.points.into_iter().map(point).collect() }
+    }
+
+    /// The branch between two of its points, which are `step` and the next: the cubic with their derivatives, at a part of
+    /// the step.
+    pub fn between(&self, step: usize, part: f64) -> (f64, Complex<f64>) {
+        let [(from, a), (to, b)] = [self.points[step], self.points[step + 1]];
+        let (u, v, h) = (part, 1.0 - part, to - from);
+        let first = a.lambda * (1.0 + 2.0 * u) + a.rate * (h * u);
+        let last = b.lambda * (1.0 + 2.0 * v) - b.rate * (h * v);
+        (from + h * u, first * (v * v) + last * (u * u))
+    }
+}
+
+/// The places at which branches have points, ascending.
+fn places(locus: &RootLocus) -> Vec<f64> {
     let mut all: Vec<f64> = locus.branches.iter().flat_map(|branch| &branch.points).map(|point| point.0).collect();
     all.sort_by(f64::total_cmp);
     all.dedup();
@@ -213,16 +236,15 @@ fn names_of_onset(locus: &RootLocus, names: &[Names], onset: &Onset) -> Names {
     open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default()
 }
 
-/// Every coalescence in a range, ascending.
+/// Every coalescence, ascending, in parts of the range.
 fn coalescences<B: Branches<Error = Error>>(
     branches: &mut B,
     locus: &RootLocus,
     names: &[Names],
-    [from, to]: [f64; 2],
 ) -> Result<Vec<Coalescence>, Error> {
-    let parameters = locus_parameters(locus);
+    let places = places(locus);
     let mut open: Vec<Candidate> = Vec::new();
-    for (place, &at) in parameters.iter().enumerate() {
+    for (place, &at) in places.iter().enumerate() {
         let points: Vec<(usize, BranchPoint)> = locus
             .branches
             .iter()
@@ -232,17 +254,16 @@ fn coalescences<B: Branches<Error = Error>>(
                 Some((index, branch.points[point].1))
             })
             .collect();
-        let before = if place == 0 { from } else { parameters[place - 1] };
-        let after = parameters.get(place + 1).copied().unwrap_or(to);
+        let before = if place == 0 { 0.0 } else { places[place - 1] };
+        let after = places.get(place + 1).copied().unwrap_or(1.0);
         open.extend(candidates(at, &points, [before, after]));
     }
     let mut found: Vec<(Coalescence, Complex<f64>)> = Vec::new();
     for candidate in open {
-        let Some(branch_point) = settle(branches, &candidate, [from, to])? else { continue };
+        let Some(branch_point) = settle(branches, &candidate)? else { continue };
         let (at, lambda) = (branch_point.at, branch_point.lambda);
-        // Of a pair of real matrices the branch points come in conjugate pairs of parameters, with other pairs of eigenvalues.
         let same = |other: &(Coalescence, Complex<f64>)| {
-            (other.1 - at).norm() <= 1e-6 * (to - from) && (other.0.omega - lambda.im).abs() <= 1e-6 * lambda.im.abs()
+            (other.1 - at).norm() <= SAME && (other.0.omega - lambda.im).abs() <= SAME * lambda.im.abs()
         };
         if found.iter().any(same) {
             continue;

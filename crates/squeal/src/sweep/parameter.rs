@@ -3,6 +3,9 @@
 use crate::Error;
 use crate::study::{NamedParameter, Scene, UncertainBrake};
 
+/// Ratio of the ends of a range of positive values from which on steps are equal ratios; chosen.
+const LOGARITHMIC: f64 = 30.0;
+
 /// A sweep that is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Over {
@@ -36,6 +39,8 @@ pub struct SweptParameter {
     pub to: f64,
     /// Its median, where modes have their names.
     pub median: f64,
+    /// Whether equal parts of the range are equal ratios of values: from 0.1 to 10, for instance.
+    pub is_logarithmic: bool,
 }
 
 impl SweptParameter {
@@ -48,8 +53,28 @@ impl SweptParameter {
     }
 
     /// Its value at a part of the range, 0 to 1; the ends exactly.
-    pub(super) fn at(&self, part: f64) -> f64 {
-        if part == 1.0 { self.to } else { self.from + part * (self.to - self.from) }
+    pub fn at(&self, part: f64) -> f64 {
+        match (self.is_logarithmic, part == 1.0) {
+            (_, true) => self.to,
+            (false, false) => self.from + part * (self.to - self.from),
+            (true, false) => self.from * (self.to / self.from).powf(part),
+        }
+    }
+
+    /// The part of the range at which it has a value; below 0 or above 1 outside.
+    pub fn part(&self, value: f64) -> f64 {
+        match self.is_logarithmic {
+            false => (value - self.from) / (self.to - self.from),
+            true => (value / self.from).ln() / (self.to / self.from).ln(),
+        }
+    }
+
+    /// d value / d part.
+    pub(super) fn slope(&self, part: f64) -> f64 {
+        match self.is_logarithmic {
+            false => self.to - self.from,
+            true => self.at(part) * (self.to / self.from).ln(),
+        }
     }
 }
 
@@ -74,7 +99,9 @@ pub(super) fn swept<B: UncertainBrake>(brake: &B, scene: &Scene, over: &[Over]) 
             return Err(refused(asked.to_string(), "NAME=FROM:TO with numbers FROM < TO".into()));
         }
         let NamedParameter { name, unit, median } = parameters[place].clone();
-        found.push(SweptParameter { place, name, unit, from: asked.from, to: asked.to, median });
+        let (from, to) = (asked.from, asked.to);
+        let is_logarithmic = from > 0.0 && median > 0.0 && to / from >= LOGARITHMIC;
+        found.push(SweptParameter { place, name, unit, from, to, median, is_logarithmic });
     }
     Ok(found)
 }
