@@ -147,13 +147,16 @@ fn step_error(from: BranchPoint, to: BranchPoint, step: f64) -> f64 {
     link_error([from.lambda, to.lambda], [from.rate * step, to.rate * step])
 }
 
-/// The best link of the mode `index` at `a` to a mode at `b`.
+/// The best link of the mode `index` at `a` to a mode at `b`; one with an infinite error where there are none.
 ///
 /// # Errors
 /// Those of the branches.
 pub fn link<B: Branches + ?Sized>(branches: &mut B, a: f64, index: usize, b: f64) -> Result<BranchLink, B::Error> {
     let from = branches.point(a, index)?;
     let (best, second) = two_best(branches, from, a, b)?;
+    if best.1.is_infinite() {
+        return Ok(BranchLink { to: 0, error: best.1, is_clear: false });
+    }
     let there = branches.point(b, best.0)?;
     let (back, rival) = two_best(branches, there, b, a)?;
     let is_clear = best.1 <= CLEAR_LINK_ERROR * second.min(rival) && back.0 == index;
@@ -238,7 +241,7 @@ fn follow_step<B: Branches + ?Sized>(
         let from = branches.point(a, index)?;
         let rival_error = link.error / CLEAR_LINK_ERROR;
         let lambdas = branches.lambdas(b)?.to_vec();
-        let mut open = BTreeSet::from([link.to]);
+        let mut open: BTreeSet<usize> = link.error.is_finite().then_some(link.to).into_iter().collect();
         for (j, lambda) in lambdas.into_iter().enumerate() {
             let is_far = (lambda - from.lambda).norm() > rival_error + from.rate.norm() * step.abs();
             if !is_far && step_error(from, branches.point(b, j)?, step) <= rival_error {

@@ -2,16 +2,21 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use cea::QrSolver;
+use serde_json::{Value, json};
 
-use super::run::threads;
+use super::run::{check_threads, threads};
 use super::scene::{LatticeScene, SceneArgs};
-use crate::Error;
+use crate::{Error, fingerprint};
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};
-use crate::study::{Study, UncertainBrake};
-use crate::sweep::{Over, sweep};
+use crate::folder::RunFolder;
+use crate::output::printable;
+use crate::run::{bar, workers};
+use crate::study::{Plan, Study, UncertainBrake};
+use crate::sweep::{Found, Over, stability_map, sweep};
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
@@ -53,9 +58,10 @@ impl SweepArgs {
     /// # Errors
     /// What is wrong with the case or an option, and what cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        check_threads(self.threads)?;
         let text = match CaseFile::read(&self.case)? {
-            CaseFile::Lattice(case) => self.text(&LatticeBrake::new(self.lattice(*case)?)?)?,
-            CaseFile::Matrices(case) => self.text(&MatricesBrake::new(self.matrices(*case)?)?)?,
+            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.lattice(*case)?)?)?,
+            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.matrices(*case)?)?)?,
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
@@ -76,19 +82,66 @@ impl SweepArgs {
         Ok(case)
     }
 
-    fn text<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
-        let start = std::time::Instant::now();
-        let study = Study::new(brake, &QrSolver)?;
-        eprintln!("study {:?}", start.elapsed());
-        let start = std::time::Instant::now();
-        if let [a, b] = &self.over[..] {
-            let found = crate::sweep::stability_map(&study, 0, &[a.clone(), b.clone()], &QrSolver)?;
-            eprintln!("map {:?}", start.elapsed());
-            return Ok(format!("{:#?} {:?} {:?} {} {:?}", found.curves.iter().map(|c| (c.mode.clone(), c.ends, c.points.len(), c.points[0], c.points[c.points.len()-1])).collect::<Vec<_>>(), found.regions, found.contradicted, found.unresolved, found.evaluations));
+    /// Sweeps the first scene of a brake, and says what was found.
+    fn sweep<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, start) = (brake.plan(), Instant::now());
+        let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
+        let identity = format!("{} sweep {}", plan.identity, named.join(" "));
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
         }
-        let found = sweep(&study, 0, &self.over[0], &QrSolver)?;
-        eprintln!("sweep {:?}", start.elapsed());
-        Ok(format!("{:#?} {:#?} {:#?} {:?} {} {:?} {}", found.onsets, found.coalescences, found.ambiguities, found.evaluations, found.fine_grid,
-            found.branches.iter().map(|b| (b.mode.clone(), b.points.len())).collect::<Vec<_>>(), found.unstable_at_start))
+        let pool = workers(self.threads)?;
+        let found = pool.install(|| -> Result<Found, Error> {
+            let study = Study::new(brake, &QrSolver)?;
+            Ok(match &self.over[..] {
+                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &bar("sectors"))?.into()),
+                [a, b] => {
+                    let both = [a.clone(), b.clone()];
+                    Found::Map(stability_map(&study, 0, &both, &QrSolver, &bar("lines"))?.into())
+                }
+                more => {
+                    let (value, allowed) = (format!("given {} times", more.len()), "once or twice".into());
+                    return Err(Error::Option { option: "--over", value, allowed });
+                }
+            })
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        let scene = format!("{}: {}; other parameters at their medians", plan.name, plan.describe(&plan.scenes[0]));
+        if let Some(dir) = &self.out {
+            let folder = RunFolder::take(dir, &identity)?;
+            folder.publish(|stage| {
+                found.write_tables(stage)?;
+                let title = format!("Sweep over {}", named.join(" and "));
+                Ok(found.figure(&title, &scene)?.save_pictures(stage, "sweep")?)
+            })?;
+            let manifest = manifest(plan, &named, &found, self.threads, seconds);
+            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+        }
+        if self.json {
+            let mut all = found.json();
+            all["scene"] = json!(scene);
+            return Ok(format!("{all:#}\n"));
+        }
+        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
+        let place = place.unwrap_or_default();
+        Ok(format!("{}\n\n{}{seconds:.2} s{place}\n", printable(&scene), found.text()))
     }
+}
+
+/// Enough to make the sweep again, and what it took.
+fn manifest(plan: &Plan, over: &[String], found: &Found, threads: Option<usize>, seconds: f64) -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+        "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+        "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+        "study": plan.name,
+        "scene": plan.describe(&plan.scenes[0]),
+        "over": over,
+        "parameters": found.parameters(),
+        "threads": threads,
+        "evaluations": found.evaluations(),
+        "fine_grid": found.fine_grid(),
+        "seconds": seconds,
+    })
 }

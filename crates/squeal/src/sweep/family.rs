@@ -17,6 +17,8 @@ use crate::study::{Reference, Study, UncertainBrake};
 pub(super) const DIFFERENCE: f64 = 1e-5;
 /// Shortest step, as a part of the range; chosen: derivatives by differences tell branches apart down to there.
 pub(super) const SHORTEST_STEP: f64 = 1e-9;
+/// Shortest step of the root locus; chosen: what branches do between is found by other means.
+pub(super) const SHORTEST_LOCUS_STEP: f64 = 1e-6;
 /// Places between the ends, as parts of the ranges, at which it is looked whether sectors hold; chosen, as nothing repeats there.
 const PROBES: [f64; 2] = [0.3137, 0.7291];
 /// Part of the squared norm of a matrix that may be outside of all sectors: rounding.
@@ -170,6 +172,6 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
             let change = SystemChange { below: at(below)?, above: at(above)?, distance: above - below };
             Ok(SystemAt { system: at(t)?, change: Arc::new(change) })
         });
-        KeptSpectra::new(make, self.family.solver)
+        KeptSpectra::new(make, self.family.solver).with_overdamping()
     }
 }

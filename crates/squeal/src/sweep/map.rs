@@ -1,6 +1,7 @@
 //! The stability map over two parameters.
 
 use cea::EigenSolver;
+use montecarlo::Progress;
 use nalgebra::{Vector2, vector};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -57,11 +58,8 @@ pub struct StabilityMap {
     pub contradicted: Vec<Region>,
     /// What was computed.
     pub evaluations: Evaluations,
-}
-
-impl StabilityMap {
-    /// Spectra on a grid with one in each cell of the figure.
-    pub const FINE_GRID: u64 = (CELLS * CELLS) as u64;
+    /// Spectra on a grid with one in each cell of the figure, of all sectors.
+    pub fine_grid: u64,
 }
 
 /// A line of the grid: the coordinate that is constant on it, and its value.
@@ -90,7 +88,7 @@ struct PartMap {
     evaluations: Evaluations,
 }
 
-/// The stability map of a scene of a study over two parameters. All modes must oscillate in all of the ranges.
+/// The stability map of a scene of a study over two parameters. Only modes that oscillate are looked at.
 ///
 /// # Errors
 /// Parameters or ranges that the scene does not have, a value that the brake refuses, and those of [`find_onsets`].
@@ -99,10 +97,16 @@ pub fn stability_map<B: UncertainBrake>(
     scene: usize,
     over: &[Over; 2],
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<StabilityMap, Error> {
     let family = Family::new(study, scene, over, solver)?;
     let parts = family.parts()?;
-    let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>().map_err(|source| {
+    // A step for each line of the grid, and one for following the curves.
+    progress.begin((parts.len() * (2 * (GRID + 1) + 1)) as u64, 0);
+    let of_part = |part: &Part<'_, B>| of_part(part, progress);
+    let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+    progress.end();
+    let found = found.map_err(|source| {
         let at = format!("sweep over {} and {}", over[0], over[1]);
         Error::Sweep { at, source: Box::new(source) }
     })?;
@@ -138,6 +142,7 @@ pub fn stability_map<B: UncertainBrake>(
         grid: GRID,
         unresolved,
         evaluations,
+        fine_grid: (CELLS * CELLS * parts.len()) as u64,
     })
 }
 
@@ -150,10 +155,15 @@ fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<u
     parts.iter().map(of_part).sum()
 }
 
-fn of_part<B: UncertainBrake>(part: &Part<'_, B>) -> Result<PartMap, Error> {
+fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Progress) -> Result<PartMap, Error> {
     let places = (0..=GRID).map(|i| i as f64 / GRID as f64);
     let lines: Vec<GridLine> = places.flat_map(|at| [0, 1].map(|axis| GridLine { axis, at })).collect();
-    let found = lines.par_iter().map(|line| on_line(part, *line)).collect::<Result<Vec<_>, Error>>()?;
+    let of_line = |line: &GridLine| {
+        let found = on_line(part, *line);
+        progress.advance(1);
+        found
+    };
+    let found = lines.par_iter().map(of_line).collect::<Result<Vec<_>, Error>>()?;
     let mut map = PartMap::default();
     let mut starts: Vec<(Vector2<f64>, f64)> = Vec::new();
     for OnLine { line, onsets, unresolved, unstable_at_start, evaluations } in found {
@@ -193,6 +203,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>) -> Result<PartMap, Error> {
         map.curves.push((curve(part, &points, ends, &names), points.iter().map(|p| [p.at.x, p.at.y]).collect()));
     }
     map.evaluations.continued += tracer.continued;
+    progress.advance(1);
     Ok(map)
 }
 

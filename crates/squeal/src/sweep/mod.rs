@@ -12,15 +12,19 @@ mod boundary;
 mod coalescence;
 mod eigenpair;
 mod family;
+mod found;
 mod map;
 mod names;
 mod one_parameter;
 mod parameter;
+#[cfg(feature = "figures")]
+mod pictures;
 mod regions;
 
 pub use boundary::CurveEnd;
 pub use coalescence::Coalescence;
 pub use family::Evaluations;
+pub use found::Found;
 pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
 pub use one_parameter::{NamedBranch, Sweep, SweepOnset, sweep};
 pub use parameter::{Over, SweptParameter};

@@ -1,13 +1,14 @@
 //! A sweep over one parameter: branches with names, onsets, coalescences.
 
 use cea::EigenSolver;
+use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, candidates, settle};
-use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_STEP};
+use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
@@ -61,11 +62,11 @@ pub struct Sweep {
     pub evaluations: Evaluations,
     /// The shortest step of a branch, as a part of the range.
     pub shortest_step: f64,
-    /// Parameters on a grid of equal steps as short as the shortest.
+    /// Spectra on a grid of equal steps as short as the shortest, of all sectors.
     pub fine_grid: u64,
 }
 
-/// Sweeps one parameter of a scene of a study. All modes must oscillate in all of the range.
+/// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped ends.
 ///
 /// # Errors
 /// A parameter or range that the scene does not have, a value that the brake refuses, and those of
@@ -75,18 +76,26 @@ pub fn sweep<B: UncertainBrake>(
     scene: usize,
     over: &Over,
     solver: &dyn EigenSolver,
+    progress: &dyn Progress,
 ) -> Result<Sweep, Error> {
     let family = Family::new(study, scene, std::slice::from_ref(over), solver)?;
     let parameter = family.parameters[0].clone();
-    let of_part = |part: &Part<'_, B>| of_part(part, &parameter);
-    let parts = family.parts()?.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+    let parts = family.parts()?;
+    progress.begin(parts.len() as u64, 0);
+    let of_part = |part: &Part<'_, B>| {
+        let found = of_part(part, &parameter);
+        progress.advance(1);
+        found
+    };
+    let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+    progress.end();
     let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
-    let mut sweep = parts.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter), Sweep::joined);
+    let mut sweep = found.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter), Sweep::joined);
     sweep.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
-    sweep.fine_grid = (1.0 / sweep.shortest_step).ceil() as u64 + 1;
+    sweep.fine_grid = ((1.0 / sweep.shortest_step).ceil() as u64 + 1) * parts.len() as u64;
     Ok(sweep)
 }
 
@@ -136,7 +145,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         difference: DIFFERENCE,
     });
     let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
-    let locus = root_locus(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let locus = root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?;
     let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
     let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
