@@ -81,7 +81,14 @@ impl Ord for OrderedParameter {
 impl<'a, F> KeptSpectra<'a, F> {
     /// No spectra yet. As many modes must oscillate at every parameter as at the first one asked for.
     pub fn new(make: F, solver: &'a dyn EigenSolver) -> Self {
-        Self { make, solver, spectra: BTreeMap::new(), modes: None, allows_overdamping: false, work: Workspace::default() }
+        Self {
+            make,
+            solver,
+            spectra: BTreeMap::new(),
+            modes: None,
+            allows_overdamping: false,
+            work: Workspace::default(),
+        }
     }
 
     /// So many modes must oscillate at every parameter.

@@ -109,12 +109,7 @@ impl RootLocus {
     }
 
     /// The branch of each mode at the end of a step; a mode that no link leads to begins a new branch.
-    fn step(
-        &mut self,
-        [from, to]: [f64; 2],
-        here: &[usize],
-        (links, count): (&[Option<usize>], usize),
-    ) -> Vec<usize> {
+    fn step(&mut self, [from, to]: [f64; 2], here: &[usize], (links, count): (&[Option<usize>], usize)) -> Vec<usize> {
         let mut there: Vec<Option<usize>> = vec![None; count];
         let mut before = Vec::new();
         for (&branch, link) in here.iter().zip(links) {

@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 
 use super::run::{check_threads, threads};
 use super::scene::{LatticeScene, SceneArgs};
-use crate::{Error, fingerprint};
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};
 use crate::folder::RunFolder;
@@ -17,6 +16,7 @@ use crate::output::printable;
 use crate::run::{bar, workers};
 use crate::study::{Plan, Study, UncertainBrake};
 use crate::sweep::{Found, Over, stability_map, sweep};
+use crate::{Error, fingerprint};
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
@@ -72,7 +72,7 @@ impl SweepArgs {
         case.laws = vec![law];
         case.constraints = vec![case.constraints.swap_remove(constraints)];
         case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
-        case.speeds = vec![SpeedRange { name: format!("{speed} m/s"), from: speed, to: speed }];
+        case.speeds = vec![SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }];
         Ok(case)
     }
 

@@ -1,8 +1,6 @@
 //! A root locus: growth against frequency, coloured by a parameter, and both against the parameter.
 
-use super::axis::{
-    AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width,
-};
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
@@ -89,7 +87,9 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
         true => AxisScale::log([from, to].into_iter()),
         false => AxisScale::between((from, to), 5.0),
     };
-    let frequency = AxisScale::linear(points().map(|point| point[1]), 6.0);
+    let hertz = points().map(|point| point[1]);
+    let ends = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), f| (f.min(least), f.max(most)));
+    let frequency = AxisScale::between(ends, 6.0);
     let growth = AxisScale::linear(points().map(|point| point[2]), 6.0);
     let (hertz, per_second) = ("frequency (Hz)".to_owned(), "growth Re \u{3bb} (1/s)".to_owned());
     let panel = |x, y, scales, labels| Panel { x, y, scales, labels };
@@ -163,13 +163,7 @@ impl Panel {
     }
 
     /// Writes the modes of onsets above them, as low as there is room.
-    fn name(
-        &self,
-        canvas: &mut Canvas,
-        area: Area,
-        data: &RootLocusFigure,
-        place: &dyn Fn(&[f64; 3]) -> (f64, f64),
-    ) {
+    fn name(&self, canvas: &mut Canvas, area: Area, data: &RootLocusFigure, place: &dyn Fn(&[f64; 3]) -> (f64, f64)) {
         let mut onsets: Vec<(&LocusMark, (f64, f64))> =
             data.marks.iter().filter(|mark| mark.event != LocusEvent::Coalescence).map(|m| (m, place(&m.at))).collect();
         onsets.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
@@ -210,9 +204,8 @@ fn symbol(canvas: &mut Canvas, (x, y): (f64, f64), event: LocusEvent) {
 }
 
 fn key() -> Vec<Entry> {
-    let entry = |event: LocusEvent, text: &str| {
-        Entry::new(text, 8.0, move |canvas: &mut Canvas, at| symbol(canvas, at, event))
-    };
+    let entry =
+        |event: LocusEvent, text: &str| Entry::new(text, 8.0, move |canvas: &mut Canvas, at| symbol(canvas, at, event));
     vec![
         entry(LocusEvent::Starts, "the mode named there starts to grow"),
         entry(LocusEvent::Stops, "it stops growing"),

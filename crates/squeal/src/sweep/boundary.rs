@@ -197,8 +197,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
                 return Ok((points, CurveEnd::Edge));
             }
             let reaches_edge = to_edge <= step;
-            let (length, along) =
-                if reaches_edge { (to_edge, Along::Axis(1 - edge)) } else { (step, Along::Gradient) };
+            let (length, along) = if reaches_edge { (to_edge, Along::Axis(1 - edge)) } else { (step, Along::Gradient) };
             let mut predicted = here.at + tangent * length;
             if reaches_edge {
                 predicted[edge] = predicted[edge].round();
@@ -265,10 +264,7 @@ pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, at: Vector
     };
     let along = |tangent: Vector2<f64>| tangent * (sign * length);
     let (out, back) = (along(here.tangent()), along(next.tangent()));
-    let near = vector![
-        cubic(here.at.x, next.at.x, [out.x, back.x]),
-        cubic(here.at.y, next.at.y, [out.y, back.y])
-    ];
+    let near = vector![cubic(here.at.x, next.at.x, [out.x, back.x]), cubic(here.at.y, next.at.y, [out.y, back.y])];
     let rates = [here, next].map(|point| point.omega_rate() * sign * length);
     let change = (next.omega() - here.omega()).abs() + rates[0].abs();
     (near - at).norm() <= SAME_POINT * length + ROUNDING

@@ -199,14 +199,10 @@ fn map_text(map: &StabilityMap) -> String {
         let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
             points.iter().map(value).fold(start, pick)
         };
-        let hz = [
-            of(|point| hertz(point.omega), f64::min, f64::INFINITY),
-            of(|point| hertz(point.omega), f64::max, 0.0),
-        ];
-        let [x_from, x_to] =
-            [of(|p| p.at[0], f64::min, f64::INFINITY), of(|p| p.at[0], f64::max, f64::NEG_INFINITY)];
-        let [y_from, y_to] =
-            [of(|p| p.at[1], f64::min, f64::INFINITY), of(|p| p.at[1], f64::max, f64::NEG_INFINITY)];
+        let hz =
+            [of(|point| hertz(point.omega), f64::min, f64::INFINITY), of(|point| hertz(point.omega), f64::max, 0.0)];
+        let [x_from, x_to] = [of(|p| p.at[0], f64::min, f64::INFINITY), of(|p| p.at[0], f64::max, f64::NEG_INFINITY)];
+        let [y_from, y_to] = [of(|p| p.at[1], f64::min, f64::INFINITY), of(|p| p.at[1], f64::max, f64::NEG_INFINITY)];
         let how = match ends {
             [CurveEnd::Closed, _] => ", closed",
             [CurveEnd::Edge, CurveEnd::Edge] => "",
@@ -225,10 +221,8 @@ fn map_text(map: &StabilityMap) -> String {
     text += "\n";
     for region in &map.contradicted {
         let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]));
-        text += &format!(
-            "at {x} = {}, {y} = {} a spectrum contradicts the curves: one of them is missing\n",
-            at[0], at[1]
-        );
+        text +=
+            &format!("at {x} = {}, {y} = {} a spectrum contradicts the curves: one of them is missing\n", at[0], at[1]);
     }
     if map.unresolved > 0 {
         text += &format!("{} on lines of the grid left open\n", count(map.unresolved, "step", "steps"));

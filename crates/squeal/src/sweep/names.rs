@@ -21,7 +21,7 @@ pub(super) fn names_at<B: Branches<Error = Error>>(
     let there = branches.lambdas(at)?.len();
     let here = branches.lambdas(median)?.to_vec();
     let mut names = vec![Names::new(); there];
-        for (index, of_mode) in nearest(&here, &reference.modes).into_iter().zip(&reference.names) {
+    for (index, of_mode) in nearest(&here, &reference.modes).into_iter().zip(&reference.names) {
         for to in follow_branch(branches, median, index, at, SHORTEST_STEP)? {
             names[to].extend(of_mode);
         }
@@ -43,7 +43,9 @@ fn nearest(lambdas: &[Complex<f64>], modes: &[Mode]) -> Vec<usize> {
     let mut places = Vec::with_capacity(modes.len());
     for mode in modes {
         let distance = |at: usize| (lambdas[at] - mode.lambda).norm();
-        let Some(best) = (0..free.len()).min_by(|&a, &b| distance(free[a]).total_cmp(&distance(free[b]))) else { break };
+        let Some(best) = (0..free.len()).min_by(|&a, &b| distance(free[a]).total_cmp(&distance(free[b]))) else {
+            break;
+        };
         places.push(free.remove(best));
     }
     places

@@ -29,7 +29,8 @@ impl Found {
 
 fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
     let hertz = |omega: f64| frequency_hz(Complex::new(0.0, omega));
-    let branch = |branch: &NamedBranch| LocusBranch { mode: branch.mode.clone(), points: fine(branch, &sweep.parameter) };
+    let branch =
+        |branch: &NamedBranch| LocusBranch { mode: branch.mode.clone(), points: fine(branch, &sweep.parameter) };
     let onsets = sweep.onsets.iter().map(|onset| LocusMark {
         event: if onset.starts { LocusEvent::Starts } else { LocusEvent::Stops },
         mode: onset.mode.clone(),
@@ -55,7 +56,8 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
 /// A branch in short lines, along its cubics.
 fn fine(branch: &NamedBranch, parameter: &SweptParameter) -> Vec<[f64; 3]> {
     let row = |(at, lambda): (f64, Complex<f64>)| [at, frequency_hz(lambda), lambda.re];
-    let mut points: Vec<[f64; 3]> = branch.points.first().map(|(at, point)| row((*at, point.lambda))).into_iter().collect();
+    let mut points: Vec<[f64; 3]> =
+        branch.points.first().map(|(at, point)| row((*at, point.lambda))).into_iter().collect();
     for step in 0..branch.points.len().saturating_sub(1) {
         let length = parameter.part(branch.points[step + 1].0) - parameter.part(branch.points[step].0);
         let lines = (LINES * length).ceil().max(1.0) as usize;

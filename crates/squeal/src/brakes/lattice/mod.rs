@@ -16,8 +16,8 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
-    Configuration, Cost, LawLabel, ModeIdentity, NamedParameter, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
-    StudySource, UncertainBrake,
+    Configuration, Cost, LawLabel, ModeIdentity, NamedParameter, Origin, PanelLabel, Plan, Scene, SceneKey,
+    SceneLabels, SpeedLabel, StudySource, UncertainBrake,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
