@@ -33,7 +33,8 @@ pub struct Coalescence {
     pub at: f64,
     /// How far the branch point lies from the real axis, in units of the parameter; 0 within `error` is a coalescence in fact.
     pub distance: f64,
-    /// The change of the branch point in the last step of the search.
+    /// An estimate of the error of the branch point: its change in the last step of the search, or by which a polynomial of degree
+    /// three departs from that of degree five, whichever is larger.
     pub error: f64,
     /// Im lambda of both modes there, rad/s.
     pub omega: f64,
@@ -79,6 +80,24 @@ pub(super) struct Candidate {
     pub branches: [usize; 2],
 }
 
+impl Candidate {
+    /// Whether both are of the same branches and lead to the same place as far as they can tell, and this one is nearer to it.
+    fn replaces(&self, other: &Self) -> bool {
+        let reach = |candidate: &Self| (candidate.pair.zero() - candidate.pair.at).norm();
+        let distance = (self.pair.zero() - other.pair.zero()).norm();
+        self.branches == other.branches && distance <= reach(self).max(reach(other)) && reach(self) <= reach(other)
+    }
+}
+
+/// Adds a candidate to a list, in place of those that lead to the same place from farther away.
+pub(super) fn add(candidate: Candidate, list: &mut Vec<Candidate>) {
+    if list.iter().any(|other| other.replaces(&candidate)) {
+        return;
+    }
+    list.retain(|other| !candidate.replaces(other));
+    list.push(candidate);
+}
+
 /// Candidates at a parameter of the root locus with its neighbours at `from` and `to`.
 pub(super) fn candidates(at: f64, points: &[(usize, BranchPoint)], [from, to]: [f64; 2]) -> Vec<Candidate> {
     let mut found = Vec::new();
@@ -86,7 +105,7 @@ pub(super) fn candidates(at: f64, points: &[(usize, BranchPoint)], [from, to]: [
         for &(second, b) in &points[i + 1..] {
             let pair = Pair::new(at, a, b);
             let zero = pair.zero();
-            if (from..=to).contains(&zero.re) && zero.im.abs() <= to - from {
+            if (from..=to).contains(&zero.re) && zero.im.abs() <= (to - from).min(2.0 * FARTHEST) {
                 found.push(Candidate { pair, branches: [first, second] });
             }
         }
@@ -123,9 +142,12 @@ pub(super) fn settle<B: Branches<Error = Error>>(
         let places: Vec<f64> = nodes.iter().map(|node| node.at).collect();
         let square = Hermite::new(&places, &of(|node| node.square));
         let Some(next) = square.zero(zero) else { return Ok(None) };
-        let error = (next - zero).norm();
+        let change = (next - zero).norm();
         (pair, zero) = (nodes[1], next);
-        if error <= SETTLED {
+        if change <= SETTLED {
+            let outer = [nodes[0], nodes[2]].map(|node| (node.at, node.square));
+            let coarse = Hermite::new(&outer.map(|node| node.0), &outer.map(|node| node.1)).zero(zero);
+            let error = coarse.map_or(spacing, |coarse| change.max((coarse - zero).norm()));
             let [_, slope, curvature] = square.values(zero);
             let is_double = slope.norm() <= 0.5 * DOUBLE * curvature.norm();
             let is_near = (0.0..=1.0).contains(&zero.re) && zero.im.abs() <= FARTHEST;

@@ -35,12 +35,13 @@ impl Eigenpair {
     pub fn of_neighbour(&self, system: &SecondOrder, guess: Complex<f64>) -> Option<Self> {
         let mut pair = Self { lambda: guess, ..self.clone() };
         let mut last = f64::INFINITY;
-        for _ in 0..MOST_ITERATIONS {
+        for iteration in 0..MOST_ITERATIONS {
             let (q, slope) = pair.matrices(system);
             let step = pair.left.dotc(&(&q * &pair.right)) / pair.left.dotc(&(&slope * &pair.right));
             pair.lambda -= step;
             let change = step.norm() / pair.lambda.norm();
-            if change <= SETTLED || (change <= ROUNDING && change >= last) {
+            // With the vectors of the other system the first step says nothing: it may be zero though lambda is no eigenvalue.
+            if iteration > 0 && (change <= SETTLED || (change <= ROUNDING && change >= last)) {
                 return Some(pair);
             }
             last = change;

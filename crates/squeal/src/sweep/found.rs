@@ -173,14 +173,18 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("{name} = {from} to {to}: a mode comes so near the axis that it may cross it or not\n");
     }
     if !sweep.coalescences.is_empty() {
-        text += &format!("\n{name:>22}  {:>8}  {:>14}  {:>12}  {:>12}\n", "off by", "modes", "Hz", "growth 1/s");
+        let (off, error) = ("off by", "error");
+        text += &format!(
+            "\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n",
+            "modes", "Hz", "growth 1/s"
+        );
     }
     for found in &sweep.coalescences {
         let (modes, hz) = (found.modes.join(" and "), crate::report::hertz(hertz(found.omega)));
         let what = if found.distance <= found.error.max(f64::EPSILON) { "coalesce" } else { "nearly coalesce" };
         text += &format!(
-            "{:>22.12}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
-            found.at, found.distance, found.growth
+            "{:>22.9}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
+            found.at, found.error, found.distance, found.growth
         );
     }
     let Evaluations { spectra, eigenvectors, .. } = sweep.evaluations;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
-use super::coalescence::{Candidate, Coalescence, candidates, settle};
+use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
 use super::parameter::{Over, SweptParameter};
@@ -265,7 +265,9 @@ fn coalescences<B: Branches<Error = Error>>(
             .collect();
         let before = if place == 0 { 0.0 } else { places[place - 1] };
         let after = places.get(place + 1).copied().unwrap_or(1.0);
-        open.extend(candidates(at, &points, [before, after]));
+        for candidate in candidates(at, &points, [before, after]) {
+            add(candidate, &mut open);
+        }
     }
     let mut found: Vec<(Coalescence, Complex<f64>)> = Vec::new();
     for candidate in open {
