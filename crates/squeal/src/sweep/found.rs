@@ -174,10 +174,7 @@ fn branch_text(sweep: &Sweep) -> String {
     }
     if !sweep.coalescences.is_empty() {
         let (off, error) = ("off by", "error");
-        text += &format!(
-            "\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n",
-            "modes", "Hz", "growth 1/s"
-        );
+        text += &format!("\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n", "modes", "Hz", "growth 1/s");
     }
     for found in &sweep.coalescences {
         let (modes, hz) = (found.modes.join(" and "), crate::report::hertz(hertz(found.omega)));
