@@ -1,7 +1,9 @@
 //! The root locus: eigenvalues over one real parameter, joined to branches as far as the links between them are clear.
 
+use num_complex::Complex;
+
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, first_steps, link};
+use crate::branch::{BranchPoint, Branches, first_steps, is_equal, link};
 use crate::error::check_interval;
 
 /// One branch of a root locus.
@@ -90,6 +92,7 @@ fn subdivide<B: Branches + ?Sized>(
         is_clear &= link.is_clear;
         links.push(Some(link.to).filter(|_| link.is_clear));
     }
+    part_equal(branches.lambdas(b)?, &mut links);
     if is_smallest || is_clear {
         steps.push(LocusStep { to: b, count, links });
         return Ok(());
@@ -97,6 +100,17 @@ fn subdivide<B: Branches + ?Sized>(
     let middle = 0.5 * (a + b);
     subdivide(branches, a, middle, smallest, steps)?;
     subdivide(branches, middle, b, smallest, steps)
+}
+
+/// Gives modes that are linked to the same one, which is equal to others, one of these each.
+fn part_equal(lambdas: &[Complex<f64>], links: &mut [Option<usize>]) {
+    for index in 0..links.len() {
+        let Some(to) = links[index] else { continue };
+        if links[..index].contains(&Some(to)) {
+            let is_free = |other: &usize| !links.contains(&Some(*other)) && is_equal(lambdas[*other], lambdas[to]);
+            links[index] = (0..lambdas.len()).find(is_free);
+        }
+    }
 }
 
 impl RootLocus {
