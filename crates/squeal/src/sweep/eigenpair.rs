@@ -45,12 +45,21 @@ impl Eigenpair {
                 return Some(pair);
             }
             last = change;
-            let (q, slope) = pair.matrices(system);
-            let (right, left) = (&slope * &pair.right, slope.ad_mul(&pair.left));
-            pair.left = unit(q.adjoint().lu().solve(&left)?)?;
-            pair.right = unit(q.lu().solve(&right)?)?;
+            // At an eigenvalue that is exact there is nothing to solve: a little beside it the vectors are the same.
+            let vectors = pair.iterated(system).or_else(|| {
+                let beside = pair.lambda * (1.0 + ROUNDING);
+                Self { lambda: beside, ..pair.clone() }.iterated(system)
+            });
+            (pair.right, pair.left) = vectors?;
         }
         None
+    }
+
+    /// The right and the left vector after one step of inverse iteration; `None` where Q is singular.
+    fn iterated(&self, system: &SecondOrder) -> Option<(DVector<Complex<f64>>, DVector<Complex<f64>>)> {
+        let (q, slope) = self.matrices(system);
+        let left = unit(q.adjoint().lu().solve(&slope.ad_mul(&self.left))?)?;
+        Some((unit(q.lu().solve(&(&slope * &self.right))?)?, left))
     }
 
     fn matrices(&self, system: &SecondOrder) -> (DMatrix<Complex<f64>>, DMatrix<Complex<f64>>) {
