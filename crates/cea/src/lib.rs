@@ -62,8 +62,8 @@ pub use feedback::{
     NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
 };
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
-pub use stability::{JudgedEigenvalue, StabilityCensus, stability_census, verdict, verdicts};
-pub use verdict::Verdict;
+pub use stability::{StabilityCensus, stability_census, verdict, verdicts};
+pub use verdict::{JudgedEigenvalue, Verdict};
 pub use workspace::{Counters, Workspace};
 
 /// The README's example, compiled and run as a doctest.

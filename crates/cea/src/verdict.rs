@@ -48,6 +48,17 @@ impl Verdict {
     }
 }
 
+/// One eigenvalue, what its error is at most, and whether its motion grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JudgedEigenvalue {
+    /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
+    pub lambda: Complex<f64>,
+    /// What |lambda - exact| does not exceed, rad/s, certified up to rounding; infinite where nothing encloses it.
+    pub bound: f64,
+    /// Whether its motion grows.
+    pub verdict: Verdict,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -114,6 +114,19 @@ impl AffineSystem {
         Ok(out)
     }
 
+    /// The mass matrix of the structure, `sum_k theta_k M_k`.
+    ///
+    /// # Errors
+    /// Not one finite coefficient for each term.
+    pub fn mass(&self, coefficients: &[f64]) -> Result<DMatrix<f64>, LinsysError> {
+        self.check_coefficients(coefficients)?;
+        let mut mass = DMatrix::zeros(self.order(), self.order());
+        for (term, &coefficient) in self.terms.iter().zip(coefficients) {
+            add_scaled(&mut mass, &term.matrices().m, coefficient);
+        }
+        Ok(mass)
+    }
+
     /// The system at an operating point.
     ///
     /// # Errors
@@ -173,7 +186,10 @@ impl AffineSystem {
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
     pub fn check(&self, at: &OperatingPoint) -> Result<(), LinsysError> {
-        at.check(self.terms.iter().map(|term| term.name.as_str()), &self.channels)
+        at.check(
+            self.terms.iter().map(|term| term.name.as_str()),
+            self.channels.iter().map(|channel| channel.name.as_str()),
+        )
     }
 
     fn check_coefficients(&self, coefficients: &[f64]) -> Result<(), LinsysError> {

@@ -132,7 +132,9 @@ impl SecondOrder {
                     expected_columns: columns,
                 });
             }
-            if let Some(at) = matrix.iter().position(|x| !x.is_finite()) {
+            // Without a way out of the loop the compiler takes several entries at a time.
+            let is_finite = matrix.as_slice().iter().fold(true, |all, x| all & x.is_finite());
+            if let Some(at) = (!is_finite).then(|| matrix.iter().position(|x| !x.is_finite())).flatten() {
                 let (row, column) = (at % rows, at / rows);
                 return Err(not_finite(name, row, column, matrix[(row, column)]));
             }

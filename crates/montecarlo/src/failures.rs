@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::Merge;
+use crate::merge::Merge;
 
 /// Most failures that are listed; chosen, so that a checkpoint stays small.
 const MOST_LISTED: usize = 1_000;

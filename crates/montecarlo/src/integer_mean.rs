@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
-use crate::experiment::Merge;
+use crate::merge::Merge;
 
 /// Count, sum and sum of squares of integers, kept exactly, so that they do not depend on the order and grouping in which the
 /// values were entered. For a mean over many scenes enter the sum of each sample and divide afterwards.

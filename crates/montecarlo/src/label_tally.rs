@@ -6,7 +6,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
-use crate::experiment::{Experiment, Merge, Runs, Tally};
+use crate::experiment::{Experiment, Runs, Tally};
+use crate::merge::Merge;
 use crate::proportion::{Proportion, Trial};
 
 /// The labels that occur in one trial, from the candidate labels of each thing found in the trial: [`Trial::Yes`] for a label

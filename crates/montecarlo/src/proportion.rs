@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
-use crate::experiment::{Experiment, Merge, Runs, Tally};
+use crate::experiment::{Experiment, Runs, Tally};
+use crate::merge::Merge;
 
 /// Wilson's score interval for a proportion, from `hits` in `trials`:
 ///

@@ -8,7 +8,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use crate::box_statistics::{interpolate, rank};
 use crate::confidence::{Confidence, Interval};
 use crate::error::MonteCarloError;
-use crate::experiment::Merge;
+use crate::merge::Merge;
 
 /// Number of low bits of an `f64` that its bucket does not depend on; chosen: 10 of the 52 fraction bits remain, which makes 1,024
 /// buckets per octave.

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::MonteCarloError;
-use crate::experiment::Merge;
 use crate::failures::Failures;
+use crate::merge::Merge;
 
 /// The result of consecutive samples; also the state that a checkpoint holds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

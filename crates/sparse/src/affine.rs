@@ -68,7 +68,8 @@ impl SparseAffineSystem {
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
     pub fn assemble(&self, at: &OperatingPoint) -> Result<SparseSecondOrder, SparseError> {
-        at.check(self.terms.iter().map(|term| term.name.as_str()), &self.channels)?;
+        let channels = self.channels.iter().map(|channel| channel.name.as_str());
+        at.check(self.terms.iter().map(|term| term.name.as_str()), channels)?;
         let n = self.order();
         let (mut m, mut c, mut k) = (CooMatrix::new(n, n), CooMatrix::new(n, n), CooMatrix::new(n, n));
         for (term, &theta) in self.terms.iter().zip(&at.coefficients) {

@@ -159,12 +159,13 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file that does not hold a matrix.
+    #[cfg(feature = "case-files")]
     #[error("{}: {source}", path.display())]
     Matrix {
         /// The file.
         path: PathBuf,
         /// The line and what is wrong there.
-        source: linsys::LinsysError,
+        source: Box<formats::FormatsError>,
     },
     /// A matrix of more degrees of freedom than are allowed.
     #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom", path.display())]

@@ -121,11 +121,6 @@ pub(crate) struct DdComplex {
 }
 
 impl DdComplex {
-    /// `self * a`, a real.
-    pub(crate) fn times(self, a: f64) -> Self {
-        Self { re: self.re.times(a), im: self.im.times(a) }
-    }
-
     /// The complex double nearest to it.
     pub(crate) fn value(self) -> Complex<f64> {
         Complex::new(self.re.value(), self.im.value())

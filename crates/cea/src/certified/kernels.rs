@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::lane::{BLOCK_ROWS, Block, Lane, MOST_LANES};
-use super::planar::{Reflection, Rotation};
+use super::lane::{BLOCK_ROWS, Block, Lane, MOST_LANES, Reflection, Rotation};
 use crate::lanes::Ops;
 
 pub(super) struct RotateColumns<'a, T> {

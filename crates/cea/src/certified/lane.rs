@@ -11,6 +11,11 @@ pub(crate) const MOST_LANES: usize = 8;
 /// 2^27 + 1, splits 53 bits into 26 and 26 (Veltkamp).
 const SPLITTER: f64 = 134_217_729.0;
 
+/// c and s of the rotation `[c s; -s c]` of two neighbouring rows or columns.
+pub(crate) type Rotation<T> = (T, T);
+/// w and beta of the reflection `I - beta w w^T` of three neighbouring rows or columns.
+pub(crate) type Reflection<T> = ([T; 3], T);
+
 /// Rows of one register's columns, gathered: for each plane and row the entries of the columns, one in each lane.
 ///
 /// Columns go in and out [`BLOCK_ROWS`] entries at a time: a register read right after single numbers were written to its
@@ -137,14 +142,14 @@ impl Lane for Dd {
 }
 
 #[inline(always)]
-fn fast_two_sum<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> [S::f64s; 2] {
+pub(crate) fn fast_two_sum<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> [S::f64s; 2] {
     let high = o.add(a, b);
     [high, o.sub(b, o.sub(high, a))]
 }
 
 /// `a b - product`, exactly: by a fused multiply-add, or by Dekker's splitting on a machine that has none.
 #[inline(always)]
-fn product_error<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s, product: S::f64s) -> S::f64s {
+pub(crate) fn product_error<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s, product: S::f64s) -> S::f64s {
     if !S::IS_SCALAR {
         return o.exact_fma(a, b, o.neg(product));
     }

@@ -6,11 +6,12 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::lu::Vector;
 use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
-use super::vectors::{Factor, NORM_ESTIMATES, Vector, frobenius_norm, orthonormalise};
+use super::vectors::{Factor, NORM_ESTIMATES, frobenius_norm, orthonormalise};
 use crate::{CeaError, Verdict};
 
 /// Half the distance from 1 to the next double: the relative size of a rounding error.
@@ -84,7 +85,8 @@ impl Measure {
         let scaled = Scaled::new(system);
         let weights = |w: &DVector<f64>| w.unscale(w.max()).map(Complex::from);
         let (left, right) = (weights(&scaled.left), weights(&scaled.right));
-        let unit = |a: &DMatrix<f64>, time: f64| a.map(|x| x * scaled.left.max() * scaled.right.max() * time);
+        let (of_left, of_right) = (scaled.left.max(), scaled.right.max());
+        let unit = |a: &DMatrix<f64>, time: f64| a.map(|x| x * of_left * of_right * time);
         let gamma = scaled.gamma;
         let given = Norms::of(&unit(&system.m, gamma * gamma), &unit(&system.c, gamma), &unit(&system.k, 1.0));
         Self { scaled, given, left, right }

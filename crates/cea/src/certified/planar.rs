@@ -10,12 +10,7 @@ use nalgebra::DMatrix;
 use pulp::Arch;
 
 use super::kernels::{ReflectColumns, ReflectManyRows, ReflectRows, RotateColumns, RotateRows, Rows};
-use super::lane::Lane;
-
-/// c and s of the rotation `[c s; -s c]` of two neighbouring rows or columns.
-pub(crate) type Rotation<T> = (T, T);
-/// w and beta of the reflection `I - beta w w^T` of three neighbouring rows or columns.
-pub(crate) type Reflection<T> = ([T; 3], T);
+use super::lane::{Lane, Reflection, Rotation};
 
 /// A matrix of entries `T`, column by column.
 #[derive(Debug, Clone)]

@@ -7,8 +7,8 @@
 use num_complex::Complex;
 
 use super::dd::Dd;
-use super::lane::Lane;
-use super::planar::{Planar, Reflection, Rotation, triangularise};
+use super::lane::{Lane, Reflection, Rotation};
+use super::planar::{Planar, triangularise};
 use crate::CeaError;
 
 /// Double steps allowed per eigenvalue; a healthy pencil takes 1 to 2.

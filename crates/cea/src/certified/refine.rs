@@ -10,12 +10,12 @@
 //! the matrix is regular and each step gains the digits that a factorisation is good for. The steps' own contraction
 //! bounds what is left: if a step is at most half the one before, what follows sums to no more than the last step.
 
-use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::dd::DdComplex;
+use super::lu::{LEAST_PIVOT, Lu, Vector};
+use super::residual::residual;
 use super::scaled::Scaled;
-use super::vectors::{LEAST_PIVOT, Lu, Vector};
 
 /// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number.
 const MOST_NEWTON_STEPS: usize = 6;
@@ -32,23 +32,6 @@ pub(crate) struct Refined {
     pub(crate) x: Vector,
     /// What the last steps leave possible, as |sigma - exact|, before sigma is rounded to a double.
     pub(crate) left: f64,
-}
-
-/// `Q~(sigma) x` in double-double, rounded at the end.
-pub(crate) fn residual(s: &Scaled, sigma: DdComplex, x: &[DdComplex]) -> Vector {
-    let mut sums = vec![DdComplex::default(); s.order()];
-    for (j, &constant) in x.iter().enumerate() {
-        let linear = constant * sigma;
-        let square = linear * sigma;
-        for (matrix, factor) in [(&s.m, square), (&s.c, linear), (&s.k, constant)] {
-            for (sum, &entry) in sums.iter_mut().zip(matrix.column(j).iter()) {
-                if entry != 0.0 {
-                    *sum = *sum + factor.times(entry);
-                }
-            }
-        }
-    }
-    Vector::from_iterator(sums.len(), sums.iter().map(|z| z.value()))
 }
 
 /// Refines a simple eigenpair until a step is at most `enough`, or nothing where the steps do not contract or leave
@@ -100,11 +83,13 @@ impl Bordered {
         let size = s.norms.size(sigma.norm());
         let slope = s.derivative_times(sigma, x);
         let weight = size / slope.norm().max(f64::MIN_POSITIVE);
-        let mut matrix = DMatrix::zeros(n + 1, n + 1);
-        matrix.view_mut((0, 0), (n, n)).copy_from(&s.polynomial(sigma));
-        matrix.view_mut((0, n), (n, 1)).copy_from(&(slope * Complex::from(weight)));
-        matrix.view_mut((n, 0), (1, n)).copy_from(&(x.adjoint() * Complex::from(size)));
-        Self { lu: Lu::new(&matrix, LEAST_PIVOT), weight }
+        let parts = |z: Complex<f64>| [z.re, z.im];
+        let [mut re, mut im] = s.polynomial_parts(sigma).map(|part| part.resize(n + 1, n + 1, 0.0));
+        for i in 0..n {
+            [re[(i, n)], im[(i, n)]] = parts(slope[i] * weight);
+            [re[(n, i)], im[(n, i)]] = parts(x[i].conj() * size);
+        }
+        Self { lu: Lu::of_parts([re, im], LEAST_PIVOT), weight }
     }
 
     /// dx and ds for the residual `Q(s) x`.

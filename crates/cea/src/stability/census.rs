@@ -1,21 +1,8 @@
 //! What a stability analysis asks of a system, in one call.
 
-use linsys::SecondOrder;
-use num_complex::Complex;
-
 use super::screen::{Judge, is_clear};
-use crate::{CeaError, EigenSolver, QrSolver, Verdict, Workspace, certified};
-
-/// One eigenvalue, what its error is at most, and whether its motion grows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JudgedEigenvalue {
-    /// The eigenvalue, rad/s; of a conjugate pair the one with Im lambda > 0.
-    pub lambda: Complex<f64>,
-    /// What |lambda - exact| does not exceed, rad/s, certified up to rounding; infinite where nothing encloses it.
-    pub bound: f64,
-    /// Whether its motion grows.
-    pub verdict: Verdict,
-}
+use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace, certified};
+use linsys::SecondOrder;
 
 /// The eigenvalues of a system by what becomes of their motion. Conjugate pairs count once.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -3,5 +3,5 @@
 mod census;
 mod screen;
 
-pub use census::{JudgedEigenvalue, StabilityCensus, stability_census};
+pub use census::{StabilityCensus, stability_census};
 pub use screen::{verdict, verdicts};

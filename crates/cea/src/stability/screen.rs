@@ -3,9 +3,8 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
-use super::census::JudgedEigenvalue;
 use crate::certified::SingleCertifier;
-use crate::{CeaError, Spectrum, Verdict, Workspace};
+use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
 /// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
 const SOLVER_ERROR: f64 = 1e-12;
@@ -61,16 +60,17 @@ pub(crate) fn is_clear(lambda: Complex<f64>, spectrum: &Spectrum) -> bool {
         return false;
     }
     let on_axis = Complex::new(0.0, lambda.im);
+    // Squares of distances over the scale, which need no roots.
     let mut nearest = [f64::INFINITY; MOST_COALESCING];
     for other in &spectrum.eigenvalues {
-        let mut distance = (other - on_axis).norm() / spectrum.scale;
+        let mut distance = (other - on_axis).norm_sqr() / (spectrum.scale * spectrum.scale);
         for place in &mut nearest {
             if distance < *place {
                 std::mem::swap(place, &mut distance);
             }
         }
     }
-    (3..=MOST_COALESCING).all(|m| nearest[..m].iter().product::<f64>() > SOLVER_ERROR)
+    (3..=MOST_COALESCING).all(|m| nearest[..m].iter().product::<f64>() > SOLVER_ERROR * SOLVER_ERROR)
 }
 
 /// Bounds of single eigenvalues, made ready when the first is asked for.

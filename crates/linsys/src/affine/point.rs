@@ -2,7 +2,6 @@
 
 use num_complex::Complex;
 
-use super::Channel;
 use crate::LinsysError;
 
 /// Coefficients of the terms and gains of the channels of an [`AffineSystem`](super::AffineSystem).
@@ -37,22 +36,22 @@ pub struct Lag {
 }
 
 impl OperatingPoint {
-    /// Checks that this point belongs to a system of these terms, given by their names, and channels.
+    /// Checks that this point belongs to a system whose terms and channels have these names.
     ///
     /// # Errors
     /// Not one finite coefficient for each term and one finite gain for each channel.
     pub fn check<'a>(
         &self,
         terms: impl ExactSizeIterator<Item = &'a str>,
-        channels: &[Channel],
+        channels: impl ExactSizeIterator<Item = &'a str>,
     ) -> Result<(), LinsysError> {
         check_coefficients(&self.coefficients, terms)?;
         let (found, expected) = (self.channels.len(), channels.len());
         if found != expected {
             return Err(LinsysError::Count { what: "channel gains", found, expected });
         }
-        match channels.iter().zip(&self.channels).find(|(_, gain)| !gain.is_finite()) {
-            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.name.clone() }),
+        match channels.zip(&self.channels).find(|(_, gain)| !gain.is_finite()) {
+            Some((channel, _)) => Err(LinsysError::ChannelGain { channel: channel.into() }),
             None => Ok(()),
         }
     }
@@ -60,16 +59,14 @@ impl OperatingPoint {
 
 pub(super) fn check_coefficients<'a>(
     coefficients: &[f64],
-    mut terms: impl ExactSizeIterator<Item = &'a str>,
+    terms: impl ExactSizeIterator<Item = &'a str>,
 ) -> Result<(), LinsysError> {
     let (found, expected) = (coefficients.len(), terms.len());
     if found != expected {
         return Err(LinsysError::Count { what: "term coefficients", found, expected });
     }
-    let first =
-        coefficients.iter().find_map(|&value| terms.next().filter(|_| !value.is_finite()).map(|term| (term, value)));
-    match first {
-        Some((term, value)) => Err(LinsysError::Coefficient { term: term.into(), value }),
+    match terms.zip(coefficients).find(|(_, value)| !value.is_finite()) {
+        Some((term, &value)) => Err(LinsysError::Coefficient { term: term.into(), value }),
         None => Ok(()),
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::run::{override_run, whole_number};
+use super::options::{override_run, whole_number};
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, Draws};
 use crate::output::{bytes_in_words, in_words, note, printable};

@@ -3,6 +3,7 @@
 mod cea;
 mod check;
 mod eig;
+mod options;
 mod refuse;
 mod run;
 mod scene;
@@ -11,7 +12,8 @@ mod sweep;
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
+pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
-pub use run::{RunArgs, override_run, threads, whole_number};
+pub use run::RunArgs;
 pub use scene::SceneArgs;
 pub use sweep::SweepArgs;

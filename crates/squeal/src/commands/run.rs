@@ -4,8 +4,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::check::announced;
+use super::options::{number, override_run, threads, whole_number};
 use crate::brakes::{LatticeBrake, MatricesBrake};
-use crate::case::{CaseFile, HALF_WIDTHS, LatticeCase, is_half_width};
+use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
 use crate::output::printable;
 use crate::report::{Claim, Estimates, Results, claims, claims_markdown, draw_occurrence};
 use crate::study::UncertainBrake;
@@ -13,8 +14,6 @@ use crate::{Error, run_study};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
 const SUMMARISED_PANELS: usize = 4;
-/// More worker threads than any machine has cores for.
-const MOST_THREADS: usize = 1024;
 
 /// Run the study of a case: every draw in every scene, then tables and figures.
 ///
@@ -38,61 +37,6 @@ pub struct RunArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
-}
-
-/// The value of an option that is a whole number.
-///
-/// # Errors
-/// What is allowed.
-pub fn whole_number(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("allowed: a whole number, 0 to {}", u64::MAX))
-}
-
-/// The value of an option that is a number of threads.
-///
-/// # Errors
-/// What is allowed.
-pub fn threads(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| format!("allowed: 1 to {MOST_THREADS}"))
-}
-
-/// The value of an option that is a number.
-///
-/// # Errors
-/// What is allowed.
-pub fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "allowed: a number".to_owned())
-}
-
-/// Refuses a number of threads that is out of range.
-pub(super) fn check_threads(threads: Option<usize>) -> Result<(), Error> {
-    match threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
-        Some(threads) => {
-            let (value, allowed) = (threads.to_string(), format!("1 to {MOST_THREADS}"));
-            Err(Error::Option { option: "--threads", value, allowed })
-        }
-        None => Ok(()),
-    }
-}
-
-/// Puts the options of the command line in place of a case's own samples and seed.
-///
-/// # Errors
-/// Samples or threads out of range.
-pub fn override_run(
-    own: (&mut u64, &mut u64),
-    samples: Option<u64>,
-    seed: Option<u64>,
-    threads: Option<usize>,
-) -> Result<(), Error> {
-    let refused = |option, value: String, most: u64| Error::Option { option, value, allowed: format!("1 to {most}") };
-    if let Some(samples) = samples.filter(|samples| !(1..=LatticeCase::MOST_SAMPLES).contains(samples)) {
-        return Err(refused("--samples", samples.to_string(), LatticeCase::MOST_SAMPLES));
-    }
-    check_threads(threads)?;
-    *own.0 = samples.unwrap_or(*own.0);
-    *own.1 = seed.unwrap_or(*own.1);
-    Ok(())
 }
 
 impl RunArgs {

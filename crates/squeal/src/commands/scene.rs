@@ -2,7 +2,7 @@
 
 use osc_model::ContactArrangement;
 
-use super::run::number;
+use super::options::number;
 use crate::Error;
 use crate::case::{LatticeCase, Law, MatricesCase};
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use cea::QrSolver;
 use serde_json::{Value, json};
 
-use super::run::{check_threads, threads};
+use super::options::{check_threads, threads};
 use super::scene::{LatticeScene, SceneArgs};
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};

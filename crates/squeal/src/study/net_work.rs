@@ -2,7 +2,7 @@
 
 use cea::Mode;
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use osc_model::Brake;
 use work::{ForceFamily, ModeWork, family_work};
@@ -20,7 +20,7 @@ pub fn mode_work(brake: &Brake, at: &OperatingPoint, mode: &Mode) -> Result<Mode
 /// What work is computed from at one operating point.
 pub(super) struct WorkSystems<'a> {
     names: &'a [String],
-    structure: SecondOrder,
+    mass: DMatrix<f64>,
     families: Vec<SecondOrder>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> WorkSystems<'a> {
         for (name, family) in names.iter().zip(&mut families) {
             system.family_into(name, at, family)?;
         }
-        Ok(Self { names, structure: system.structure(&at.coefficients)?, families })
+        Ok(Self { names, mass: system.mass(&at.coefficients)?, families })
     }
 
     /// The work in a mode with this shape over the free degrees of freedom, on the bodies of a brake.
@@ -43,6 +43,6 @@ impl<'a> WorkSystems<'a> {
     pub fn of(&self, lambda: Complex<f64>, shape: &DVector<Complex<f64>>, brake: &Brake) -> Result<ModeWork, Error> {
         let families: Vec<ForceFamily<'_>> =
             self.names.iter().zip(&self.families).map(|(name, system)| ForceFamily { name, system }).collect();
-        Ok(family_work(&self.structure.m, &families, lambda, shape, &brake.bodies)?)
+        Ok(family_work(&self.mass, &families, lambda, shape, &brake.bodies)?)
     }
 }

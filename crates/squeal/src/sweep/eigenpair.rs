@@ -50,16 +50,16 @@ impl Eigenpair {
                 let beside = pair.lambda * (1.0 + ROUNDING);
                 Self { lambda: beside, ..pair.clone() }.iterated(system)
             });
-            (pair.right, pair.left) = vectors?;
+            [pair.right, pair.left] = vectors?;
         }
         None
     }
 
     /// The right and the left vector after one step of inverse iteration; `None` where Q is singular.
-    fn iterated(&self, system: &SecondOrder) -> Option<(DVector<Complex<f64>>, DVector<Complex<f64>>)> {
+    fn iterated(&self, system: &SecondOrder) -> Option<[DVector<Complex<f64>>; 2]> {
         let (q, slope) = self.matrices(system);
         let left = unit(q.adjoint().lu().solve(&slope.ad_mul(&self.left))?)?;
-        Some((unit(q.lu().solve(&(&slope * &self.right))?)?, left))
+        Some([unit(q.lu().solve(&(&slope * &self.right))?)?, left])
     }
 
     fn matrices(&self, system: &SecondOrder) -> (DMatrix<Complex<f64>>, DMatrix<Complex<f64>>) {

@@ -1,5 +1,6 @@
 //! The model as a drawing: the lattice in plan view, and one oscillator from the side and from above.
 
+mod diagram;
 mod elements;
 mod oscillator;
 mod plan;
@@ -8,27 +9,9 @@ use super::axis::{PAGE_MARGIN, title};
 use super::canvas::{Area, Canvas};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
+pub use diagram::ModelDiagram;
 use oscillator::{from_above, from_the_side};
 use plan::plan;
-
-/// What the drawing shows of a lattice.
-#[derive(Debug, Clone, Default)]
-pub struct ModelDiagram {
-    /// Above everything; may be empty.
-    pub title: String,
-    /// Rows of the lattice.
-    pub rows: usize,
-    /// Columns of the lattice.
-    pub columns: usize,
-    /// By rows: whether the oscillator touches the plate.
-    pub in_contact: Vec<bool>,
-    /// Angle between the inclined springs and the plane of the plate, degrees.
-    pub theta_degrees: f64,
-    /// Angle of the inclined springs in that plane, from the x axis, degrees.
-    pub phi_degrees: f64,
-    /// Whether the inclined springs lean in the direction of sliding.
-    pub leans_with_sliding: bool,
-}
 
 /// Draws the model: numbered oscillators (grey: in contact) with the numbers of the springs between them, and one
 /// oscillator in the upright plane of its inclined spring, where theta has its true size, and from above, where phi has.

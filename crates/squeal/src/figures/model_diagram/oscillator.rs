@@ -2,7 +2,7 @@
 
 use super::super::canvas::{Area, Canvas, Color, Label, Paint, TextAnchor};
 use super::super::style::{VERMILLION, arrow};
-use super::ModelDiagram;
+use super::diagram::ModelDiagram;
 use super::elements::{arc, dashpot, ground, spring, symbol};
 
 /// Angles to the plane at which the inclined spring is drawn as it is, degrees; outside it would leave the drawing.

@@ -3,7 +3,7 @@
 use super::super::axis::LINE_SPACING;
 use super::super::canvas::{Area, Canvas, Color, Label, Paint};
 use super::super::style::{BLUE, VERMILLION, arrow};
-use super::ModelDiagram;
+use super::diagram::ModelDiagram;
 use super::elements::{spring, symbol};
 
 /// Half the side of the square that stands for an oscillator, pt.
