@@ -104,7 +104,7 @@ fn the_wobbling_disc_is_the_linearisation_of_its_mechanics() {
 
 fn published(matrix: &str) -> DMatrix<f64> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/hard/disk_brake100_w4pi").join(matrix);
-    linsys::read_market(&std::fs::read(path).unwrap()).unwrap()
+    formats::read(&path).unwrap().only().unwrap().to_dense()
 }
 
 #[test]

@@ -1,8 +1,6 @@
-//! Errors of systems, constraints and files.
+//! Errors of systems and constraints.
 
 use std::fmt;
-
-use crate::MarketProblem;
 
 /// Names a matrix of a [`SecondOrder`](crate::SecondOrder) in an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,14 +107,6 @@ pub enum LinsysError {
         column: usize,
         /// The entry.
         value: f64,
-    },
-    /// A Matrix Market file that cannot be read.
-    #[error("line {line}: {problem}")]
-    Market {
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong in this line.
-        problem: MarketProblem,
     },
     /// A constraint names a degree of freedom that does not exist.
     #[error("constraint on degree of freedom {dof}; there are {total}, numbered from 0")]

@@ -15,7 +15,6 @@
 //! | [`SecondOrder`] | M, C, K and internal states as numbers; `Q(lambda)` and its derivative |
 //! | [`AffineSystem`] | a system as a sum of named terms and friction channels, with coefficients that are drawn |
 //! | [`DofMap`] | which degrees of freedom are free; constrained ones are eliminated |
-//! | [`read_market`] | matrices from Matrix Market files |
 //! | [`real_times_complex`] | the product of a real matrix and a complex vector |
 //!
 //! This crate knows neither brakes nor eigenvalues. Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both
@@ -35,7 +34,6 @@
 mod affine;
 mod dof;
 mod error;
-mod market;
 mod product;
 mod second_order;
 
@@ -45,7 +43,6 @@ pub use num_complex;
 pub use affine::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 pub use dof::DofMap;
 pub use error::{LinsysError, Matrix};
-pub use market::{LARGEST_ORDER, MarketProblem, read_market};
 pub use product::real_times_complex;
 pub use second_order::{Internal, SecondOrder};
 

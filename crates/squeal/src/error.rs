@@ -24,6 +24,17 @@ pub enum Error {
     /// Work in a mode.
     #[error(transparent)]
     Work(#[from] work::WorkError),
+    /// Modes or branches that could not be followed.
+    #[error(transparent)]
+    Tracking(#[from] tracking::TrackingError),
+    /// A sweep over parameters.
+    #[error("{at}: {source}")]
+    Sweep {
+        /// The parameters with the values, or the range, at which it failed.
+        at: String,
+        /// Why.
+        source: Box<Error>,
+    },
     /// The Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
@@ -148,12 +159,13 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file that does not hold a matrix.
+    #[cfg(feature = "case-files")]
     #[error("{}: {source}", path.display())]
     Matrix {
         /// The file.
         path: PathBuf,
         /// The line and what is wrong there.
-        source: linsys::LinsysError,
+        source: Box<formats::FormatsError>,
     },
     /// A matrix of more degrees of freedom than are allowed.
     #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom", path.display())]

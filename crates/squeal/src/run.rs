@@ -80,7 +80,7 @@ pub fn run_study<B: UncertainBrake>(
 }
 
 /// The threads for so much of a study as is not sampling.
-fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+pub(crate) fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }

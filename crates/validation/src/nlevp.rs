@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use cea::{Workspace, certified};
-use linsys::{SecondOrder, read_market};
+use formats::{Options, read_market};
+use linsys::SecondOrder;
 use num_complex::Complex;
 use squeal::Error;
 
@@ -33,8 +34,10 @@ fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     let case = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let matrix = |name: &str| {
         let path = folder.join(name);
-        let text = std::fs::read(&path).map_err(|source| Error::Read { path, source })?;
-        Ok::<_, Error>(read_market(&text).map_err(cea::CeaError::from)?)
+        let text = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let matrix = read_market(&text, Options::default());
+        let matrix = matrix.map_err(|source| Error::Matrix { path, source: Box::new(source) })?;
+        Ok::<_, Error>(matrix.to_dense())
     };
     let system = SecondOrder::new(matrix("M.mtx")?, matrix("C.mtx")?, matrix("K.mtx")?).map_err(cea::CeaError::from)?;
     let mut work = Workspace::default();

@@ -7,7 +7,8 @@ use std::sync::OnceLock;
 
 use cea::certified::{Certified, ClusterKind, GeneralSpectrum, Route, certify, solve};
 use cea::{CeaError, Verdict, Workspace};
-use linsys::{SecondOrder, read_market};
+use formats::{Options, read_market};
+use linsys::SecondOrder;
 use num_complex::Complex;
 
 /// Targets: backward error, and forward error in units of condition x epsilon.
@@ -34,7 +35,10 @@ fn folder() -> PathBuf {
 }
 
 fn system(case: &Path) -> SecondOrder {
-    let read = |name: &str| read_market(&std::fs::read(case.join(name)).unwrap()).unwrap();
+    let read = |name: &str| {
+        let text = std::fs::read(case.join(name)).unwrap();
+        read_market(&text, Options::default()).unwrap().to_dense()
+    };
     SecondOrder::new(read("M.mtx"), read("C.mtx"), read("K.mtx")).unwrap()
 }
 

@@ -68,7 +68,7 @@ pub enum CaseError {
         /// The file with the matrix, as the case names it.
         file: PathBuf,
         /// The error, with the line.
-        source: Box<linsys::LinsysError>,
+        source: Box<formats::FormatsError>,
     },
     /// Matrices that make no system together.
     #[error("{}: {field}: {source}", path.display())]

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
 use cea::{Workspace, damping_ratio, frequency_hz};
-use linsys::{SecondOrder, read_market};
+use linsys::SecondOrder;
 use montecarlo::{Bar, Progress};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::Error;
-use crate::input::{LARGEST_MATRIX, read};
+use crate::input::{LARGEST_MATRIX, parse_matrix, read};
 use crate::output::{bytes_in_words, in_words, note};
 
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.
@@ -123,7 +123,8 @@ fn of_order(
 
 fn read_matrix(path: &Path) -> Result<DMatrix<f64>, Error> {
     let bytes = read(path, LARGEST_MATRIX).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    read_market(&bytes).map_err(|source| Error::Matrix { path: path.to_owned(), source })
+    let matrix = parse_matrix(&bytes).map_err(|source| Error::Matrix { path: path.to_owned(), source })?;
+    Ok(matrix.to_dense())
 }
 
 fn kind(kind: ClusterKind) -> &'static str {

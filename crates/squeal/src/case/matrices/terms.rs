@@ -9,7 +9,7 @@ use super::formulas::Formulas;
 use super::schema;
 use crate::case::check::{Check, field};
 use crate::case::{CaseError, Expression};
-use crate::input::{LARGEST_MATRIX, read};
+use crate::input::{LARGEST_MATRIX, parse_matrix, read};
 
 /// The terms with their coefficients. All terms must have the same order, and at least one a mass.
 pub(super) fn terms_with_coefficients(
@@ -58,12 +58,10 @@ fn load(
             let (path, named) = (check.path.to_owned(), field.to_owned());
             match read(&check.path.parent().unwrap_or(Path::new("")).join(&file), LARGEST_MATRIX) {
                 Err(source) => return Err(CaseError::MatrixRead { path, field: named, file, source }),
-                Ok(bytes) => linsys::read_market(&bytes).map_err(|source| CaseError::Matrix {
-                    path,
-                    field: named,
-                    file,
-                    source: Box::new(source),
-                })?,
+                Ok(bytes) => match parse_matrix(&bytes) {
+                    Err(source) => return Err(CaseError::Matrix { path, field: named, file, source }),
+                    Ok(matrix) => matrix.to_dense(),
+                },
             }
         }
     };

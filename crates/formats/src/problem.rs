@@ -1,24 +1,25 @@
-//! Errors of Matrix Market files.
+//! What can be wrong at a place of a file.
 
-/// Most rows or columns of a matrix; chosen: 4096 x 4096 takes 128 MB as a dense matrix.
-pub const LARGEST_ORDER: usize = 4096;
+use std::fmt;
 
-/// What the first line of a file should be, in messages.
+use crate::error::cut;
+
+/// What the first line of a Matrix Market file should be, in messages.
 const BANNER: &str = "\"%%MatrixMarket matrix coordinate real general\" or the like";
 
-/// What is wrong with a Matrix Market file.
+/// What is wrong at a place of a file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MarketProblem {
+pub enum Problem {
     /// No line at all.
     #[error("the file is empty; expected a Matrix Market file, first line {BANNER}")]
     Empty,
-    /// The first line is something else.
+    /// The first line of a Matrix Market file is something else.
     #[error("{found:?} is not a Matrix Market banner; expected {BANNER}")]
     Banner {
         /// The first line, shortened.
         found: String,
     },
-    /// Numbers without a banner, as Abaqus writes them.
+    /// Numbers without a banner where Matrix Market is expected.
     #[error(
         "{found:?} looks like an Abaqus matrix (numbers without a header), not Matrix Market; expected {BANNER}, \
          then a line with rows, columns and entries, then entries separated by blanks"
@@ -27,10 +28,10 @@ pub enum MarketProblem {
         /// The first line, shortened.
         found: String,
     },
-    /// A keyword of the banner that is not supported.
+    /// A keyword or code that is not supported.
     #[error("{what} {found:?} is not supported; allowed: {allowed}")]
     Keyword {
-        /// "object", "format", "field" or "symmetry".
+        /// What the keyword says.
         what: &'static str,
         /// The text or number found.
         found: String,
@@ -52,16 +53,18 @@ pub enum MarketProblem {
     NotWhole {
         /// Name of the number.
         what: &'static str,
-        /// The text or number found.
+        /// The text found.
         found: String,
     },
     /// A number of rows or columns that is 0 or too large.
-    #[error("{what} {found} is out of range; allowed: 1 to {LARGEST_ORDER}")]
+    #[error("{what} {found} is out of range; allowed: 1 to {largest}")]
     Size {
         /// "number of rows" or "number of columns".
         what: &'static str,
-        /// The text or number found.
+        /// The number found.
         found: usize,
+        /// The largest allowed: [`crate::Limits::order`].
+        largest: usize,
     },
     /// A symmetric matrix that is not square.
     #[error("a {symmetry} matrix of {rows} x {columns}; it must be square")]
@@ -78,7 +81,7 @@ pub enum MarketProblem {
     Index {
         /// "row" or "column".
         what: &'static str,
-        /// The text or number found.
+        /// The index found.
         found: usize,
         /// Number of rows or columns.
         largest: usize,
@@ -95,13 +98,49 @@ pub enum MarketProblem {
         /// The entries allowed.
         allowed: &'static str,
     },
-    /// A value that is not a number of the declared field.
+    /// A symmetric matrix of which both triangles are given, so that mirroring would count entries twice.
+    #[error(
+        "the matrix {matrix:?} gives both ({row}, {column}) and its mirror image, {pairs} such pairs; allowed: {allowed}"
+    )]
+    BothTriangles {
+        /// The matrix.
+        matrix: String,
+        /// Row of the first such entry: its label, or its number from 1.
+        row: String,
+        /// Column of it.
+        column: String,
+        /// How many pairs are given twice.
+        pairs: usize,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A matrix that is symmetric by its declaration and not by its entries.
+    #[error("the matrix {matrix:?} is declared symmetric, but {what}; allowed: {allowed}")]
+    Unsymmetric {
+        /// The matrix.
+        matrix: String,
+        /// What contradicts it.
+        what: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A value that is not a number of the declared kind.
     #[error("value {found:?} is not {allowed}")]
     Value {
         /// The text or number found.
         found: String,
         /// What is allowed.
         allowed: &'static str,
+    },
+    /// A field whose contents are not what the format allows.
+    #[error("{what} is {found}; allowed: {allowed}")]
+    Field {
+        /// Name of the field.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
     },
     /// Fewer entries than announced.
     #[error("the file ends after {found} of {expected} entries")]
@@ -110,6 +149,12 @@ pub enum MarketProblem {
         found: usize,
         /// Entries announced.
         expected: usize,
+    },
+    /// The file ends within something.
+    #[error("the file ends within {what}")]
+    End {
+        /// What was being read.
+        what: &'static str,
     },
     /// No size line.
     #[error("the file ends before the line with the size of the matrix")]
@@ -120,7 +165,33 @@ pub enum MarketProblem {
         /// Entries announced.
         expected: usize,
     },
+    /// More than a limit of [`crate::Limits`] allows.
+    #[error("more than {most} {what}; the limit can be raised")]
+    Limit {
+        /// What is limited.
+        what: &'static str,
+        /// The limit.
+        most: u64,
+    },
     /// Bytes that are not UTF-8 text.
     #[error("not a text file")]
     NotText,
+    /// A line that no program writes.
+    #[error("a line of more than {most} bytes")]
+    LongLine {
+        /// The most allowed.
+        most: usize,
+    },
+    /// The bytes cannot be had: a corrupt compressed stream, or the disk.
+    #[error("cannot be read: {what}")]
+    Read {
+        /// What the reader says.
+        what: String,
+    },
+}
+
+impl Problem {
+    pub(crate) fn field(what: &'static str, found: impl fmt::Display, allowed: impl Into<String>) -> Self {
+        Self::Field { what, found: cut(&found.to_string()), allowed: allowed.into() }
+    }
 }

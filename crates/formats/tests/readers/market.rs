@@ -1,16 +1,22 @@
-//! Files that can be read, and the one-line messages for files that cannot.
+//! Matrix Market files that can be read, and the one-line messages for files that cannot.
 
-use super::*;
-use nalgebra::dmatrix;
-use proptest::prelude::*;
+use formats::nalgebra::{DMatrix, dmatrix};
+use formats::{FormatsError, Limits, Options, Place, Stored, read_market};
 
-fn read(text: &str) -> Result<DMatrix<f64>, LinsysError> {
-    read_market(text.as_bytes())
+use crate::{fixture, k};
+
+/// The largest order of these tests, as a program with full matrices would set it.
+fn options() -> Options<'static> {
+    Options { limits: Limits { order: 4096, ..Limits::default() }, ..Options::default() }
+}
+
+fn read(text: &str) -> Result<DMatrix<f64>, FormatsError> {
+    read_market(text.as_bytes(), options()).map(|matrix| matrix.to_dense())
 }
 
 fn problem(text: &str) -> (usize, String) {
     match read(text) {
-        Err(LinsysError::Market { line, problem }) => (line, problem.to_string()),
+        Err(FormatsError::At { place: Place::Line(line), problem }) => (line, problem.to_string()),
         other => panic!("{other:?} for {text:?}"),
     }
 }
@@ -40,7 +46,7 @@ fn says_in_one_line_what_is_wrong_and_what_is_allowed() {
     let body = |rest: &str| problem(&format!("{REAL}{rest}"));
     let cases = [
         (problem(""), 1, "empty"),
-        (problem("\n \n"), 3, "empty"),
+        (problem("\n \n"), 2, "empty"),
         (problem("hello\n1 1 1\n"), 1, "not a Matrix Market banner"),
         (problem("1,1, 2.5e+03\n1,2, 7\n"), 1, "Abaqus"),
         (problem("1  1  2.5e+03\n"), 1, "Abaqus"),
@@ -61,14 +67,14 @@ fn says_in_one_line_what_is_wrong_and_what_is_allowed() {
         (problem("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n"), 3, "on or below"),
         (problem("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n1 1 0\n"), 3, "below the diagonal"),
         (problem("%%MatrixMarket matrix coordinate integer general\n1 1 1\n1 1 1.5\n"), 3, "an integer"),
-        (body(""), 2, "before the line with the size"),
+        (body(""), 1, "before the line with the size"),
         (body("2 2\n"), 2, "rows, columns, entries"),
         (body("0 0 0\n"), 2, "allowed: 1 to 4096"),
         (body("1000000000 1000000000 1\n"), 2, "allowed: 1 to 4096"),
         (body("99999999999999999999999 1 1\n"), 2, "whole number"),
         (body("-1 1 1\n"), 2, "whole number"),
-        (body("1 1 18446744073709551615\n1 1 1\n"), 4, "ends after 1 of"),
-        (body("2 2 2\n1 1 1.0\n"), 4, "ends after 1 of 2"),
+        (body("1 1 18446744073709551615\n1 1 1\n"), 3, "ends after 1 of"),
+        (body("2 2 2\n1 1 1.0\n"), 3, "ends after 1 of 2"),
         (body("2 2 1\n1 1 1.0\n2 2 1.0\n"), 4, "after the last of 1"),
         (body("2 2 1\n3 1 1.0\n"), 3, "row 3; allowed: 1 to 2"),
         (body("2 2 1\n1 0 1.0\n"), 3, "column 0; allowed: 1 to 2"),
@@ -84,28 +90,33 @@ fn says_in_one_line_what_is_wrong_and_what_is_allowed() {
         assert_eq!(line, at, "{message}");
         assert!(message.contains(part) && !message.contains('\n'), "{message:?} lacks {part:?}");
     }
-    let binary = read_market(b"%%MatrixMarket \xff\xfe\n").unwrap_err();
+    let binary = read_market(b"%%MatrixMarket \xff\xfe\n", options()).unwrap_err();
     assert_eq!(binary.to_string(), "line 1: not a text file");
     let long = problem(&"x".repeat(10_000)).1;
     assert!(long.len() < 300);
 }
 
-proptest! {
-    #[test]
-    fn what_is_written_is_read_again(values in prop::collection::vec(prop::num::f64::NORMAL, 12)) {
-        let matrix = DMatrix::from_vec(3, 4, values);
-        let mut text = format!("{REAL}3 4 12\n");
-        for j in 0..4 {
-            for i in 0..3 {
-                text += &format!("{} {} {:e}\n", i + 1, j + 1, matrix[(i, j)]);
-            }
-        }
-        prop_assert_eq!(read(&text).unwrap(), matrix);
-    }
+#[test]
+fn a_compressed_file_is_read_as_it_is() {
+    let file = formats::read(&fixture("market/symmetric.mtx.gz")).unwrap();
+    assert_eq!(file.format, formats::Format::MatrixMarket);
+    let matrix = file.only().unwrap();
+    assert_eq!((matrix.to_dense(), matrix.stored()), (k(), Stored::Triangle));
+    let bytes = std::fs::read(fixture("market/symmetric.mtx.gz")).unwrap();
+    assert_eq!(read_market(&bytes, options()).unwrap().to_dense(), k());
+    let half = read_market(&bytes[..bytes.len() / 2], options()).unwrap_err().to_string();
+    assert!(half.contains("cannot be read") || half.contains("ends"), "{half}");
+}
 
-    #[test]
-    fn no_text_makes_it_panic(text in "[%MatrixMket corinaelgsymdu\n\r\t0-9.,eED+*-]{0,200}", tail in ".{0,40}") {
-        let _ = read(&text);
-        let _ = read(&format!("{REAL}{text}{tail}"));
+#[test]
+fn what_is_written_is_read_again() {
+    // Numbers of all magnitudes, with every bit.
+    let matrix = DMatrix::from_fn(3, 4, |i, j| (1.0 + (i as f64).sqrt()) * 10_f64.powi(50 * (2 * j as i32 - 3)) / 3.0);
+    let mut text = format!("{REAL}3 4 12\n");
+    for j in 0..4 {
+        for i in 0..3 {
+            text += &format!("{} {} {:e}\n", i + 1, j + 1, matrix[(i, j)]);
+        }
     }
+    assert_eq!(read(&text).unwrap(), matrix);
 }

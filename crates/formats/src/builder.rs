@@ -1,0 +1,222 @@
+//! From entries in the order of a file to a whole matrix: repeats added, a triangle mirrored.
+
+use std::collections::HashMap;
+
+use crate::Dof;
+use crate::limits::{Limits, Unstated};
+use crate::matrix::{Entry, Kind, Matrix, Stored};
+use crate::problem::Problem;
+
+/// What a format says about the entries that it lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Symmetry {
+    /// All of them.
+    General,
+    /// One triangle, whichever, of a symmetric matrix.
+    Symmetric,
+    /// One triangle of a skew-symmetric matrix.
+    Skew,
+    /// A symmetric matrix as one triangle or whole.
+    SymmetricOrWhole,
+    /// Nothing.
+    Unstated(Unstated),
+}
+
+/// Entries of a matrix in the order of the file.
+pub(crate) struct Builder {
+    entries: Vec<Entry>,
+    most: usize,
+}
+
+/// What is known of a matrix besides its entries.
+pub(crate) struct Head {
+    pub name: String,
+    pub kind: Option<Kind>,
+    pub rows: usize,
+    pub columns: usize,
+    pub row_labels: Option<Vec<Dof>>,
+    pub column_labels: Option<Vec<Dof>>,
+}
+
+impl Head {
+    pub fn unlabelled(name: impl Into<String>, kind: Option<Kind>, (rows, columns): (usize, usize)) -> Self {
+        Self { name: name.into(), kind, rows, columns, row_labels: None, column_labels: None }
+    }
+}
+
+impl Builder {
+    pub fn new(limits: &Limits) -> Self {
+        Self { entries: Vec::new(), most: limits.entries }
+    }
+
+    /// Adds an entry; indices from 0, checked by the caller against a size within [`Limits::order`].
+    pub fn push(&mut self, row: usize, column: usize, value: f64) -> Result<(), Problem> {
+        if !value.is_finite() {
+            return Err(Problem::Value { found: value.to_string(), allowed: "a finite number" });
+        }
+        if self.entries.len() >= self.most {
+            return Err(limit(self.most));
+        }
+        self.entries.push(Entry { row: row as u32, column: column as u32, value });
+        Ok(())
+    }
+
+    /// The whole matrix.
+    pub fn finish(self, symmetry: Symmetry, head: Head) -> Result<Matrix, Problem> {
+        let Self { mut entries, most } = self;
+        add_repeats(&mut entries)?;
+        let stored = match symmetry {
+            Symmetry::General | Symmetry::Unstated(Unstated::Whole) => Stored::Whole,
+            _ => expand(&mut entries, symmetry, &head)?,
+        };
+        if entries.len() > most {
+            return Err(limit(most));
+        }
+        entries.shrink_to_fit();
+        let Head { name, kind, rows, columns, row_labels, column_labels } = head;
+        Ok(Matrix { name, kind, stored, rows, columns, entries, row_labels, column_labels })
+    }
+}
+
+fn limit(most: usize) -> Problem {
+    Problem::Limit { what: "entries of a matrix", most: most as u64 }
+}
+
+/// Sorts by column and row and adds what is repeated, in the order of the file.
+fn add_repeats(entries: &mut Vec<Entry>) -> Result<(), Problem> {
+    entries.sort_by_key(Entry::key);
+    entries.dedup_by(|later, earlier| {
+        let same = later.key() == earlier.key();
+        if same {
+            earlier.value += later.value;
+        }
+        same
+    });
+    match entries.iter().find(|entry| !entry.value.is_finite()) {
+        None => Ok(()),
+        Some(entry) => {
+            let found = format!("{:e}, the sum at ({}, {})", entry.value, entry.row + 1, entry.column + 1);
+            Err(Problem::Value { found, allowed: "a finite number" })
+        }
+    }
+}
+
+/// Mirrors a triangle, after a look at which entries have a mirror image already.
+fn expand(entries: &mut Vec<Entry>, symmetry: Symmetry, head: &Head) -> Result<Stored, Problem> {
+    let mut mirrored: Vec<Entry> =
+        entries.iter().filter(|entry| entry.row != entry.column).map(|entry| entry.mirrored()).collect();
+    mirrored.sort_by_key(Entry::key);
+    let pairs = Pairs::of(entries, &mirrored);
+    let both = |allowed| {
+        let (row, column) = pairs.first.unwrap_or_default();
+        let place = |labels: &Option<Vec<Dof>>, at: u32| match labels.as_ref().and_then(|l| l.get(at as usize)) {
+            Some(dof) => dof.to_string(),
+            None => (at + 1).to_string(),
+        };
+        let (row, column) = (place(&head.row_labels, row), place(&head.column_labels, column));
+        Problem::BothTriangles { matrix: head.name.clone(), row, column, pairs: pairs.given_twice / 2, allowed }
+    };
+    // An entry and its mirror image are both counted, so that these two compare like with like.
+    let (twice, off_diagonal) = (pairs.given_twice, mirrored.len());
+    match symmetry {
+        Symmetry::General | Symmetry::Unstated(Unstated::Whole) => return Ok(Stored::Whole),
+        _ if twice == 0 => {}
+        Symmetry::Symmetric | Symmetry::Skew | Symmetry::Unstated(Unstated::Triangle) => {
+            return Err(both("one triangle of a symmetric matrix, upper or lower"));
+        }
+        Symmetry::SymmetricOrWhole if twice == off_diagonal && !pairs.unequal => return Ok(Stored::Whole),
+        Symmetry::SymmetricOrWhole => {
+            return Err(both("one triangle of a symmetric matrix, or both with equal values"));
+        }
+        Symmetry::Unstated(Unstated::ByContents) if 2 * twice >= off_diagonal => return Ok(Stored::Whole),
+        Symmetry::Unstated(Unstated::ByContents) => {
+            return Err(both("one triangle or the whole matrix; say which if it is meant so"));
+        }
+    }
+    let sign = if symmetry == Symmetry::Skew { -1.0 } else { 1.0 };
+    entries.extend(mirrored.into_iter().map(|entry| Entry { value: sign * entry.value, ..entry }));
+    entries.sort_by_key(Entry::key);
+    Ok(if symmetry == Symmetry::Skew { Stored::SkewTriangle } else { Stored::Triangle })
+}
+
+/// Off-diagonal entries whose mirror image is given too.
+#[derive(Default)]
+struct Pairs {
+    given_twice: usize,
+    first: Option<(u32, u32)>,
+    unequal: bool,
+}
+
+impl Pairs {
+    fn of(entries: &[Entry], mirrored: &[Entry]) -> Self {
+        let mut found = Self::default();
+        let mut images = mirrored.iter().peekable();
+        for entry in entries {
+            while images.next_if(|image| image.key() < entry.key()).is_some() {}
+            if let Some(image) = images.next_if(|image| image.key() == entry.key()) {
+                found.given_twice += 1;
+                found.first.get_or_insert((entry.row, entry.column));
+                found.unequal |= image.value != entry.value;
+            }
+        }
+        found
+    }
+}
+
+/// Labels in the order in which they come, and their places once they are sorted.
+#[derive(Default)]
+pub(crate) struct LabelSet {
+    index: HashMap<Dof, u32>,
+    list: Vec<Dof>,
+}
+
+impl LabelSet {
+    /// The number of this label, a new one where it is new.
+    pub fn number(&mut self, dof: Dof, limits: &Limits) -> Result<usize, Problem> {
+        let next = self.list.len();
+        let number = *self.index.entry(dof).or_insert(next as u32) as usize;
+        if number == next {
+            if next >= limits.order {
+                return Err(Problem::Limit { what: "degrees of freedom", most: limits.order as u64 });
+            }
+            self.list.push(dof);
+        }
+        Ok(number)
+    }
+
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The labels by node and direction, and the place of each number among them.
+    pub fn sorted(self) -> (Vec<Dof>, Vec<u32>) {
+        let mut order: Vec<u32> = (0..self.list.len() as u32).collect();
+        order.sort_by_key(|&number| self.list[number as usize]);
+        let mut places = vec![0; order.len()];
+        for (place, &number) in (0_u32..).zip(&order) {
+            places[number as usize] = place;
+        }
+        (order.iter().map(|&number| self.list[number as usize]).collect(), places)
+    }
+}
+
+impl Builder {
+    /// Gives every row and column the place of its label.
+    pub fn renumber(&mut self, rows: &[u32], columns: &[u32]) {
+        for entry in &mut self.entries {
+            (entry.row, entry.column) = (rows[entry.row as usize], columns[entry.column as usize]);
+        }
+    }
+
+    /// Whether there are entries off the diagonal and all of them are on one side of it.
+    pub fn is_triangle(&self) -> bool {
+        let (below, above) =
+            (self.entries.iter().any(|e| e.row > e.column), self.entries.iter().any(|e| e.row < e.column));
+        below != above
+    }
+
+    /// Number of entries so far.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+}

@@ -1,0 +1,73 @@
+//! Lists of `row column value` without a header: CalculiX's `.sti` and `.mas`, and Abaqus's `FORMAT=COORDINATE`.
+//!
+//! CalculiX (`*FREQUENCY, SOLVER=MATRIXSTORAGE`) writes the upper triangle, also of an unsymmetric matrix, and beside it a file
+//! `.dof` with the name of each row, `node.direction`. The list itself has no number of rows: that is the number of names, or the
+//! largest index where there is no such file.
+
+use crate::Dof;
+use crate::builder::{Builder, Head, Symmetry};
+use crate::error::cut;
+use crate::limits::{Limits, Unstated};
+use crate::lines::Lines;
+use crate::matrix::{Kind, Matrix};
+use crate::numbers::{fortran, whole};
+use crate::problem::Problem;
+
+/// Reads the list; `labels` are the names of its rows.
+pub(crate) fn parse(
+    lines: &mut Lines<'_>,
+    limits: &Limits,
+    unstated: Unstated,
+    (name, kind): (&str, Option<Kind>),
+    labels: Option<Vec<Dof>>,
+) -> Result<Matrix, Problem> {
+    let mut builder = Builder::new(limits);
+    let most = labels.as_ref().map_or(limits.order, Vec::len);
+    let mut order = 0;
+    while let Some(line) = lines.next_but("%")? {
+        let mut fields = line.split([' ', '\t', ',']).filter(|field| !field.is_empty());
+        let (Some(row), Some(column), Some(field), None) = (fields.next(), fields.next(), fields.next(), fields.next())
+        else {
+            let found = line.split([' ', '\t', ',']).filter(|field| !field.is_empty()).count();
+            return Err(Problem::Fields { what: "an entry", found, allowed: "row, column, value" });
+        };
+        let index = |what, field| match whole(what, field)? {
+            found if (1..=most).contains(&found) => Ok(found),
+            found if labels.is_some() => Err(Problem::Index { what, found, largest: most }),
+            found => Err(Problem::Size { what, found, largest: most }),
+        };
+        let (row, column) = (index("row", row)?, index("column", column)?);
+        order = order.max(row).max(column);
+        builder.push(row - 1, column - 1, fortran(field)?)?;
+    }
+    lines.check_end()?;
+    if let Some(labels) = labels.as_ref().filter(|labels| labels.len() != order) {
+        // CalculiX lists every diagonal entry, zeros too, so that the last row is always there.
+        let allowed = format!("{}, the number of its labels: the file may be cut", labels.len());
+        return Err(Problem::field("the last row of the list", order, allowed));
+    }
+    if order == 0 {
+        return Err(Problem::End { what: "the list of entries" });
+    }
+    let head =
+        Head { row_labels: labels.clone(), column_labels: labels, ..Head::unlabelled(name, kind, (order, order)) };
+    builder.finish(Symmetry::Unstated(unstated), head)
+}
+
+/// Reads the names of the rows, one a line.
+pub(crate) fn parse_labels(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Dof>, Problem> {
+    let mut labels = Vec::new();
+    let mut seen = std::collections::HashSet::new();
+    while let Some(line) = lines.next_but("%")? {
+        let bad = || Problem::field("the name of a row", cut(line), "a node and a direction, as in 1042.3, each once");
+        let dof: Dof = line.parse().map_err(|_| bad())?;
+        if !seen.insert(dof) {
+            return Err(bad());
+        }
+        if labels.len() >= limits.order {
+            return Err(Problem::Limit { what: "degrees of freedom", most: limits.order as u64 });
+        }
+        labels.push(dof);
+    }
+    Ok(labels)
+}

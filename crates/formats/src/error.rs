@@ -1,0 +1,165 @@
+//! What can be wrong with a file, and where.
+
+use std::fmt;
+
+use crate::problem::Problem;
+
+/// Why a file gave no matrix, or a mode shape could not be written. Every message is one line and names no file: the caller
+/// knows which one it was.
+#[derive(Debug, thiserror::Error)]
+pub enum FormatsError {
+    /// The file cannot be opened or read.
+    #[error("cannot be read: {0}")]
+    Open(#[source] std::io::Error),
+    /// The output cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(#[source] std::io::Error),
+    /// A directory, a pipe or a device.
+    #[error("it is {found}; allowed: a regular file")]
+    NotRegular {
+        /// "a directory" or "no regular file".
+        found: &'static str,
+    },
+    /// The contents of no known format.
+    #[error("{found}: none of the formats read here; allowed: {FORMATS}")]
+    Unknown {
+        /// The beginning of the file, shortened.
+        found: String,
+    },
+    /// A known format that is not read.
+    #[error("{what} is not read here; {advice}")]
+    Refused {
+        /// What the file is.
+        what: &'static str,
+        /// What to do about it.
+        advice: &'static str,
+    },
+    /// A fault at a place.
+    #[error("{place}: {problem}")]
+    At {
+        /// Where.
+        place: Place,
+        /// What.
+        problem: Box<Problem>,
+    },
+    /// The file of labels beside a matrix is at fault.
+    #[error("the labels in {file}: {source}")]
+    Labels {
+        /// Name of the file of labels, without its folder.
+        file: String,
+        /// What is wrong with it.
+        #[source]
+        source: Box<FormatsError>,
+    },
+    /// The file is whole but holds no matrix of real numbers.
+    #[error("the file holds no matrix that can be read{}", what_else(.left_out))]
+    NoMatrix {
+        /// What it holds instead: names, each with the reason why it was left out.
+        left_out: Vec<(String, String)>,
+    },
+    /// A matrix by a name that the file does not hold, or holds but cannot give.
+    #[error("no matrix {name:?}{}; allowed: {}", because(.reason), listed(.allowed))]
+    NoSuchMatrix {
+        /// The name asked for.
+        name: String,
+        /// Why it was left out, where it is in the file.
+        reason: Option<String>,
+        /// The names of the matrices that were read.
+        allowed: Vec<String>,
+    },
+    /// One matrix was asked for where the file holds several.
+    #[error("the file holds {} matrices; say which: {}", .names.len(), listed(.names))]
+    Several {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// A degree of freedom of a matrix that the list it is to be ordered by does not have.
+    #[error("the matrix \"{matrix}\" has the degree of freedom {dof}, which the given list lacks")]
+    UnknownDof {
+        /// The matrix.
+        matrix: String,
+        /// The label.
+        dof: String,
+    },
+    /// A matrix without labels where labels are needed.
+    #[error("the rows or columns of the matrix \"{matrix}\" have no labels")]
+    Unlabelled {
+        /// The matrix.
+        matrix: String,
+    },
+    /// A mesh or mode shape that cannot be written.
+    #[error("{what} {found}; allowed: {allowed}")]
+    Shape {
+        /// What is wrong.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+/// The formats, in messages.
+const FORMATS: &str = "Matrix Market, CalculiX .sti or .mas, Abaqus MATRIX INPUT or USER ELEMENT, Nastran DMIG or OP4, MATLAB \
+                       .mat to v7, NumPy .npy or .npz, each also as .gz";
+
+/// A line from 1, or a byte from 0, of the contents after decompression.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a text file, from 1.
+    Line(usize),
+    /// A byte of a binary file, from 0.
+    Byte(u64),
+    /// A byte of a member of an archive.
+    Member {
+        /// Name of the member.
+        name: String,
+        /// Its byte, from 0.
+        byte: u64,
+    },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Byte(byte) => write!(f, "byte {byte}"),
+            Self::Member { name, byte } => write!(f, "member {:?}, byte {byte}", cut(name)),
+        }
+    }
+}
+
+/// A text for a message, shortened where it is long, and in one line.
+pub(crate) fn cut(text: &str) -> String {
+    /// Most characters of a line that a message shows; chosen to keep it in one line.
+    const LONGEST_SHOWN: usize = 60;
+    let mut shown: String = text.chars().take(LONGEST_SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LONGEST_SHOWN).is_some() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+fn listed(names: &[String]) -> String {
+    /// Most names that a message lists; chosen.
+    const MOST: usize = 10;
+    let mut list: Vec<_> = names.iter().take(MOST).map(|name| cut(name)).collect();
+    if names.len() > MOST {
+        list.push("...".to_owned());
+    }
+    list.join(", ")
+}
+
+fn what_else(left_out: &[(String, String)]) -> String {
+    /// Most matrices left out that a message explains; chosen.
+    const MOST: usize = 3;
+    let mut each: Vec<_> = left_out.iter().take(MOST).map(|(name, why)| format!("{}: {why}", cut(name))).collect();
+    if left_out.len() > MOST {
+        each.push("...".to_owned());
+    }
+    if each.is_empty() { String::new() } else { format!(" ({})", each.join("; ")) }
+}
+
+fn because(reason: &Option<String>) -> String {
+    reason.as_ref().map_or_else(String::new, |reason| format!(" was read ({reason})"))
+}

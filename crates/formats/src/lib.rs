@@ -1,0 +1,61 @@
+//! Matrices and mode shapes in the files of other programs.
+//!
+//! | where | what |
+//! | --- | --- |
+//! | [`read`], [`read_with`], [`read_bytes`] | every matrix of a file, whose [`Format`] its contents tell |
+//! | [`File`] | the matrices by name or [`Kind`], and what was left out with the reason |
+//! | [`Matrix`] | whole: entries, [`Dof`] of each row, compressed columns of [`nalgebra_sparse`], or all numbers |
+//! | [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
+//! | [`Limits`], [`Options`] | bounds on memory, an assumption on symmetry, progress |
+//! | [`read_market`] | Matrix Market alone |
+//! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
+//! | [`FormatsError`] | one line: [`Place`] and [`Problem`] |
+//!
+//! Readers stream: memory grows with the entries that are there, never with a size that a file declares. The zip container is
+//! read by the crate `zip`, compressed data by `flate2` with its decoder in Rust; the formats themselves have readers here, because no
+//! kept crate reads them (of MATLAB's, `matfile` 0.5 has no sparse arrays and takes all memory that a compressed array asks for).
+
+mod abaqus;
+mod builder;
+mod bytes;
+mod coordinates;
+mod detect;
+mod dmig;
+mod dof;
+mod error;
+mod limits;
+mod lines;
+mod market;
+mod mat;
+mod matrix;
+mod mesh;
+mod numbers;
+mod numpy;
+mod op4;
+mod problem;
+mod read;
+mod source;
+mod substructure;
+mod unv;
+mod vtu;
+
+pub use nalgebra;
+pub use nalgebra_sparse;
+pub use num_complex;
+
+pub use detect::Format;
+pub use dof::{BadDof, Dof};
+pub use error::{FormatsError, Place};
+pub use limits::{Limits, Options, Progress, Unstated};
+pub use market::read_market;
+pub use matrix::{Entry, Kind, Matrix, Stored, common_labels};
+pub use mesh::{Cell, CellKind, Mesh, ModeShape, Node};
+pub use problem::Problem;
+pub use read::{File, read, read_bytes, read_labels, read_with};
+pub use unv::write_unv;
+pub use vtu::write_vtu;
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -1,0 +1,171 @@
+//! Matrix Market files (`.mtx`), the exchange format of NIST: <https://math.nist.gov/MatrixMarket/formats.html>.
+//!
+//! The reader takes `coordinate` and `array`, `real` and `integer`, `general`, `symmetric` and `skew-symmetric` files.
+//! Repeated entries of a coordinate file are added up, as in finite element assembly. A symmetric file holds the lower
+//! triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines may follow
+//! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
+
+use crate::builder::{Builder, Head, Symmetry};
+use crate::error::{FormatsError, cut};
+use crate::limits::{Limits, Options};
+use crate::lines::Lines;
+use crate::matrix::Matrix;
+use crate::numbers::{index, order, value, whole};
+use crate::problem::Problem;
+
+/// The format that the first line of a file declares.
+struct Banner {
+    coordinate: bool,
+    integer: bool,
+    symmetry: Symmetry,
+}
+
+/// The matrix in a Matrix Market file whose contents are at hand, compressed by gzip or not.
+///
+/// ```
+/// let text = "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 2.0\n2 1 -1.0\n2 2 2.0\n";
+/// let k = formats::read_market(text.as_bytes(), formats::Options::default())?;
+/// assert_eq!(k.to_dense(), nalgebra::dmatrix![2.0, -1.0; -1.0, 2.0]);
+/// # Ok::<(), formats::FormatsError>(())
+/// ```
+///
+/// # Errors
+/// [`FormatsError::At`] with the number of the line and the problem; also where the bytes are a matrix of another format.
+pub fn read_market(bytes: &[u8], options: Options<'_>) -> Result<Matrix, FormatsError> {
+    let limits = options.limits.bounded();
+    let contents = crate::source::Contents::new(bytes, bytes.len() as u64, &limits, options.progress)?;
+    let mut lines = Lines::new(contents.whole());
+    parse(&mut lines, &limits).map_err(|problem| lines.located(problem))
+}
+
+pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Problem> {
+    let banner = loop {
+        let first = lines.next()?.ok_or(Problem::Empty)?.trim();
+        if !first.is_empty() {
+            break read_banner(first)?;
+        }
+    };
+    let size = lines.next_but("%")?.ok_or(Problem::NoSize)?;
+    let (rows, columns, entries) = read_size(size, &banner, limits.order)?;
+    let mut builder = Builder::new(limits);
+    let mut place = first_place(banner.symmetry);
+    for found in 0..entries {
+        let line = lines.next_but("%")?.ok_or(Problem::Truncated { found, expected: entries })?;
+        let mut fields = line.split_ascii_whitespace();
+        let (i, j) = if banner.coordinate {
+            let count = line.split_ascii_whitespace().count();
+            let what = || Problem::Fields { what: "an entry", found: count, allowed: "row, column, value" };
+            if count != 3 {
+                return Err(what());
+            }
+            let row = index("row", fields.next().ok_or_else(what)?, rows)?;
+            (row, index("column", fields.next().ok_or_else(what)?, columns)?)
+        } else {
+            place
+        };
+        let (Some(field), None) = (fields.next(), fields.next()) else {
+            let found = line.split_ascii_whitespace().count();
+            return Err(Problem::Fields { what: "an entry", found, allowed: "one value a line" });
+        };
+        let number = if banner.integer { integer(field)? } else { value(field)? };
+        check_triangle(i, j, banner.symmetry)?;
+        if banner.coordinate || number != 0.0 {
+            builder.push(i, j, number)?;
+        }
+        if !banner.coordinate {
+            place = next_place(place, rows, banner.symmetry);
+        }
+    }
+    if lines.next_but("%")?.is_some() {
+        return Err(Problem::TooMany { expected: entries });
+    }
+    builder.finish(banner.symmetry, Head::unlabelled("matrix", None, (rows, columns)))
+}
+
+/// Where an array begins: with the first entry of the first column that it lists.
+fn first_place(symmetry: Symmetry) -> (usize, usize) {
+    (usize::from(symmetry == Symmetry::Skew), 0)
+}
+
+/// The place after `(i, j)` in an array, which goes down its columns.
+fn next_place((i, j): (usize, usize), rows: usize, symmetry: Symmetry) -> (usize, usize) {
+    match symmetry {
+        _ if i + 1 < rows => (i + 1, j),
+        Symmetry::Symmetric => (j + 1, j + 1),
+        Symmetry::Skew => (j + 2, j + 1),
+        _ => (0, j + 1),
+    }
+}
+
+fn read_banner(line: &str) -> Result<Banner, Problem> {
+    let lower = line.to_lowercase();
+    let mut words = lower.split_ascii_whitespace();
+    if words.next() != Some("%%matrixmarket") {
+        let numbers = line.split([',', ' ', '\t', ';']).filter(|f| !f.is_empty());
+        let abaqus = numbers.clone().count() >= 2 && numbers.clone().all(|f| f.parse::<f64>().is_ok());
+        let found = cut(line);
+        let keyword = line.starts_with('*');
+        return Err(if abaqus || keyword { Problem::Abaqus { found } } else { Problem::Banner { found } });
+    }
+    let mut keyword = |what: &'static str, allowed: &'static str| {
+        let found = cut(words.next().unwrap_or_default());
+        match allowed.split(", ").position(|word| word == found) {
+            Some(at) => Ok(at),
+            None => Err(Problem::Keyword { what, found, allowed }),
+        }
+    };
+    keyword("object", "matrix")?;
+    let coordinate = keyword("format", "coordinate, array")? == 0;
+    let integer = keyword("field", "real, integer")? == 1;
+    let symmetry = match keyword("symmetry", "general, symmetric, skew-symmetric")? {
+        0 => Symmetry::General,
+        1 => Symmetry::Symmetric,
+        _ => Symmetry::Skew,
+    };
+    if words.next().is_some() {
+        return Err(Problem::Banner { found: cut(line) });
+    }
+    Ok(Banner { coordinate, integer, symmetry })
+}
+
+fn name(symmetry: Symmetry) -> &'static str {
+    match symmetry {
+        Symmetry::Symmetric => "symmetric",
+        Symmetry::Skew => "skew-symmetric",
+        _ => "general",
+    }
+}
+
+fn read_size(line: &str, banner: &Banner, largest: usize) -> Result<(usize, usize, usize), Problem> {
+    let fields: Vec<&str> = line.split_ascii_whitespace().collect();
+    let (expected, allowed) = if banner.coordinate { (3, "rows, columns, entries") } else { (2, "rows, columns") };
+    if fields.len() != expected {
+        return Err(Problem::Fields { what: "the size", found: fields.len(), allowed });
+    }
+    let number = |what, field| order(what, whole(what, field)?, largest);
+    let (rows, columns) = (number("number of rows", fields[0])?, number("number of columns", fields[1])?);
+    if banner.symmetry != Symmetry::General && rows != columns {
+        return Err(Problem::NotSquare { symmetry: name(banner.symmetry), rows, columns });
+    }
+    let entries = match (banner.coordinate, banner.symmetry) {
+        (true, _) => whole("number of entries", fields[2])?,
+        (false, Symmetry::Symmetric) => rows * (rows + 1) / 2,
+        (false, Symmetry::Skew) => rows * (rows - 1) / 2,
+        (false, _) => rows * columns,
+    };
+    Ok((rows, columns, entries))
+}
+
+fn integer(field: &str) -> Result<f64, Problem> {
+    let bad = |_| Problem::Value { found: cut(field), allowed: "an integer, as the banner says" };
+    field.parse::<i64>().map(|v| v as f64).map_err(bad)
+}
+
+fn check_triangle(i: usize, j: usize, symmetry: Symmetry) -> Result<(), Problem> {
+    let refuse = |allowed| Err(Problem::Triangle { symmetry: name(symmetry), row: i + 1, column: j + 1, allowed });
+    match symmetry {
+        Symmetry::Symmetric if i < j => refuse("entries on or below the diagonal"),
+        Symmetry::Skew if i <= j => refuse("entries below the diagonal"),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,209 @@
+//! A real matrix with the names of its rows and columns.
+
+use std::collections::{BTreeSet, HashMap};
+
+use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
+
+use crate::{Dof, FormatsError};
+
+/// One entry of a [`Matrix`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entry {
+    /// Row, from 0.
+    pub row: u32,
+    /// Column, from 0.
+    pub column: u32,
+    /// The value: finite.
+    pub value: f64,
+}
+
+impl Entry {
+    /// The place as one number that sorts by column, then row.
+    pub(crate) fn key(&self) -> u64 {
+        u64::from(self.column) << 32 | u64::from(self.row)
+    }
+
+    pub(crate) fn mirrored(self) -> Self {
+        Self { row: self.column, column: self.row, value: self.value }
+    }
+}
+
+/// What a matrix is in `M u'' + C u' + K u = f`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// M.
+    Mass,
+    /// C, viscous.
+    Damping,
+    /// K.
+    Stiffness,
+}
+
+/// How a file stored a matrix. Whatever it was, [`Matrix::entries`] are those of the whole matrix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stored {
+    /// Every entry.
+    Whole,
+    /// One triangle of a symmetric matrix; the reader has mirrored it.
+    Triangle,
+    /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
+    SkewTriangle,
+}
+
+/// A real matrix, whole: a triangle in a file has been mirrored once, repeated entries have been added.
+///
+/// Entries are sorted by column, then row, without repeats; zeros that a sparse file lists are kept. Every index is within
+/// the matrix and every value finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrix {
+    pub(crate) name: String,
+    pub(crate) kind: Option<Kind>,
+    pub(crate) stored: Stored,
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) row_labels: Option<Vec<Dof>>,
+    pub(crate) column_labels: Option<Vec<Dof>>,
+}
+
+impl Matrix {
+    /// The name in the file; of a file that names nothing, that of its kind or `matrix`.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What it is, where the file says so.
+    #[must_use]
+    pub fn kind(&self) -> Option<Kind> {
+        self.kind
+    }
+
+    /// How the file stored it.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        self.stored
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The entries, by column, then row.
+    #[must_use]
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// The degree of freedom of each row, where the file names them. Of a square matrix also those of the columns.
+    #[must_use]
+    pub fn row_labels(&self) -> Option<&[Dof]> {
+        self.row_labels.as_deref()
+    }
+
+    /// The degree of freedom of each column, where the file names them.
+    #[must_use]
+    pub fn column_labels(&self) -> Option<&[Dof]> {
+        self.column_labels.as_deref()
+    }
+
+    /// The largest `|a_ij - a_ji|`, of a square matrix.
+    #[must_use]
+    pub fn asymmetry(&self) -> Option<f64> {
+        if self.rows != self.columns {
+            return None;
+        }
+        let mut mirrored: Vec<Entry> = self.entries.iter().map(|entry| entry.mirrored()).collect();
+        mirrored.sort_by_key(Entry::key);
+        let (mut ours, mut theirs) = (self.entries.iter().peekable(), mirrored.iter().peekable());
+        let mut largest = 0.0_f64;
+        loop {
+            let difference = match (ours.peek(), theirs.peek()) {
+                (None, None) => return Some(largest),
+                (Some(a), Some(b)) if a.key() == b.key() => {
+                    let difference = a.value - b.value;
+                    ours.next();
+                    theirs.next();
+                    difference
+                }
+                (Some(a), b) if b.is_none_or(|b| a.key() < b.key()) => ours.next().map_or(0.0, |a| a.value),
+                _ => theirs.next().map_or(0.0, |b| b.value),
+            };
+            largest = largest.max(difference.abs());
+        }
+    }
+
+    /// The matrix in compressed columns. Takes 8 bytes a column and 16 an entry.
+    #[must_use]
+    pub fn to_csc(&self) -> CscMatrix<f64> {
+        let mut offsets = vec![0_usize; self.columns + 1];
+        for entry in &self.entries {
+            offsets[entry.column as usize + 1] += 1;
+        }
+        for column in 0..self.columns {
+            offsets[column + 1] += offsets[column];
+        }
+        let rows = self.entries.iter().map(|entry| entry.row as usize).collect();
+        let values = self.entries.iter().map(|entry| entry.value).collect();
+        // The entries are sorted and within bounds, so that this cannot fail.
+        CscMatrix::try_from_csc_data(self.rows, self.columns, offsets, rows, values)
+            .unwrap_or_else(|_| CscMatrix::zeros(self.rows, self.columns))
+    }
+
+    /// The matrix with all its zeros, rows times columns numbers: ask for [`Matrix::rows`] and [`Matrix::columns`] first.
+    #[must_use]
+    pub fn to_dense(&self) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.rows, self.columns);
+        for entry in &self.entries {
+            dense[(entry.row as usize, entry.column as usize)] = entry.value;
+        }
+        dense
+    }
+
+    /// The same matrix with the rows and columns that `labels` names, in that order: those that it lacks are zero. So the
+    /// matrices of one model, each written with the degrees of freedom that it has entries for, become equally large; see
+    /// [`common_labels`].
+    ///
+    /// # Errors
+    /// [`FormatsError::Unlabelled`], or [`FormatsError::UnknownDof`] where `labels` lacks one that the matrix has.
+    pub fn on(&self, labels: &[Dof]) -> Result<Self, FormatsError> {
+        let place: HashMap<Dof, u32> = labels.iter().copied().zip(0..).collect();
+        let places = |own: &Option<Vec<Dof>>| -> Result<Vec<u32>, FormatsError> {
+            let own = own.as_ref().ok_or_else(|| FormatsError::Unlabelled { matrix: self.name.clone() })?;
+            let unknown = |dof: &Dof| FormatsError::UnknownDof { matrix: self.name.clone(), dof: dof.to_string() };
+            own.iter().map(|dof| place.get(dof).copied().ok_or_else(|| unknown(dof))).collect()
+        };
+        let (row, column) = (places(&self.row_labels)?, places(&self.column_labels)?);
+        let moved =
+            |entry: &Entry| Entry { row: row[entry.row as usize], column: column[entry.column as usize], ..*entry };
+        let mut entries: Vec<Entry> = self.entries.iter().map(moved).collect();
+        entries.sort_by_key(Entry::key);
+        let (labels, order) = (Some(labels.to_vec()), labels.len());
+        let (row_labels, column_labels) = (labels.clone(), labels);
+        Ok(Self { name: self.name.clone(), rows: order, columns: order, entries, row_labels, column_labels, ..*self })
+    }
+}
+
+/// All degrees of freedom that rows or columns of these matrices have, each once, by node and direction.
+///
+/// # Errors
+/// [`FormatsError::Unlabelled`] for a matrix without labels.
+pub fn common_labels<'a>(matrices: impl IntoIterator<Item = &'a Matrix>) -> Result<Vec<Dof>, FormatsError> {
+    let mut all = BTreeSet::new();
+    for matrix in matrices {
+        for labels in [&matrix.row_labels, &matrix.column_labels] {
+            let labels = labels.as_ref().ok_or_else(|| FormatsError::Unlabelled { matrix: matrix.name.clone() })?;
+            all.extend(labels.iter().copied());
+        }
+    }
+    Ok(all.into_iter().collect())
+}

@@ -1,0 +1,158 @@
+//! A mesh and a complex mode shape on it, to be written.
+
+use std::collections::HashMap;
+
+use num_complex::Complex;
+
+use crate::{Dof, FormatsError};
+
+/// A node of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Its number in the model.
+    pub label: i64,
+    /// x, y, z.
+    pub position: [f64; 3],
+}
+
+/// The shape of a cell, with the order of its nodes: that of VTK, Abaqus and CalculiX alike for these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellKind {
+    /// One node.
+    Vertex,
+    /// Two nodes.
+    Line,
+    /// Three nodes around.
+    Triangle,
+    /// Four nodes around.
+    Quadrilateral,
+    /// A triangle and the node above it.
+    Tetrahedron,
+    /// Four nodes around the bottom, then the four above them.
+    Hexahedron,
+}
+
+impl CellKind {
+    /// Number of its nodes.
+    #[must_use]
+    pub fn nodes(self) -> usize {
+        match self {
+            Self::Vertex => 1,
+            Self::Line => 2,
+            Self::Triangle => 3,
+            Self::Quadrilateral | Self::Tetrahedron => 4,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// Pairs of nodes that an edge joins.
+    pub(crate) fn edges(self) -> &'static [(usize, usize)] {
+        match self {
+            Self::Vertex => &[],
+            Self::Line => &[(0, 1)],
+            Self::Triangle => &[(0, 1), (1, 2), (2, 0)],
+            Self::Quadrilateral => &[(0, 1), (1, 2), (2, 3), (3, 0)],
+            Self::Tetrahedron => &[(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+            Self::Hexahedron => {
+                &[(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+            }
+        }
+    }
+}
+
+/// A cell of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Its shape.
+    pub kind: CellKind,
+    /// Its nodes, by their place in [`Mesh::nodes`] from 0.
+    pub nodes: Vec<usize>,
+}
+
+/// Nodes and cells.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mesh {
+    /// The nodes, each number once.
+    pub nodes: Vec<Node>,
+    /// The cells; there may be none.
+    pub cells: Vec<Cell>,
+}
+
+/// A complex mode `u(t) = Re(phi e^{lambda t})`: its eigenvalue and the displacement of each node of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModeShape {
+    /// A name in one line, such as `mode 3`.
+    pub name: String,
+    /// The eigenvalue, 1/s.
+    pub lambda: Complex<f64>,
+    /// x, y and z of phi at each node of the mesh.
+    pub displacements: Vec<[Complex<f64>; 3]>,
+}
+
+impl ModeShape {
+    /// The shape at the nodes of `mesh`, from the entries of an eigenvector and the names of its rows. Directions that are missing
+    /// (held in the model, or no node of the vector) are 0; rotations and nodes that the mesh does not have are left out.
+    ///
+    /// # Errors
+    /// [`FormatsError::Shape`] where there are not as many names as entries.
+    pub fn new(
+        name: impl Into<String>,
+        lambda: Complex<f64>,
+        mesh: &Mesh,
+        labels: &[Dof],
+        phi: &[Complex<f64>],
+    ) -> Result<Self, FormatsError> {
+        if labels.len() != phi.len() {
+            let (what, found) = ("the number of labels is", labels.len().to_string());
+            return Err(FormatsError::Shape {
+                what,
+                found,
+                allowed: format!("{}, the entries of the vector", phi.len()),
+            });
+        }
+        let place: HashMap<i64, usize> = mesh.nodes.iter().map(|node| node.label).zip(0..).collect();
+        let mut displacements = vec![[Complex::default(); 3]; mesh.nodes.len()];
+        for (dof, &value) in labels.iter().zip(phi) {
+            if let (Some(&at), 1..=3) = (place.get(&dof.node), dof.direction) {
+                displacements[at][dof.direction as usize - 1] = value;
+            }
+        }
+        Ok(Self { name: name.into(), lambda, displacements })
+    }
+}
+
+/// Checks that a mesh and shapes on it can be written.
+pub(crate) fn check(mesh: &Mesh, shapes: &[ModeShape]) -> Result<(), FormatsError> {
+    let refused =
+        |what, found: String, allowed: &str| Err(FormatsError::Shape { what, found, allowed: allowed.to_owned() });
+    if mesh.nodes.is_empty() {
+        return refused("the mesh has", "no nodes".to_owned(), "one or more");
+    }
+    if let Some(node) = mesh.nodes.iter().find(|node| node.position.iter().any(|x| !x.is_finite())) {
+        return refused("the position of node", format!("{} is not finite", node.label), "finite coordinates");
+    }
+    for cell in &mesh.cells {
+        if cell.nodes.len() != cell.kind.nodes() {
+            let found = format!("{:?} has {} nodes", cell.kind, cell.nodes.len());
+            return refused("a cell", found, &cell.kind.nodes().to_string());
+        }
+        if let Some(node) = cell.nodes.iter().find(|&&node| node >= mesh.nodes.len()) {
+            return refused("a cell has node", node.to_string(), &format!("0 to {}", mesh.nodes.len() - 1));
+        }
+    }
+    for shape in shapes {
+        if shape.displacements.len() != mesh.nodes.len() {
+            let allowed = format!("{}, one for each node", mesh.nodes.len());
+            return refused("the number of displacements is", shape.displacements.len().to_string(), &allowed);
+        }
+        let mut numbers = shape.displacements.iter().flatten().chain([&shape.lambda]);
+        if numbers.any(|z| !z.re.is_finite() || !z.im.is_finite()) || shape.name.chars().any(char::is_control) {
+            return refused(
+                "the shape",
+                format!("{:?}", crate::error::cut(&shape.name)),
+                "finite numbers, a name of one line",
+            );
+        }
+    }
+    Ok(())
+}

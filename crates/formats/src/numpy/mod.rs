@@ -1,0 +1,4 @@
+//! NumPy's `.npy` (one array) and `.npz` (an archive of arrays), among them what `scipy.sparse.save_npz` writes.
+
+pub(crate) mod npy;
+pub(crate) mod npz;

@@ -1,0 +1,193 @@
+//! Abaqus's substructures as linear user elements: `*USER ELEMENT, NODES=n, LINEAR[, UNSYMM]`, then `*MATRIX, TYPE=STIFFNESS` and
+//! `*MATRIX, TYPE=MASS`, as `*SUBSTRUCTURE MATRIX OUTPUT, OUTPUT FILE=USER DEFINED` writes them, in CalculiX too.
+//!
+//! The nodes stand in comments after `** ELEMENT NODES`; the lines after the keyword give the directions of the first node, then
+//! `position, direction, direction, ...` from where others apply. A symmetric matrix is its upper triangle by columns, each column
+//! from the top to the diagonal; an unsymmetric one all its columns (the order in which Abaqus's results file has them). A column
+//! begins a new line and wraps after a few numbers.
+
+use crate::Dof;
+use crate::builder::{Builder, Head, Symmetry};
+use crate::error::cut;
+use crate::limits::Limits;
+use crate::lines::Lines;
+use crate::matrix::{Kind, Matrix};
+use crate::numbers::{fortran, whole};
+use crate::problem::Problem;
+
+/// Reads all matrices of the one element of the file.
+pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Matrix>, Problem> {
+    let mut matrices: Vec<Matrix> = Vec::new();
+    let (mut element, mut current) = (None::<Element>, None::<Packed>);
+    while let Some(line) = lines.next()?.map(str::trim) {
+        if line.is_empty() {
+            continue;
+        }
+        if let Some(comment) = line.strip_prefix("**") {
+            if let (Some(element), None) = (&mut element, &current) {
+                element.read_comment(comment);
+            }
+            continue;
+        }
+        let Some(keyword) = line.strip_prefix('*') else {
+            match (&mut current, &mut element) {
+                (Some(packed), _) => packed.push_line(line, limits)?,
+                (None, Some(element)) => element.read_directions(line)?,
+                (None, None) => return Err(Problem::field("the first line", line, "*USER ELEMENT")),
+            }
+            continue;
+        };
+        let upper = keyword.to_uppercase();
+        let mut words = upper.split(',').map(str::trim);
+        match (words.next().unwrap_or_default(), &element) {
+            ("USER ELEMENT", None) => {
+                let unsymmetric = words.any(|word| word.starts_with("UNSYM"));
+                element = Some(Element { unsymmetric, nodes: None, directions: Vec::new() });
+            }
+            ("USER ELEMENT", Some(_)) => {
+                return Err(Problem::field("the number of elements", "2 or more", "1; an assembly is not done here"));
+            }
+            ("MATRIX", Some(element)) => {
+                if let Some(packed) = current.take() {
+                    let expected = element.rows(&matrices);
+                    matrices.push(packed.finish(element, expected, limits)?);
+                }
+                let (name, kind) = kind(words.find_map(|word| word.strip_prefix("TYPE")))?;
+                current = Some(Packed { name, kind, values: Vec::new() });
+            }
+            ("MATRIX", None) => return Err(Problem::field("*MATRIX", "first", "*USER ELEMENT before it")),
+            (found, _) => {
+                let allowed = "*USER ELEMENT, *MATRIX";
+                return Err(Problem::Keyword { what: "keyword", found: cut(found), allowed });
+            }
+        }
+    }
+    let (Some(packed), Some(element)) = (current, element) else {
+        return Err(Problem::End { what: "the element, before its first matrix" });
+    };
+    lines.check_end()?;
+    let expected = element.rows(&matrices);
+    matrices.push(packed.finish(&element, expected, limits)?);
+    Ok(matrices)
+}
+
+fn kind(parameter: Option<&str>) -> Result<(&'static str, Kind), Problem> {
+    match parameter.unwrap_or_default().trim_start_matches(['=', ' ']) {
+        "STIFFNESS" => Ok(("stiffness", Kind::Stiffness)),
+        "MASS" => Ok(("mass", Kind::Mass)),
+        "VISCOUS DAMPING" | "DAMPING" => Ok(("damping", Kind::Damping)),
+        found => {
+            let allowed = "STIFFNESS, MASS, VISCOUS DAMPING";
+            Err(Problem::Keyword { what: "matrix type", found: cut(found), allowed })
+        }
+    }
+}
+
+/// Nodes and directions of the element.
+struct Element {
+    unsymmetric: bool,
+    /// The nodes, once the comment that announces them was met.
+    nodes: Option<Vec<i64>>,
+    /// From which position on, from 0, which directions apply.
+    directions: Vec<(usize, Vec<u32>)>,
+}
+
+impl Element {
+    /// Takes nodes from a comment. A comment that is none is passed over.
+    fn read_comment(&mut self, comment: &str) {
+        match &mut self.nodes {
+            None if comment.trim().eq_ignore_ascii_case("ELEMENT NODES") => self.nodes = Some(Vec::new()),
+            None => {}
+            Some(nodes) => {
+                let fields = comment.split(',').map(str::trim).filter(|field| !field.is_empty());
+                if let Ok(more) = fields.map(str::parse).collect::<Result<Vec<i64>, _>>() {
+                    nodes.extend(more);
+                }
+            }
+        }
+    }
+
+    fn read_directions(&mut self, line: &str) -> Result<(), Problem> {
+        let fields = line.split(',').map(str::trim).filter(|field| !field.is_empty());
+        let mut numbers = fields.map(|field| whole("direction", field)).collect::<Result<Vec<_>, _>>()?.into_iter();
+        let from = if self.directions.is_empty() { 1 } else { numbers.next().unwrap_or_default() };
+        let before = self.directions.last().map(|last| last.0 + 1);
+        if from == 0 || before.is_some_and(|before| from <= before) {
+            return Err(Problem::field("position of a node", from, "growing from 1 on"));
+        }
+        self.directions.push((from - 1, numbers.map(|n| u32::try_from(n).unwrap_or(u32::MAX)).collect()));
+        Ok(())
+    }
+
+    /// How many rows a matrix must have: as many as there are labels, or as the matrix before it has.
+    fn rows(&self, before: &[Matrix]) -> Option<usize> {
+        before.first().map(Matrix::rows).or_else(|| self.labels().map(|labels| labels.len()))
+    }
+
+    /// The name of each row, where nodes and directions are given and no name comes twice.
+    fn labels(&self) -> Option<Vec<Dof>> {
+        /// Most labels that are worth having; chosen: a full matrix of as many rows has 2^32 entries.
+        const MOST: usize = 1 << 16;
+        let mut labels = Vec::new();
+        let mut lists = self.directions.iter().peekable();
+        let mut directions: &[u32] = &[];
+        for (at, &node) in self.nodes.as_ref()?.iter().enumerate() {
+            while let Some((_, list)) = lists.next_if(|(from, _)| *from <= at) {
+                directions = list;
+            }
+            labels.extend(directions.iter().map(|&direction| Dof { node, direction }));
+            if labels.len() > MOST {
+                return None;
+            }
+        }
+        let different: std::collections::HashSet<_> = labels.iter().collect();
+        (!labels.is_empty() && different.len() == labels.len()).then_some(labels)
+    }
+}
+
+/// A matrix of which only the numbers are known, not yet how many.
+struct Packed {
+    name: &'static str,
+    kind: Kind,
+    values: Vec<f64>,
+}
+
+impl Packed {
+    fn push_line(&mut self, line: &str, limits: &Limits) -> Result<(), Problem> {
+        // A line may end with a comma.
+        for field in line.strip_suffix(',').unwrap_or(line).split(',') {
+            if self.values.len() >= limits.entries {
+                return Err(Problem::Limit { what: "entries of a matrix", most: limits.entries as u64 });
+            }
+            self.values.push(fortran(field.trim())?);
+        }
+        Ok(())
+    }
+
+    /// The matrix; `expected` is the number of rows, where nodes or another matrix of the element tell it.
+    ///
+    /// Abaqus writes a symmetric matrix of an unsymmetric element as a triangle, so that the count decides; it is ambiguous for
+    /// 36 numbers and few others (8 rows as a triangle, 6 as a whole), where an unsymmetric element is taken as whole.
+    fn finish(self, element: &Element, expected: Option<usize>, limits: &Limits) -> Result<Matrix, Problem> {
+        let count = self.values.len();
+        let (whole, triangle) = (count.isqrt(), ((8 * count + 1).isqrt() - 1) / 2);
+        let fits = |order: usize| order > 0 && expected.is_none_or(|expected| expected == order);
+        let is_whole = element.unsymmetric && whole * whole == count && fits(whole);
+        let order = if is_whole { whole } else { triangle };
+        if !is_whole && (triangle * (triangle + 1) / 2 != count || !fits(triangle)) {
+            let rows = expected.map_or(String::new(), |rows| format!(", n = {rows}"));
+            let allowed = format!("n (n + 1) / 2{}{rows}", if element.unsymmetric { " or n n" } else { "" });
+            return Err(Problem::field("the number of entries of a matrix", count, allowed));
+        }
+        crate::numbers::order("number of rows", order, limits.order)?;
+        let mut builder = Builder::new(limits);
+        let places = (0..order).flat_map(|j| (0..if is_whole { order } else { j + 1 }).map(move |i| (i, j)));
+        for ((i, j), &value) in places.zip(&self.values).filter(|(_, value)| **value != 0.0) {
+            builder.push(i, j, value)?;
+        }
+        let labels = element.labels().filter(|labels| labels.len() == order);
+        let head = Head::unlabelled(self.name, Some(self.kind), (order, order));
+        let symmetry = if is_whole { Symmetry::General } else { Symmetry::Symmetric };
+        builder.finish(symmetry, Head { row_labels: labels.clone(), column_labels: labels, ..head })
+    }
+}

@@ -1,0 +1,107 @@
+//! Unstructured grids of VTK (`.vtu`), which ParaView and meshio read: text, with every digit.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use num_complex::Complex;
+
+use crate::FormatsError;
+use crate::mesh::{CellKind, Mesh, ModeShape, check};
+
+impl CellKind {
+    /// Its number in VTK.
+    fn vtk(self) -> u8 {
+        match self {
+            Self::Vertex => 1,
+            Self::Line => 3,
+            Self::Triangle => 5,
+            Self::Quadrilateral => 9,
+            Self::Tetrahedron => 10,
+            Self::Hexahedron => 12,
+        }
+    }
+}
+
+/// Writes a mesh and modes on it. Each mode has three vectors at the points: `NAME real`, `NAME imaginary`, and `NAME amplitude`,
+/// the moduli of the three components. The displacement at phase p is `real cos p - imaginary sin p`. The array `node` has the
+/// numbers of the nodes; the field data `lambda` have real and imaginary part of each eigenvalue, 1/s.
+///
+/// # Errors
+/// [`FormatsError::Shape`] for what cannot be written, such as two modes of one name, and [`FormatsError::Write`].
+pub fn write_vtu(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> Result<(), FormatsError> {
+    check(mesh, shapes)?;
+    let mut names = std::collections::HashSet::new();
+    if let Some(shape) = shapes.iter().find(|shape| !names.insert(&shape.name)) {
+        let (what, allowed) = ("two shapes have the name", "a name for each".to_owned());
+        return Err(FormatsError::Shape { what, found: crate::error::cut(&shape.name), allowed });
+    }
+    write_all(out, mesh, shapes).map_err(FormatsError::Write)
+}
+
+fn write_all(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> io::Result<()> {
+    let (points, cells) = (mesh.nodes.len(), mesh.cells.len());
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>"
+    )?;
+    if !shapes.is_empty() {
+        writeln!(out, "<FieldData>")?;
+        let shape = format!("NumberOfTuples=\"{}\" NumberOfComponents=\"2\"", shapes.len());
+        array(out, "Float64", "lambda", &shape, shapes.iter().map(|shape| reals([shape.lambda.re, shape.lambda.im])))?;
+        writeln!(out, "</FieldData>")?;
+    }
+    writeln!(out, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>")?;
+    array(out, "Int64", "node", "", mesh.nodes.iter().map(|node| node.label.to_string()))?;
+    for shape in shapes {
+        let mut part = |what: &str, of: fn(Complex<f64>) -> f64| {
+            let rows = shape.displacements.iter().map(|u| reals(u.map(of)));
+            array(out, "Float64", &format!("{} {what}", shape.name), VECTOR, rows)
+        };
+        part("real", |z| z.re)?;
+        part("imaginary", |z| z.im)?;
+        part("amplitude", |z| z.norm())?;
+    }
+    writeln!(out, "</PointData>\n<Points>")?;
+    array(out, "Float64", "Points", VECTOR, mesh.nodes.iter().map(|node| reals(node.position)))?;
+    writeln!(out, "</Points>\n<Cells>")?;
+    let list = |nodes: &Vec<usize>| nodes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    array(out, "Int64", "connectivity", "", mesh.cells.iter().map(|cell| list(&cell.nodes)))?;
+    let mut offset = 0;
+    let offsets = mesh.cells.iter().map(|cell| {
+        offset += cell.nodes.len();
+        offset.to_string()
+    });
+    array(out, "Int64", "offsets", "", offsets)?;
+    array(out, "UInt8", "types", "", mesh.cells.iter().map(|cell| cell.kind.vtk().to_string()))?;
+    writeln!(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>")
+}
+
+/// Attribute of an array of vectors.
+const VECTOR: &str = "NumberOfComponents=\"3\"";
+
+fn array(
+    out: &mut dyn Write,
+    kind: &str,
+    name: &str,
+    shape: &str,
+    rows: impl Iterator<Item = String>,
+) -> io::Result<()> {
+    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    let gap = if shape.is_empty() { "" } else { " " };
+    writeln!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{gap}{shape} format=\"ascii\">")?;
+    for row in rows {
+        writeln!(out, "{row}")?;
+    }
+    writeln!(out, "</DataArray>")
+}
+
+/// Numbers that read back to the same bits.
+fn reals<const N: usize>(values: [f64; N]) -> String {
+    let mut text = String::new();
+    for (at, value) in values.into_iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{}{value:e}", if at == 0 { "" } else { " " });
+    }
+    text
+}

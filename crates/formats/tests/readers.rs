@@ -1,0 +1,53 @@
+//! Every reader against files whose matrices are known.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod readers {
+    pub mod abaqus;
+    pub mod calculix;
+    pub mod faults;
+    pub mod market;
+    pub mod matlab;
+    pub mod mutations;
+    pub mod nastran;
+    pub mod numpy;
+}
+
+use std::path::PathBuf;
+
+use formats::nalgebra::{DMatrix, dmatrix};
+
+/// A file of the fixtures.
+fn fixture(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
+}
+
+/// S of `make.py`.
+fn s() -> DMatrix<f64> {
+    dmatrix![
+        4.0, 0.5, 0.0, 0.0, 0.0;
+        -1.0, 0.0, 0.0, 0.0, 0.0;
+        0.0, 0.0, 3.0, 0.0, 0.0;
+        0.0, 0.0, 0.0, 0.0, -2.5;
+        0.0, 0.0, 0.0, 7.0, 0.0
+    ]
+}
+
+/// D of `make.py`.
+fn d() -> DMatrix<f64> {
+    dmatrix![1.5, 0.0, -2.0; 0.0, 3.0, 4.0]
+}
+
+/// K of `make.py`.
+fn k() -> DMatrix<f64> {
+    dmatrix![
+        4.0, -1.0, 0.0, 0.5;
+        -1.0, 5.0, -2.0, 0.0;
+        0.0, -2.0, 6.0, -3.0;
+        0.5, 0.0, -3.0, 7.0
+    ]
+}
+
+fn names(dofs: Option<&[formats::Dof]>) -> Vec<String> {
+    dofs.unwrap_or_default().iter().map(ToString::to_string).collect()
+}
