@@ -28,6 +28,17 @@ pub enum Error {
     /// Work in a mode.
     #[error(transparent)]
     Work(#[from] work::WorkError),
+    /// Modes or branches that could not be followed.
+    #[error(transparent)]
+    Tracking(#[from] tracking::TrackingError),
+    /// A sweep over parameters.
+    #[error("{at}: {source}")]
+    Sweep {
+        /// The parameters with the values, or the range, at which it failed.
+        at: String,
+        /// Why.
+        source: Box<Error>,
+    },
     /// The Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),

@@ -13,6 +13,7 @@
 //! | run a study in memory | [`report::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
+//! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
 //! # Features
@@ -85,6 +86,7 @@ pub mod output;
 pub mod report;
 mod run;
 pub mod study;
+pub mod sweep;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;

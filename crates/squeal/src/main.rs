@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use squeal::Error;
-use squeal::commands::{CeaArgs, CheckArgs, EigArgs, RunArgs, finish, refuse};
+use squeal::commands::{CeaArgs, CheckArgs, EigArgs, RunArgs, SweepArgs, finish, refuse};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
@@ -27,6 +27,7 @@ enum Command {
     Cea(CeaArgs),
     Check(CheckArgs),
     Eig(EigArgs),
+    Sweep(SweepArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
     Completions {
         /// The shell
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Cea(args) => args.run(&mut out),
         Command::Check(args) => args.run(&mut out),
         Command::Eig(args) => args.run(&mut out),
+        Command::Sweep(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),
         Command::Man => manual(&mut out).map_err(Error::StandardOutput),
     };

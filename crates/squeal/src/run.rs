@@ -11,7 +11,7 @@ use crate::report::{Manifest, Results, Times, write_tables};
 use crate::study::{Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 5;
+const TALLY_VERSION: u32 = 6;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -80,7 +80,7 @@ pub fn run_study<B: UncertainBrake>(
 }
 
 /// The threads for so much of a study as is not sampling.
-fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+pub(crate) fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use cea::{CeaError, Workspace, left_vector, right_vector};
+use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
@@ -147,20 +147,31 @@ fn step_error(from: BranchPoint, to: BranchPoint, step: f64) -> f64 {
     link_error([from.lambda, to.lambda], [from.rate * step, to.rate * step])
 }
 
-/// The best link of the mode `index` at `a` to a mode at `b`.
+/// The best link of the mode `index` at `a` to a mode at `b`; one with an infinite error where there are none.
 ///
 /// # Errors
 /// Those of the branches.
 pub fn link<B: Branches + ?Sized>(branches: &mut B, a: f64, index: usize, b: f64) -> Result<BranchLink, B::Error> {
     let from = branches.point(a, index)?;
     let (best, second) = two_best(branches, from, a, b)?;
+    if best.1.is_infinite() {
+        return Ok(BranchLink { to: 0, error: best.1, is_clear: false });
+    }
     let there = branches.point(b, best.0)?;
     let (back, rival) = two_best(branches, there, b, a)?;
-    let is_clear = best.1 <= CLEAR_LINK_ERROR * second.min(rival) && back.0 == index;
+    // A branch that goes with another one, equal to it at both ends, is as good as that one.
+    let is_back = back.0 == index || is_equal(branches.lambdas(a)?[back.0], from.lambda);
+    let is_clear = best.1 <= CLEAR_LINK_ERROR * second.min(rival) && is_back;
     Ok(BranchLink { to: best.0, error: best.1, is_clear })
 }
 
-/// The mode at `b` with the least link error from `from`, that error, and the error of the second best mode.
+/// Whether two eigenvalues are equal but for rounding.
+pub(crate) fn is_equal(a: Complex<f64>, b: Complex<f64>) -> bool {
+    (a - b).norm() <= EQUAL_BUT_FOR_ROUNDING * b.norm()
+}
+
+/// The mode at `b` with the least link error from `from`, that error, and the error of the second best mode. Where `from` is equal to
+/// another mode at `a`, modes that are equal to the best one are none of its rivals.
 fn two_best<B: Branches + ?Sized>(
     branches: &mut B,
     from: BranchPoint,
@@ -172,10 +183,16 @@ fn two_best<B: Branches + ?Sized>(
     let mut near: Vec<(usize, f64)> =
         branches.lambdas(b)?.iter().enumerate().map(|(j, lambda)| (j, (lambda - predicted).norm())).collect();
     near.sort_by(|x, y| x.1.total_cmp(&y.1));
+    let is_multiple = branches.lambdas(a)?.iter().filter(|lambda| is_equal(**lambda, from.lambda)).count() > 1;
     let (mut best, mut second) = ((usize::MAX, f64::INFINITY), f64::INFINITY);
     for &(j, _) in near.iter().take(COMPARED_EIGENVALUES) {
-        let error = step_error(from, branches.point(b, j)?, step);
-        if error < best.1 {
+        let point = branches.point(b, j)?;
+        let error = step_error(from, point, step);
+        if is_multiple && best.1.is_finite() && is_equal(branches.lambdas(b)?[best.0], point.lambda) {
+            if error < best.1 {
+                best = (j, error);
+            }
+        } else if error < best.1 {
             second = best.1;
             best = (j, error);
         } else {
@@ -238,7 +255,7 @@ fn follow_step<B: Branches + ?Sized>(
         let from = branches.point(a, index)?;
         let rival_error = link.error / CLEAR_LINK_ERROR;
         let lambdas = branches.lambdas(b)?.to_vec();
-        let mut open = BTreeSet::from([link.to]);
+        let mut open: BTreeSet<usize> = link.error.is_finite().then_some(link.to).into_iter().collect();
         for (j, lambda) in lambdas.into_iter().enumerate() {
             let is_far = (lambda - from.lambda).norm() > rival_error + from.rate.norm() * step.abs();
             if !is_far && step_error(from, branches.point(b, j)?, step) <= rival_error {

@@ -49,6 +49,7 @@ pub struct KeptSpectra<'a, F> {
     spectra: BTreeMap<OrderedParameter, KeptSpectrum>,
     /// Oscillating modes at every parameter; those at the first one asked for where nothing else is wanted.
     modes: Option<usize>,
+    allows_overdamping: bool,
     work: Workspace,
 }
 
@@ -80,13 +81,26 @@ impl Ord for OrderedParameter {
 impl<'a, F> KeptSpectra<'a, F> {
     /// No spectra yet. As many modes must oscillate at every parameter as at the first one asked for.
     pub fn new(make: F, solver: &'a dyn EigenSolver) -> Self {
-        Self { make, solver, spectra: BTreeMap::new(), modes: None, work: Workspace::default() }
+        Self {
+            make,
+            solver,
+            spectra: BTreeMap::new(),
+            modes: None,
+            allows_overdamping: false,
+            work: Workspace::default(),
+        }
     }
 
     /// So many modes must oscillate at every parameter.
     #[must_use]
     pub fn with_modes(self, modes: usize) -> Self {
         Self { modes: Some(modes), ..self }
+    }
+
+    /// Modes may become overdamped, and oscillate again: their number may differ from parameter to parameter.
+    #[must_use]
+    pub fn with_overdamping(self) -> Self {
+        Self { allows_overdamping: true, ..self }
     }
 
     /// What was computed so far.
@@ -109,7 +123,7 @@ impl<'a, F> KeptSpectra<'a, F> {
             let made = (self.make)(at)?;
             let lambdas = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
             let expected = *self.modes.get_or_insert(lambdas.len());
-            if lambdas.len() != expected {
+            if lambdas.len() != expected && !self.allows_overdamping {
                 return Err(TrackingError::ModeCount { at, found: lambdas.len(), expected }.into());
             }
             let rates = vec![None; lambdas.len()];

@@ -1,7 +1,9 @@
 //! The root locus: eigenvalues over one real parameter, joined to branches as far as the links between them are clear.
 
+use num_complex::Complex;
+
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, first_steps, link};
+use crate::branch::{BranchPoint, Branches, first_steps, is_equal, link};
 use crate::error::check_interval;
 
 /// One branch of a root locus.
@@ -20,7 +22,8 @@ pub struct Ambiguity {
     pub to: f64,
     /// Indices of the branches that end at `from`.
     pub before: Vec<usize>,
-    /// Indices of the branches that begin at `to`, as many as `before`: each may continue any branch of `before`.
+    /// Indices of the branches that begin at `to`: each may continue any branch of `before`. There are as many, unless a mode
+    /// becomes overdamped in the step, or oscillates again.
     pub after: Vec<usize>,
 }
 
@@ -34,9 +37,11 @@ pub struct RootLocus {
     pub ambiguities: Vec<Ambiguity>,
 }
 
-/// The upper end of a step, and for each mode at its lower end the mode that it is linked to; `None` where no link is clear.
+/// The upper end of a step, how many modes there are, and for each mode at the lower end the mode that it is linked to; `None` where
+/// no link is clear.
 struct LocusStep {
     to: f64,
+    count: usize,
     links: Vec<Option<usize>>,
 }
 
@@ -60,8 +65,8 @@ where
     // `here[i]` is the branch that mode i at the parameter `reached` belongs to.
     let (mut reached, mut here): (f64, Vec<usize>) = (from, (0..count).collect());
     locus.enter(branches, reached, &here)?;
-    for LocusStep { to, links } in steps {
-        here = locus.step([reached, to], &here, &links);
+    for LocusStep { to, count, links } in steps {
+        here = locus.step([reached, to], &here, (&links, count));
         locus.enter(branches, to, &here)?;
         reached = to;
     }
@@ -76,19 +81,36 @@ fn subdivide<B: Branches + ?Sized>(
     smallest: f64,
     steps: &mut Vec<LocusStep>,
 ) -> Result<(), B::Error> {
-    let count = branches.lambdas(a)?.len();
-    let mut links = Vec::with_capacity(count);
-    for index in 0..count {
+    let [from, count] = [branches.lambdas(a)?.len(), branches.lambdas(b)?.len()];
+    let mut links = Vec::with_capacity(from);
+    let (is_smallest, mut is_clear) = (b - a <= smallest, from == count);
+    for index in 0..from {
+        if !(is_clear || is_smallest) {
+            break;
+        }
         let link = link(branches, a, index, b)?;
+        is_clear &= link.is_clear;
         links.push(Some(link.to).filter(|_| link.is_clear));
     }
-    if b - a <= smallest || links.iter().all(Option::is_some) {
-        steps.push(LocusStep { to: b, links });
+    part_equal(branches.lambdas(b)?, &mut links);
+    if is_smallest || is_clear {
+        steps.push(LocusStep { to: b, count, links });
         return Ok(());
     }
     let middle = 0.5 * (a + b);
     subdivide(branches, a, middle, smallest, steps)?;
     subdivide(branches, middle, b, smallest, steps)
+}
+
+/// Gives modes that are linked to the same one, which is equal to others, one of these each.
+fn part_equal(lambdas: &[Complex<f64>], links: &mut [Option<usize>]) {
+    for index in 0..links.len() {
+        let Some(to) = links[index] else { continue };
+        if links[..index].contains(&Some(to)) {
+            let is_free = |other: &usize| !links.contains(&Some(*other)) && is_equal(lambdas[*other], lambdas[to]);
+            links[index] = (0..lambdas.len()).find(is_free);
+        }
+    }
 }
 
 impl RootLocus {
@@ -101,8 +123,8 @@ impl RootLocus {
     }
 
     /// The branch of each mode at the end of a step; a mode that no link leads to begins a new branch.
-    fn step(&mut self, [from, to]: [f64; 2], here: &[usize], links: &[Option<usize>]) -> Vec<usize> {
-        let mut there: Vec<Option<usize>> = vec![None; here.len()];
+    fn step(&mut self, [from, to]: [f64; 2], here: &[usize], (links, count): (&[Option<usize>], usize)) -> Vec<usize> {
+        let mut there: Vec<Option<usize>> = vec![None; count];
         let mut before = Vec::new();
         for (&branch, link) in here.iter().zip(links) {
             match link {
@@ -112,7 +134,7 @@ impl RootLocus {
         }
         let mut after = Vec::new();
         let there = there.into_iter().map(|branch| branch.unwrap_or_else(|| self.begin(&mut after))).collect();
-        if !before.is_empty() {
+        if !(before.is_empty() && after.is_empty()) {
             self.ambiguities.push(Ambiguity { from, to, before, after });
         }
         there

@@ -32,7 +32,7 @@ impl Modes {
     /// Sorts the spectrum of `system`.
     ///
     /// Eigenvectors are computed only where the real eigenvalues are not as many as the internal states and near their decay
-    /// rates.
+    /// rates, and then of eigenvalues with |Im lambda| <= |Re lambda|.
     ///
     /// # Errors
     /// Those of [`right_vector`].
@@ -58,7 +58,8 @@ impl Modes {
         let form = StandardForm::new(system)?;
         let mut modes = Self { oscillatory: Vec::new(), real: Vec::new(), internal: Vec::new() };
         for lambda in spectrum.eigenvalues.iter().copied().filter(|l| l.im >= 0.0) {
-            match (is_internal(system, &form, lambda, work)?, lambda.im > 0.0) {
+            let is_internal = !is_oscillation(lambda) && is_internal(system, &form, lambda, work)?;
+            match (is_internal, lambda.im > 0.0) {
                 (true, _) => modes.internal.push(lambda),
                 (false, true) => modes.oscillatory.push(lambda),
                 (false, false) => modes.real.push(lambda.re),
@@ -119,6 +120,12 @@ fn all_near_decay(near_real: &[Complex<f64>], system: &SecondOrder) -> bool {
     let mut real: Vec<f64> = near_real.iter().map(|l| l.re).collect();
     real.sort_by(f64::total_cmp);
     real.iter().zip(&decay).all(|(l, a)| (l - a).abs() <= LARGEST_SHIFT_OF_DECAY * a.abs())
+}
+
+/// Whether the motion goes through several periods before it has decayed or grown by much: a mode, whatever its vector, because a
+/// growing oscillation must not be passed over as that of a state.
+fn is_oscillation(lambda: Complex<f64>) -> bool {
+    lambda.im.abs() > lambda.re.abs()
 }
 
 /// Whether the internal states make up more than half of the squared norm of the scaled state vector.

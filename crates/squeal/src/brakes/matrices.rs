@@ -1,11 +1,11 @@
 //! A brake given by its matrices in a case file.
 
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 
 use crate::Error;
-use crate::case::MatricesCase;
-use crate::study::{Plan, Scene, StudySource, UncertainBrake};
+use crate::case::{MatricesCase, Parameter};
+use crate::study::{NamedParameter, Plan, Scene, StudySource, UncertainBrake};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]
@@ -78,5 +78,22 @@ impl UncertainBrake for MatricesBrake {
             sample[at] = value;
         }
         sample
+    }
+
+    fn parameters(&self, _: &Scene) -> Vec<NamedParameter> {
+        let named = |parameter: &Parameter| NamedParameter {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            median: parameter.distribution.median(),
+        };
+        self.case.parameters.iter().map(named).collect()
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+        let mut sample = self.median();
+        for &(place, value) in values {
+            sample[place] = value;
+        }
+        self.system(scene, &sample)
     }
 }

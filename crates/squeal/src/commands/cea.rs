@@ -6,15 +6,15 @@ use std::path::PathBuf;
 use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers, verdict};
 use linsys::OperatingPoint;
 use num_complex::Complex;
-use osc_model::{Brake, ContactArrangement, PreparedLattice};
+use osc_model::Brake;
 use serde_json::{Value, json};
 use work::ModeWork;
 
 use super::eig::announce;
-use super::options::number;
+use super::scene::{LatticeScene, SceneArgs, chosen};
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeSample, lattice, sliding};
-use crate::case::{CaseFile, FiniteElementCase, LatticeCase, Law, MatricesCase};
+use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::report::hertz;
 use crate::run::bar;
 use crate::study::{Scene, UncertainBrake, mode_work};
@@ -24,18 +24,9 @@ use crate::study::{Scene, UncertainBrake, mode_work};
 pub struct CeaArgs {
     /// The case file (TOML)
     pub case: PathBuf,
-    /// Friction law of a lattice [default: the case's first]
-    #[arg(long, value_name = "LAW")]
-    pub law: Option<String>,
-    /// Oscillators in contact, from 1, as in 1,2,5 [default: the case's first arrangement]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pub contact: Option<Vec<usize>>,
-    /// Constraint set by name [default: the case's first]
-    #[arg(long, value_name = "NAME")]
-    pub constraints: Option<String>,
-    /// Sliding speed of a lattice, m/s [default: the median of the case's first range]
-    #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
-    pub speed: Option<f64>,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
     /// Add mode shapes and the work of friction and damping per body
     #[arg(long)]
     pub modes: bool,
@@ -68,7 +59,8 @@ impl CeaArgs {
     }
 
     fn lattice(&self, case: &LatticeCase) -> Result<String, Error> {
-        let (law, lattice, speed) = self.scene(case)?;
+        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(case)?;
+        let lattice = lattice(case, constraints, &arrangement)?;
         let state = sliding(case, &lattice, law, speed, &LatticeSample::median(case))?;
         let contacts = lattice.arrangement();
         let scene = json!({
@@ -81,14 +73,7 @@ impl CeaArgs {
     }
 
     fn matrices(&self, case: &MatricesCase) -> Result<String, Error> {
-        let lattice_only =
-            [("--law", self.law.is_some()), ("--contact", self.contact.is_some()), ("--speed", self.speed.is_some())];
-        if let Some((option, _)) = lattice_only.into_iter().find(|(_, is_given)| *is_given) {
-            let allowed = "cases with a lattice; this one is given by its matrices".into();
-            return Err(Error::Option { option, value: "given".into(), allowed });
-        }
-        let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
-        let set = &case.constraints[chosen("--constraints", self.constraints.as_deref(), &names)?];
+        let set = &case.constraints[self.scene.matrices(case)?];
         let medians = case.medians();
         let values =
             case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
@@ -103,7 +88,7 @@ impl CeaArgs {
     fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
         let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let constraints = chosen("--constraints", self.constraints.as_deref(), &names)?;
+        let constraints = chosen("--constraints", self.scene.constraints.as_deref(), &names)?;
         let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
         let is_meant = |scene: &&Scene| scene.key.constraints == constraints;
         let Some(scene) = brake.plan.scenes.iter().find(is_meant) else {
@@ -151,41 +136,6 @@ impl CeaArgs {
             false => format!("{heading}\n\n{}", table(&rows, &modes, brake)),
         })
     }
-
-    fn scene(&self, case: &LatticeCase) -> Result<(Law, PreparedLattice, f64), Error> {
-        let refused = |option, value: &str, allowed: String| Error::Option { option, value: value.into(), allowed };
-        let law = match &self.law {
-            None => case.laws[0],
-            Some(name) => *Law::ALL
-                .iter()
-                .find(|law| law.name() == name)
-                .ok_or_else(|| refused("--law", name, Law::ALL.map(Law::name).join(", ")))?,
-        };
-        let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
-        let constraints = chosen("--constraints", self.constraints.as_deref(), &names)?;
-        let arrangement = match &self.contact {
-            None => case.panels[0].1[0].clone(),
-            Some(numbers) => {
-                let oscillators = case.lattice.grid.oscillators();
-                ContactArrangement::from_numbers(oscillators, numbers).map_err(|_| {
-                    let list: Vec<String> = numbers.iter().map(usize::to_string).collect();
-                    refused("--contact", &list.join(","), format!("oscillators 1 to {oscillators}, each once"))
-                })?
-            }
-        };
-        let speed = self.speed.unwrap_or(case.speeds[0].quantile(0.5));
-        if !(speed.is_finite() && speed > 0.0) {
-            return Err(refused("--speed", &speed.to_string(), "a speed in m/s, > 0".into()));
-        }
-        Ok((law, lattice(case, constraints, &arrangement)?, speed))
-    }
-}
-
-/// The place of the name that an option gives; the first where it is not given.
-fn chosen(option: &'static str, given: Option<&str>, names: &[&str]) -> Result<usize, Error> {
-    let Some(given) = given else { return Ok(0) };
-    let refused = || Error::Option { option, value: given.into(), allowed: names.join(", ") };
-    names.iter().position(|name| *name == given).ok_or_else(refused)
 }
 
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.

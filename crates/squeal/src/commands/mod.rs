@@ -6,6 +6,8 @@ mod eig;
 mod options;
 mod refuse;
 mod run;
+mod scene;
+mod sweep;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
@@ -13,3 +15,5 @@ pub use eig::EigArgs;
 pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;
+pub use scene::SceneArgs;
+pub use sweep::SweepArgs;

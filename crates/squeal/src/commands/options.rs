@@ -30,6 +30,17 @@ pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "allowed: a number".to_owned())
 }
 
+/// Refuses a number of threads that is out of range.
+pub(super) fn check_threads(threads: Option<usize>) -> Result<(), Error> {
+    match threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
+        Some(threads) => {
+            let (value, allowed) = (threads.to_string(), format!("1 to {MOST_THREADS}"));
+            Err(Error::Option { option: "--threads", value, allowed })
+        }
+        None => Ok(()),
+    }
+}
+
 /// Puts the options of the command line in place of a case's own samples and seed.
 ///
 /// # Errors
@@ -44,9 +55,7 @@ pub fn override_run(
     if let Some(samples) = samples.filter(|samples| !(1..=LatticeCase::MOST_SAMPLES).contains(samples)) {
         return Err(refused("--samples", samples.to_string(), LatticeCase::MOST_SAMPLES));
     }
-    if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
-        return Err(refused("--threads", threads.to_string(), MOST_THREADS as u64));
-    }
+    check_threads(threads)?;
     *own.0 = samples.unwrap_or(*own.0);
     *own.1 = seed.unwrap_or(*own.1);
     Ok(())

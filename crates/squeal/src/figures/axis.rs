@@ -27,9 +27,13 @@ pub(super) struct Tick {
 impl AxisScale {
     pub const PERCENT: AxisScale = AxisScale::Linear { low: 0.0, high: 100.0, step: 25.0 };
 
-    /// Covers all values with round ends and at most `intervals + 2` steps of 1, 2 or 5 times a power of ten.
+    /// Covers zero and all values with round ends and at most `intervals + 2` steps of 1, 2 or 5 times a power of ten.
     pub fn linear(values: impl Iterator<Item = f64>, intervals: f64) -> Self {
-        let (least, most) = range(values, (0.0, 0.0));
+        Self::between(range(values, (0.0, 0.0)), intervals)
+    }
+
+    /// Covers the values from `least` to `most` as [`AxisScale::linear`] does.
+    pub fn between((least, most): (f64, f64), intervals: f64) -> Self {
         let most = if most > least { most } else { 1.0 };
         let span = most - least;
         let decade = 10f64.powf((span / intervals).log10().floor());

@@ -51,11 +51,23 @@ impl Figure {
     /// [`FigureError::Write`] with the path of the file that cannot be written; also those of [`png`](Self::png) and
     /// [`csv`](Self::csv), in which case nothing is written.
     pub fn save(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
-        let files = [("svg", self.svg().into_bytes()), ("png", self.png()?), ("csv", self.csv()?)];
-        for (extension, bytes) in files {
-            let path = dir.join(format!("{stem}.{extension}"));
-            replace(&path, &bytes).map_err(|source| FigureError::Write { path, source })?;
-        }
-        Ok(())
+        let csv = self.csv()?;
+        self.save_pictures(dir, stem)?;
+        write(dir, stem, "csv", &csv)
     }
+
+    /// Writes `stem.svg` and `stem.png` as [`save`](Self::save) does, where the numbers are in other tables.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    pub fn save_pictures(&self, dir: &Path, stem: &str) -> Result<(), FigureError> {
+        let png = self.png()?;
+        write(dir, stem, "svg", self.svg().as_bytes())?;
+        write(dir, stem, "png", &png)
+    }
+}
+
+fn write(dir: &Path, stem: &str, extension: &str, bytes: &[u8]) -> Result<(), FigureError> {
+    let path = dir.join(format!("{stem}.{extension}"));
+    replace(&path, bytes).map_err(|source| FigureError::Write { path, source })
 }

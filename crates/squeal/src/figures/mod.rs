@@ -42,6 +42,9 @@ mod mode_work;
 mod model_diagram;
 mod occurrence;
 mod raster;
+mod root_locus;
+mod scale;
+mod stability_map;
 mod style;
 mod vector;
 
@@ -54,3 +57,5 @@ pub use occurrence::{
     Occurrence, OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
     OccurrencePanel, OccurrenceSeries, occurrence_boxes,
 };
+pub use root_locus::{LocusBranch, LocusEvent, LocusMark, RootLocusFigure, root_locus_figure};
+pub use stability_map::{MapAxis, MapCurve, MapFigure, stability_map_figure};

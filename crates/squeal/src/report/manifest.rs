@@ -52,6 +52,12 @@ pub struct Manifest {
     pub unstable_modes: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
+    /// Of a reduced brake: how many unstable modes have a residual in the whole one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residuals: Option<u64>,
+    /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_residual: Option<f64>,
     /// Wall-clock times, s.
     pub seconds: Times,
 }
@@ -79,6 +85,10 @@ impl Manifest {
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),
             unstable_modes: sum(|tally| tally.unstable_modes),
             undecided: sum(|tally| tally.undecided),
+            residuals: plan.band.map(|_| sum(|tally| tally.residuals)),
+            largest_residual: plan
+                .band
+                .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
             seconds,
         }
     }

@@ -28,6 +28,5 @@ pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]
 pub use pictures::draw_occurrence;
 pub use results::{ArrangementOccurrence, Estimate, Results};
-#[cfg(feature = "program")]
 pub(crate) use summary::hertz;
 pub use tables::write_tables;

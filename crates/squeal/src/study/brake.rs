@@ -8,6 +8,17 @@ use num_complex::Complex;
 use super::{Plan, Scene};
 use crate::Error;
 
+/// A parameter of a brake that has a name, by which a sweep varies it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedParameter {
+    /// Its name, as the case file has it.
+    pub name: String,
+    /// Its unit, for people.
+    pub unit: String,
+    /// Its value where it is not varied.
+    pub median: f64,
+}
+
 /// A brake with everything that is uncertain in it.
 ///
 /// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
@@ -73,5 +84,19 @@ pub trait UncertainBrake: Sync {
         _shape: &DVector<Complex<f64>>,
     ) -> Result<Option<f64>, Error> {
         Ok(None)
+    }
+
+    /// The parameters that [`UncertainBrake::system_with`] gives values to: all on which the systems of a scene depend.
+    fn parameters(&self, _scene: &Scene) -> Vec<NamedParameter> {
+        Vec::new()
+    }
+
+    /// The system of a scene in which some of its [`UncertainBrake::parameters`], by their places, have values, and all others
+    /// their medians.
+    ///
+    /// # Errors
+    /// A value that is not allowed; as [`UncertainBrake::operating_point`].
+    fn system_with(&self, scene: &Scene, _values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+        self.system(scene, &self.median())
     }
 }

@@ -47,6 +47,10 @@ pub struct SceneTally {
     pub divergent: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
+    /// Unstable modes of a reduced brake whose residual in the whole one is known.
+    pub residuals: u64,
+    /// The largest of these residuals.
+    pub largest_residual: f64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
     /// no name and may be any.
     pub tracked: LabelTally<ModeLabel>,
@@ -83,6 +87,10 @@ impl SceneTally {
         self.divergent += u64::from(outcome.divergent);
         self.undecided += u64::from(outcome.undecided);
         for mode in &outcome.unstable {
+            if let Some(residual) = mode.residual {
+                self.residuals += 1;
+                self.largest_residual = self.largest_residual.max(residual);
+            }
             if mode.names.len() != 1 {
                 self.ambiguous_modes += 1;
             }
@@ -105,6 +113,8 @@ impl SceneTally {
         self.ambiguous_modes += later.ambiguous_modes;
         self.divergent += later.divergent;
         self.undecided += later.undecided;
+        self.residuals += later.residuals;
+        self.largest_residual = self.largest_residual.max(later.largest_residual);
         self.tracked.merge(later.tracked);
         self.ranked.merge(later.ranked);
         for (name, bodies) in later.net_work {

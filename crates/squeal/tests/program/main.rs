@@ -13,6 +13,7 @@ mod names;
 mod same_bytes;
 mod sizes;
 mod study_tables;
+mod sweep;
 #[path = "../common/tables.rs"]
 mod tables;
 mod terminal;

@@ -1,11 +1,12 @@
 //! The lattice of a case with its friction laws and distributions.
 
 mod draw;
+mod parameters;
 mod sobol;
 
 pub use draw::{FrictionDraw, LatticeSample};
 
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
     Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Member, Preload, PreparedLattice,
@@ -13,10 +14,10 @@ use osc_model::{
 };
 
 use crate::Error;
-use crate::case::{Draws, LatticeCase, Law};
+use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
-    Configuration, Cost, LawLabel, ModeIdentity, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel,
-    StudySource, UncertainBrake,
+    Configuration, Cost, LawLabel, ModeIdentity, NamedParameter, Origin, PanelLabel, Plan, Scene, SceneKey,
+    SceneLabels, SpeedLabel, StudySource, UncertainBrake,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -161,6 +162,14 @@ impl UncertainBrake for LatticeBrake {
         let median = self.median();
         LatticeSample::shared(FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) }, median.speed_quantile)
     }
+
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(self, scene)
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+        parameters::system(self, scene, values)
+    }
 }
 
 /// The sliding state of a sample: the tangent of a law at a speed, and the normal load, in each contact of a lattice.
@@ -174,8 +183,19 @@ pub fn sliding(
     speed: f64,
     sample: &LatticeSample,
 ) -> Result<Sliding, Error> {
+    sliding_under(&case.readings, lattice, law, speed, sample)
+}
+
+/// [`sliding`] under readings that need not be a case's.
+fn sliding_under(
+    readings: &LatticeReadings,
+    lattice: &PreparedLattice,
+    law: Law,
+    speed: f64,
+    sample: &LatticeSample,
+) -> Result<Sliding, Error> {
     let point = |draw: &FrictionDraw| -> Result<ContactPoint, Error> {
-        let tangent = draw.tangent(law, speed, case.readings.bristle_damping)?;
+        let tangent = draw.tangent(law, speed, readings.bristle_damping)?;
         Ok(ContactPoint { tangent, lateral_mu: draw.lateral(law), normal_load: 0.0 })
     };
     let in_contact = lattice.arrangement().in_contact();
@@ -183,7 +203,7 @@ pub fn sliding(
         Some(draw) => vec![point(draw)?; in_contact.len()],
         None => in_contact.iter().map(|&i| point(sample.contact(i))).collect::<Result<_, Error>>()?,
     };
-    let loads = lattice.normal_loads(case.readings.preload, &contacts)?;
+    let loads = lattice.normal_loads(readings.preload, &contacts)?;
     for (contact, load) in contacts.iter_mut().zip(loads) {
         contact.normal_load = load;
     }

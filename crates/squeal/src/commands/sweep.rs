@@ -1,0 +1,151 @@
+//! `squeal sweep`: how modes move with one or two parameters.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use cea::QrSolver;
+use serde_json::{Value, json};
+
+use super::options::{check_threads, threads};
+use super::scene::{LatticeScene, SceneArgs};
+use crate::brakes::{LatticeBrake, MatricesBrake};
+use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};
+use crate::folder::RunFolder;
+use crate::output::printable;
+use crate::run::{bar, workers};
+use crate::study::{Plan, Study, UncertainBrake};
+use crate::sweep::{Found, Over, stability_map, sweep};
+use crate::{Error, fingerprint};
+
+/// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
+///
+/// Over one: branches of the root locus, onsets, coalescences. Over two: the stability map with its boundary.
+#[derive(Debug, clap::Args)]
+pub struct SweepArgs {
+    /// The case file (TOML)
+    pub case: PathBuf,
+    /// A parameter and its range, as mu=0:1; given twice, a map of two parameters
+    #[arg(long, value_name = "NAME=FROM:TO", required = true, value_parser = over)]
+    pub over: Vec<Over>,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder for tables and figures: new, empty, or that of the same sweep
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// JSON for machines: what is found, frequencies in rad/s
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+}
+
+/// `NAME=FROM:TO`.
+fn over(text: &str) -> Result<Over, String> {
+    let parts = || {
+        let (name, range) = text.split_once('=')?;
+        let (from, to) = range.split_once(':')?;
+        Some(Over { name: name.trim().into(), from: from.trim().parse().ok()?, to: to.trim().parse().ok()? })
+    };
+    parts().ok_or_else(|| "allowed: NAME=FROM:TO, as mu=0:1".to_owned())
+}
+
+impl SweepArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What is wrong with the case or an option, and what cannot be swept.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        check_threads(self.threads)?;
+        let text = match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.lattice(*case)?)?)?,
+            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.matrices(*case)?)?)?,
+            CaseFile::FiniteElements(_) => {
+                let (value, allowed) = (self.over[0].to_string(), "cases with a lattice or matrices".into());
+                return Err(Error::Option { option: "--over", value, allowed });
+            }
+        };
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    /// The case with the one scene that is swept.
+    fn lattice(&self, mut case: LatticeCase) -> Result<LatticeCase, Error> {
+        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(&case)?;
+        case.laws = vec![law];
+        case.constraints = vec![case.constraints.swap_remove(constraints)];
+        case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+        case.speeds = vec![SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }];
+        Ok(case)
+    }
+
+    fn matrices(&self, mut case: MatricesCase) -> Result<MatricesCase, Error> {
+        let set = self.scene.matrices(&case)?;
+        case.constraints = vec![case.constraints.swap_remove(set)];
+        Ok(case)
+    }
+
+    /// Sweeps the first scene of a brake, and says what was found.
+    fn sweep<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, start) = (brake.plan(), Instant::now());
+        let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
+        let identity = format!("{} sweep {}", plan.identity, named.join(" "));
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
+        }
+        let pool = workers(self.threads)?;
+        let found = pool.install(|| -> Result<Found, Error> {
+            let study = Study::new(brake, &QrSolver)?;
+            Ok(match &self.over[..] {
+                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &bar("sectors"))?.into()),
+                [a, b] => {
+                    let both = [a.clone(), b.clone()];
+                    Found::Map(stability_map(&study, 0, &both, &QrSolver, &bar("lines"))?.into())
+                }
+                more => {
+                    let (value, allowed) = (format!("given {} times", more.len()), "once or twice".into());
+                    return Err(Error::Option { option: "--over", value, allowed });
+                }
+            })
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        let scene = format!("{}: {}; other parameters at their medians", plan.name, plan.describe(&plan.scenes[0]));
+        if let Some(dir) = &self.out {
+            let folder = RunFolder::take(dir, &identity)?;
+            folder.publish(|stage| {
+                found.write_tables(stage)?;
+                let title = format!("Sweep over {}", named.join(" and "));
+                Ok(found.figure(&title, &scene)?.save_pictures(stage, "sweep")?)
+            })?;
+            let manifest = manifest(plan, &named, &found, self.threads, seconds);
+            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+        }
+        if self.json {
+            let mut all = found.json();
+            all["scene"] = json!(scene);
+            return Ok(format!("{all:#}\n"));
+        }
+        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
+        let place = place.unwrap_or_default();
+        Ok(format!("{}\n\n{}{seconds:.2} s{place}\n", printable(&scene), found.text()))
+    }
+}
+
+/// Enough to make the sweep again, and what it took.
+fn manifest(plan: &Plan, over: &[String], found: &Found, threads: Option<usize>, seconds: f64) -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+        "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+        "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+        "study": plan.name,
+        "scene": plan.describe(&plan.scenes[0]),
+        "over": over,
+        "parameters": found.parameters(),
+        "threads": threads,
+        "evaluations": found.evaluations(),
+        "fine_grid": found.fine_grid(),
+        "seconds": seconds,
+    })
+}

@@ -1,0 +1,246 @@
+//! A root locus: growth against frequency, coloured by a parameter, and both against the parameter.
+
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::error::{FigureError, finite};
+use super::figure::{Figure, Table};
+use super::legend::{Entry, legend};
+use super::scale::{bar, color};
+use super::style::{BLUE, VERMILLION};
+
+/// Branches of eigenvalues over one parameter.
+#[derive(Debug, Clone, Default)]
+pub struct RootLocusFigure {
+    /// Above everything; may be empty.
+    pub title: String,
+    /// The parameter, with its unit.
+    pub parameter: String,
+    /// Its range.
+    pub range: [f64; 2],
+    /// Whether its axis is logarithmic; the range must then be positive.
+    pub is_logarithmic: bool,
+    /// The branches.
+    pub branches: Vec<LocusBranch>,
+    /// Onsets and coalescences.
+    pub marks: Vec<LocusMark>,
+    /// Below everything; may be empty.
+    pub note: String,
+}
+
+/// One branch.
+#[derive(Debug, Clone, Default)]
+pub struct LocusBranch {
+    /// Its mode.
+    pub mode: String,
+    /// The parameter, ascending, the frequency, Hz, and the growth, 1/s.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// What happens at a point of a root locus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LocusEvent {
+    /// A mode starts to grow.
+    Starts,
+    /// A mode stops growing.
+    Stops,
+    /// Two modes coalesce, or nearly.
+    Coalescence,
+}
+
+/// A marked point.
+#[derive(Debug, Clone)]
+pub struct LocusMark {
+    /// What happens.
+    pub event: LocusEvent,
+    /// To which mode or modes.
+    pub mode: String,
+    /// The parameter, the frequency, Hz, and the growth, 1/s.
+    pub at: [f64; 3],
+}
+
+/// Heights of the panels, pt; chosen.
+const LOCUS_HEIGHT: f64 = 210.0;
+const LOWER_HEIGHT: f64 = 170.0;
+/// Between the panels below.
+const GAP: f64 = 18.0;
+
+/// One panel: which of parameter, frequency and growth its axes show.
+struct Panel {
+    x: usize,
+    y: usize,
+    scales: [AxisScale; 2],
+    labels: [String; 2],
+}
+
+/// Draws the root locus above frequency and growth against the parameter. Onsets are labelled by their modes. The table has one row
+/// per branch and point, then the marks.
+///
+/// # Errors
+/// [`FigureError::Empty`] without branches, [`FigureError::NotFinite`] or [`FigureError::OutOfRange`] for a value that the axes cannot
+/// show.
+pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> {
+    let table = check(data)?;
+    let mut canvas = Canvas::new()?;
+    let points = || data.branches.iter().flat_map(|branch| &branch.points);
+    let [from, to] = data.range;
+    let parameter = match data.is_logarithmic {
+        true => AxisScale::log([from, to].into_iter()),
+        false => AxisScale::between((from, to), 5.0),
+    };
+    let hertz = points().map(|point| point[1]);
+    let ends = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), f| (f.min(least), f.max(most)));
+    let frequency = AxisScale::between(ends, 6.0);
+    let growth = AxisScale::linear(points().map(|point| point[2]), 6.0);
+    let (hertz, per_second) = ("frequency (Hz)".to_owned(), "growth Re \u{3bb} (1/s)".to_owned());
+    let panel = |x, y, scales, labels| Panel { x, y, scales, labels };
+    let locus = panel(1, 2, [frequency, growth], [hertz.clone(), per_second.clone()]);
+    let below = [
+        panel(0, 1, [parameter, frequency], [data.parameter.clone(), hertz]),
+        panel(0, 2, [parameter, growth], [data.parameter.clone(), per_second]),
+    ];
+    let mut y = title(&mut canvas, &data.title);
+    y = bar(&mut canvas, y + 4.0, parameter, data.range, &data.parameter);
+    y = legend(&mut canvas, y, &key());
+    let left = PAGE_MARGIN + locus.left(&canvas, LOCUS_HEIGHT);
+    let right = canvas.width - PAGE_MARGIN - 10.0;
+    let area = Area { x: left, y: y + 4.0, width: right - left, height: LOCUS_HEIGHT };
+    locus.draw(&mut canvas, area, data);
+    y = area.bottom() + SMALL_TEXT + LINE_SPACING + 14.0;
+    let margins = below.each_ref().map(|panel| panel.left(&canvas, LOWER_HEIGHT));
+    let width = (right - PAGE_MARGIN - GAP - margins[0] - margins[1]) / 2.0;
+    let mut x = PAGE_MARGIN;
+    for (panel, margin) in below.iter().zip(margins) {
+        panel.draw(&mut canvas, Area { x: x + margin, y, width, height: LOWER_HEIGHT }, data);
+        x += margin + width + GAP;
+    }
+    y += LOWER_HEIGHT + SMALL_TEXT + LINE_SPACING + 8.0;
+    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
+        y += LINE_SPACING;
+        canvas.text(Label::new(PAGE_MARGIN, y, line).color(Color::DARK_GREY));
+    }
+    canvas.height = y + PAGE_MARGIN;
+    Ok(Figure { canvas, table })
+}
+
+impl Panel {
+    /// Room for the vertical axis.
+    fn left(&self, canvas: &Canvas, height: f64) -> f64 {
+        y_title_width(canvas, height, &self.labels[1]) + widest(canvas, &self.scales[1].ticks(8)) + 6.0
+    }
+
+    fn draw(&self, canvas: &mut Canvas, area: Area, data: &RootLocusFigure) {
+        let [x, y] = self.scales;
+        y_axis(canvas, area, &y.ticks(8), true);
+        x_axis(canvas, area, &x.ticks((area.width / 32.0) as i32), true, true);
+        y_title(canvas, area.x - widest(canvas, &y.ticks(8)) - 6.0, area, &self.labels[1]);
+        canvas.text(
+            Label::new(area.middle_x(), area.bottom() + SMALL_TEXT + LINE_SPACING + 2.0, self.labels[0].clone())
+                .middle(),
+        );
+        let place = |point: &[f64; 3]| {
+            (area.x + x.at(point[self.x]) * area.width, area.bottom() - y.at(point[self.y]) * area.height)
+        };
+        if self.y == 2 {
+            let zero = area.bottom() - y.at(0.0) * area.height;
+            canvas.line((area.x, zero), (area.right(), zero), Paint::stroke(Color::BLACK, 0.8));
+        }
+        for branch in &data.branches {
+            canvas.group("branch", format!("mode {}", branch.mode), |canvas| {
+                for step in branch.points.windows(2) {
+                    let paint = Paint::stroke(color(data.part(0.5 * (step[0][0] + step[1][0]))), 1.3);
+                    canvas.line(place(&step[0]), place(&step[1]), paint);
+                }
+            });
+        }
+        frame(canvas, area);
+        for mark in &data.marks {
+            symbol(canvas, place(&mark.at), mark.event);
+        }
+        // Onsets at the axis of growth are beside each other: their names stand on several levels.
+        if self.y == 2 {
+            self.name(canvas, area, data, &place);
+        }
+    }
+
+    /// Writes the modes of onsets above them, as low as there is room.
+    fn name(&self, canvas: &mut Canvas, area: Area, data: &RootLocusFigure, place: &dyn Fn(&[f64; 3]) -> (f64, f64)) {
+        let mut onsets: Vec<(&LocusMark, (f64, f64))> =
+            data.marks.iter().filter(|mark| mark.event != LocusEvent::Coalescence).map(|m| (m, place(&m.at))).collect();
+        onsets.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        let mut ends: Vec<f64> = Vec::new();
+        for (mark, (x, y)) in onsets {
+            let width = canvas.fonts.width(&mark.mode, SMALL_TEXT, false);
+            let left = (x - 0.5 * width).clamp(area.x + 1.0, (area.right() - width - 1.0).max(area.x + 1.0));
+            let level = ends.iter().position(|end| *end < left).unwrap_or(ends.len());
+            if level == ends.len() {
+                ends.push(left + width + 3.0);
+            } else {
+                ends[level] = left + width + 3.0;
+            }
+            let baseline = y - 7.0 - LINE_SPACING * level as f64;
+            if level > 0 {
+                canvas.line((x, y - 4.0), (x, baseline + 1.0), Paint::stroke(Color::DARK_GREY, 0.4));
+            }
+            canvas.text(Label::new(left, baseline, mark.mode.clone()).halo());
+        }
+    }
+}
+
+impl RootLocusFigure {
+    /// The part of the range at which the parameter has a value.
+    fn part(&self, value: f64) -> f64 {
+        let [from, to] = self.range;
+        if self.is_logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
+    }
+}
+
+fn symbol(canvas: &mut Canvas, (x, y): (f64, f64), event: LocusEvent) {
+    let triangle = |tip: f64| vec![(x, y - 3.6 * tip), (x + 3.2, y + 2.4 * tip), (x - 3.2, y + 2.4 * tip)];
+    match event {
+        LocusEvent::Starts => canvas.polygon(triangle(1.0), Paint::fill(VERMILLION).outlined(Color::WHITE, 0.4)),
+        LocusEvent::Stops => canvas.polygon(triangle(-1.0), Paint::fill(BLUE).outlined(Color::WHITE, 0.4)),
+        LocusEvent::Coalescence => canvas.circle((x, y), 2.6, Paint::stroke(Color::BLACK, 0.9)),
+    }
+}
+
+fn key() -> Vec<Entry> {
+    let entry =
+        |event: LocusEvent, text: &str| Entry::new(text, 8.0, move |canvas: &mut Canvas, at| symbol(canvas, at, event));
+    vec![
+        entry(LocusEvent::Starts, "the mode named there starts to grow"),
+        entry(LocusEvent::Stops, "it stops growing"),
+        entry(LocusEvent::Coalescence, "two modes coalesce, or damping keeps them just apart"),
+    ]
+}
+
+/// Checks every value and writes it into the table.
+fn check(data: &RootLocusFigure) -> Result<Table, FigureError> {
+    if data.branches.iter().all(|branch| branch.points.is_empty()) {
+        return Err(FigureError::Empty { what: "branches" });
+    }
+    let [from, to] = data.range;
+    if from >= to || (data.is_logarithmic && from <= 0.0) {
+        return Err(FigureError::OutOfRange { what: "range".into(), value: from, allowed: "a range of the parameter" });
+    }
+    let mut rows = Vec::new();
+    let mut row = |kind: &str, mode: &str, at: &[f64; 3]| -> Result<(), FigureError> {
+        for value in at {
+            finite(*value, || format!("{kind} of mode {mode}"))?;
+        }
+        let numbers = at.map(|value| value.to_string());
+        rows.push([kind.to_owned(), mode.to_owned()].into_iter().chain(numbers).collect());
+        Ok(())
+    };
+    for branch in &data.branches {
+        branch.points.iter().try_for_each(|point| row("branch", &branch.mode, point))?;
+    }
+    for LocusMark { event, mode, at } in &data.marks {
+        let kind = match event {
+            LocusEvent::Starts => "starts",
+            LocusEvent::Stops => "stops",
+            LocusEvent::Coalescence => "coalescence",
+        };
+        row(kind, mode, at)?;
+    }
+    Ok(Table { header: &["kind", "mode", "parameter", "frequency_hz", "growth"], rows })
+}

@@ -1,0 +1,178 @@
+//! A stability map: how many modes are unstable over two parameters, and whose boundary is where.
+
+use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
+use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
+use super::error::{FigureError, finite};
+use super::figure::{Figure, Table};
+use super::legend::{Entry, legend};
+use super::scale::count_color;
+
+/// A map over two parameters. Places are given as parts of the two ranges, 0 to 1.
+#[derive(Debug, Clone, Default)]
+pub struct MapFigure {
+    /// Above everything; may be empty.
+    pub title: String,
+    /// The horizontal and the vertical axis.
+    pub axes: [MapAxis; 2],
+    /// Curves by the names of their modes.
+    pub curves: Vec<MapCurve>,
+    /// Runs of one count: ends along x, row from below, count.
+    pub runs: Vec<([f64; 2], usize, usize)>,
+    /// Rows in all.
+    pub rows: usize,
+    /// Counts to be written, and where.
+    pub counts: Vec<(usize, [f64; 2])>,
+    /// Below everything; may be empty.
+    pub note: String,
+}
+
+/// One axis.
+#[derive(Debug, Clone, Default)]
+pub struct MapAxis {
+    /// The parameter, with its unit.
+    pub label: String,
+    /// Its range.
+    pub range: [f64; 2],
+    /// Whether it is logarithmic; the range must then be positive.
+    pub is_logarithmic: bool,
+}
+
+/// One boundary curve.
+#[derive(Debug, Clone, Default)]
+pub struct MapCurve {
+    /// Its mode.
+    pub mode: String,
+    /// Its points.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Height of the map, pt; chosen.
+const HEIGHT: f64 = 330.0;
+/// Places along a curve that are tried for its name; chosen.
+const PLACES: usize = 24;
+
+impl MapAxis {
+    fn scale(&self) -> AxisScale {
+        let [from, to] = self.range;
+        if self.is_logarithmic { AxisScale::log([from, to].into_iter()) } else { AxisScale::between((from, to), 6.0) }
+    }
+
+    /// Where the range begins and ends on the axis, 0 to 1. In between both are alike: linear, or logarithmic.
+    fn ends(&self) -> [f64; 2] {
+        let scale = self.scale();
+        self.range.map(|value| scale.at(value))
+    }
+}
+
+/// Draws the map. The table has one row per curve and point, in parts of the ranges.
+///
+/// # Errors
+/// [`FigureError::Empty`] without rows, [`FigureError::NotFinite`] for a value that the axes cannot show.
+pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
+    let table = check(data)?;
+    let mut canvas = Canvas::new()?;
+    let scales = data.axes.each_ref().map(MapAxis::scale);
+    let most = data.runs.iter().map(|run| run.2).max().unwrap_or(0);
+    let mut y = title(&mut canvas, &data.title);
+    y = legend(&mut canvas, y + 2.0, &key(most)) + 4.0;
+    let ticks = scales[1].ticks(8);
+    let tick_width = widest(&canvas, &ticks) + 6.0;
+    let left = PAGE_MARGIN + y_title_width(&canvas, HEIGHT, &data.axes[1].label) + tick_width;
+    let area = Area { x: left, y, width: canvas.width - PAGE_MARGIN - 10.0 - left, height: HEIGHT };
+    let [x_ends, y_ends] = data.axes.each_ref().map(MapAxis::ends);
+    let place = |at: [f64; 2]| {
+        let along = |ends: [f64; 2], part: f64| ends[0] + part * (ends[1] - ends[0]);
+        (area.x + along(x_ends, at[0]) * area.width, area.bottom() - along(y_ends, at[1]) * area.height)
+    };
+    for &([from, to], row, count) in &data.runs {
+        let (x0, y0) = place([from, row as f64 / data.rows as f64]);
+        let (x1, y1) = place([to, (row + 1) as f64 / data.rows as f64]);
+        // Rows overlap a little: no seams.
+        let cell = Area { x: x0, y: y1 - 0.3, width: x1 - x0, height: y0 - y1 + 0.3 };
+        if count > 0 {
+            canvas.rect(cell, Paint::fill(count_color(count, most)));
+        }
+    }
+    y_axis(&mut canvas, area, &ticks, true);
+    x_axis(&mut canvas, area, &scales[0].ticks((area.width / 40.0) as i32), true, false);
+    y_title(&mut canvas, area.x - tick_width, area, &data.axes[1].label);
+    let below = area.bottom() + SMALL_TEXT + LINE_SPACING + 2.0;
+    canvas.text(Label::new(area.middle_x(), below, data.axes[0].label.clone()).middle());
+    for curve in &data.curves {
+        canvas.group("boundary", format!("mode {}", curve.mode), |canvas| {
+            canvas.polyline(curve.points.iter().map(|&at| place(at)).collect(), Paint::stroke(Color::BLACK, 1.0));
+        });
+    }
+    frame(&mut canvas, area);
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    for &(count, at) in &data.counts {
+        let (x, y) = place(at);
+        taken.push((x, y));
+        canvas.text(Label::new(x, y + 3.5, count.to_string()).size(10.0).bold().middle().halo());
+    }
+    for curve in &data.curves {
+        let (x, y) = best_place(curve, &taken, area, &place);
+        taken.push((x, y));
+        canvas.text(Label::new(x, y + 2.9, format!("mode {}", curve.mode)).middle().halo());
+    }
+    y = below;
+    for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
+        y += LINE_SPACING;
+        canvas.text(Label::new(PAGE_MARGIN, y + 4.0, line).color(Color::DARK_GREY));
+    }
+    canvas.height = y + 4.0 + PAGE_MARGIN;
+    Ok(Figure { canvas, table })
+}
+
+/// Of some places along a curve the one that is farthest from all that are taken, and from the frame.
+fn best_place(
+    curve: &MapCurve,
+    taken: &[(f64, f64)],
+    area: Area,
+    place: &dyn Fn([f64; 2]) -> (f64, f64),
+) -> (f64, f64) {
+    let count = curve.points.len();
+    let tried = (0..PLACES).filter_map(|i| curve.points.get(i * count / PLACES)).map(|&at| place(at));
+    let inside = |x: f64, y: f64| {
+        let (across, down) = ((x - area.x).min(area.right() - x) - 18.0, (y - area.y).min(area.bottom() - y) - 4.0);
+        2.0 * across.min(down)
+    };
+    // A name is wider than it is high.
+    let room = |&(x, y): &(f64, f64)| {
+        let others = taken.iter().map(|other| (0.4 * (x - other.0)).hypot(y - other.1));
+        others.fold(inside(x, y), f64::min)
+    };
+    tried.max_by(|a, b| room(a).total_cmp(&room(b))).unwrap_or((area.middle_x(), area.middle_y()))
+}
+
+fn key(most: usize) -> Vec<Entry> {
+    let entry = |count: usize| {
+        let text = match count {
+            0 => "no mode unstable".into(),
+            1 => "1 mode".into(),
+            _ => count.to_string(),
+        };
+        Entry::new(text, 10.0, move |canvas: &mut Canvas, (x, y)| {
+            let area = Area { x: x - 5.0, y: y - 4.0, width: 10.0, height: 8.0 };
+            canvas.rect(area, Paint::fill(count_color(count, most)).outlined(Color::DARK_GREY, 0.4));
+        })
+    };
+    (0..=most).map(entry).collect()
+}
+
+/// Checks every value and writes it into the table.
+fn check(data: &MapFigure) -> Result<Table, FigureError> {
+    if data.runs.is_empty() || data.rows == 0 {
+        return Err(FigureError::Empty { what: "rows" });
+    }
+    let mut rows = Vec::new();
+    for (index, curve) in data.curves.iter().enumerate() {
+        for at in &curve.points {
+            for value in at {
+                finite(*value, || format!("curve of mode {}", curve.mode))?;
+            }
+            rows.push(vec![(index + 1).to_string(), curve.mode.clone(), at[0].to_string(), at[1].to_string()]);
+        }
+    }
+    Ok(Table { header: &["curve", "mode", "x", "y"], rows })
+}

@@ -1,0 +1,272 @@
+//! The boundary of stability over two parameters: curves on which Re lambda of one mode is zero, followed from point to point.
+//!
+//! Coordinates are parts x, y of the two ranges, 0 to 1. From a point a step goes along the tangent, across the gradient of
+//! Re lambda; Newton's method takes it back onto the curve along the gradient. The step is halved where the tangent has turned far,
+//! Newton's method went far, the eigenvalue departs from its tangents or the shape has changed: it would be another mode's.
+//! Curves run so that the unstable side is on their right.
+
+use nalgebra::{Vector2, vector};
+use num_complex::Complex;
+use tracking::link_error;
+
+use super::eigenpair::Eigenpair;
+use super::family::{DIFFERENCE, Part};
+use crate::Error;
+use crate::study::UncertainBrake;
+
+/// First and longest step; chosen: a curve is drawn by straight lines.
+const FIRST_STEP: f64 = 0.01;
+const LONGEST_STEP: f64 = 0.03;
+/// Step below which a curve is given up; chosen.
+const SHORTEST_STEP: f64 = 1e-7;
+/// Cosines of the largest turn of the tangent in a step, and of that below which the next step is longer; chosen: 15 and 6 degrees.
+const LARGEST_TURN: f64 = 0.966;
+const SMALL_TURN: f64 = 0.9945;
+/// Largest correction, as a part of the step; chosen.
+const LARGEST_CORRECTION: f64 = 0.2;
+/// Largest departure of lambda from its tangents, as a part of its change over a step of that length up the steepest way; chosen.
+const LARGEST_DEPARTURE: f64 = 0.05;
+/// Least likeness of shapes at the ends of a step; chosen.
+const LEAST_LIKENESS: f64 = 0.8;
+/// Distance from the curve at which a point is on it: rounding of coordinates near 1; chosen.
+const ON_CURVE: f64 = 1e-13;
+/// Distance below which a point is on the curve as soon as corrections do not fall any more; chosen.
+const ROUNDING: f64 = 1e-9;
+/// Most corrections; chosen.
+const MOST_CORRECTIONS: usize = 8;
+/// Most points of a curve; chosen.
+const MOST_POINTS: usize = 20_000;
+/// How near a known point has to be to a step of a curve in order to be on it, as a part of the step and of the change of the
+/// frequency; chosen: the cubic between two points is far nearer.
+const SAME_POINT: f64 = 5e-3;
+
+/// A point of a boundary curve.
+#[derive(Debug, Clone)]
+pub(super) struct CurvePoint {
+    /// Parts of the ranges.
+    pub at: Vector2<f64>,
+    pair: Eigenpair,
+    /// d lambda / d x and d lambda / d y.
+    rates: Vector2<Complex<f64>>,
+}
+
+/// How a curve ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CurveEnd {
+    /// It is closed.
+    Closed,
+    /// At an end of a range.
+    Edge,
+    /// Where it could not be followed: near a coalescence on the boundary, or where two curves meet.
+    Lost,
+}
+
+/// The direction in which a point is corrected.
+#[derive(Debug, Clone, Copy)]
+enum Along {
+    Gradient,
+    /// One coordinate alone, the other stays.
+    Axis(usize),
+}
+
+impl CurvePoint {
+    /// Im lambda, rad/s.
+    pub fn omega(&self) -> f64 {
+        self.pair.lambda.im
+    }
+
+    /// The gradient of Re lambda.
+    fn gradient(&self) -> Vector2<f64> {
+        self.rates.map(|rate| rate.re)
+    }
+
+    /// The direction of the curve, of unit length, unstable on the right.
+    pub fn tangent(&self) -> Vector2<f64> {
+        let gradient = self.gradient();
+        vector![-gradient.y, gradient.x].normalize()
+    }
+
+    /// d omega along the curve.
+    fn omega_rate(&self) -> f64 {
+        self.rates.map(|rate| rate.im).dot(&self.tangent())
+    }
+
+    fn change(&self, by: Vector2<f64>) -> Complex<f64> {
+        self.rates.x * by.x + self.rates.y * by.y
+    }
+}
+
+/// Follows the curves of one part of a family, and counts what it computes.
+pub(super) struct Tracer<'a, B: UncertainBrake> {
+    pub part: &'a Part<'a, B>,
+    /// Eigenpairs found from neighbouring ones.
+    pub continued: u64,
+}
+
+impl<B: UncertainBrake> Tracer<'_, B> {
+    fn system(&self, at: Vector2<f64>) -> Result<linsys::SecondOrder, Error> {
+        self.part.system(&[at.x, at.y])
+    }
+
+    /// A point whose eigenpair is known.
+    fn point(&self, at: Vector2<f64>, system: &linsys::SecondOrder, pair: Eigenpair) -> Result<CurvePoint, Error> {
+        let mut rates = Vector2::from_element(Complex::default());
+        for axis in 0..2 {
+            let [mut below, mut above] = [at, at];
+            below[axis] = (at[axis] - DIFFERENCE).max(0.0);
+            above[axis] = (at[axis] + DIFFERENCE).min(1.0);
+            let systems = [self.system(below)?, self.system(above)?];
+            rates[axis] = pair.rate(system, systems.each_ref(), above[axis] - below[axis]);
+        }
+        Ok(CurvePoint { at, pair, rates })
+    }
+
+    /// The point of a known onset.
+    ///
+    /// # Errors
+    /// Those of the brake and of the vectors.
+    pub fn start(&self, at: Vector2<f64>, omega: f64) -> Result<CurvePoint, Error> {
+        let system = self.system(at)?;
+        let pair = Eigenpair::of(&system, Complex::new(0.0, omega), &mut cea::Workspace::default())?;
+        self.point(at, &system, pair)
+    }
+
+    /// The point of the curve next to a prediction; `None` where Newton's method fails or leaves the ranges.
+    fn corrected(
+        &mut self,
+        from: &CurvePoint,
+        mut at: Vector2<f64>,
+        along: Along,
+    ) -> Result<Option<CurvePoint>, Error> {
+        let mut last = f64::INFINITY;
+        let mut pair = from.pair.clone();
+        let mut guess = pair.lambda + from.change(at - from.at);
+        for _ in 0..MOST_CORRECTIONS {
+            let system = self.system(at)?;
+            self.continued += 1;
+            let Some(found) = pair.of_neighbour(&system, guess) else { return Ok(None) };
+            let point = self.point(at, &system, found)?;
+            let (gradient, growth) = (point.gradient(), point.pair.lambda.re);
+            let step = match along {
+                Along::Gradient => -gradient * (growth / gradient.norm_squared()),
+                Along::Axis(axis) => {
+                    let mut step = Vector2::zeros();
+                    step[axis] = -growth / gradient[axis];
+                    step
+                }
+            };
+            let size = step.norm();
+            if size <= ON_CURVE || (size <= ROUNDING && size >= last) {
+                return Ok(Some(point));
+            }
+            last = size;
+            let next = at + step;
+            if !next.iter().all(|part| (0.0..=1.0).contains(part)) {
+                return Ok(None);
+            }
+            guess = point.pair.lambda + point.change(step);
+            (at, pair) = (next, point.pair);
+        }
+        Ok(None)
+    }
+
+    /// The curve through a point, both ways until it is closed or ends, and how it ends.
+    ///
+    /// # Errors
+    /// Those of the brake.
+    pub fn curve(&mut self, start: CurvePoint) -> Result<(Vec<CurvePoint>, [CurveEnd; 2]), Error> {
+        let (forward, end) = self.one_way(&start, 1.0)?;
+        if end == CurveEnd::Closed {
+            let closing = start.clone();
+            return Ok((std::iter::once(start).chain(forward).chain([closing]).collect(), [end; 2]));
+        }
+        let (backward, beginning) = self.one_way(&start, -1.0)?;
+        let points = backward.into_iter().rev().chain([start]).chain(forward).collect();
+        Ok((points, [beginning, end]))
+    }
+
+    /// The points after the start in one direction.
+    fn one_way(&mut self, start: &CurvePoint, sign: f64) -> Result<(Vec<CurvePoint>, CurveEnd), Error> {
+        let mut points: Vec<CurvePoint> = Vec::new();
+        let (mut here, mut step) = (start.clone(), FIRST_STEP);
+        while points.len() < MOST_POINTS {
+            let tangent = here.tangent() * sign;
+            let (to_edge, edge) = to_edge(here.at, tangent);
+            if to_edge <= ROUNDING {
+                return Ok((points, CurveEnd::Edge));
+            }
+            let reaches_edge = to_edge <= step;
+            let (length, along) = if reaches_edge { (to_edge, Along::Axis(1 - edge)) } else { (step, Along::Gradient) };
+            let mut predicted = here.at + tangent * length;
+            if reaches_edge {
+                predicted[edge] = predicted[edge].round();
+            }
+            let inside = predicted.map(|part| part.clamp(0.0, 1.0));
+            let next = self.corrected(&here, inside, along)?.filter(|next| is_next(&here, next, inside, sign));
+            let Some(next) = next else {
+                step = 0.5 * length;
+                if step < SHORTEST_STEP {
+                    return Ok((points, CurveEnd::Lost));
+                }
+                continue;
+            };
+            if points.len() > 2 && passes(&here, &next, sign, start.at, start.omega()) {
+                return Ok((points, CurveEnd::Closed));
+            }
+            if next.tangent().dot(&here.tangent()) >= SMALL_TURN {
+                step = (1.5 * step).min(LONGEST_STEP);
+            }
+            here = next.clone();
+            points.push(next);
+            if reaches_edge {
+                return Ok((points, CurveEnd::Edge));
+            }
+        }
+        Ok((points, CurveEnd::Lost))
+    }
+}
+
+/// How far it is along a direction to the edge of the ranges, and which coordinate ends there.
+fn to_edge(at: Vector2<f64>, along: Vector2<f64>) -> (f64, usize) {
+    let distance = |axis: usize| match along[axis] {
+        0.0 => f64::INFINITY,
+        rate if rate > 0.0 => (1.0 - at[axis]) / rate,
+        rate => -at[axis] / rate,
+    };
+    let [x, y] = [distance(0), distance(1)];
+    if x <= y { (x, 0) } else { (y, 1) }
+}
+
+/// Whether a point continues a curve.
+fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: f64) -> bool {
+    let by = next.at - here.at;
+    let departure = link_error([here.pair.lambda, next.pair.lambda], [here.change(by), next.change(by)]);
+    next.tangent().dot(&here.tangent()) >= LARGEST_TURN
+        && by.dot(&here.tangent()) * sign > 0.0
+        && (next.at - predicted).norm() <= LARGEST_CORRECTION * by.norm()
+        && departure <= LARGEST_DEPARTURE * here.rates.norm() * by.norm()
+        && here.pair.likeness(&next.pair) >= LEAST_LIKENESS
+}
+
+/// Whether the curve goes through a known point, with a frequency, between two of its points.
+pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, at: Vector2<f64>, omega: f64) -> bool {
+    let chord = next.at - here.at;
+    let length = chord.norm();
+    let part = (at - here.at).dot(&chord) / (length * length);
+    if !(-SAME_POINT..=1.0 + SAME_POINT).contains(&part) {
+        return false;
+    }
+    // The cubic through both points with both tangents.
+    let cubic = |from: f64, to: f64, rates: [f64; 2]| {
+        let (u, v) = (part, 1.0 - part);
+        (from * (1.0 + 2.0 * u) + rates[0] * u) * v * v + (to * (1.0 + 2.0 * v) - rates[1] * v) * u * u
+    };
+    let along = |tangent: Vector2<f64>| tangent * (sign * length);
+    let (out, back) = (along(here.tangent()), along(next.tangent()));
+    let near = vector![cubic(here.at.x, next.at.x, [out.x, back.x]), cubic(here.at.y, next.at.y, [out.y, back.y])];
+    let rates = [here, next].map(|point| point.omega_rate() * sign * length);
+    let change = (next.omega() - here.omega()).abs() + rates[0].abs();
+    (near - at).norm() <= SAME_POINT * length + ROUNDING
+        && (cubic(here.omega(), next.omega(), rates) - omega).abs() <= SAME_POINT * change + ROUNDING * omega
+}

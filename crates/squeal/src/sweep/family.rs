@@ -1,0 +1,177 @@
+//! The systems of a brake along a straight line in the space of its swept parameters.
+
+use std::sync::Arc;
+
+use cea::{Counters, EigenSolver};
+use linsys::SecondOrder;
+use osc_model::{Sector, Sectors};
+use serde::Serialize;
+use tracking::{KeptSpectra, SystemAt, SystemChange};
+
+use super::parameter::{Over, SweptParameter, swept};
+use crate::Error;
+use crate::study::{Reference, Study, UncertainBrake};
+
+/// Half of the difference from which derivatives by a parameter are taken, as a part of its range: squared it is near machine
+/// epsilon over itself.
+pub(super) const DIFFERENCE: f64 = 1e-5;
+/// Shortest step, as a part of the range; chosen: derivatives by differences tell branches apart down to there.
+pub(super) const SHORTEST_STEP: f64 = 1e-9;
+/// Shortest step of the root locus; chosen: what branches do between is found by other means.
+pub(super) const SHORTEST_LOCUS_STEP: f64 = 1e-6;
+/// Places between the ends, as parts of the ranges, at which it is looked whether sectors hold; chosen, as nothing repeats there.
+const PROBES: [f64; 2] = [0.3137, 0.7291];
+/// Part of the squared norm of a matrix that may be outside of all sectors: rounding.
+const COUPLING: f64 = 1e-12;
+
+/// What a sweep computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Evaluations {
+    /// Whole spectra.
+    pub spectra: u64,
+    /// Left and right eigenvectors.
+    pub eigenvectors: u64,
+    /// Single eigenvalues found from a neighbouring one, without a spectrum.
+    pub continued: u64,
+}
+
+impl Evaluations {
+    /// What counters say of spectra and vectors.
+    pub(super) fn of(counters: Counters) -> Self {
+        Self { spectra: counters.eigenvalue_solves, eigenvectors: counters.eigenvectors, continued: 0 }
+    }
+}
+
+impl std::ops::AddAssign for Evaluations {
+    fn add_assign(&mut self, Self { spectra, eigenvectors, continued }: Self) {
+        self.spectra += spectra;
+        self.eigenvectors += eigenvectors;
+        self.continued += continued;
+    }
+}
+
+/// A scene of a brake with some of its parameters swept.
+pub(super) struct Family<'a, B: UncertainBrake> {
+    pub study: &'a Study<'a, B>,
+    /// Place of the scene.
+    pub scene: usize,
+    pub solver: &'a dyn EigenSolver,
+    pub parameters: Vec<SweptParameter>,
+}
+
+/// The part of a family whose modes do not couple with others: a sector, or all of it.
+pub(super) struct Part<'a, B: UncertainBrake> {
+    pub family: &'a Family<'a, B>,
+    sector: Option<&'a Sector>,
+    /// Its modes at the medians.
+    pub reference: &'a Reference,
+}
+
+/// A straight line: at `t` the swept parameters are at the parts `start + t direction` of their ranges.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    pub start: Vec<f64>,
+    pub direction: Vec<f64>,
+    /// Between which `t` the brake may be asked for its systems.
+    pub bounds: [f64; 2],
+    /// Half of the difference in `t` from which derivatives are taken.
+    pub difference: f64,
+}
+
+/// Makes the system at a place of a line.
+pub(super) type MakeSystem<'a> = Box<dyn FnMut(f64) -> Result<SystemAt, Error> + 'a>;
+
+impl<'a, B: UncertainBrake> Family<'a, B> {
+    /// The scene of a study with parameters that are asked for. What the brake refuses at the corners of their ranges is refused
+    /// before anything else is computed.
+    pub fn new(
+        study: &'a Study<'a, B>,
+        scene: usize,
+        over: &[Over],
+        solver: &'a dyn EigenSolver,
+    ) -> Result<Self, Error> {
+        let parameters = swept(study.brake(), &study.plan().scenes[scene], over)?;
+        let family = Self { study, scene, solver, parameters };
+        family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
+        Ok(family)
+    }
+
+    /// All combinations of the ends of the ranges.
+    fn corners(&self) -> Vec<Vec<f64>> {
+        let ends = self.parameters.iter().map(|parameter| [parameter.from, parameter.to]);
+        ends.fold(vec![Vec::new()], |corners, ends| {
+            let with = |corner: &Vec<f64>, end: f64| [corner.as_slice(), &[end]].concat();
+            corners.iter().flat_map(|corner| ends.map(|end| with(corner, end))).collect()
+        })
+    }
+
+    /// The system at values of the swept parameters.
+    fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
+        let placed: Vec<(usize, f64)> = self.parameters.iter().map(|p| p.place).zip(values.iter().copied()).collect();
+        self.study.brake().system_with(&self.study.plan().scenes[self.scene], &placed).map_err(|source| {
+            let named: Vec<String> =
+                self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name)).collect();
+            Error::Sweep { at: named.join(", "), source: source.into() }
+        })
+    }
+
+    /// Its parts: the sectors of the brake, if they hold wherever that is looked at, or the whole.
+    pub fn parts(&'a self) -> Result<Vec<Part<'a, B>>, Error> {
+        let brake = self.study.plan().brake(&self.study.plan().scenes[self.scene]);
+        let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect();
+        let mut hold = brake.sectors.iter().len() > 1;
+        for values in self.corners().into_iter().chain(PROBES.map(middle)) {
+            hold = hold && divides(&brake.sectors, &self.system(&values)?)?;
+        }
+        Ok(if hold {
+            let references = &self.study.sector_references()[self.scene];
+            let part = |(sector, reference)| Part { family: self, sector: Some(sector), reference };
+            brake.sectors.iter().zip(references).map(part).collect()
+        } else {
+            vec![Part { family: self, sector: None, reference: &self.study.references()[self.scene] }]
+        })
+    }
+}
+
+/// Whether sectors hold all of a system: their bases are orthonormal, so that norms are kept where nothing couples them.
+fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
+    let squares = |system: &SecondOrder| [&system.m, &system.c, &system.k].map(|matrix| matrix.norm_squared());
+    let (whole, mut parts) = (squares(system), [0.0; 3]);
+    for sector in sectors.iter() {
+        for (sum, square) in parts.iter_mut().zip(squares(&sector.reduced(system)?)) {
+            *sum += square;
+        }
+    }
+    Ok(whole.iter().zip(parts).all(|(whole, parts)| (whole - parts).abs() <= COUPLING * whole))
+}
+
+impl<'a, B: UncertainBrake> Part<'a, B> {
+    /// The system at parts of the ranges of the swept parameters.
+    pub fn system(&self, parts: &[f64]) -> Result<SecondOrder, Error> {
+        let values = self.family.parameters.iter().zip(parts).map(|(parameter, part)| parameter.at(*part));
+        let whole = self.family.system(&values.collect::<Vec<_>>())?;
+        Ok(match self.sector {
+            Some(sector) => sector.reduced(&whole)?,
+            None => whole,
+        })
+    }
+
+    /// The medians, as parts of the ranges.
+    pub fn medians(&self) -> Vec<f64> {
+        self.family.parameters.iter().map(|parameter| parameter.part(parameter.median)).collect()
+    }
+
+    /// The spectra along a line.
+    pub fn along(&'a self, line: Line) -> KeptSpectra<'a, MakeSystem<'a>> {
+        let make: MakeSystem<'a> = Box::new(move |t| {
+            let at = |t: f64| {
+                let parts = line.start.iter().zip(&line.direction).map(|(from, by)| from + t * by);
+                self.system(&parts.collect::<Vec<_>>())
+            };
+            let (below, above) = ((t - line.difference).max(line.bounds[0]), (t + line.difference).min(line.bounds[1]));
+            let change = SystemChange { below: at(below)?, above: at(above)?, distance: above - below };
+            Ok(SystemAt { system: at(t)?, change: Arc::new(change) })
+        });
+        KeptSpectra::new(make, self.family.solver).with_overdamping()
+    }
+}

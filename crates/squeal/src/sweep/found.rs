@@ -1,0 +1,238 @@
+//! What a sweep found, for people and for machines.
+
+use std::path::Path;
+
+use cea::frequency_hz;
+use num_complex::Complex;
+use serde_json::{Value, json};
+
+use super::{BoundaryCurve, Coalescence, CurveEnd, Evaluations, StabilityMap, Sweep, SweepOnset, SweptParameter};
+use crate::Error;
+use crate::output::write_csv;
+
+/// A sweep over one parameter or two.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Found {
+    /// Over one.
+    Branches(Box<Sweep>),
+    /// Over two.
+    Map(Box<StabilityMap>),
+}
+
+/// The frequency of an eigenvalue on the axis, Hz.
+fn hertz(omega: f64) -> f64 {
+    frequency_hz(Complex::new(0.0, omega))
+}
+
+impl SweepOnset {
+    /// What the mode does where the parameter grows.
+    pub fn direction(&self) -> &'static str {
+        if self.starts { "starts" } else { "stops" }
+    }
+}
+
+impl Found {
+    /// What was computed.
+    pub fn evaluations(&self) -> Evaluations {
+        match self {
+            Self::Branches(sweep) => sweep.evaluations,
+            Self::Map(map) => map.evaluations,
+        }
+    }
+
+    /// Spectra of a grid of equal steps that is as fine: as the shortest step of a branch, or as the cells of the map.
+    pub fn fine_grid(&self) -> u64 {
+        match self {
+            Self::Branches(sweep) => sweep.fine_grid,
+            Self::Map(map) => map.fine_grid,
+        }
+    }
+
+    /// The swept parameters.
+    pub fn parameters(&self) -> &[SweptParameter] {
+        match self {
+            Self::Branches(sweep) => std::slice::from_ref(&sweep.parameter),
+            Self::Map(map) => &map.parameters,
+        }
+    }
+
+    /// Writes the tables into a folder: `branches.csv`, `onsets.csv` and `coalescences.csv`, or `boundary.csv` and `regions.csv`.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
+        match self {
+            Self::Branches(sweep) => branch_tables(sweep, dir),
+            Self::Map(map) => map_tables(map, dir),
+        }
+    }
+
+    /// All but the points of branches, for machines.
+    pub fn json(&self) -> Value {
+        let counts = json!({ "evaluations": self.evaluations(), "fine_grid": self.fine_grid() });
+        let mut all = match self {
+            Self::Branches(sweep) => json!({
+                "parameter": sweep.parameter,
+                "unstable_at_start": sweep.unstable_at_start,
+                "onsets": sweep.onsets,
+                "unresolved": sweep.unresolved,
+                "coalescences": sweep.coalescences,
+                "branches": sweep.branches.iter().map(|branch| json!({
+                    "mode": branch.mode,
+                    "from": branch.points.first().map(|point| point.0),
+                    "to": branch.points.last().map(|point| point.0),
+                })).collect::<Vec<_>>(),
+            }),
+            Self::Map(map) => json!({
+                "parameters": map.parameters,
+                "boundary": map.curves,
+                "regions": map.regions.iter().map(|region| json!({
+                    "unstable": region.unstable,
+                    "share": region.share,
+                    "at": [map.parameters[0].at(region.at[0]), map.parameters[1].at(region.at[1])],
+                })).collect::<Vec<_>>(),
+                "grid": map.grid,
+                "unresolved": map.unresolved,
+                "contradicted": map.contradicted.len(),
+            }),
+        };
+        all["counts"] = counts;
+        all
+    }
+
+    /// What was found, for people.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Branches(sweep) => branch_text(sweep),
+            Self::Map(map) => map_text(map),
+        }
+    }
+}
+
+fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
+    let name = sweep.parameter.name.as_str();
+    let points = sweep.branches.iter().enumerate().flat_map(|(index, branch)| {
+        branch.points.iter().map(move |(at, point)| {
+            let (lambda, rate) = (point.lambda, point.rate);
+            let numbers = [*at, frequency_hz(lambda), lambda.re, hertz(rate.im), rate.re];
+            let mut row = vec![(index + 1).to_string(), branch.mode.clone()];
+            row.extend(numbers.map(|number| number.to_string()));
+            row
+        })
+    });
+    let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
+    write_csv(&dir.join("branches.csv"), &header, points)?;
+    let onset = |onset: &SweepOnset| {
+        let SweepOnset { at, error, omega, ref mode, .. } = *onset;
+        let mode = mode.clone();
+        vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()]
+    };
+    let header = [name, "error", "direction", "mode", "frequency_hz"];
+    write_csv(&dir.join("onsets.csv"), &header, sweep.onsets.iter().map(onset))?;
+    let coalescence = |found: &Coalescence| {
+        let numbers = [found.at, found.distance, found.error, hertz(found.omega), found.growth];
+        found.modes.iter().cloned().chain(numbers.map(|number| number.to_string())).collect()
+    };
+    let header = ["mode", "other_mode", name, "distance", "error", "frequency_hz", "growth"];
+    write_csv(&dir.join("coalescences.csv"), &header, sweep.coalescences.iter().map(coalescence))
+}
+
+fn map_tables(map: &StabilityMap, dir: &Path) -> Result<(), Error> {
+    let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
+    let points = map.curves.iter().enumerate().flat_map(|(index, curve)| {
+        curve.points.iter().map(move |point| {
+            let numbers = [point.at[0], point.at[1], hertz(point.omega)].map(|number| number.to_string());
+            [(index + 1).to_string(), curve.mode.clone()].into_iter().chain(numbers).collect()
+        })
+    });
+    write_csv(&dir.join("boundary.csv"), &["curve", "mode", x, y, "frequency_hz"], points)?;
+    let regions = map.regions.iter().map(|region| {
+        let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]).to_string());
+        [region.unstable.to_string(), region.share.to_string()].into_iter().chain(at).collect()
+    });
+    write_csv(&dir.join("regions.csv"), &["unstable", "share", x, y], regions)
+}
+
+/// How many of something, in words.
+fn count(number: usize, one: &str, more: &str) -> String {
+    if number == 1 { format!("1 {one}") } else { format!("{number} {more}") }
+}
+
+fn branch_text(sweep: &Sweep) -> String {
+    let SweptParameter { name, from, .. } = &sweep.parameter;
+    let mut text = format!("{} unstable at {name} = {from}\n", count(sweep.unstable_at_start, "mode", "modes"));
+    if !sweep.onsets.is_empty() {
+        text += &format!("\n{name:>22}  {:>8}  {:>8}  {:>12}\n", "error", "mode", "Hz");
+    }
+    for onset in &sweep.onsets {
+        let (hz, direction) = (crate::report::hertz(hertz(onset.omega)), onset.direction());
+        text += &format!("{:>22}  {:>8.1e}  {:>8}  {hz:>12}  {direction} to grow\n", onset.at, onset.error, onset.mode)
+            .replace("stops to grow", "stops growing");
+    }
+    for (from, to) in &sweep.unresolved {
+        text += &format!("{name} = {from} to {to}: a mode comes so near the axis that it may cross it or not\n");
+    }
+    if !sweep.coalescences.is_empty() {
+        let (off, error) = ("off by", "error");
+        text += &format!("\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n", "modes", "Hz", "growth 1/s");
+    }
+    for found in &sweep.coalescences {
+        let (modes, hz) = (found.modes.join(" and "), crate::report::hertz(hertz(found.omega)));
+        let what = if found.distance <= found.error.max(f64::EPSILON) { "coalesce" } else { "nearly coalesce" };
+        text += &format!(
+            "{:>22.9}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
+            found.at, found.error, found.distance, found.growth
+        );
+    }
+    let Evaluations { spectra, eigenvectors, .. } = sweep.evaluations;
+    text + &format!(
+        "\n{} with {} solved; equal steps as short as the shortest take {}\n",
+        count(spectra as usize, "spectrum", "spectra"),
+        count(eigenvectors as usize, "vector", "vectors"),
+        sweep.fine_grid
+    )
+}
+
+fn map_text(map: &StabilityMap) -> String {
+    let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
+    let mut text = format!("{:>8}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    for BoundaryCurve { mode, ends, points } in &map.curves {
+        let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
+            points.iter().map(value).fold(start, pick)
+        };
+        let hz =
+            [of(|point| hertz(point.omega), f64::min, f64::INFINITY), of(|point| hertz(point.omega), f64::max, 0.0)];
+        let [x_from, x_to] = [of(|p| p.at[0], f64::min, f64::INFINITY), of(|p| p.at[0], f64::max, f64::NEG_INFINITY)];
+        let [y_from, y_to] = [of(|p| p.at[1], f64::min, f64::INFINITY), of(|p| p.at[1], f64::max, f64::NEG_INFINITY)];
+        let how = match ends {
+            [CurveEnd::Closed, _] => ", closed",
+            [CurveEnd::Edge, CurveEnd::Edge] => "",
+            _ => ", cannot be followed farther",
+        };
+        text += &format!(
+            "{mode:>8}  {:>6}  {:>22}  {x} = {x_from:.6} to {x_to:.6}, {y} = {y_from:.6} to {y_to:.6}{how}\n",
+            points.len(),
+            format!("{} to {}", crate::report::hertz(hz[0]), crate::report::hertz(hz[1])),
+        );
+    }
+    text += "\nunstable   share\n";
+    for region in &map.regions {
+        text += &format!("{:>8}  {:>5.2} %\n", region.unstable, 100.0 * region.share);
+    }
+    text += "\n";
+    for region in &map.contradicted {
+        let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]));
+        text +=
+            &format!("at {x} = {}, {y} = {} a spectrum contradicts the curves: one of them is missing\n", at[0], at[1]);
+    }
+    if map.unresolved > 0 {
+        text += &format!("{} on lines of the grid left open\n", count(map.unresolved, "step", "steps"));
+    }
+    let Evaluations { spectra, eigenvectors, continued } = map.evaluations;
+    text + &format!(
+        "{spectra} spectra with {eigenvectors} vectors solved, {continued} eigenvalues continued; one spectrum in each cell of the \
+         figure takes {}\nclosed curves that meet none of the lines at each {} of the ranges are not found\n",
+        map.fine_grid,
+        format_args!("1/{}", map.grid),
+    )
+}

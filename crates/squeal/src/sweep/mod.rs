@@ -1,0 +1,31 @@
+//! Sweeps: how the modes of a brake move with one or two of its parameters, the others at their medians.
+//!
+//! | over | gives |
+//! | --- | --- |
+//! | one parameter | [`sweep`]: branches with the names of their modes, onsets to full accuracy, coalescences |
+//! | two | [`stability_map`]: the curves on which a mode is neither growing nor decaying, followed and not sampled, and how many modes are unstable between them |
+//!
+//! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
+//! branches ask for it: [`Evaluations`] counts them.
+
+mod boundary;
+mod coalescence;
+mod eigenpair;
+mod family;
+mod found;
+mod map;
+mod names;
+mod one_parameter;
+mod parameter;
+#[cfg(feature = "figures")]
+mod pictures;
+mod regions;
+
+pub use boundary::CurveEnd;
+pub use coalescence::Coalescence;
+pub use family::Evaluations;
+pub use found::Found;
+pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
+pub use one_parameter::{NamedBranch, Sweep, SweepOnset, sweep};
+pub use parameter::{Over, SweptParameter};
+pub use regions::{Region, Run};

@@ -1,0 +1,295 @@
+//! A sweep over one parameter: branches with names, onsets, coalescences.
+
+use cea::EigenSolver;
+use montecarlo::Progress;
+use num_complex::Complex;
+use rayon::prelude::*;
+use serde::Serialize;
+use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
+
+use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
+use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
+use super::names::{Names, carry, in_words, names_at};
+use super::parameter::{Over, SweptParameter};
+use crate::Error;
+use crate::study::{Reference, Study, UncertainBrake};
+
+/// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
+const SAME: f64 = 1e-6;
+
+/// A branch of the root locus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedBranch {
+    /// Candidates for the name of its mode: "16", or "16|20" where a coalescence leaves it open, or "?".
+    pub mode: String,
+    /// The parameter, ascending, and the eigenvalue there with its derivative.
+    pub points: Vec<(f64, BranchPoint)>,
+}
+
+/// An onset with the mode that crosses the axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepOnset {
+    /// The parameter.
+    pub at: f64,
+    /// Bound of the error of `at` by rounding.
+    pub error: f64,
+    /// Im lambda, rad/s.
+    pub omega: f64,
+    /// Whether the mode starts to grow where the parameter grows, or stops.
+    pub starts: bool,
+    /// Candidates for the name of the mode.
+    pub mode: String,
+}
+
+/// What a sweep over one parameter found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The parameter.
+    pub parameter: SweptParameter,
+    /// Branches, as [`RootLocus`] has them.
+    pub branches: Vec<NamedBranch>,
+    /// Steps in which branches end and others begin.
+    pub ambiguities: Vec<Ambiguity>,
+    /// Onsets, ascending.
+    pub onsets: Vec<SweepOnset>,
+    /// Steps in which a mode comes so near the axis that it is not known whether it crosses.
+    pub unresolved: Vec<(f64, f64)>,
+    /// Coalescences, ascending.
+    pub coalescences: Vec<Coalescence>,
+    /// Unstable modes at the lower end.
+    pub unstable_at_start: usize,
+    /// What was computed.
+    pub evaluations: Evaluations,
+    /// The shortest step of a branch, as a part of the range.
+    pub shortest_step: f64,
+    /// Spectra on a grid of equal steps as short as the shortest, of all sectors.
+    pub fine_grid: u64,
+}
+
+/// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped ends.
+///
+/// # Errors
+/// A parameter or range that the scene does not have, a value that the brake refuses, and those of
+/// [`find_onsets`] and [`root_locus`].
+pub fn sweep<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    over: &Over,
+    solver: &dyn EigenSolver,
+    progress: &dyn Progress,
+) -> Result<Sweep, Error> {
+    let family = Family::new(study, scene, std::slice::from_ref(over), solver)?;
+    let parameter = family.parameters[0].clone();
+    let parts = family.parts()?;
+    progress.begin(parts.len() as u64, 0);
+    let of_part = |part: &Part<'_, B>| {
+        let found = of_part(part, &parameter);
+        progress.advance(1);
+        found
+    };
+    let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+    progress.end();
+    let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
+    let mut sweep = found.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter), Sweep::joined);
+    sweep.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
+    sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
+    sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
+    sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sweep.fine_grid = ((1.0 / sweep.shortest_step).ceil() as u64 + 1) * parts.len() as u64;
+    Ok(sweep)
+}
+
+impl Sweep {
+    fn empty(parameter: SweptParameter) -> Self {
+        Self {
+            shortest_step: 1.0,
+            parameter,
+            branches: Vec::new(),
+            ambiguities: Vec::new(),
+            onsets: Vec::new(),
+            unresolved: Vec::new(),
+            coalescences: Vec::new(),
+            unstable_at_start: 0,
+            evaluations: Evaluations::default(),
+            fine_grid: 0,
+        }
+    }
+
+    /// This sweep of some sectors with that of another one.
+    fn joined(mut self, other: Self) -> Self {
+        let first = self.branches.len();
+        let shifted = |branches: Vec<usize>| branches.into_iter().map(|branch| first + branch).collect();
+        self.ambiguities.extend(other.ambiguities.into_iter().map(|ambiguity| Ambiguity {
+            before: shifted(ambiguity.before),
+            after: shifted(ambiguity.after),
+            ..ambiguity
+        }));
+        self.branches.extend(other.branches);
+        self.onsets.extend(other.onsets);
+        self.unresolved.extend(other.unresolved);
+        self.coalescences.extend(other.coalescences);
+        self.unstable_at_start += other.unstable_at_start;
+        self.evaluations += other.evaluations;
+        self.shortest_step = self.shortest_step.min(other.shortest_step);
+        self
+    }
+}
+
+/// The sweep of one sector.
+fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) -> Result<Sweep, Error> {
+    let median = part.medians()[0];
+    let mut branches = part.along(Line {
+        start: vec![0.0],
+        direction: vec![1.0],
+        bounds: [median.min(0.0), median.max(1.0)],
+        difference: DIFFERENCE,
+    });
+    let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let locus = root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?;
+    let places = places(&locus);
+    let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
+    let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
+    let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
+    let coalescences = coalescences(&mut branches, &locus, &names)?;
+    let onset = |onset: Onset| SweepOnset {
+        at: parameter.at(onset.at),
+        error: onset.error * parameter.slope(onset.at),
+        omega: onset.omega,
+        starts: onset.destabilises,
+        mode: in_words(&names_of_onset(&locus, &names, &onset)),
+    };
+    let onsets = onsets.into_iter().map(onset).collect();
+    let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
+    let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
+    let in_values = |ambiguity: Ambiguity| Ambiguity {
+        from: parameter.at(ambiguity.from),
+        to: parameter.at(ambiguity.to),
+        ..ambiguity
+    };
+    Ok(Sweep {
+        onsets,
+        branches: locus.branches.into_iter().zip(&names).map(named).collect(),
+        ambiguities: locus.ambiguities.into_iter().map(in_values).collect(),
+        unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
+        coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
+        unstable_at_start,
+        evaluations: Evaluations::of(branches.counters()),
+        shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
+        ..Sweep::empty(parameter.clone())
+    })
+}
+
+impl NamedBranch {
+    /// A branch over parts of the range of a parameter, in its values.
+    fn new(parameter: &SweptParameter, branch: tracking::Branch, names: &Names) -> Self {
+        let point = |(part, point): (f64, BranchPoint)| {
+            (parameter.at(part), BranchPoint { rate: point.rate / parameter.slope(part), ..point })
+        };
+        Self { mode: in_words(names), points: branch.points.into_iter().map(point).collect() }
+    }
+
+    /// The branch between two of its points, which are `step` and the next: the cubic with their derivatives, at a part of
+    /// the step.
+    pub fn between(&self, step: usize, part: f64) -> (f64, Complex<f64>) {
+        let [(from, a), (to, b)] = [self.points[step], self.points[step + 1]];
+        let (u, v, h) = (part, 1.0 - part, to - from);
+        let first = a.lambda * (1.0 + 2.0 * u) + a.rate * (h * u);
+        let last = b.lambda * (1.0 + 2.0 * v) - b.rate * (h * v);
+        (from + h * u, first * (v * v) + last * (u * u))
+    }
+}
+
+/// The places at which branches have points, ascending.
+fn places(locus: &RootLocus) -> Vec<f64> {
+    let mut all: Vec<f64> = locus.branches.iter().flat_map(|branch| &branch.points).map(|point| point.0).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The names of all branches, from those that they have next to the median.
+fn branch_names<B: Branches<Error = Error>>(
+    branches: &mut B,
+    locus: &RootLocus,
+    reference: &Reference,
+    [median, named_at]: [f64; 2],
+) -> Result<Vec<Names>, Error> {
+    let of_modes = names_at(branches, reference, median, named_at)?;
+    let mut names = vec![Names::new(); locus.branches.len()];
+    let lambdas = branches.lambdas(named_at)?;
+    for (branch, names) in locus.branches.iter().zip(&mut names) {
+        let here = branch.points.iter().find(|point| point.0 == named_at);
+        let index = here.and_then(|(_, point)| lambdas.iter().position(|lambda| *lambda == point.lambda));
+        if let Some(index) = index {
+            names.clone_from(&of_modes[index]);
+        }
+    }
+    carry(&mut names, &locus.ambiguities, named_at);
+    Ok(names)
+}
+
+/// Candidates for the mode of an onset: those of the branch that is nearest to the axis there, or of all that end next to it.
+fn names_of_onset(locus: &RootLocus, names: &[Names], onset: &Onset) -> Names {
+    let lambda = Complex::new(0.0, onset.omega);
+    let distance = |branch: &tracking::Branch| {
+        let step = branch.points.windows(2).find(|step| step[0].0 <= onset.at && onset.at <= step[1].0)?;
+        let [(from, a), (to, b)] = [step[0], step[1]];
+        let forward = a.lambda + a.rate * (onset.at - from);
+        let backward = b.lambda + b.rate * (onset.at - to);
+        Some((forward - lambda).norm().min((backward - lambda).norm()))
+    };
+    let alive = locus.branches.iter().enumerate().filter_map(|(at, branch)| Some((at, distance(branch)?)));
+    let nearest = alive.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| names[at].clone());
+    let ambiguity = locus.ambiguities.iter().find(|step| (step.from..=step.to).contains(&onset.at));
+    let open = ambiguity.map(|step| step.before.iter().flat_map(|&branch| names[branch].clone()).collect::<Names>());
+    open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default()
+}
+
+/// Every coalescence, ascending, in parts of the range.
+fn coalescences<B: Branches<Error = Error>>(
+    branches: &mut B,
+    locus: &RootLocus,
+    names: &[Names],
+) -> Result<Vec<Coalescence>, Error> {
+    let places = places(locus);
+    let mut open: Vec<Candidate> = Vec::new();
+    for (place, &at) in places.iter().enumerate() {
+        let points: Vec<(usize, BranchPoint)> = locus
+            .branches
+            .iter()
+            .enumerate()
+            .filter_map(|(index, branch)| {
+                let point = branch.points.binary_search_by(|point| point.0.total_cmp(&at)).ok()?;
+                Some((index, branch.points[point].1))
+            })
+            .collect();
+        let before = if place == 0 { 0.0 } else { places[place - 1] };
+        let after = places.get(place + 1).copied().unwrap_or(1.0);
+        for candidate in candidates(at, &points, [before, after]) {
+            add(candidate, &mut open);
+        }
+    }
+    let mut found: Vec<(Coalescence, Complex<f64>)> = Vec::new();
+    for candidate in open {
+        let Some(branch_point) = settle(branches, &candidate)? else { continue };
+        let (at, lambda) = (branch_point.at, branch_point.lambda);
+        let same = |other: &(Coalescence, Complex<f64>)| {
+            (other.1 - at).norm() <= SAME && (other.0.omega - lambda.im).abs() <= SAME * lambda.im.abs()
+        };
+        if found.iter().any(same) {
+            continue;
+        }
+        let modes = candidate.branches.map(|branch| in_words(&names[branch]));
+        let coalescence = Coalescence {
+            at: at.re,
+            distance: at.im.abs(),
+            error: branch_point.error,
+            omega: lambda.im,
+            growth: lambda.re,
+            modes,
+        };
+        found.push((coalescence, at));
+    }
+    found.sort_by(|a, b| a.0.at.total_cmp(&b.0.at).then(a.0.omega.total_cmp(&b.0.omega)));
+    Ok(found.into_iter().map(|(coalescence, _)| coalescence).collect())
+}

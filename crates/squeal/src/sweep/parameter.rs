@@ -1,0 +1,107 @@
+//! Which parameters are swept, and from where to where.
+
+use crate::Error;
+use crate::study::{NamedParameter, Scene, UncertainBrake};
+
+/// Ratio of the ends of a range of positive values from which on steps are equal ratios; chosen.
+const LOGARITHMIC: f64 = 30.0;
+
+/// A sweep that is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Over {
+    /// Name of the parameter.
+    pub name: String,
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+}
+
+impl std::fmt::Display for Over {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}:{}", self.name, self.from, self.to)
+    }
+}
+
+/// A parameter that is swept.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SweptParameter {
+    /// Its place among the parameters of the scene.
+    #[serde(skip)]
+    pub place: usize,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Lower end.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// Its median, where modes have their names.
+    pub median: f64,
+    /// Whether equal parts of the range are equal ratios of values: from 0.1 to 10, for instance.
+    pub is_logarithmic: bool,
+}
+
+impl SweptParameter {
+    /// Its name with its unit, for axes.
+    pub fn label(&self) -> String {
+        match self.unit.as_str() {
+            "" | "1" => self.name.clone(),
+            unit => format!("{} ({unit})", self.name),
+        }
+    }
+
+    /// Its value at a part of the range, 0 to 1; the ends exactly.
+    pub fn at(&self, part: f64) -> f64 {
+        match (self.is_logarithmic, part == 1.0) {
+            (_, true) => self.to,
+            (false, false) => self.from + part * (self.to - self.from),
+            (true, false) => self.from * (self.to / self.from).powf(part),
+        }
+    }
+
+    /// The part of the range at which it has a value; below 0 or above 1 outside.
+    pub fn part(&self, value: f64) -> f64 {
+        match self.is_logarithmic {
+            false => (value - self.from) / (self.to - self.from),
+            true => (value / self.from).ln() / (self.to / self.from).ln(),
+        }
+    }
+
+    /// d value / d part.
+    pub(super) fn slope(&self, part: f64) -> f64 {
+        match self.is_logarithmic {
+            false => self.to - self.from,
+            true => self.at(part) * (self.to / self.from).ln(),
+        }
+    }
+}
+
+/// The parameters of a scene that are asked for.
+///
+/// # Errors
+/// A parameter that the scene does not have or that is named twice, and a range that does not go from a number to a larger one.
+pub(super) fn swept<B: UncertainBrake>(brake: &B, scene: &Scene, over: &[Over]) -> Result<Vec<SweptParameter>, Error> {
+    let parameters = brake.parameters(scene);
+    let refused = |value: String, allowed: String| Error::Option { option: "--over", value, allowed };
+    let mut found: Vec<SweptParameter> = Vec::with_capacity(over.len());
+    for asked in over {
+        let Some(place) = parameters.iter().position(|parameter| parameter.name == asked.name) else {
+            let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+            let allowed = if names.is_empty() { "nothing, it has no parameters".into() } else { names.join(", ") };
+            return Err(refused(asked.name.clone(), format!("in {}: {allowed}", brake.plan().describe(scene))));
+        };
+        if found.iter().any(|earlier| earlier.place == place) {
+            return Err(refused(asked.to_string(), "two different parameters".into()));
+        }
+        if !(asked.from < asked.to && (asked.to - asked.from).is_finite()) {
+            return Err(refused(asked.to_string(), "NAME=FROM:TO with numbers FROM < TO".into()));
+        }
+        let NamedParameter { name, unit, median } = parameters[place].clone();
+        let (from, to) = (asked.from, asked.to);
+        let is_logarithmic = from > 0.0 && median > 0.0 && to / from >= LOGARITHMIC;
+        found.push(SweptParameter { place, name, unit, from, to, median, is_logarithmic });
+    }
+    Ok(found)
+}

@@ -1,0 +1,92 @@
+//! The figures of a sweep.
+
+use cea::frequency_hz;
+use num_complex::Complex;
+
+use super::regions::CELLS;
+use super::{Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
+use crate::Error;
+use crate::figures::{
+    Figure, LocusBranch, LocusEvent, LocusMark, MapAxis, MapCurve, MapFigure, RootLocusFigure, root_locus_figure,
+    stability_map_figure,
+};
+
+/// Lines with which a branch over the whole range is drawn; chosen.
+const LINES: f64 = 96.0;
+
+impl Found {
+    /// The root locus or the stability map; `title` and `note` stand above and below.
+    ///
+    /// # Errors
+    /// A picture that cannot be drawn.
+    pub fn figure(&self, title: &str, note: &str) -> Result<Figure, Error> {
+        Ok(match self {
+            Self::Branches(sweep) => root_locus_figure(&locus(sweep, title, note))?,
+            Self::Map(map) => stability_map_figure(&drawn(map, title, note))?,
+        })
+    }
+}
+
+fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
+    let hertz = |omega: f64| frequency_hz(Complex::new(0.0, omega));
+    let branch =
+        |branch: &NamedBranch| LocusBranch { mode: branch.mode.clone(), points: fine(branch, &sweep.parameter) };
+    let onsets = sweep.onsets.iter().map(|onset| LocusMark {
+        event: if onset.starts { LocusEvent::Starts } else { LocusEvent::Stops },
+        mode: onset.mode.clone(),
+        at: [onset.at, hertz(onset.omega), 0.0],
+    });
+    let coalescences = sweep.coalescences.iter().map(|found| LocusMark {
+        event: LocusEvent::Coalescence,
+        mode: found.modes.join(" and "),
+        at: [found.at, hertz(found.omega), found.growth],
+    });
+    let parameter = &sweep.parameter;
+    RootLocusFigure {
+        title: title.into(),
+        parameter: parameter.label(),
+        range: [parameter.from, parameter.to],
+        is_logarithmic: parameter.is_logarithmic,
+        branches: sweep.branches.iter().map(branch).collect(),
+        marks: coalescences.chain(onsets).collect(),
+        note: note.into(),
+    }
+}
+
+/// A branch in short lines, along its cubics.
+fn fine(branch: &NamedBranch, parameter: &SweptParameter) -> Vec<[f64; 3]> {
+    let row = |(at, lambda): (f64, Complex<f64>)| [at, frequency_hz(lambda), lambda.re];
+    let mut points: Vec<[f64; 3]> =
+        branch.points.first().map(|(at, point)| row((*at, point.lambda))).into_iter().collect();
+    for step in 0..branch.points.len().saturating_sub(1) {
+        let length = parameter.part(branch.points[step + 1].0) - parameter.part(branch.points[step].0);
+        let lines = (LINES * length).ceil().max(1.0) as usize;
+        points.extend((1..=lines).map(|line| row(branch.between(step, line as f64 / lines as f64))));
+    }
+    points
+}
+
+fn drawn(map: &StabilityMap, title: &str, note: &str) -> MapFigure {
+    let axis = |parameter: &SweptParameter| MapAxis {
+        label: parameter.label(),
+        range: [parameter.from, parameter.to],
+        is_logarithmic: parameter.is_logarithmic,
+    };
+    let [x, y] = &map.parameters;
+    MapFigure {
+        title: title.into(),
+        axes: [axis(x), axis(y)],
+        curves: map
+            .curves
+            .iter()
+            .map(|curve| MapCurve {
+                mode: curve.mode.clone(),
+                points: curve.points.iter().map(|point| [x.part(point.at[0]), y.part(point.at[1])]).collect(),
+            })
+            .collect(),
+        runs: map.rows.iter().map(|run| (run.x, run.row, run.unstable)).collect(),
+        rows: CELLS,
+        counts: map.regions.iter().map(|region| (region.unstable, region.at)).collect(),
+        note: note.into(),
+    }
+}

@@ -1,0 +1,153 @@
+//! How many modes are unstable between the boundary curves.
+//!
+//! Along the lower left edge the number is known: from a spectrum and the onsets on that edge. From there it changes by one at
+//! each curve, up where a rising curve is crossed from left to right: its unstable side is on the right.
+
+use std::collections::VecDeque;
+
+use serde::Serialize;
+
+/// Rows and columns of cells; chosen: a cell is two thirds of a millimetre in print.
+pub(super) const CELLS: usize = 240;
+/// Regions that are no wider than so many cells are not listed; chosen: their boundaries nearly touch.
+const LEAST_DEPTH: usize = 2;
+
+/// An area with the same number of unstable modes all over.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Region {
+    /// Unstable modes.
+    pub unstable: usize,
+    /// Its part of the whole area.
+    pub share: f64,
+    /// A point well inside, as parts of the two ranges.
+    pub at: [f64; 2],
+}
+
+/// A part of a row of cells with one number of unstable modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Run {
+    /// Ends, as parts of the range.
+    pub x: [f64; 2],
+    /// The row, from below.
+    pub row: usize,
+    /// Unstable modes.
+    pub unstable: usize,
+}
+
+/// The middle of a cell.
+fn middle(cell: usize) -> f64 {
+    (cell as f64 + 0.5) / CELLS as f64
+}
+
+/// Where the number of unstable modes changes along a row, and by how much.
+fn crossings(curves: &[Vec<[f64; 2]>], y: f64) -> Vec<(f64, i64)> {
+    let mut found = Vec::new();
+    for step in curves.iter().flat_map(|points| points.windows(2)) {
+        let [[x0, y0], [x1, y1]] = [step[0], step[1]];
+        if (y0 <= y) != (y1 <= y) {
+            let x = x0 + (x1 - x0) * (y - y0) / (y1 - y0);
+            found.push((x, if y1 > y0 { 1 } else { -1 }));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
+}
+
+/// The number of unstable modes everywhere; `on_left` gives it at each y of the left edge.
+pub(super) fn runs(curves: &[Vec<[f64; 2]>], on_left: &dyn Fn(f64) -> i64) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for row in 0..CELLS {
+        let y = middle(row);
+        let (mut from, mut count) = (0.0, on_left(y));
+        for (x, change) in crossings(curves, y).into_iter().chain([(1.0, 0)]) {
+            if x > from {
+                runs.push(Run { x: [from, x], row, unstable: count.max(0) as usize });
+            }
+            (from, count) = (x, count + change);
+        }
+    }
+    runs
+}
+
+/// The regions, the largest first.
+pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
+    let mut cells = vec![0; CELLS * CELLS];
+    for run in runs {
+        let columns = (0..CELLS).filter(|&column| run.x[0] <= middle(column) && middle(column) < run.x[1]);
+        columns.for_each(|column| cells[run.row * CELLS + column] = run.unstable);
+    }
+    let depth = depths(&cells);
+    let mut seen = vec![false; cells.len()];
+    let mut found = Vec::new();
+    for first in 0..cells.len() {
+        if seen[first] {
+            continue;
+        }
+        let (mut size, mut deepest, mut open) = (0, first, VecDeque::from([first]));
+        seen[first] = true;
+        while let Some(cell) = open.pop_front() {
+            size += 1;
+            if depth[cell] > depth[deepest] {
+                deepest = cell;
+            }
+            for next in neighbours(cell) {
+                if !seen[next] && cells[next] == cells[first] {
+                    seen[next] = true;
+                    open.push_back(next);
+                }
+            }
+        }
+        if depth[deepest] >= LEAST_DEPTH {
+            let at = [middle(deepest % CELLS), middle(deepest / CELLS)];
+            found.push(Region { unstable: cells[first], share: size as f64 / cells.len() as f64, at });
+        }
+    }
+    found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    found
+}
+
+/// How many cells each cell is away from one with another number or from outside.
+fn depths(cells: &[usize]) -> Vec<usize> {
+    let at_edge = |cell: usize| {
+        let (row, column) = (cell / CELLS, cell % CELLS);
+        [row, column].iter().any(|&place| place == 0 || place == CELLS - 1)
+            || neighbours(cell).any(|next| cells[next] != cells[cell])
+    };
+    let mut depth = vec![usize::MAX; cells.len()];
+    let mut open: VecDeque<usize> = (0..cells.len()).filter(|&cell| at_edge(cell)).collect();
+    open.iter().for_each(|&cell| depth[cell] = 0);
+    while let Some(cell) = open.pop_front() {
+        for next in neighbours(cell) {
+            if depth[next] == usize::MAX {
+                depth[next] = depth[cell] + 1;
+                open.push_back(next);
+            }
+        }
+    }
+    depth
+}
+
+/// The cells beside a cell.
+fn neighbours(cell: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (cell / CELLS, cell % CELLS);
+    let left = (column > 0).then(|| cell - 1);
+    let right = (column + 1 < CELLS).then(|| cell + 1);
+    let below = (row > 0).then(|| cell - CELLS);
+    let above = (row + 1 < CELLS).then(|| cell + CELLS);
+    [left, right, below, above].into_iter().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closed_curve_has_one_more_inside() {
+        // Clockwise, so that the inside is on the right.
+        let square = vec![[0.2, 0.3], [0.2, 0.7], [0.8, 0.7], [0.8, 0.3], [0.2, 0.3]];
+        let found = regions(&runs(&[square], &|_| 1));
+        assert_eq!(found.iter().map(|region| region.unstable).collect::<Vec<_>>(), [1, 2]);
+        assert!((found[1].share - 0.24).abs() < 0.01, "{found:?}");
+        assert!(found[1].at[0] > 0.3 && found[1].at[0] < 0.7 && (found[1].at[1] - 0.5).abs() < 0.1, "{found:?}");
+    }
+}
