@@ -73,7 +73,8 @@ fn text(head: &[u8]) -> Result<Format, FormatsError> {
     let upper = text.to_uppercase();
     let starts =
         |words: &[&str]| upper.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)));
-    if trimmed.to_uppercase().starts_with("%%MATRIXMARKET") {
+    // With any number of percent signs: as a comment it would make the line of sizes an entry of a list without a header.
+    if trimmed.to_uppercase().trim_start_matches('%').trim_start().starts_with("MATRIXMARKET") {
         return Ok(Format::MatrixMarket);
     }
     if op4::text::is_header(first) {

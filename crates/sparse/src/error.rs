@@ -64,7 +64,7 @@ pub enum SparseError {
         order: usize,
     },
     /// A pair that inverse iteration did not make one.
-    #[error("an eigenvalue near {lambda} rad/s does not converge: its backward error stays at {residual:.1e}")]
+    #[error("an eigenvalue near {lambda:.6e} rad/s does not converge: its backward error stays at {residual:.1e}")]
     NotConverged {
         /// Where, rad/s.
         lambda: Complex<f64>,
@@ -81,18 +81,23 @@ pub enum SparseError {
         /// Its upper border.
         to: f64,
     },
-    /// A rectangle with more eigenvalues than the shifts allowed can find.
+    /// A rectangle that needs more than is allowed.
     #[error(
-        "{shifts} shifts found {found} eigenvalues and covered {:.3} of the rectangle; a smaller one is needed",
-        covered
+        "the rectangle needs roughly {:.2e} shifts and holds roughly {:.2e} eigenvalues, by the {covered:.1e} of it that {shifts} \
+         shifts covered; allowed: {most_shifts} shifts and {most_pairs} eigenvalues, in a smaller rectangle",
+        *shifts as f64 / covered, *found as f64 / covered
     )]
-    TooManyShifts {
-        /// The shifts allowed.
+    RectangleTooLarge {
+        /// Shifts so far.
         shifts: usize,
         /// Eigenvalues found so far.
         found: usize,
         /// Part of the rectangle that was covered.
         covered: f64,
+        /// The shifts allowed.
+        most_shifts: usize,
+        /// The eigenvalues allowed: their vectors take memory.
+        most_pairs: usize,
     },
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]

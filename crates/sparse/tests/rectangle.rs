@@ -187,7 +187,7 @@ fn what_cannot_be_searched_is_refused() {
         assert!(matches!(search(&sparse, re, im, &all), Err(SparseError::Rectangle { .. })));
     }
     let few = Options { shifts: 1, columns: 20, ..all };
-    assert!(matches!(search(&sparse, WIDE.re, WIDE.im, &few), Err(SparseError::TooManyShifts { .. })));
+    assert!(matches!(search(&sparse, WIDE.re, WIDE.im, &few), Err(SparseError::RectangleTooLarge { .. })));
     let zero = || CscMatrix::from(&DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]));
     let singular = SparseSecondOrder::new(zero(), zero(), zero()).unwrap();
     assert!(search(&singular, [-1.0, 1.0], [1.0, 2.0], &all).is_err());

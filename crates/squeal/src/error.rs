@@ -172,7 +172,7 @@ pub enum Error {
         source: Box<formats::FormatsError>,
     },
     /// A matrix of more degrees of freedom than are allowed.
-    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom", path.display())]
+    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom{beyond}", path.display())]
     MatrixTooLarge {
         /// The file.
         path: PathBuf,
@@ -184,6 +184,8 @@ pub enum Error {
         columns: usize,
         /// The most rows that are allowed.
         most: usize,
+        /// What is possible beyond that, beginning with a comma, or nothing.
+        beyond: &'static str,
     },
     /// A matrix that does not fit the others.
     #[error("{}: the {name} matrix is {rows} x {columns}; allowed: {order} x {order}, {reason}", path.display())]

@@ -21,18 +21,27 @@ pub(crate) fn parse_matrix(bytes: &[u8]) -> Result<Matrix, Box<FormatsError>> {
     Ok(read_market(bytes, Options { limits, ..Options::default() })?)
 }
 
-/// The contents of a regular file of at most so many bytes. Anything else could be without an end, or never begin.
-pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let refused =
-        |what: String| io::Error::other(format!("{what}; allowed: a regular file of at most {} MB", most / 1_000_000));
+/// Refuses what is no regular file of at most so many bytes. Anything else could be without an end, or never begin.
+pub(crate) fn check_size(path: &Path, most: u64) -> io::Result<()> {
     let found = std::fs::metadata(path)?;
-    if !found.is_file() {
-        return Err(refused(if found.is_dir() { "it is a directory" } else { "it is no regular file" }.into()));
+    match found.is_file() {
+        true if found.len() <= most => Ok(()),
+        true => Err(of_at_most(most, &format!("it has {} MB", found.len() / 1_000_000))),
+        false => Err(of_at_most(most, if found.is_dir() { "it is a directory" } else { "it is no regular file" })),
     }
+}
+
+fn of_at_most(most: u64, found: &str) -> io::Error {
+    io::Error::other(format!("{found}; allowed: a regular file of at most {} MB", most / 1_000_000))
+}
+
+/// The contents of a regular file of at most so many bytes, also where it grows meanwhile.
+pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    check_size(path, most)?;
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        return Err(refused(format!("it has {} MB", found.len() / 1_000_000)));
+        return Err(of_at_most(most, "it has more by now"));
     }
     Ok(bytes)
 }

@@ -15,6 +15,10 @@ const SAME: f64 = 1e-9;
 const INDEPENDENT: f64 = 1e-4;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
 const THINNEST: f64 = 0.1;
+/// Shifts after which the size of a rectangle is estimated, and by how many times it has to be too large then; chosen, because
+/// eigenvalues are not spread evenly.
+const ESTIMATED: usize = 10;
+const ESTIMATE_MARGIN: f64 = 4.0;
 /// Part of |lambda| below which an imaginary part is rounding where the vector is real.
 const REAL: f64 = 1e-6;
 
@@ -37,8 +41,14 @@ pub fn eigenpairs_in(
     let pencil = Pencil::new(system);
     let symbolic = Symbolic::new(&pencil)?;
     let problem = Problem { pencil, symbolic };
-    let mut search =
-        Search { problem: &problem, options, counters: Counters::default(), discs: Vec::new(), pairs: Vec::new() };
+    let mut search = Search {
+        problem: &problem,
+        options,
+        counters: Counters::default(),
+        tried: 0,
+        discs: Vec::new(),
+        pairs: Vec::new(),
+    };
     let upper = upper_part(rectangle);
     search.cover(upper, progress)?;
     let Search { counters, discs, pairs, .. } = search;
@@ -64,6 +74,8 @@ struct Search<'a> {
     problem: &'a Problem,
     options: &'a Options,
     counters: Counters,
+    /// Shifts at which was searched, also those whose disc was too small to be of use.
+    tried: usize,
     discs: Vec<Disc>,
     /// With the number of the disc that found them.
     pairs: Vec<(usize, Eigenpair)>,
@@ -74,14 +86,8 @@ impl Search<'_> {
         let area = |r: &Rectangle| (r.re[1] - r.re[0]) * (r.im[1] - r.im[0]);
         let (mut left, mut covered) = (vec![whole], 0.0);
         while let Some(target) = left.pop() {
-            if self.discs.len() >= self.options.shifts {
-                let found = self.pairs.len();
-                return Err(SparseError::TooManyShifts {
-                    shifts: self.options.shifts,
-                    found,
-                    covered: covered / area(&whole),
-                });
-            }
+            self.check_size(covered / area(&whole))?;
+            self.tried += 1;
             let (disc, candidates) = self.problem.near_centre(&target, self.options, &mut self.counters)?;
             let (done, rest) = split(&target, &disc);
             left.extend(rest);
@@ -94,6 +100,25 @@ impl Search<'_> {
             self.discs.push(disc);
             covered += area(&done);
             progress(Progress { covered: covered / area(&whole), found: self.pairs.len(), shifts: self.discs.len() });
+        }
+        Ok(())
+    }
+}
+
+impl Search<'_> {
+    /// Refuses a rectangle that needs more shifts or holds more eigenvalues than allowed, or will by what is known of it.
+    fn check_size(&self, covered: f64) -> Result<(), SparseError> {
+        let (shifts, found, most_shifts) = (self.tried, self.pairs.len(), self.options.shifts);
+        // Right and left, and those of the conjugate.
+        let most_pairs = self.options.bytes / (4 * size_of::<Complex<f64>>() * self.problem.pencil.order());
+        let margin = if shifts < ESTIMATED { f64::INFINITY } else { ESTIMATE_MARGIN };
+        let will_exceed = |so_far: usize, most: usize| so_far as f64 > margin * covered * most as f64;
+        let is_too_large = shifts >= most_shifts
+            || found > most_pairs
+            || will_exceed(shifts, most_shifts)
+            || will_exceed(found, most_pairs);
+        if is_too_large {
+            return Err(SparseError::RectangleTooLarge { shifts, found, covered, most_shifts, most_pairs });
         }
         Ok(())
     }

@@ -15,12 +15,12 @@ const SEEN: f64 = 1e-6;
 /// Residual of a right Ritz vector that is wanted; chosen, so that nearly all need no other improvement.
 const CONVERGED: f64 = 1e-13;
 /// The same for a left vector, of which lambda depends on the product of both residuals.
-const CONVERGED_LEFT: f64 = 1e-12;
+const CONVERGED_LEFT: f64 = 1e-9;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values, and growth of the basis between two looks; chosen.
 const FIRST_LOOK: usize = 40;
-const GROWTH: f64 = 1.12;
+const GROWTH: f64 = 1.25;
 /// How often another shift is tried where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
 /// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.

@@ -147,7 +147,12 @@ impl<'a> Factor<'a> {
     }
 }
 
-/// The 2-norm.
+/// The 2-norm, summed in eight parts, which a processor adds at once.
 pub(crate) fn length(x: &[Complex<f64>]) -> f64 {
-    x.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
+    let (blocks, rest) = x.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for block in blocks {
+        sums.iter_mut().zip(block).for_each(|(sum, z)| *sum += z.norm_sqr());
+    }
+    (sums.iter().sum::<f64>() + rest.iter().map(Complex::norm_sqr).sum::<f64>()).sqrt()
 }

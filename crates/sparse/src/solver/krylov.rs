@@ -17,6 +17,10 @@ use crate::SparseError;
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
 const DEPENDENT: f64 = 1e-12;
 
+/// Part of every vector that has to be left by one pass of orthogonalisation for a second one to be left out: the basis is
+/// orthonormal to ten times rounding.
+const KEPT: f64 = 0.1;
+
 type Block = Mat<Complex<f64>>;
 
 /// An orthonormal basis V and the band matrix H with `(A - sigma B)^-1 B V_m = V H`.
@@ -142,12 +146,16 @@ impl<'a> Krylov<'a> {
         Ok(out)
     }
 
-    /// Orthogonalises a block, twice, and appends what is left of it. `multiplied` is the first of the columns whose image it is.
+    /// Orthogonalises a block and appends what is left of it. What a first pass takes away most of goes through a second one. `multiplied` is the first of the columns whose image it is.
     fn append(&mut self, mut block: Block, multiplied: Option<usize>) {
         let (k, p) = (self.columns, block.ncols());
         let before: Vec<_> = (0..p).map(|j| length(block.col_as_slice(j))).collect();
         let mut coefficients = Mat::zeros(k + p, p);
-        for _ in 0..2 {
+        for pass in 0..2 {
+            let is_kept = |j: usize| length(block.col_as_slice(j)) > KEPT * before[j];
+            if pass > 0 && (0..p).all(is_kept) {
+                break;
+            }
             let basis = self.basis.as_ref().subcols(0, k);
             let mut part = Mat::zeros(k, p);
             matmul(part.as_mut(), Accum::Replace, basis.adjoint(), block.as_ref(), Complex::from(1.0), PAR);
@@ -156,20 +164,22 @@ impl<'a> Krylov<'a> {
             sum += part;
         }
         for j in 0..p {
-            let mut column = block.col_as_slice(j).to_vec();
+            let added = self.columns - k;
             for _ in 0..2 {
-                for i in k..self.columns {
-                    let other = self.basis.col_as_slice(i);
-                    let part: Complex<f64> = other.iter().zip(&column).map(|(a, b)| a.conj() * b).sum();
-                    column.iter_mut().zip(other).for_each(|(c, o)| *c -= part * o);
-                    coefficients[(i, j)] += part;
-                }
+                let others = self.basis.as_ref().subcols(k, added);
+                let mut part = Mat::zeros(added, 1);
+                let column = block.as_mut().subcols_mut(j, 1);
+                matmul(part.as_mut(), Accum::Replace, others.adjoint(), column.as_ref(), Complex::from(1.0), PAR);
+                matmul(column, Accum::Add, others, part.as_ref(), Complex::from(-1.0), PAR);
+                let mut sum = coefficients.as_mut().submatrix_mut(k, j, added, 1);
+                sum += part;
             }
-            let left = length(&column);
+            let column = block.col_as_slice(j);
+            let left = length(column);
             if left > DEPENDENT * before[j] {
                 coefficients[(self.columns, j)] = Complex::from(left);
                 let target = self.basis.col_as_slice_mut(self.columns);
-                target.iter_mut().zip(&column).for_each(|(t, c)| *t = c / left);
+                target.iter_mut().zip(column).for_each(|(t, c)| *t = c / left);
                 self.columns += 1;
             }
         }

@@ -70,13 +70,15 @@ pub struct Options {
     pub block: usize,
     /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom, twice, and column.
     pub columns: usize,
-    /// Most shifts; a rectangle that needs more is refused while it runs.
+    /// Most shifts; a rectangle that needs more is refused, as soon as the first ones show it.
     pub shifts: usize,
+    /// Most bytes of the vectors found; a rectangle that holds more is refused likewise.
+    pub bytes: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-11, block: 4, columns: 140, shifts: 2000 }
+        Self { tolerance: 1e-11, block: 4, columns: 220, shifts: 2000, bytes: 2_000_000_000 }
     }
 }
 

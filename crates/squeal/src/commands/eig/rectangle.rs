@@ -1,0 +1,179 @@
+//! The eigenvalues in a rectangle, by sparse matrices.
+
+use std::cell::Cell;
+
+use cea::{Verdict, damping_ratio, frequency_hz};
+use formats::Dof;
+use montecarlo::{Bar, Progress};
+use nalgebra_sparse::CscMatrix;
+use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+
+use super::EigArgs;
+use super::matrices::{Matrices, Sizes};
+use super::text::{heading, list, number, rows_json, vector_json, vector_rows};
+use crate::Error;
+use crate::output::{bytes_in_words, in_words, note};
+
+/// The largest file, bytes, before and after decompression; chosen: some 30 million entries.
+const LARGEST_FILE: u64 = 1_000_000_000;
+/// Most degrees of freedom; chosen, so that the memory is at most 4 GB by the formula below.
+const LARGEST_ORDER: usize = 40_000;
+/// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
+const LARGEST_BORDER: f64 = 1e12;
+/// Memory, bytes, of a Krylov basis by the degrees of freedom, and of sparse factors by their power 4/3, which is that of meshes
+/// of solids.
+const BASIS_BYTES: f64 = 6000.0;
+const FACTOR_BYTES: f64 = 2000.0;
+/// Processor time, s, at one shift, by the square of the degrees of freedom.
+const SECONDS: f64 = 2e-8;
+/// From how many degrees of freedom on a problem is announced; chosen: a second or so in all.
+const ANNOUNCED: usize = 3000;
+const HUNDRED: f64 = 100.0;
+
+/// The value of `--box`.
+///
+/// # Errors
+/// What is allowed.
+pub(super) fn parse(text: &str) -> Result<Rectangle, String> {
+    let allowed = format!(
+        "allowed: RE0:RE1,IM0:IM1 in rad/s, as -50:1000,0:42000, each first below its second, none above {LARGEST_BORDER:e}"
+    );
+    let side = |text: &str| -> Option<[f64; 2]> {
+        let (from, to) = text.split_once(':')?;
+        Some([from.trim().parse().ok()?, to.trim().parse().ok()?])
+    };
+    let sides = text.split_once(',').and_then(|(re, im)| Some(Rectangle { re: side(re)?, im: side(im)? }));
+    let rectangle = sides.ok_or_else(|| allowed.clone())?;
+    rectangle.check().map_err(|error| format!("{error}; {allowed}"))?;
+    if rectangle.re.iter().chain(&rectangle.im).any(|border| border.abs() > LARGEST_BORDER) {
+        return Err(allowed);
+    }
+    Ok(rectangle)
+}
+
+/// The eigenvalues of the rectangle as text.
+///
+/// # Errors
+/// A file that is no matrix, shapes that differ, a singular pencil, no convergence, a rectangle with too much in it.
+pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, Error> {
+    let matrices = Matrices::read(args, Sizes { bytes: LARGEST_FILE, order: LARGEST_ORDER, beyond: "" })?;
+    let order = matrices.order();
+    let c = matrices.damping.as_ref().map_or_else(|| CscMatrix::zeros(order, order), |c| c.to_csc());
+    let system = SparseSecondOrder::new(matrices.mass.to_csc(), c, matrices.stiffness.to_csc())?;
+    let labels = matrices.labels().map(<[Dof]>::to_vec);
+    drop(matrices);
+    announce(order);
+    let mut found = search(&system, rectangle)?;
+    if let Some(most) = args.rightmost {
+        found.pairs.sort_by(|a, b| b.lambda.re.total_cmp(&a.lambda.re).then(b.lambda.im.total_cmp(&a.lambda.im)));
+        found.pairs.truncate(most as usize);
+    }
+    Ok(if args.json { json(&found, rectangle, args.vectors, labels.as_deref()) } else { table(&found, args.vectors) })
+}
+
+/// The search, with its progress in hundredths of the rectangle.
+fn search(system: &SparseSecondOrder, rectangle: &Rectangle) -> Result<Found, Error> {
+    let bar = Bar::of("% of the rectangle");
+    let told = Cell::new(0_u64);
+    bar.begin(HUNDRED as u64, 0);
+    let found = eigenpairs_in(system, rectangle, &Options::default(), &mut |progress| {
+        let covered = (progress.covered * HUNDRED) as u64;
+        bar.advance(covered.saturating_sub(told.replace(covered)));
+    });
+    bar.end();
+    Ok(found?)
+}
+
+/// Says beforehand how much memory and time many degrees of freedom take.
+fn announce(order: usize) {
+    if order > ANNOUNCED {
+        let n = order as f64;
+        let (memory, time) =
+            (bytes_in_words(BASIS_BYTES * n + FACTOR_BYTES * n.powf(4.0 / 3.0)), in_words(SECONDS * n * n));
+        note(&format!("{order} degrees of freedom: roughly {memory}; {time} for every twenty eigenvalues or so"));
+    }
+}
+
+/// By the first-order bound.
+fn verdict(pair: &Eigenpair) -> Verdict {
+    Verdict::of(pair.lambda, pair.bound())
+}
+
+fn json(found: &Found, rectangle: &Rectangle, vectors: bool, labels: Option<&[Dof]>) -> String {
+    let eigenvalue = |pair: &Eigenpair| {
+        let l = pair.lambda;
+        let shapes = if vectors {
+            format!(", \"right\": [{}], \"left\": [{}]", vector_json(&pair.right), vector_json(&pair.left))
+        } else {
+            String::new()
+        };
+        format!(
+            "\n    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
+             \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{}\", \"on_border\": {}{shapes}}}",
+            number(l.re),
+            number(l.im),
+            number(frequency_hz(l)),
+            number(damping_ratio(l)),
+            number(pair.backward_error),
+            number(pair.condition),
+            number(pair.bound()),
+            verdict(pair),
+            pair.on_border
+        )
+    };
+    let side = |[from, to]: [f64; 2]| format!("[{}, {}]", number(from), number(to));
+    let discs = list(&found.discs, |disc| {
+        format!(
+            "\n      {{\"re\": {}, \"im\": {}, \"radius\": {}, \"eigenvalues\": {}, \"columns\": {}}}",
+            number(disc.centre.re),
+            number(disc.centre.im),
+            number(disc.radius),
+            disc.eigenvalues,
+            disc.columns
+        )
+    });
+    format!(
+        "{{\n  \"route\": \"sparse\",\n{}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
+         \"discs\": [{discs}],\n    \"factorisations\": {}, \"solves\": {}\n  }}\n}}\n",
+        if vectors { rows_json(labels) } else { String::new() },
+        list(&found.pairs, eigenvalue),
+        side(rectangle.re),
+        side(rectangle.im),
+        found.counters.factorisations,
+        found.counters.solves
+    )
+}
+
+fn table(found: &Found, vectors: bool) -> String {
+    let mut text = heading();
+    for (i, pair) in found.pairs.iter().enumerate() {
+        let l = pair.lambda;
+        text += &format!(
+            "{:>5} {:>24.16e} {:>24.16e} {:>14.6} {:>12.4e} {:>9.1e} {:>9.1e}  {}{}\n",
+            i + 1,
+            l.re,
+            l.im,
+            frequency_hz(l),
+            damping_ratio(l),
+            pair.backward_error,
+            pair.condition,
+            verdict(pair),
+            if pair.on_border { ", on the border" } else { "" }
+        );
+        if vectors {
+            text += &vector_rows(&pair.right, &pair.left);
+        }
+    }
+    let count = |wanted: &str| found.pairs.iter().filter(|pair| verdict(pair).to_string() == wanted).count();
+    text + &format!(
+        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} undecided; {} discs cover it, {} factorisations, {} \
+         solutions\ndamping = -Re lambda / |lambda|; verdicts by first-order bounds, completeness: docs/large-problems.md\n",
+        found.pairs.len(),
+        count("unstable"),
+        count("stable"),
+        count("undecided"),
+        found.discs.len(),
+        found.counters.factorisations,
+        found.counters.solves
+    )
+}

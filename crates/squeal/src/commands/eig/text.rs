@@ -1,0 +1,37 @@
+//! Numbers, vectors and names as both routes write them.
+
+use formats::Dof;
+use nalgebra::DVector;
+use num_complex::Complex;
+
+/// 17 significant digits; null where there is no finite number.
+pub(super) fn number(x: f64) -> String {
+    if x.is_finite() { format!("{x:.16e}") } else { "null".to_owned() }
+}
+
+pub(super) fn list<T>(items: impl IntoIterator<Item = T>, item: impl Fn(T) -> String) -> String {
+    items.into_iter().map(item).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn vector_json(v: &DVector<Complex<f64>>) -> String {
+    list(v.iter(), |z| format!("[{}, {}]", number(z.re), number(z.im)))
+}
+
+/// A line of a table with both vectors.
+pub(super) fn vector_rows(right: &DVector<Complex<f64>>, left: &DVector<Complex<f64>>) -> String {
+    let row = |v: &DVector<Complex<f64>>| list(v.iter(), |z| format!("{:.16e}{:+.16e}i", z.re, z.im));
+    format!("      right: {}\n      left:  {}\n", row(right), row(left))
+}
+
+/// The names of the entries of a vector, as a key of JSON.
+pub(super) fn rows_json(labels: Option<&[Dof]>) -> String {
+    labels.map_or_else(String::new, |labels| format!("  \"rows\": [{}],\n", list(labels, |dof| format!("\"{dof}\""))))
+}
+
+/// The heading of the table of eigenvalues.
+pub(super) fn heading() -> String {
+    format!(
+        "{:>5} {:>24} {:>24} {:>14} {:>12} {:>9} {:>9}  {}\n",
+        "no.", "Re lambda, rad/s", "Im lambda, rad/s", "f, Hz", "damping", "backward", "condition", "verdict"
+    )
+}

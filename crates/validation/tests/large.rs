@@ -1,0 +1,147 @@
+//! Large brakes against their references. The data are not part of this repository: the tests are ignored, and the environment
+//! variables name their folders. docs/large-problems.md has what they print.
+//!
+//! - `SQUEAL_DISK_BRAKE4669`: M, D1, DG, DR, D4, K1, KR, KGEO of BrakeSqueal 0.1 as Matrix Market files, gzipped, and the reference
+//!   eigenvalues `box_eigs_bs_w2pi.csv` and `box_eigs_bs_w4pi.csv`.
+//! - `SQUEAL_CCX_BRAKE`: a disc and a pad of CalculiX, `brake.sti.gz`, `brake.mas.gz`, `brake.dof.gz`, its mesh `brake.inp`, the
+//!   contact `brake.pairs.csv`, the held nodes `brake.back.csv`, and the references `box_mu0.0.csv`, 0.3 and 0.5.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+use cpu_time::ThreadTime;
+use formats::Dof;
+use num_complex::Complex;
+use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::{Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+
+fn folder(variable: &str) -> PathBuf {
+    std::env::var(variable).unwrap_or_else(|_| panic!("{variable} names no folder")).into()
+}
+
+fn read(path: &Path) -> formats::Matrix {
+    formats::read(path).and_then(formats::File::only).unwrap()
+}
+
+/// The fields of a CSV file below its header.
+fn rows(path: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().skip(1).map(|line| line.split(',').map(|field| field.trim().to_owned()).collect()).collect()
+}
+
+/// The eigenvalues in the rectangle against those of a file; prints the largest distance and residual.
+fn compare(name: &str, system: &SparseSecondOrder, rectangle: &Rectangle, references: &Path) {
+    let start = ThreadTime::now();
+    let found = eigenpairs_in(system, rectangle, &Options::default(), &mut |_| ()).unwrap();
+    let seconds = start.elapsed().as_secs_f64();
+    let mut left: Vec<_> = found.pairs.iter().filter(|pair| pair.lambda.im > 0.0).collect();
+    let references = rows(references);
+    assert_eq!(left.len(), references.len(), "{name}");
+    let (mut distance, mut residual, mut condition) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for row in &references {
+        let reference = Complex::new(row[0].parse().unwrap(), row[1].parse().unwrap());
+        let from = |lambda: Complex<f64>| (lambda - reference).norm() / reference.norm();
+        let nearest = (0..left.len()).min_by(|&a, &b| from(left[a].lambda).total_cmp(&from(left[b].lambda))).unwrap();
+        let pair = left.swap_remove(nearest);
+        distance = distance.max(from(pair.lambda));
+        residual = residual.max(pair.backward_error);
+        condition = condition.max(pair.condition);
+    }
+    println!(
+        "{name}: {} eigenvalues, largest distance {distance:.1e}, backward error {residual:.1e}, condition {condition:.1e}; \
+         {} discs, {} solutions, {seconds:.2} s",
+        references.len(),
+        found.discs.len(),
+        found.counters.solves
+    );
+    assert!(distance < 1e-8, "{name}");
+}
+
+#[test]
+#[ignore = "needs the matrices of disk_brake4669"]
+fn disk_brake4669() {
+    let folder = folder("SQUEAL_DISK_BRAKE4669");
+    let of = |name: &str| read(&folder.join(format!("{name}.mtx.gz"))).to_csc();
+    let [m, d1, dg, dr, d4] = ["M", "D1", "DG", "DR", "D4"].map(of);
+    let [k1, kr, kgeo] = ["K1", "KR", "KGEO"].map(of);
+    let rectangle = Rectangle { re: [-50.0, 1000.0], im: [-50.0, 42_000.0] };
+    for turns in [2, 4] {
+        let w = f64::from(turns) * PI;
+        let c = &d1 + &dg * w + &dr * (1.0 / w - 1.0) + &d4 * (1.0 / (2.0 * PI * 1600.0));
+        let k = &k1 + &kr + &kgeo * (w * w - 1.0);
+        let system = SparseSecondOrder::new(m.clone(), c, k).unwrap();
+        let references = folder.join(format!("box_eigs_bs_w{turns}pi.csv"));
+        compare(&format!("disk_brake4669, w = {turns} pi"), &system, &rectangle, &references);
+    }
+}
+
+/// Places of the nodes of an input deck.
+fn places(deck: &Path) -> HashMap<i64, [f64; 3]> {
+    let text = std::fs::read_to_string(deck).unwrap();
+    let (mut found, mut is_node) = (HashMap::new(), false);
+    for line in text.lines() {
+        if line.starts_with('*') {
+            let keyword = line.split(',').next().unwrap().trim();
+            is_node = keyword.eq_ignore_ascii_case("*node");
+        } else if is_node {
+            let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+            let place = [1, 2, 3].map(|i| fields[i].parse().unwrap());
+            found.insert(fields[0].parse().unwrap(), place);
+        }
+    }
+    found
+}
+
+/// Holders, contact springs and, times mu, friction, on the rows of the brake.
+fn contact(folder: &Path, labels: &[Dof]) -> [CscMatrix<f64>; 2] {
+    let row: HashMap<Dof, usize> = labels.iter().copied().zip(0..).collect();
+    let at = |node: i64, direction: u32| row.get(&Dof { node, direction }).copied();
+    let mut springs = CooMatrix::new(labels.len(), labels.len());
+    let mut friction = CooMatrix::new(labels.len(), labels.len());
+    let back = rows(&folder.join("brake.back.csv"));
+    for node in &back {
+        for (direction, stiffness) in [(1, 4e6), (2, 4e6), (3, 2e6)] {
+            if let Some(i) = at(node[0].parse().unwrap(), direction) {
+                springs.push(i, i, stiffness * 24.0 / back.len() as f64);
+            }
+        }
+    }
+    let (pairs, places) = (rows(&folder.join("brake.pairs.csv")), places(&folder.join("brake.inp")));
+    let stiffness = 4e8 * 6.0 / pairs.len() as f64;
+    for pair in &pairs {
+        let [pad, disc]: [i64; 2] = [0, 1].map(|i| pair[i].parse().unwrap());
+        let (pad_z, disc_z) = (at(pad, 3).unwrap(), at(disc, 3).unwrap());
+        for (i, j, sign) in [(pad_z, pad_z, 1.0), (disc_z, disc_z, 1.0), (pad_z, disc_z, -1.0), (disc_z, pad_z, -1.0)] {
+            springs.push(i, j, sign * stiffness);
+        }
+        let [x, y, _] = places[&pad];
+        let radius = x.hypot(y);
+        for (direction, along) in [(1, -y / radius), (2, x / radius)] {
+            let (pad_row, disc_row) = (at(pad, direction).unwrap(), at(disc, direction).unwrap());
+            for (i, j, sign) in
+                [(pad_row, disc_z, -1.0), (pad_row, pad_z, 1.0), (disc_row, disc_z, 1.0), (disc_row, pad_z, -1.0)]
+            {
+                friction.push(i, j, sign * stiffness * along);
+            }
+        }
+    }
+    [springs, friction].map(|matrix| CscMatrix::from(&matrix))
+}
+
+#[test]
+#[ignore = "needs the files of the disc and pad of CalculiX"]
+fn ccx_brake() {
+    let folder = folder("SQUEAL_CCX_BRAKE");
+    let [m, k] = ["brake.mas.gz", "brake.sti.gz"].map(|name| read(&folder.join(name)));
+    let [springs, friction] = contact(&folder, k.row_labels().unwrap());
+    let (m, k) = (m.to_csc(), k.to_csc());
+    let c = &k * 2e-7 + &m * 5.0;
+    let rectangle = Rectangle { re: [-500.0, 1000.0], im: [800.0 * 2.0 * PI, 10_500.0 * 2.0 * PI] };
+    for mu in [0.0, 0.3, 0.5] {
+        let system = SparseSecondOrder::new(m.clone(), c.clone(), &k + &springs + &friction * mu).unwrap();
+        compare(&format!("ccx_brake, mu = {mu:.1}"), &system, &rectangle, &folder.join(format!("box_mu{mu:.1}.csv")));
+    }
+}
