@@ -52,7 +52,7 @@ pub fn eigenpairs_in(
     let upper = upper_part(rectangle);
     search.cover(upper, progress)?;
     let Search { counters, discs, pairs, .. } = search;
-    let mut pairs = both_halves(without_duplicates(pairs), rectangle);
+    let mut pairs = both_halves(&problem.pencil, without_duplicates(pairs), rectangle);
     pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
     Ok(Found { pairs, discs, counters })
 }
@@ -173,13 +173,15 @@ fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
 }
 
 /// The pairs of the upper half plane and their conjugates, those of the rectangle.
-fn both_halves(upper: Vec<Eigenpair>, rectangle: &Rectangle) -> Vec<Eigenpair> {
+fn both_halves(pencil: &Pencil, upper: Vec<Eigenpair>, rectangle: &Rectangle) -> Vec<Eigenpair> {
     let mut all = Vec::with_capacity(upper.len());
     for pair in upper {
         if is_real(&pair) {
             let real = |v: &DVector<Complex<f64>>| v.map(|z| Complex::from(z.re));
-            let (right, left) = (real(&pair.right), real(&pair.left));
-            all.push(Eigenpair { lambda: Complex::from(pair.lambda.re), right, left, ..pair });
+            let (lambda, right, left) = (Complex::from(pair.lambda.re), real(&pair.right), real(&pair.left));
+            let (right, left) = (right.normalize(), left.normalize());
+            let backward_error = pencil.times(&pencil.weights(lambda), &right).norm() / pencil.size(lambda);
+            all.push(Eigenpair { lambda, right, left, backward_error, ..pair });
         } else if pair.lambda.im >= 0.0 {
             let (right, left) = (pair.right.conjugate(), pair.left.conjugate());
             all.push(Eigenpair { lambda: pair.lambda.conj(), right, left, ..pair.clone() });

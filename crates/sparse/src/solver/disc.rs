@@ -15,7 +15,7 @@ const SEEN: f64 = 1e-6;
 /// Residual of a right Ritz vector that is wanted; chosen, so that nearly all need no other improvement.
 const CONVERGED: f64 = 1e-13;
 /// The same for a left vector, of which lambda depends on the product of both residuals.
-const CONVERGED_LEFT: f64 = 1e-9;
+const CONVERGED_LEFT: f64 = 1e-12;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values, and growth of the basis between two looks; chosen.

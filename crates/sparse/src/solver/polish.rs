@@ -10,8 +10,8 @@ use super::pencil::{Pencil, Side};
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 
-/// Steps of the Rayleigh quotient: a Ritz value has most of its digits, and each step doubles them.
-const STEPS: usize = 2;
+/// Steps of the Rayleigh quotient: it converges twice as many digits at each.
+const STEPS: usize = 3;
 /// Steps of inverse iteration with a factorisation at the eigenvalue itself.
 const INVERSE_STEPS: usize = 3;
 /// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space.
