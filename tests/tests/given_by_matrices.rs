@@ -14,7 +14,7 @@ fn case(name: &str) -> MatricesCase {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(name);
     match CaseFile::read(&path).unwrap() {
         CaseFile::Matrices(case) => *case,
-        CaseFile::Lattice(case) => panic!("{case:?}"),
+        other => panic!("{other:?}"),
     }
 }
 

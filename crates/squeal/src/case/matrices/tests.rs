@@ -52,7 +52,7 @@ fixed = "y"
 fn parse(text: &str) -> Result<MatricesCase, CaseError> {
     match CaseFile::parse(Path::new("/nowhere/pad.toml"), text.to_owned())? {
         CaseFile::Matrices(case) => Ok(*case),
-        CaseFile::Lattice(case) => panic!("{case:?}"),
+        other => panic!("{other:?}"),
     }
 }
 
