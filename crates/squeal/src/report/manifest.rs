@@ -55,6 +55,9 @@ pub struct Manifest {
     /// Of a reduced brake: how many unstable modes have a residual in the whole one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residuals: Option<u64>,
+    /// How many of them are above the one that the case asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residuals_above: Option<u64>,
     /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
@@ -86,6 +89,7 @@ impl Manifest {
             unstable_modes: sum(|tally| tally.unstable_modes),
             undecided: sum(|tally| tally.undecided),
             residuals: plan.band.map(|_| sum(|tally| tally.residuals)),
+            residuals_above: plan.band.map(|_| sum(|tally| tally.residuals_above)),
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),

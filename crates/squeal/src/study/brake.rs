@@ -19,6 +19,15 @@ pub struct NamedParameter {
     pub median: f64,
 }
 
+/// The residual of a mode in the system that a brake is a reduction of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeResidual {
+    /// Relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
+    pub value: f64,
+    /// Whether it is above the one that was asked for.
+    pub is_above: bool,
+}
+
 /// A brake with everything that is uncertain in it.
 ///
 /// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
@@ -71,8 +80,7 @@ pub trait UncertainBrake: Sync {
         self.median()
     }
 
-    /// The residual of a mode in a larger system that the scene's brake is a reduction of, relative to
-    /// `|lambda|^2 |M| + |lambda| |C| + |K|`; `None` of a brake that is none.
+    /// The residual of a mode in a larger system that the scene's brake is a reduction of; `None` of a brake that is none.
     ///
     /// # Errors
     /// A point or shape of another system.
@@ -82,7 +90,7 @@ pub trait UncertainBrake: Sync {
         _at: &OperatingPoint,
         _lambda: Complex<f64>,
         _shape: &DVector<Complex<f64>>,
-    ) -> Result<Option<f64>, Error> {
+    ) -> Result<Option<ModeResidual>, Error> {
         Ok(None)
     }
 

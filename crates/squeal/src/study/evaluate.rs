@@ -14,7 +14,7 @@ use super::net_work::WorkSystems;
 use super::reference::{Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
-use super::{ModeLabel, Plan, Scene, UncertainBrake};
+use super::{ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// The result of one complex eigenvalue analysis (CEA) of a study.
@@ -40,7 +40,7 @@ pub struct UnstableMode {
     /// Work in one period on each body; in scenes that want it.
     pub work: Option<ModeWork>,
     /// Its residual in the system that the brake is a reduction of; `None` of a brake that is none.
-    pub residual: Option<f64>,
+    pub residual: Option<ModeResidual>,
 }
 
 /// A brake, ready to be sampled.

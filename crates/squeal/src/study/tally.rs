@@ -49,6 +49,8 @@ pub struct SceneTally {
     pub undecided: u64,
     /// Unstable modes of a reduced brake whose residual in the whole one is known.
     pub residuals: u64,
+    /// Those among them that are above the one that was asked for.
+    pub residuals_above: u64,
     /// The largest of these residuals.
     pub largest_residual: f64,
     /// Samples in which a tracked mode is unstable, by name; ambiguous where an unstable mode may be this one or another, or has
@@ -89,7 +91,8 @@ impl SceneTally {
         for mode in &outcome.unstable {
             if let Some(residual) = mode.residual {
                 self.residuals += 1;
-                self.largest_residual = self.largest_residual.max(residual);
+                self.residuals_above += u64::from(residual.is_above);
+                self.largest_residual = self.largest_residual.max(residual.value);
             }
             if mode.names.len() != 1 {
                 self.ambiguous_modes += 1;
@@ -114,6 +117,7 @@ impl SceneTally {
         self.divergent += later.divergent;
         self.undecided += later.undecided;
         self.residuals += later.residuals;
+        self.residuals_above += later.residuals_above;
         self.largest_residual = self.largest_residual.max(later.largest_residual);
         self.tracked.merge(later.tracked);
         self.ranked.merge(later.ranked);

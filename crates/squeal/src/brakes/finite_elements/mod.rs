@@ -14,7 +14,7 @@ use num_complex::Complex;
 use super::LatticeSample;
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law};
-use crate::study::{Plan, Scene, UncertainBrake};
+use crate::study::{ModeResidual, Plan, Scene, UncertainBrake};
 
 /// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
 #[derive(Debug)]
@@ -109,8 +109,11 @@ impl UncertainBrake for FiniteElementBrake {
         at: &OperatingPoint,
         lambda: Complex<f64>,
         shape: &DVector<Complex<f64>>,
-    ) -> Result<Option<f64>, Error> {
+    ) -> Result<Option<ModeResidual>, Error> {
         let set = &self.sets[scene.key.constraints];
-        Ok(Some(set.reduction.reduced.residual(&self.full_point(scene, at), lambda, shape)?))
+        let value = set.reduction.reduced.residual(&self.full_point(scene, at), lambda, shape)?;
+        // One that is no number is above too.
+        let is_within = value <= self.case.reduction.residual;
+        Ok(Some(ModeResidual { value, is_above: !is_within }))
     }
 }
