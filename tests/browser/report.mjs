@@ -3,7 +3,7 @@
 //
 // node tests/browser/report.mjs FOLDER... [--pictures DIR]
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { basename, join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Browser } from './browser.mjs';
@@ -122,6 +122,20 @@ const shapes = async page => {
   }
 };
 
+// Marks of a root locus say the numbers of the tables, where there are such tables.
+const marks = async (page, folder) => {
+  assert.ok(await page.value("document.querySelector('#locus svg') !== null"));
+  const files = ['onsets.csv', 'coalescences.csv'].filter(name => existsSync(join(folder, name)));
+  const rows = files.flatMap(name => csv(readFileSync(join(folder, name), 'utf8')));
+  const labels = await page.value("[...document.querySelectorAll('#locus .mark[tabindex]')].map(mark => mark.getAttribute('aria-label'))");
+  // In each of three panels.
+  assert.equal(labels.length, 3 * rows.length);
+  for (const row of rows) {
+    const said = labels.filter(label => label.includes(`${row.frequency_hz} Hz`) && label.includes(row.mode));
+    assert.ok(said.length >= 3, `no mark says ${JSON.stringify(row)}`);
+  }
+};
+
 const theme = async page => {
   const background = 'getComputedStyle(document.body).backgroundColor';
   const seen = [await page.value(background)];
@@ -156,27 +170,23 @@ const check = async (browser, folder, pictures) => {
     await occurrence(page, folder);
     await shapes(page);
   } else {
-    assert.ok(await page.value("document.querySelector('#locus svg') !== null"));
+    await marks(page, folder);
   }
+  // As a reader finds it, at rest: the same picture each time.
+  const calm = await browser.open('about:blank');
+  await calm.view(900, 900, 'light', 'reduce');
+  await calm.start(url);
+  if (isStudy) assert.equal(await calm.value("document.getElementById('shape-play').textContent"), 'Play');
   for (const width of [400, 900, 1400]) {
     for (const scheme of ['light', 'dark']) {
-      await page.view(width, 900, scheme);
-      const wide = await page.value('document.documentElement.scrollWidth');
+      await calm.view(width, 900, scheme, 'reduce');
+      const wide = await calm.value('document.documentElement.scrollWidth');
       assert.ok(wide <= width, `${width} pixels: the page is ${wide} wide`);
-      if (pictures) {
-        await page.value('scrollTo(0, 0)');
-        writeFileSync(join(pictures, `${basename(resolve(folder))}-${width}-${scheme}.png`), await page.picture());
-      }
+      if (pictures) writeFileSync(join(pictures, `${basename(resolve(folder))}-${width}-${scheme}.png`), await calm.picture());
     }
   }
-  assert.deepEqual(page.complaints, []);
-  assert.deepEqual(page.requests.filter(request => request !== url && !request.startsWith('blob:')), []);
-  if (isStudy) {
-    const calm = await browser.open('about:blank');
-    await calm.view(900, 900, 'light', 'reduce');
-    await calm.start(url);
-    assert.equal(await calm.value("document.getElementById('shape-play').textContent"), 'Play');
-  }
+  assert.deepEqual([...page.complaints, ...calm.complaints], []);
+  assert.deepEqual([...page.requests, ...calm.requests].filter(request => request !== url && !request.startsWith('blob:')), []);
   console.log(`${folder}: the page shows what its tables say`);
 };
 

@@ -10,6 +10,7 @@ mod estimates;
 mod failures;
 mod memory;
 mod names;
+mod report_page;
 mod same_bytes;
 mod sizes;
 mod study_tables;

@@ -2,7 +2,7 @@
 
 use super::text::escaped;
 use crate::Error;
-use crate::report::findings::{Change, OpenCounts, SetFindings, drop_in_words, place};
+use crate::report::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place};
 use crate::report::results::Estimate;
 use crate::report::summary::hertz;
 use crate::report::{Results, set_letter};
@@ -16,7 +16,7 @@ pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
     for (set, found) in findings.iter().enumerate() {
         text += &format!("<li>{}</li>\n", squealing(results, set, found));
     }
-    text += "</ul>\n";
+    text += "</ul>\n<p>\u{201c}Most\u{201d} is more than half of the draws, and surely so: the lower limit is.</p>\n";
     text += &helps(results);
     text += &how_sure(results, &findings);
     text += "<h3>Every mode that is ever unstable</h3>\n";
@@ -28,21 +28,22 @@ pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
 
 /// One sentence on a set of constraints.
 fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> String {
-    let list = |wanted: &dyn Fn(&crate::report::findings::ModeRange<'_>) -> bool| {
+    let list = |wanted: &dyn Fn(&ModeRange<'_>) -> bool, range_in_words: &dyn Fn(&ModeRange<'_>) -> String| {
         let of = found.unstable.iter().filter(|(_, range)| wanted(range));
-        of.map(|(name, _)| mode_in_words(results, set, *name)).collect::<Vec<_>>().join(", ")
+        let words =
+            of.map(|(name, range)| format!("{}, {}", mode_in_words(results, set, *name), range_in_words(range)));
+        words.collect::<Vec<_>>().join("; ")
     };
-    let (everywhere, somewhere) =
-        (list(&|range| range.is_likely_everywhere()), list(&|range| range.is_likely_somewhere()));
+    let everywhere =
+        list(&|range| range.is_likely_everywhere(), &|range| format!("{} or more", with_limits(&range.least.0)));
+    let somewhere = list(&|range| range.is_likely_somewhere(), &|range| {
+        format!("up to {} with {}", with_limits(&range.most.0), escaped(&place(results, range.most.1)))
+    });
     let words = match (everywhere.as_str(), somewhere.as_str()) {
-        ("", "") => "no mode is unstable in more than half of the samples of any panel".to_owned(),
-        ("", some) => {
-            format!("{some}: unstable in more than half of the samples of some panels; no mode in all panels")
-        }
-        (all, "") => format!("{all}: unstable in more than half of the samples in every panel"),
-        (all, some) => {
-            format!("{all}: unstable in more than half of the samples in every panel; {some}: in some panels")
-        }
+        ("", "") => "no mode squeals in most of the draws, in no panel".to_owned(),
+        ("", some) => format!("no mode squeals in most of the draws in every panel; in some panels do {some}"),
+        (all, "") => format!("in most of the draws, in every panel, squeals {all}"),
+        (all, some) => format!("in most of the draws, in every panel, squeals {all}; in some panels {some}"),
     };
     format!("<strong>{}</strong>: {words}.", set_in_words(results, set))
 }

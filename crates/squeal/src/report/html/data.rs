@@ -16,7 +16,7 @@ use crate::study::{SceneLabels, origin_of_set};
 const MOST_SHAPE_NUMBERS: usize = 100_000;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 9] = [
+const TABLES: [(&str, &str); 8] = [
     ("modes.csv", "The modes of each set of constraints where they have their names"),
     ("panels.csv", "Unstable modes per analysis in each panel"),
     (
@@ -28,7 +28,6 @@ const TABLES: [(&str, &str); 9] = [
     ("family_work.csv", "The same work by family of forces"),
     ("estimates.csv", "Occurrences to the half width that was asked for, by the cheapest estimator"),
     ("failures.csv", "Draws and evaluations that failed"),
-    ("claims.csv", "What a publication claims, and what this study says of it"),
 ];
 
 /// All that the page of a study draws and lists. The tables are those in `dir`.

@@ -1,5 +1,5 @@
 // Modes that move: u(t) = Re(shape e^(i phase)).
-const VIEW = { width: 640, height: 400, margin: 60 };
+const VIEW = { width: 480, height: 360, margin: 45 };
 const TRAIL_POINTS = 36;
 const radians = degrees => (degrees * Math.PI) / 180;
 
@@ -75,7 +75,7 @@ const startShapes = () => {
       names[i].setAttribute('y', (y - 8).toFixed(1));
     });
   };
-  const units = { phase: '°', speed: ' cycles/s', size: ' ×', turn: '°', tilt: '°' };
+  const units = { phase: '°', speed: ' per s', size: ' ×', turn: '°', tilt: '°' };
   const setValues = () => {
     for (const [name, unit] of Object.entries(units)) byId(`shape-${name}-value`).textContent = `${value(name)}${unit}`;
   };
@@ -91,7 +91,7 @@ const startShapes = () => {
     byId('shape-largest').replaceChildren(...largest.map(({ name, dof, size }) => make('tr', {}, make('th', { scope: 'row' }, name),
       make('td', { class: 'number' }, size.toFixed(3)),
       make('td', { class: 'number' }, Math.round((Math.atan2(im[dof], re[dof]) * 180) / Math.PI)))));
-    const what = `Mode ${label} at ${hertz} Hz: most motion in ${largest[0].name}`;
+    const what = `Mode ${label} at ${hertz} Hz: most motion at ${largest[0].name}`;
     byId('shape-words').textContent = `${what}. Grey is at rest, thin orange lines are the paths. ` +
       (isSpatial ? 'x is along a row and the sliding, z away from the plate. Drag the picture to turn it.' : 'Every degree of freedom is drawn upwards, beside the others of its body.');
     picture.setAttribute('aria-label', `${what}, animated`);
