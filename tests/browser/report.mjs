@@ -156,6 +156,7 @@ const semantics = async page => {
     .filter(control => !control.closest('label') && !control.textContent.trim() && !control.getAttribute('aria-label')).map(control => control.outerHTML)`);
   assert.deepEqual(nameless, []);
   assert.equal(await page.value('document.documentElement.lang'), 'en');
+  assert.deepEqual(await page.value("[...document.querySelectorAll('[hidden]')].filter(part => part.getClientRects().length > 0).map(part => part.outerHTML)"), []);
 };
 
 const check = async (browser, folder, pictures) => {

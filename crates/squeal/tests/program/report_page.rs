@@ -10,7 +10,7 @@ use crate::common::{SMALL, replaced, results, run, squeal};
 /// The JSON element of a page: all between its tag and the first end of a script after it, as a browser has it.
 fn data(page: &str) -> Value {
     let start = "<script type=\"application/json\" id=\"data\">";
-    let (_, rest) = page.split_once(start).expect("no data");
+    let (_, rest) = page.split_once(start).unwrap();
     let (json, _) = rest.split_once("</script").unwrap();
     serde_json::from_str(json).unwrap()
 }

@@ -92,9 +92,9 @@ fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
     );
     if quiet > 0 {
         text += &format!(
-            "<li>{quiet} modes were unstable in no draw; each of them is unstable in at most {} of the draws of an arrangement \
-             (95 %).</li>\n",
-            percent(upper)
+            "<li>Modes that were unstable in no draw: {quiet}. Each of them is unstable in at most {:.2}\u{a0}% of the draws of an \
+             arrangement (95\u{a0}%).</li>\n",
+            100.0 * upper
         );
     }
     text += &format!(
@@ -141,8 +141,10 @@ fn mode_in_words(results: &Results<'_>, set: usize, name: ModeLabel) -> String {
 
 fn set_in_words(results: &Results<'_>, set: usize) -> String {
     let sets = &results.plan().labels.constraints;
-    let letter = if sets.len() == 1 { String::new() } else { format!(" {}", set_letter(set)) };
-    format!("set{letter}, constraints \u{201c}{}\u{201d}", escaped(&sets[set]))
+    match sets.len() {
+        1 => format!("Constraints \u{201c}{}\u{201d}", escaped(&sets[set])),
+        _ => format!("Set {}, \u{201c}{}\u{201d}", set_letter(set), escaped(&sets[set])),
+    }
 }
 
 /// A part of the samples in percent.

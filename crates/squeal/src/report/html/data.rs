@@ -106,14 +106,14 @@ fn shapes(results: &Results<'_>) -> Result<Vec<Value>, Error> {
     for constraints in 0..plan.labels.constraints.len() {
         let findings = crate::report::findings::SetFindings::new(results, constraints)?;
         for (name, mode) in results.modes_of_set(constraints) {
-            let is_unstable = findings.range(name).is_some_and(|range| range.is_ever_unstable);
-            listed.push((!is_unstable, constraints, name, mode));
+            let place = findings.unstable.iter().position(|(other, _)| *other == name);
+            listed.push((place.is_none(), constraints, place, name, mode));
         }
     }
-    listed.sort_by_key(|&(is_stable, constraints, name, _)| (is_stable, constraints, name));
+    listed.sort_by_key(|&(is_stable, constraints, place, name, _)| (is_stable, constraints, place, name));
     let mut room = MOST_SHAPE_NUMBERS;
     let mut shapes = Vec::new();
-    for (is_stable, constraints, name, mode) in listed {
+    for (is_stable, constraints, _, name, mode) in listed {
         let Some(origin) = origin_of_set(plan, constraints) else { continue };
         let dofs = &plan.origins[origin].brake.dofs;
         let order = dofs.free().iter().max().map_or(0, |last| last + 1);
@@ -137,7 +137,7 @@ fn shapes(results: &Results<'_>) -> Result<Vec<Value>, Error> {
             "im": full.iter().map(|u| part(u.im)).collect::<Vec<_>>(),
         }));
     }
-    // In the order of the sets and modes again.
+    // Set by set, in each the most robust first.
     shapes.sort_by_key(|shape| shape["set"].as_u64());
     Ok(shapes)
 }

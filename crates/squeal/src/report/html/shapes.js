@@ -1,5 +1,5 @@
 // Modes that move: u(t) = Re(shape e^(i phase)).
-const VIEW = { width: 480, height: 360, margin: 45 };
+const VIEW = { width: 480, height: 400, margin: 15 };
 const TRAIL_POINTS = 36;
 const radians = degrees => (degrees * Math.PI) / 180;
 
@@ -25,9 +25,7 @@ const startShapes = () => {
   const reach = Math.max(0.5, ...points.map(({ at }) => Math.hypot(...at.map((x, axis) => x - middle[axis]))));
   // Two neighbours are one unit apart; of a row of many, motion must be seen all the same.
   const amplitude = isSpatial ? 0.45 : 0.3 * reach;
-  const zoom = isSpatial
-    ? Math.min(VIEW.width / 2 - VIEW.margin, VIEW.height / 2 - VIEW.margin + 30) / reach
-    : (VIEW.width / 2 - VIEW.margin) / reach;
+  const zoom = isSpatial ? (VIEW.height / 2 - VIEW.margin) / reach : (VIEW.width / 2 - 4 * VIEW.margin) / reach;
   const onScreen = ([x, y, z]) => {
     const [turn, tilt] = isSpatial ? [radians(value('turn')), radians(value('tilt'))] : [0, 0];
     const [a, b, c] = [x - middle[0], y - middle[1], z - middle[2]];
