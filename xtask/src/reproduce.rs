@@ -7,7 +7,7 @@ use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
 use squeal::commands::override_run;
 use squeal::output::{note, say, write};
-use squeal::report::{Claim, Holds, Manifest, claims, claims_markdown, draw_paper};
+use squeal::report::{Claim, Geometry, Holds, Manifest, claims, claims_markdown, draw_paper, write_page};
 
 /// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
@@ -57,6 +57,8 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         draw_paper(results, &brake, dir)?;
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
+        let grid = brake.case.lattice.grid;
+        write_page(results, &Geometry::lattice(grid.rows(), grid.columns()), dir)?;
         cards.push(Scorecard { reading: "default".into(), choice: "the case's own".into(), claims: own });
         // An alternative that only renames modes needs no further run.
         for alternative in &case.alternatives {

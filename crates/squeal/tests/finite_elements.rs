@@ -1,4 +1,6 @@
-//! The shipped finite element brake: its modes against SciPy's, unreduced and reduced, and its study.
+//! The shipped finite element brake: its modes against SciPy's, unreduced and reduced.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ use super::options::{number, override_run, threads, whole_number};
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
 use crate::output::printable;
-use crate::report::{Claim, Estimates, Results, claims, claims_markdown, draw_occurrence};
+use crate::report::{Claim, Estimates, Geometry, Results, claims, claims_markdown, draw_occurrence, write_page};
 use crate::run::bar;
 use crate::study::UncertainBrake;
 use crate::{Error, run_study};
@@ -52,18 +52,21 @@ impl RunArgs {
                 let case_half_width = case.half_width;
                 let brake = LatticeBrake::new(*case)?;
                 let half_width = self.half_width.or(case_half_width);
-                self.run_brake(&brake, half_width, &|results| claims(results, &brake), out)
+                let grid = brake.case.lattice.grid;
+                let geometry = Geometry::lattice(grid.rows(), grid.columns());
+                self.run_brake(&brake, &geometry, half_width, &|results| claims(results, &brake), out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
-                self.run_brake(&MatricesBrake::new(*case)?, half_width, &|_| Ok(Vec::new()), out)
+                let brake = MatricesBrake::new(*case)?;
+                self.run_brake(&brake, &Geometry::bodies(brake.plan()), half_width, &|_| Ok(Vec::new()), out)
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
-                self.run_brake(&brake, half_width, &|_| Ok(Vec::new()), out)
+                self.run_brake(&brake, &Geometry::none(), half_width, &|_| Ok(Vec::new()), out)
             }
         }
     }
@@ -81,6 +84,7 @@ impl RunArgs {
     fn run_brake<B: UncertainBrake>(
         &self,
         brake: &B,
+        geometry: &Geometry,
         half_width: Option<f64>,
         claims: &(dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
         out: &mut dyn Write,
@@ -98,6 +102,8 @@ impl RunArgs {
             if let Some(half_width) = half_width {
                 estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
+            // Last: it shows the tables.
+            write_page(results, geometry, dir)?;
             most_failed = self.most_failed(results);
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;

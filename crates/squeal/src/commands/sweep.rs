@@ -13,6 +13,7 @@ use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};
 use crate::folder::RunFolder;
 use crate::output::printable;
+use crate::report::write_sweep_page;
 use crate::run::{bar, workers};
 use crate::study::{Plan, Study, UncertainBrake};
 use crate::sweep::{Found, Over, stability_map, sweep};
@@ -116,7 +117,9 @@ impl SweepArgs {
             folder.publish(|stage| {
                 found.write_tables(stage)?;
                 let title = format!("Sweep over {}", named.join(" and "));
-                Ok(found.figure(&title, &scene)?.save_pictures(stage, "sweep")?)
+                let figure = found.figure(&title, &scene)?;
+                figure.save_pictures(stage, "sweep")?;
+                write_sweep_page(plan, &found, &figure, &scene, stage)
             })?;
             let manifest = manifest(plan, &named, &found, self.threads, seconds);
             folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;

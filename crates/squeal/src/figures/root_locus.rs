@@ -154,7 +154,7 @@ impl Panel {
         }
         frame(canvas, area);
         for mark in &data.marks {
-            symbol(canvas, place(&mark.at), mark.event);
+            canvas.group("mark", mark.title(&data.parameter), |canvas| symbol(canvas, place(&mark.at), mark.event));
         }
         // Onsets at the axis of growth are beside each other: their names stand on several levels.
         if self.y == 2 {
@@ -191,6 +191,19 @@ impl RootLocusFigure {
     fn part(&self, value: f64) -> f64 {
         let [from, to] = self.range;
         if self.is_logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
+    }
+}
+
+impl LocusMark {
+    /// What happens there, with its numbers.
+    fn title(&self, parameter: &str) -> String {
+        let Self { event, mode, at: [at, frequency, growth] } = self;
+        let what = match event {
+            LocusEvent::Starts => format!("mode {mode} starts to grow"),
+            LocusEvent::Stops => format!("mode {mode} stops growing"),
+            LocusEvent::Coalescence => format!("modes {mode} coalesce, or nearly, with growth {growth} 1/s"),
+        };
+        format!("{what} at {parameter} = {at}, {frequency} Hz")
     }
 }
 

@@ -3,6 +3,9 @@
 #[cfg(feature = "case-files")]
 mod claims;
 mod estimates;
+mod findings;
+#[cfg(feature = "figures")]
+mod html;
 mod manifest;
 mod modes;
 #[cfg(feature = "case-files")]
@@ -19,6 +22,10 @@ mod tables;
 #[cfg(feature = "case-files")]
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
+#[cfg(feature = "program")]
+pub(crate) use html::write_sweep_page;
+#[cfg(feature = "figures")]
+pub use html::{Geometry, write_page};
 pub use manifest::{Manifest, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]

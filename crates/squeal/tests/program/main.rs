@@ -11,6 +11,7 @@ mod failures;
 mod memory;
 mod names;
 mod rectangle;
+mod report_page;
 mod same_bytes;
 mod sizes;
 mod study_tables;

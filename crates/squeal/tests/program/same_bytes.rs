@@ -14,7 +14,9 @@ fn threads_and_a_second_run_change_nothing() {
     run(&case, &one, &["--threads", "1"]);
     run(&case, &two, &["--threads", "2"]);
     let first = results(&one);
-    for name in ["occurrence.csv", "panels.csv", "net_work.csv", "failures.csv", "occurrence-none-lugre.svg"] {
+    for name in
+        ["occurrence.csv", "panels.csv", "net_work.csv", "failures.csv", "occurrence-none-lugre.svg", "report.html"]
+    {
         assert!(first.contains_key(name), "{name} is missing from {:?}", first.keys());
     }
     assert_same(&first, &results(&two));

@@ -1,0 +1,171 @@
+//! What a study has found about each mode and each set of constraints: the numbers behind `summary.md` and `report.html`.
+
+use montecarlo::Confidence;
+use std::collections::BTreeMap;
+
+use super::Results;
+use super::results::Estimate;
+use crate::Error;
+use crate::study::{ComparisonKind, ModeLabel, Panel, SceneTally};
+
+/// A mode that is unstable in more than this part of the samples is called likely; chosen.
+const LIKELY: f64 = 0.5;
+
+/// The occurrences of a mode over all panels of a set of constraints.
+pub(super) struct ModeRange<'a> {
+    /// The smallest median over the arrangements of a panel, and the largest.
+    pub least: (Estimate, &'a Panel),
+    pub most: (Estimate, &'a Panel),
+    /// Whether it is unstable, or may be, in any sample.
+    pub is_ever_unstable: bool,
+    /// In the arrangement where it is unstable most often.
+    pub largest: Estimate,
+}
+
+impl ModeRange<'_> {
+    /// Whether it surely is likely in every panel.
+    pub fn is_likely_everywhere(&self) -> bool {
+        self.least.0.lower > LIKELY
+    }
+
+    /// Whether it surely is likely in some panels and not, or not surely, in others.
+    pub fn is_likely_somewhere(&self) -> bool {
+        self.most.0.lower > LIKELY && !self.is_likely_everywhere()
+    }
+}
+
+/// The modes of a set of constraints.
+pub(super) struct SetFindings<'a> {
+    /// Those that are ever unstable, the most robust first.
+    pub unstable: Vec<(ModeLabel, ModeRange<'a>)>,
+    /// Those that are unstable in no sample.
+    pub stable: Vec<(ModeLabel, ModeRange<'a>)>,
+    /// In how many samples of an arrangement each of these is unstable at most, 95 %.
+    pub stable_upper: f64,
+}
+
+impl<'a> SetFindings<'a> {
+    /// What the samples say of the modes of a set.
+    pub fn new(results: &'a Results<'_>, constraints: usize) -> Result<Self, Error> {
+        let ranges = mode_ranges(results, constraints)?;
+        let (mut unstable, stable): (Vec<_>, Vec<_>) =
+            ranges.into_iter().partition(|(_, range)| range.is_ever_unstable);
+        unstable.sort_by(|(_, a), (_, b)| {
+            let key =
+                |range: &ModeRange<'_>| [range.least.0, range.most.0, range.largest].map(|e| (e.value * 1e9) as u64);
+            key(b).cmp(&key(a))
+        });
+        let stable_upper = stable.iter().map(|(_, range)| range.largest.upper).fold(0.0, f64::max);
+        Ok(Self { unstable, stable, stable_upper })
+    }
+
+    /// The occurrences of a mode.
+    pub fn range(&self, name: ModeLabel) -> Option<&ModeRange<'a>> {
+        self.unstable.iter().chain(&self.stable).find(|(other, _)| *other == name).map(|(_, range)| range)
+    }
+}
+
+fn mode_ranges<'a>(results: &'a Results<'_>, constraints: usize) -> Result<BTreeMap<ModeLabel, ModeRange<'a>>, Error> {
+    let mut modes = BTreeMap::new();
+    let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
+    for panel in results.panels().iter().filter(|panel| panel.key.constraints == constraints) {
+        for (name, occurrences) in results.all_occurrences(panel) {
+            let median = results.median(&occurrences)?;
+            let first =
+                || ModeRange { least: (median, panel), most: (median, panel), is_ever_unstable: false, largest: none };
+            let range = modes.entry(name).or_insert_with(first);
+            let order = |e: &Estimate| [e.value, e.upper];
+            if order(&median) < order(&range.least.0) {
+                range.least = (median, panel);
+            }
+            if order(&median) > order(&range.most.0) {
+                range.most = (median, panel);
+            }
+            for occurrence in &occurrences {
+                range.is_ever_unstable |= occurrence.proportion.hits() + occurrence.proportion.ambiguous() > 0;
+                let estimate = occurrence.estimate();
+                if order(&estimate) > order(&range.largest) {
+                    range.largest = estimate;
+                }
+            }
+        }
+    }
+    Ok(modes)
+}
+
+/// By how much a set of constraints changes the number of unstable modes per analysis, panel by panel, against the first set on
+/// the same samples.
+pub(super) struct Change<'a> {
+    /// Panels compared.
+    pub panels: usize,
+    /// Panels with surely fewer unstable modes, and with surely more.
+    pub fewer: usize,
+    pub more: usize,
+    /// The smallest and the largest drop.
+    pub least: (&'a Panel, Estimate),
+    pub most: (&'a Panel, Estimate),
+}
+
+impl<'a> Change<'a> {
+    /// `None` where there is nothing to compare.
+    pub fn new(results: &'a Results<'_>, constraints: usize) -> Option<Self> {
+        let of_set = results
+            .differences(ComparisonKind::Constraints, Confidence::P95)
+            .filter(|(_, set, _)| set.key.constraints == constraints);
+        let differences: Vec<(&Panel, Estimate)> = of_set.filter_map(|(_, set, d)| Some((set, d?))).collect();
+        let by_value = |a: &&(&Panel, Estimate), b: &&(&Panel, Estimate)| a.1.value.total_cmp(&b.1.value);
+        Some(Self {
+            panels: differences.len(),
+            fewer: differences.iter().filter(|(_, d)| d.lower > 0.0).count(),
+            more: differences.iter().filter(|(_, d)| d.upper < 0.0).count(),
+            least: *differences.iter().min_by(by_value)?,
+            most: *differences.iter().max_by(by_value)?,
+        })
+    }
+}
+
+/// A drop in words, with its limits: how many fewer or more.
+pub(super) fn drop_in_words(d: &Estimate) -> String {
+    let word = if d.value < 0.0 { "more" } else { "fewer" };
+    let limits = if d.value < 0.0 { [-d.upper, -d.lower] } else { [d.lower, d.upper] };
+    format!("{:.3} {word} ({:.3} to {:.3})", d.value.abs(), limits[0], limits[1])
+}
+
+/// What the samples leave open.
+pub(super) struct OpenCounts {
+    /// Unstable modes found, and those of them whose name is open.
+    pub unstable_modes: u64,
+    pub ambiguous_modes: u64,
+    /// Verdicts that count as stable.
+    pub undecided: u64,
+    /// Draws or evaluations that failed.
+    pub failures: u64,
+}
+
+impl OpenCounts {
+    pub fn new(results: &Results<'_>) -> Self {
+        let sum = |of: fn(&SceneTally) -> u64| results.summary.tally.scenes.iter().map(of).sum::<u64>();
+        Self {
+            unstable_modes: sum(|tally| tally.unstable_modes),
+            ambiguous_modes: sum(|tally| tally.ambiguous_modes),
+            undecided: sum(|tally| tally.undecided),
+            failures: results.summary.failures.total(),
+        }
+    }
+}
+
+/// Law, number in contact and speed of a panel.
+pub(super) fn place(results: &Results<'_>, panel: &Panel) -> String {
+    let labels = &results.plan().labels;
+    let mut place = labels.laws[panel.key.law].name.clone();
+    match labels.panels[panel.key.panel].in_contact {
+        0 => {}
+        number => place += &format!(", {number} in contact"),
+    }
+    match panel.key.speed {
+        _ if labels.speeds.is_empty() => {}
+        None => place += ", any speed",
+        Some(range) => place += &format!(", {} speed", labels.speeds[range].name),
+    }
+    place
+}

@@ -1,0 +1,143 @@
+//! The numbers of a study for the script of its page.
+
+use std::path::Path;
+
+use num_complex::Complex;
+use serde_json::{Value, json};
+
+use super::Geometry;
+use super::tables::Table;
+use crate::Error;
+use crate::report::Results;
+use crate::report::summary::hertz;
+use crate::study::{SceneLabels, origin_of_set};
+
+/// Numbers of shapes in a page, at most; chosen: about a megabyte. Modes that are ever unstable come first.
+const MOST_SHAPE_NUMBERS: usize = 100_000;
+
+/// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
+const TABLES: [(&str, &str); 8] = [
+    ("modes.csv", "The modes of each set of constraints where they have their names"),
+    ("panels.csv", "Unstable modes per analysis in each panel"),
+    (
+        "differences.csv",
+        "Differences of two panels on the same samples: positive where the second has fewer unstable modes",
+    ),
+    ("links.csv", "Which mode of a set of constraints is which of one that holds more"),
+    ("net_work.csv", "Net work of friction and damping on each body in unstable modes, per cycle and mass of the mode"),
+    ("family_work.csv", "The same work by family of forces"),
+    ("estimates.csv", "Occurrences to the half width that was asked for, by the cheapest estimator"),
+    ("failures.csv", "Draws and evaluations that failed"),
+];
+
+/// All that the page of a study draws and lists. The tables are those in `dir`.
+pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry, dir: &Path) -> Result<Value, Error> {
+    let labels = &results.plan().labels;
+    let mut tables = vec![by_panel(results)?];
+    if let Some(table) = Table::read(dir, "occurrence.csv")? {
+        let about = "How often each mode is unstable in each arrangement";
+        let key = SceneLabels::MODE_COLUMNS.len() - 2;
+        let grouped = table.grouped_json("occurrence.csv", about, key);
+        tables.push(grouped.unwrap_or_else(|| table.json("occurrence.csv", about)));
+    }
+    for (name, about) in TABLES {
+        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
+            tables.push(table.json(name, about));
+        }
+    }
+    let titles: Vec<&str> = labels.laws.iter().map(|law| law.title.as_str()).collect();
+    let speeds: Vec<[&str; 2]> = labels.speeds.iter().map(|speed| [&*speed.name, &*speed.description]).collect();
+    Ok(json!({
+        "sets": labels.constraints,
+        "laws": labels.laws.iter().map(|law| &law.name).collect::<Vec<_>>(),
+        "law_titles": titles,
+        "speeds": speeds,
+        "tables": tables,
+        "geometry": geometry,
+        "shapes": shapes(results)?,
+    }))
+}
+
+/// The occurrence of every mode in every panel, as the figure shows it.
+fn by_panel(results: &Results<'_>) -> Result<Value, Error> {
+    let labels = &results.plan().labels;
+    let mut rows = Vec::new();
+    for panel in results.panels() {
+        let set = panel.key.constraints;
+        for (name, occurrences) in results.all_occurrences(panel) {
+            let median = results.median(&occurrences)?;
+            let values = || occurrences.iter().map(|occurrence| occurrence.estimate().value);
+            let counted: u64 = occurrences.iter().map(|o| o.proportion.hits() + o.proportion.ambiguous()).sum();
+            let mut row = labels.key_columns(panel.key).to_vec();
+            row.push(labels.panels[panel.key.panel].in_contact.to_string());
+            row.push(results.mode_label(set, name));
+            row.push(results.frequency(set, name).map_or(String::new(), |hertz| hertz.to_string()));
+            row.extend([median.value, median.lower, median.upper].map(|x| x.to_string()));
+            row.extend([values().fold(1.0, f64::min), values().fold(0.0, f64::max)].map(|x| x.to_string()));
+            row.push(panel.arrangements.to_string());
+            row.push(if counted > 0 { "yes" } else { "no" }.into());
+            rows.push(row);
+        }
+    }
+    let header = [
+        "constraints",
+        "law",
+        "speed",
+        "in_contact",
+        "mode",
+        "frequency_hz",
+        "median_occurrence",
+        "lower",
+        "upper",
+        "least_of_arrangements",
+        "largest_of_arrangements",
+        "arrangements",
+        "ever_unstable",
+    ];
+    let table = Table { header: header.map(str::to_owned).to_vec(), rows };
+    Ok(table
+        .json("occurrence_by_panel.csv", "The figure above: each mode in each panel, the median over its arrangements"))
+}
+
+/// The shapes of modes where they have their names, over all degrees of freedom; those that are held do not move.
+fn shapes(results: &Results<'_>) -> Result<Vec<Value>, Error> {
+    let plan = results.plan();
+    let mut listed = Vec::new();
+    for constraints in 0..plan.labels.constraints.len() {
+        let findings = crate::report::findings::SetFindings::new(results, constraints)?;
+        for (name, mode) in results.modes_of_set(constraints) {
+            let place = findings.unstable.iter().position(|(other, _)| *other == name);
+            listed.push((place.is_none(), constraints, place, name, mode));
+        }
+    }
+    listed.sort_by_key(|&(is_stable, constraints, place, name, _)| (is_stable, constraints, place, name));
+    let mut room = MOST_SHAPE_NUMBERS;
+    let mut shapes = Vec::new();
+    for (is_stable, constraints, _, name, mode) in listed {
+        let Some(origin) = origin_of_set(plan, constraints) else { continue };
+        let dofs = &plan.origins[origin].brake.dofs;
+        let order = dofs.free().iter().max().map_or(0, |last| last + 1);
+        if 2 * order > room {
+            break;
+        }
+        room -= 2 * order;
+        let mut full = vec![Complex::new(0.0, 0.0); order];
+        for (&dof, &u) in dofs.free().iter().zip(mode.shape.iter()) {
+            full[dof] = u;
+        }
+        let largest = full.iter().fold(f64::MIN_POSITIVE, |most, u| most.max(u.norm()));
+        // Four decimals are finer than a screen.
+        let part = |x: f64| (1e4 * x / largest).round() / 1e4 + 0.0;
+        shapes.push(json!({
+            "set": constraints,
+            "label": results.mode_label(constraints, name),
+            "hertz": hertz(cea::frequency_hz(mode.lambda)),
+            "is_unstable": !is_stable,
+            "re": full.iter().map(|u| part(u.re)).collect::<Vec<_>>(),
+            "im": full.iter().map(|u| part(u.im)).collect::<Vec<_>>(),
+        }));
+    }
+    // Set by set, in each the most robust first.
+    shapes.sort_by_key(|shape| shape["set"].as_u64());
+    Ok(shapes)
+}

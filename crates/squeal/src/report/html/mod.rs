@@ -1,0 +1,46 @@
+//! `report.html`: one file that a person reads in a browser, without a network.
+//!
+//! The page says the answer in words, then shows it: figures whose points tell their numbers, modes that move, tables that sort
+//! and can be saved, and at the end everything from which the results came. Its numbers are those of the tables that stand beside
+//! it: they are read from these files. Words and facts are in the document itself and need no script; figures and tables are made
+//! by `*.js` from one JSON element.
+//!
+//! The content security policy allows the page's own style and script, by their hashes, and nothing else.
+
+mod answer;
+mod data;
+mod facts;
+mod geometry;
+mod page;
+#[cfg(feature = "program")]
+mod sweep;
+mod tables;
+mod text;
+
+pub use geometry::Geometry;
+#[cfg(feature = "program")]
+pub(crate) use sweep::write_sweep_page;
+
+use std::path::Path;
+
+use self::page::Page;
+use super::Results;
+use crate::Error;
+
+/// The page of a study or sweep, in the folder of its other results.
+const FILE: &str = "report.html";
+
+/// Writes `report.html` into `dir`, in which the tables of the same results stand already.
+///
+/// # Errors
+/// A table that cannot be read, a file that cannot be written.
+pub fn write_page(results: &Results<'_>, geometry: &Geometry, dir: &Path) -> Result<(), Error> {
+    let page = Page {
+        title: results.plan().name.clone(),
+        answer: answer::answer(results)?,
+        figures: include_str!("study.html").into(),
+        facts: facts::of_study(results),
+        data: data::of_study(results, geometry, dir)?,
+    };
+    page.write(&dir.join(FILE))
+}

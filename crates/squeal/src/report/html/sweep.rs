@@ -1,0 +1,75 @@
+//! The page of a sweep.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::FILE;
+use super::facts::{case, described, program};
+use super::page::Page;
+use super::tables::Table;
+use super::text::{escaped, filled};
+use crate::figures::Figure;
+use crate::study::Plan;
+use crate::sweep::{Evaluations, Found};
+use crate::{Error, fingerprint};
+
+/// The tables of a sweep, and what they are about.
+const TABLES: [(&str, &str); 5] = [
+    ("onsets.csv", "Where modes start and stop growing"),
+    ("coalescences.csv", "Where two modes meet, or come nearest to each other"),
+    ("branches.csv", "The branches at the points where they were computed"),
+    ("boundary.csv", "The boundary: where a mode neither grows nor decays"),
+    ("regions.csv", "How many modes are unstable in each region, and its share of the map"),
+];
+
+/// Writes `report.html` into `dir`, in which the tables of the same sweep stand already; `scene` says what was swept.
+///
+/// # Errors
+/// A table that cannot be read, a file that cannot be written.
+pub(crate) fn write_sweep_page(
+    plan: &Plan,
+    found: &Found,
+    figure: &Figure,
+    scene: &str,
+    dir: &Path,
+) -> Result<(), Error> {
+    let mut tables = Vec::new();
+    for (name, about) in TABLES {
+        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
+            tables.push(table.json(name, about));
+        }
+    }
+    let names: Vec<&str> = found.parameters().iter().map(|parameter| parameter.name.as_str()).collect();
+    let what = match found {
+        Found::Branches(_) => "root locus",
+        Found::Map(_) => "stability map",
+    };
+    let title = format!("{}: {what} over {}", plan.name, names.join(" and "));
+    let answer = format!(
+        "<p>{}</p>\n<pre tabindex=\"0\" aria-label=\"What the sweep found\">{}</pre>\n",
+        escaped(scene),
+        escaped(&found.text())
+    );
+    let Evaluations { spectra, eigenvectors, continued } = found.evaluations();
+    let counts = [
+        ("Spectra", spectra.to_string()),
+        ("Eigenvectors", eigenvectors.to_string()),
+        ("Eigenvalues continued", continued.to_string()),
+        ("Spectra of a grid of equal steps that is as fine", found.fine_grid().to_string()),
+    ];
+    let sha256 = plan.source_file.as_ref().map(|file| fingerprint(&file.text));
+    let page = Page {
+        title,
+        answer,
+        figures: filled(include_str!("sweep.html"), &[("figure", &figure.svg())]),
+        facts: format!(
+            "<p>Linear about steady sliding; one parameter or two are moved, all others are at their medians.</p>\n<h3>Counts</h3>\n{}{}{}",
+            described(&counts),
+            program(),
+            case(plan.source_file.as_ref(), sha256.as_deref())
+        ),
+        data: json!({ "tables": tables }),
+    };
+    page.write(&dir.join(FILE))
+}

@@ -1,0 +1,101 @@
+// Tables: rows that can be sorted, searched and saved as the CSV file that they came from.
+const ROWS_SHOWN = 50;
+
+// The rows of a table; neighbours that are alike are stored once.
+const rowsOf = table => {
+  if (!table.rows) {
+    table.rows = table.groups.flatMap(({ key, inner, outer, places }) =>
+      places.map((place, i) => [...key, inner[i % inner.length], outer[Math.floor(i / inner.length)], ...table.values[place]]));
+  }
+  return table.rows;
+};
+
+const quoted = cell => (/[",\n\r]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+const csvOf = table => [table.header, ...rowsOf(table)].map(row => `${row.map(quoted).join(',')}\n`).join('');
+
+const isNumber = cell => cell !== '' && Number.isFinite(Number(cell));
+// Numbers by value before all words, words with the numbers in them by value: A2 before A10.
+const words = new Intl.Collator('en', { numeric: true });
+const order = (a, b) => {
+  const [x, y] = [isNumber(a), isNumber(b)];
+  return x && y ? Number(a) - Number(b) : x !== y ? (x ? -1 : 1) : words.compare(a, b);
+};
+
+const save = (name, text) => {
+  const url = URL.createObjectURL(new Blob([text], { type: 'text/csv' }));
+  make('a', { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
+};
+
+// The direction in which a click sorts next, kept in the header cell; the others forget theirs.
+const nextDirection = head => {
+  const direction = head.getAttribute('aria-sort') === 'ascending' ? 'descending' : 'ascending';
+  for (const other of head.parentElement.children) {
+    other.removeAttribute('aria-sort');
+  }
+  head.setAttribute('aria-sort', direction);
+  return direction === 'ascending' ? 1 : -1;
+};
+const sortButton = (head, text, sort) => {
+  const button = make('button', { type: 'button' }, text);
+  button.addEventListener('click', () => sort(nextDirection(head)));
+  head.replaceChildren(button);
+};
+
+// A table that stands in the document.
+const makeSortable = table => {
+  const body = table.tBodies[0];
+  [...table.tHead.rows[0].cells].forEach((head, column) => {
+    const value = row => row.cells[column].dataset.value ?? row.cells[column].textContent;
+    sortButton(head, head.textContent, sign =>
+      body.append(...[...body.rows].sort((a, b) => sign * order(value(a), value(b)))));
+  });
+};
+
+const startTables = () => {
+  const [choice, filter, shown] = [byId('table-choice'), byId('table-filter'), byId('table')];
+  let [table, rows, first] = [data.tables[0], [], 0];
+  fill(choice, data.tables.map((one, i) => [i, one.name]));
+
+  const show = () => {
+    const page = rows.slice(first, first + ROWS_SHOWN);
+    const cell = text => make('td', isNumber(text) ? { class: 'number' } : {}, text);
+    shown.tBodies[0].replaceChildren(...page.map(row => make('tr', {}, ...row.map(cell))));
+    const last = first + page.length;
+    byId('table-rows').textContent = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
+    byId('table-back').disabled = first === 0;
+    byId('table-on').disabled = last >= rows.length;
+  };
+  const select = () => {
+    const wanted = filter.value.trim().toLowerCase();
+    rows = rowsOf(table).filter(row => row.some(cell => cell.toLowerCase().includes(wanted)));
+    first = 0;
+  };
+  const begin = () => {
+    table = data.tables[choice.value];
+    byId('table-about').textContent = `${table.about}.`;
+    select();
+    const heads = table.header.map((text, column) => {
+      const head = make('th', { scope: 'col' });
+      if (rows.length && isNumber(rows[0][column])) head.className = 'number';
+      sortButton(head, text, sign => {
+        rows = [...rows].sort((a, b) => sign * order(a[column], b[column]));
+        first = 0;
+        show();
+      });
+      return head;
+    });
+    shown.tHead.replaceChildren(make('tr', {}, ...heads));
+    show();
+  };
+  choice.addEventListener('change', begin);
+  filter.addEventListener('input', () => {
+    for (const head of shown.tHead.rows[0].cells) head.removeAttribute('aria-sort');
+    select();
+    show();
+  });
+  byId('table-save').addEventListener('click', () => save(table.name, csvOf(table)));
+  byId('table-back').addEventListener('click', () => { first -= ROWS_SHOWN; show(); });
+  byId('table-on').addEventListener('click', () => { first += ROWS_SHOWN; show(); });
+  begin();
+};

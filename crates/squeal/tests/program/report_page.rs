@@ -1,0 +1,179 @@
+//! `report.html`: what its data are, whatever a study is called. What a browser makes of it is tested in `tests/browser`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::{SMALL, replaced, results, run, squeal};
+
+/// The JSON element of a page: all between its tag and the first end of a script after it, as a browser has it.
+fn data(page: &str) -> Value {
+    let start = "<script type=\"application/json\" id=\"data\">";
+    let (_, rest) = page.split_once(start).unwrap();
+    let (json, _) = rest.split_once("</script").unwrap();
+    serde_json::from_str(json).unwrap()
+}
+
+fn strings(list: &Value) -> Vec<String> {
+    list.as_array().unwrap().iter().map(|cell| cell.as_str().unwrap().to_owned()).collect()
+}
+
+/// The rows of a table of a page, as its script lists them.
+fn rows(table: &Value) -> Vec<Vec<String>> {
+    if let Some(rows) = table["rows"].as_array() {
+        return rows.iter().map(strings).collect();
+    }
+    let mut rows = Vec::new();
+    for group in table["groups"].as_array().unwrap() {
+        let (inner, outer) = (strings(&group["inner"]), strings(&group["outer"]));
+        for (i, place) in group["places"].as_array().unwrap().iter().enumerate() {
+            let own = strings(&table["values"][place.as_u64().unwrap() as usize]);
+            let names = vec![inner[i % inner.len()].clone(), outer[i / inner.len()].clone()];
+            rows.push([strings(&group["key"]), names, own].concat());
+        }
+    }
+    rows
+}
+
+fn csv_of(bytes: &[u8]) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::Reader::from_reader(bytes);
+    let cells = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+    let header = cells(reader.headers().unwrap());
+    (header, reader.records().map(|record| cells(&record.unwrap())).collect())
+}
+
+/// Runs a case and gives its files.
+fn files_of(text: &str, options: &[&str]) -> BTreeMap<String, Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, dir) = (folder.path().join("brake.toml"), folder.path().join("out"));
+    std::fs::write(&case, text).unwrap();
+    run(&case, &dir, options);
+    results(&dir)
+}
+
+/// Asserts that every table of a page is that of the file beside it; returns their names.
+fn assert_tables_are_files(data: &Value, files: &BTreeMap<String, Vec<u8>>) -> Vec<String> {
+    let mut names = Vec::new();
+    for table in data["tables"].as_array().unwrap() {
+        let name = table["name"].as_str().unwrap();
+        names.push(name.to_owned());
+        if name != "occurrence_by_panel.csv" {
+            let (header, expected) = csv_of(&files[name]);
+            assert_eq!(strings(&table["header"]), header, "{name}");
+            assert!(rows(table) == expected, "{name}");
+        }
+    }
+    names
+}
+
+#[test]
+fn the_page_has_the_numbers_of_the_tables() {
+    let files = files_of(SMALL, &["--half-width", "0.02"]);
+    let page = String::from_utf8(files["report.html"].clone()).unwrap();
+    // Script and style are some 30 kB, the rest grows with the tables.
+    assert!(page.len() < 300_000, "{} bytes", page.len());
+    let data = data(&page);
+    let names = assert_tables_are_files(&data, &files);
+    for name in
+        ["occurrence.csv", "modes.csv", "panels.csv", "differences.csv", "links.csv", "net_work.csv", "estimates.csv"]
+    {
+        assert!(names.iter().any(|other| other == name), "{name} is not in {names:?}");
+    }
+
+    // Two arrangements of one oscillator in contact: the median is in the middle.
+    let (_, occurrence) = csv_of(&files["occurrence.csv"]);
+    let (_, modes) = csv_of(&files["modes.csv"]);
+    for row in rows(&data["tables"][0]) {
+        let mode = modes.iter().find(|mode| mode[0] == row[0] && mode[2] == row[4]).unwrap();
+        let same = |other: &&Vec<String>| other[..4] == row[..4] && other[5] == mode[1];
+        let values: Vec<f64> = occurrence.iter().filter(same).map(|other| other[9].parse().unwrap()).collect();
+        let median = values.iter().sum::<f64>() / values.len() as f64;
+        assert!(values.len() <= 2 && (row[6].parse::<f64>().unwrap() - median).abs() < 1e-12, "{row:?}: {values:?}");
+    }
+
+    // Shapes are those of the files, but for their scale.
+    let (_, shape) = csv_of(&files["shapes-first.csv"]);
+    let shown = data["shapes"].as_array().unwrap().iter().find(|shape| shape["label"] == "B1").unwrap();
+    let numbers =
+        |part: &str| -> Vec<f64> { shown[part].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+    let (re, im) = (numbers("re"), numbers("im"));
+    assert_eq!([re[0], im[0]], [0.0, 0.0], "x1 is held");
+    let of_file: Vec<[f64; 2]> = shape
+        .iter()
+        .filter(|row| row[0] == "1")
+        .map(|row| [row[2].parse().unwrap(), row[3].parse().unwrap()])
+        .collect();
+    let largest = of_file.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    assert_eq!(of_file.len(), re.len() - 1);
+    for (u, (re, im)) in of_file.iter().zip(re[1..].iter().zip(&im[1..])) {
+        assert!((u[0] / largest - re).abs() < 1e-4 && (u[1] / largest - im).abs() < 1e-4);
+    }
+    // The answer and the facts are in the document itself.
+    for part in
+        ["<h3>Which modes squeal</h3>", "<h3>What helps</h3>", "<dt>Seed</dt><dd>7</dd>", "sigma2 = {", "lang=\"en\""]
+    {
+        assert!(page.contains(part), "{part} is missing");
+    }
+}
+
+#[test]
+fn a_hostile_name_stays_a_name() {
+    let plain = files_of(SMALL, &["--samples", "4"]);
+    let hostile = r#"name = "</title></script><script>alert(1)</script><!-- {{data}} \u2028 & 'x' \"on=\"""#;
+    let files = files_of(&replaced(SMALL, r#"name = "two oscillators""#, hostile), &["--samples", "4"]);
+    let [plain, page] = [&plain, &files].map(|files| String::from_utf8(files["report.html"].clone()).unwrap());
+    let tags = |page: &str, tag: &str| page.matches(tag).count();
+    for tag in ["<script", "</script", "<title", "</title", "<!--", "<h1"] {
+        assert_eq!(tags(&page, tag), tags(&plain, tag), "{tag}");
+    }
+    assert_eq!(tags(&page, "id=\"data\""), 1, "the name was filled in as a template");
+    assert!(page.contains("<title>&lt;/title&gt;&lt;/script&gt;&lt;script&gt;alert(1)"), "the name is missing");
+    assert_tables_are_files(&data(&page), &files);
+}
+
+#[test]
+fn a_page_asks_for_nothing() {
+    let files = files_of(SMALL, &["--samples", "4"]);
+    let page = String::from_utf8(files["report.html"].clone()).unwrap();
+    assert!(page.contains("content=\"default-src 'none'; style-src 'sha256-"), "no content security policy");
+    for forbidden in [" src=", "@import", "url(", "<link", "<iframe", "fetch(", "https://"] {
+        assert!(!page.contains(forbidden), "{forbidden}");
+    }
+}
+
+#[test]
+fn degrees_of_freedom_without_a_place_move_beside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let (case, dir) =
+        (Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml"), folder.path().join("out"));
+    run(&case, &dir, &["--samples", "50"]);
+    let data = data(&String::from_utf8(results(&dir)["report.html"].clone()).unwrap());
+    let geometry = &data["geometry"];
+    assert_eq!(geometry["is_spatial"], false);
+    let dofs: Vec<&Value> = geometry["points"].as_array().unwrap().iter().map(|point| &point["dofs"][2]).collect();
+    assert_eq!(dofs, [0, 1]);
+}
+
+#[test]
+fn a_sweep_has_a_page_with_its_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml");
+    let pages = ["1", "2"].map(|threads| {
+        let dir = folder.path().join(threads);
+        let output = squeal()
+            .arg("sweep")
+            .arg(&case)
+            .args(["--over", "mu=0:1", "--threads", threads, "--out"])
+            .arg(&dir)
+            .output();
+        assert!(output.unwrap().status.success());
+        let files = results(&dir);
+        let page = String::from_utf8(files["report.html"].clone()).unwrap();
+        let names = assert_tables_are_files(&data(&page), &files);
+        assert!(names.contains(&"onsets.csv".to_owned()), "{names:?}");
+        assert_eq!(page.matches("<svg").count(), 1);
+        page
+    });
+    assert!(pages[0] == pages[1], "the page depends on the number of threads");
+}

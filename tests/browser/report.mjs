@@ -1,0 +1,203 @@
+// Opens pages that `squeal run` or `squeal sweep` wrote in headless Chromium: do controls work, is nothing complained of or asked
+// from a network, and does the picture show the numbers of the tables beside the page?
+//
+// node tests/browser/report.mjs FOLDER... [--pictures DIR]
+import assert from 'node:assert/strict';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { basename, join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { Browser } from './browser.mjs';
+
+const select = (id, value) =>
+  `{ const control = document.getElementById('${id}'); control.value = ${JSON.stringify(value)};
+     control.dispatchEvent(new Event('change')); control.dispatchEvent(new Event('input')); }`;
+const options = id => `[...document.querySelectorAll('#${id} option')].map(option => option.value)`;
+const click = id => `document.getElementById('${id}').click()`;
+const column = index => `[...document.querySelectorAll('#table tbody tr')].map(row => row.cells[${index}].textContent)`;
+const ascending = values => values.every((value, i) => i === 0 || Number(values[i - 1]) <= Number(value));
+const frames = 'new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60))))';
+
+// Every table is, downloaded, the file beside the page; a click on a header sorts.
+const tables = async (page, folder) => {
+  await page.value(`window.saved = null; window.made = URL.createObjectURL;
+    URL.createObjectURL = blob => { window.saved = blob.text(); return window.made.call(URL, blob); }`);
+  const names = await page.value("[...document.querySelectorAll('#table-choice option')].map(option => option.textContent)");
+  assert.ok(names.length > 0, 'no table');
+  for (const [i, name] of names.entries()) {
+    await page.value(select('table-choice', String(i)));
+    await page.value(click('table-save'));
+    const text = await page.value('window.saved');
+    if (name === 'occurrence_by_panel.csv') continue;
+    assert.ok(text === readFileSync(join(folder, name), 'utf8'), `${name} differs from its file`);
+  }
+  await page.value(select('table-choice', '0'));
+  const number = await page.value("[...document.querySelectorAll('#table tbody tr:first-child td')].findIndex(cell => cell.className === 'number')");
+  const head = `document.querySelectorAll('#table thead button')[${number}].click()`;
+  await page.value(head);
+  assert.ok(ascending(await page.value(column(number))), 'not ascending');
+  await page.value(head);
+  assert.ok(ascending((await page.value(column(number))).reverse()), 'not descending');
+  assert.equal(await page.value(`document.querySelectorAll('#table thead th')[${number}].getAttribute('aria-sort')`), 'descending');
+  const before = await page.value("document.getElementById('table-rows').textContent");
+  await page.value("{ const filter = document.getElementById('table-filter'); filter.value = 'no such row'; filter.dispatchEvent(new Event('input')); }");
+  assert.equal(await page.value("document.getElementById('table-rows').textContent"), 'No row');
+  await page.value("{ const filter = document.getElementById('table-filter'); filter.value = ''; filter.dispatchEvent(new Event('input')); }");
+  assert.equal(await page.value("document.getElementById('table-rows').textContent"), before);
+};
+
+const csv = text => {
+  const cells = line => [...line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(found => found[1]?.replaceAll('""', '"') ?? found[2]);
+  const [header, ...rows] = text.trimEnd().split('\n').map(cells);
+  return rows.map(row => Object.fromEntries(header.map((name, i) => [name, row[i]])));
+};
+const median = values => {
+  const sorted = [...values].sort((a, b) => a - b);
+  return 0.5 * (sorted[Math.floor((sorted.length - 1) / 2)] + sorted[Math.ceil((sorted.length - 1) / 2)]);
+};
+
+// Marks stand at the medians of occurrence.csv, measured on the screen against the axis, and say them.
+const occurrence = async (page, folder) => {
+  const medians = new Map();
+  const labels = new Map(csv(readFileSync(join(folder, 'modes.csv'), 'utf8')).map(row => [`${row.constraints}\n${row.mode}`, row.label]));
+  for (const row of csv(readFileSync(join(folder, 'occurrence.csv'), 'utf8'))) {
+    const mode = labels.get(`${row.constraints}\n${row.mode}`) ?? row.mode;
+    const key = [row.constraints, row.law, row.speed, row.in_contact, mode].join('\n');
+    medians.set(key, [...(medians.get(key) ?? []), Number(row.occurrence)]);
+  }
+  let [marks, sets, laws] = [0, await page.value(options('occurrence-set')), await page.value(options('occurrence-law'))];
+  await page.value("document.getElementById('occurrence-all').click()");
+  for (const set of sets) {
+    for (const law of laws) {
+      await page.value(select('occurrence-set', set));
+      await page.value(select('occurrence-law', law));
+      const shown = await page.value(`[...document.querySelectorAll('#occurrence-plots svg')].flatMap(plot => {
+        const axis = [...plot.querySelectorAll('.grid')].map(line => line.getBoundingClientRect().x);
+        return [...plot.querySelectorAll('.point')].map(point => {
+          const mark = point.querySelector('.hit').getBoundingClientRect();
+          return [point.dataset.key, (mark.x + mark.width / 2 - axis[0]) / (axis[4] - axis[0]), point.getAttribute('aria-label')];
+        });
+      })`);
+      for (const [key, part, label] of shown) {
+        const expected = median(medians.get(key));
+        // A pixel of some three hundred.
+        assert.ok(Math.abs(part - expected) < 0.004, `${key}: drawn at ${part}, is ${expected}`);
+        const said = Number(label.match(/Unstable in ([^ ]+) %/)[1]);
+        assert.ok(Math.abs(said - 100 * expected) < 1e-9, `${key}: said ${said}`);
+      }
+      marks += shown.length;
+    }
+  }
+  assert.equal(marks, medians.size, 'marks');
+  // Arrow keys move from mark to mark, and its numbers appear.
+  await page.value("document.querySelector('#occurrence-plots .point').focus()");
+  await page.key('ArrowDown');
+  const [at, tip, label] = await page.value(`[[...document.querySelectorAll('.point')].indexOf(document.activeElement),
+    document.getElementById('tip').hidden ? '' : document.getElementById('tip').textContent, document.activeElement.getAttribute('aria-label')]`);
+  assert.equal(at, 1);
+  assert.equal(tip.replaceAll('\n', '; '), label);
+  await page.key('Escape');
+  assert.equal(await page.value("document.getElementById('tip').hidden"), true);
+  await page.value("document.getElementById('occurrence-all').click()");
+};
+
+const shapes = async page => {
+  const dots = "JSON.stringify([...document.querySelectorAll('#shape-view circle')].map(dot => [dot.getAttribute('cx'), dot.getAttribute('cy')]))";
+  await page.value("document.getElementById('shapes').scrollIntoView()");
+  const playing = await page.value("document.getElementById('shape-play').textContent");
+  assert.equal(playing, 'Pause');
+  const moving = await page.value(dots);
+  await page.value(frames);
+  await page.value(frames);
+  assert.notEqual(await page.value(dots), moving, 'the mode does not move');
+  await page.value(click('shape-play'));
+  await page.value(frames);
+  const still = await page.value(dots);
+  await page.value(frames);
+  assert.equal(await page.value(dots), still, 'the mode moves while it is paused');
+  for (const [control, there] of [['phase', '120'], ['size', '2.5'], ['turn', '75'], ['tilt', '80'], ['mode', '1']]) {
+    if (await page.value(`document.getElementById('shape-${control}').closest('label').hidden`)) continue;
+    const before = await page.value(dots);
+    await page.value(select(`shape-${control}`, there));
+    assert.notEqual(await page.value(dots), before, `${control} changes nothing`);
+  }
+};
+
+// Marks of a root locus say the numbers of the tables, where there are such tables.
+const marks = async (page, folder) => {
+  assert.ok(await page.value("document.querySelector('#locus svg') !== null"));
+  const files = ['onsets.csv', 'coalescences.csv'].filter(name => existsSync(join(folder, name)));
+  const rows = files.flatMap(name => csv(readFileSync(join(folder, name), 'utf8')));
+  const labels = await page.value("[...document.querySelectorAll('#locus .mark[tabindex]')].map(mark => mark.getAttribute('aria-label'))");
+  // In each of three panels.
+  assert.equal(labels.length, 3 * rows.length);
+  for (const row of rows) {
+    const said = labels.filter(label => label.includes(`${row.frequency_hz} Hz`) && label.includes(row.mode));
+    assert.ok(said.length >= 3, `no mark says ${JSON.stringify(row)}`);
+  }
+};
+
+const theme = async page => {
+  const background = 'getComputedStyle(document.body).backgroundColor';
+  const seen = [await page.value(background)];
+  for (let i = 0; i < 2; i++) {
+    await page.value(click('theme'));
+    seen.push(await page.value(background));
+  }
+  assert.equal(new Set(seen).size, 2, `colours: ${seen}`);
+  await page.value(click('theme'));
+  assert.equal(await page.value(background), seen[0]);
+};
+
+const semantics = async page => {
+  const levels = await page.value("[...document.querySelectorAll('h1, h2, h3')].map(heading => Number(heading.tagName[1]))");
+  assert.equal(levels[0], 1);
+  assert.ok(levels.every((level, i) => i === 0 || level <= levels[i - 1] + 1), `headings: ${levels}`);
+  const nameless = await page.value(`[...document.querySelectorAll('main button, main select, main input, [role=img]')]
+    .filter(control => !control.closest('label') && !control.textContent.trim() && !control.getAttribute('aria-label')).map(control => control.outerHTML)`);
+  assert.deepEqual(nameless, []);
+  assert.equal(await page.value('document.documentElement.lang'), 'en');
+  assert.deepEqual(await page.value("[...document.querySelectorAll('[hidden]')].filter(part => part.getClientRects().length > 0).map(part => part.outerHTML)"), []);
+};
+
+const check = async (browser, folder, pictures) => {
+  const url = pathToFileURL(resolve(folder, 'report.html')).href;
+  const page = await browser.open(url);
+  await page.view(1280, 900, 'light');
+  await semantics(page);
+  await theme(page);
+  await tables(page, folder);
+  const isStudy = await page.value("document.getElementById('occurrence') !== null");
+  if (isStudy) {
+    await occurrence(page, folder);
+    await shapes(page);
+  } else {
+    await marks(page, folder);
+  }
+  // As a reader finds it, at rest: the same picture each time.
+  const calm = await browser.open('about:blank');
+  await calm.view(900, 900, 'light', 'reduce');
+  await calm.start(url);
+  if (isStudy) assert.equal(await calm.value("document.getElementById('shape-play').textContent"), 'Play');
+  for (const width of [400, 900, 1400]) {
+    for (const scheme of ['light', 'dark']) {
+      await calm.view(width, 900, scheme, 'reduce');
+      const wide = await calm.value('document.documentElement.scrollWidth');
+      assert.ok(wide <= width, `${width} pixels: the page is ${wide} wide`);
+      if (pictures) writeFileSync(join(pictures, `${basename(resolve(folder))}-${width}-${scheme}.png`), await calm.picture());
+    }
+  }
+  assert.deepEqual([...page.complaints, ...calm.complaints], []);
+  assert.deepEqual([...page.requests, ...calm.requests].filter(request => request !== url && !request.startsWith('blob:')), []);
+  console.log(`${folder}: the page shows what its tables say`);
+};
+
+const args = process.argv.slice(2);
+const at = args.indexOf('--pictures');
+const pictures = at >= 0 ? args.splice(at, 2)[1] : null;
+if (pictures) mkdirSync(pictures, { recursive: true });
+const browser = new Browser(process.env.CHROMIUM ?? 'chromium');
+try {
+  for (const folder of args) await check(browser, folder, pictures);
+} finally {
+  await browser.close();
+}
