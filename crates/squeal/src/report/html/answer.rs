@@ -135,7 +135,7 @@ fn modes_table(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> St
 }
 
 fn mode_in_words(results: &Results<'_>, set: usize, name: ModeLabel) -> String {
-    let label = results.mode_label(set, name);
+    let label = format!("mode {}", results.mode_label(set, name));
     results.frequency(set, name).map_or(label.clone(), |f| format!("{label} ({} Hz)", hertz(f)))
 }
 
