@@ -4,13 +4,15 @@ use std::f64::consts::TAU;
 
 use linsys::{DofMap, OperatingPoint};
 use montecarlo::{Progress, stream};
-use rand_distr::{Distribution as _, StandardUniform};
 use sparse::reduction::{Options, Reduction, Wanted};
 use sparse::{Rectangle, SparseAffineSystem};
 
 use super::points::{draw, full_point, median, no_median, speed};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
+
+/// Most full problems for one set of constraints; chosen: a second each, and a basis that needs more is as large as its limit.
+const MOST_ENRICHMENTS: usize = 60;
 
 /// The brake with one set of constraints, reduced.
 #[derive(Debug)]
@@ -36,7 +38,8 @@ pub(super) fn reduced_sets(case: &FiniteElementCase, progress: &dyn Progress) ->
     let (middle, baseline) = (median(case), Some((Law::AmontonsCoulomb, 1.0)));
     let at_median = full_point(case, &all, baseline, &middle).map_err(no_median(case))?;
     let training = training_points(case)?;
-    let options = Options { tolerance: case.reduction.residual, ..Options::default() };
+    let most_enrichments = MOST_ENRICHMENTS;
+    let options = Options { tolerance: case.reduction.residual, most_enrichments, ..Options::default() };
     progress.begin(case.constraints.len() as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for set in &case.constraints {
@@ -52,26 +55,32 @@ pub(super) fn reduced_sets(case: &FiniteElementCase, progress: &dyn Progress) ->
     Ok(sets)
 }
 
-/// Draws, each in an arrangement, under a law and in a range of speed of its own draw.
+/// The closed patches of a scene, from 0, and its law with the place of its range of speed.
+type PatchScene<'a> = (&'a [usize], Option<(Law, usize)>);
+
+/// Draws, each in one arrangement, law and range of speed after another: at least as many as these are, so that every arrangement is
+/// known to the basis.
 fn training_points(case: &FiniteElementCase) -> Result<Vec<OperatingPoint>, Error> {
-    let mut points = Vec::with_capacity(case.reduction.training);
-    for index in 0..case.reduction.training as u64 {
+    let scenes: Vec<PatchScene<'_>> = match &case.contact {
+        None => vec![(&[], None)],
+        Some(contact) => {
+            let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
+            let states = |law: Law| {
+                let ranges = if law == Law::AmontonsCoulomb { 1 } else { contact.speeds.len() };
+                (0..ranges).map(move |range| (law, range))
+            };
+            let states: Vec<_> = contact.laws.iter().flat_map(|&law| states(law)).collect();
+            let of = |closed| states.iter().map(move |&state| (closed, Some(state)));
+            arrangements.flat_map(|arrangement| of(arrangement.in_contact())).collect()
+        }
+    };
+    let count = case.reduction.training.max(scenes.len()) as u64;
+    let point = |(index, &(closed, state)): (u64, &PatchScene<'_>)| {
         // Streams from the other end than those of the samples.
-        let mut rng = stream(case.seed, u64::MAX - index);
-        let sample = draw(case, &mut rng)?;
-        let Some(contact) = &case.contact else {
-            points.push(full_point(case, &[], None, &sample)?);
-            continue;
-        };
-        let mut choice = |count: usize| {
-            let uniform: f64 = StandardUniform.sample(&mut rng);
-            ((uniform * count as f64) as usize).min(count - 1)
-        };
-        let (_, arrangements) = &contact.panels[choice(contact.panels.len())];
-        let closed = arrangements[choice(arrangements.len())].in_contact().to_vec();
-        let law = contact.laws[choice(contact.laws.len())];
-        let at = speed(contact, Some(choice(contact.speeds.len())), &sample);
-        points.push(full_point(case, &closed, Some((law, at)), &sample)?);
-    }
-    Ok(points)
+        let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
+        let at = case.contact.as_ref().zip(state);
+        let state = at.map(|(contact, (law, range))| (law, speed(contact, Some(range), &sample)));
+        full_point(case, closed, state, &sample)
+    };
+    (0..count).zip(scenes.iter().cycle()).map(point).collect()
 }
