@@ -6,12 +6,12 @@
 
 use crate::Dof;
 use crate::builder::{Builder, Head, LabelSet, Symmetry};
-use crate::error::cut;
 use crate::limits::{Limits, Unstated};
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
 use crate::numbers::{fortran, signed, value, whole};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// What a keyword line says of the matrix after it.
 struct Keyword {

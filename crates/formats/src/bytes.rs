@@ -2,8 +2,8 @@
 
 use std::io::{ErrorKind, Read};
 
-use crate::error::cut;
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// The order of the bytes of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,12 +6,12 @@
 
 use crate::Dof;
 use crate::builder::{Builder, Head, Symmetry};
-use crate::error::cut;
 use crate::limits::{Limits, Unstated};
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
 use crate::numbers::{fortran, whole};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// Reads the list; `labels` are the names of its rows.
 pub(crate) fn parse(

@@ -72,7 +72,7 @@ impl Reading {
                 self.block = self.keyword(line)?;
             } else if !is_deck {
                 let allowed = "a keyword such as *NODE";
-                return Err(Problem::Keyword { what: "line", found: crate::error::cut(line), allowed });
+                return Err(Problem::Keyword { what: "line", found: crate::shortened::cut(line), allowed });
             } else {
                 self.data(line)?;
             }
@@ -108,14 +108,14 @@ impl Reading {
             "*NSET" => Block::Set {
                 name: option("NSET").ok_or(Problem::Keyword {
                     what: "keyword",
-                    found: crate::error::cut(line),
+                    found: crate::shortened::cut(line),
                     allowed: "*NSET, NSET=name",
                 })?,
                 is_generated: option("GENERATE").is_some(),
             },
             "*PART" | "*INSTANCE" | "*INCLUDE" => {
                 let allowed = "one flat deck, as CalculiX or Abaqus (NO PARTS INPUT FILE) writes it";
-                return Err(Problem::Keyword { what: "keyword", found: crate::error::cut(line), allowed });
+                return Err(Problem::Keyword { what: "keyword", found: crate::shortened::cut(line), allowed });
             }
             _ => Block::Other,
         })
@@ -190,7 +190,7 @@ impl Reading {
                         Ok(label) if places.contains_key(&label) => vec![label],
                         Ok(label) => return Err(Problem::field("node", label, "a node that is defined above")),
                         Err(_) => deck.sets.get(&field.to_ascii_uppercase()).cloned().ok_or_else(|| {
-                            Problem::field("node set", crate::error::cut(field), "a set that is defined above")
+                            Problem::field("node set", crate::shortened::cut(field), "a set that is defined above")
                         })?,
                     };
                     deck.sets.entry(name.clone()).or_default().extend(members);

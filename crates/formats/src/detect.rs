@@ -1,7 +1,8 @@
 //! Which format contents are of, by their beginning.
 
 use crate::bytes::Endian;
-use crate::error::{FormatsError, cut};
+use crate::error::FormatsError;
+use crate::shortened::cut;
 use crate::{mat, numpy, op4};
 
 /// A file format.

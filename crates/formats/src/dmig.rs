@@ -9,12 +9,12 @@ use std::collections::HashMap;
 
 use crate::Dof;
 use crate::builder::{Builder, Head, LabelSet, Symmetry};
-use crate::error::cut;
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
 use crate::numbers::{fortran, index, signed, whole};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// The matrices of a file, and the names of those left out with the reason.
 pub(crate) type Found = (Vec<Matrix>, Vec<(String, String)>);

@@ -57,7 +57,7 @@ impl FromStr for Dof {
             };
             Some(Self { node: node.parse().ok()?, direction })
         });
-        parsed.ok_or_else(|| BadDof { found: crate::error::cut(text) })
+        parsed.ok_or_else(|| BadDof { found: crate::shortened::cut(text) })
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// Why a file gave no matrix, or a mode shape could not be written. Every message is one line and names no file: the caller
 /// knows which one it was.
@@ -127,17 +128,6 @@ impl fmt::Display for Place {
             Self::Member { name, byte } => write!(f, "member {:?}, byte {byte}", cut(name)),
         }
     }
-}
-
-/// A text for a message, shortened where it is long, and in one line.
-pub(crate) fn cut(text: &str) -> String {
-    /// Most characters of a line that a message shows; chosen to keep it in one line.
-    const LONGEST_SHOWN: usize = 60;
-    let mut shown: String = text.chars().take(LONGEST_SHOWN).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(LONGEST_SHOWN).is_some() {
-        shown.push_str("...");
-    }
-    shown
 }
 
 fn listed(names: &[String]) -> String {

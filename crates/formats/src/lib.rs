@@ -36,6 +36,7 @@ mod numpy;
 mod op4;
 mod problem;
 mod read;
+mod shortened;
 mod source;
 mod substructure;
 mod unv;

@@ -32,7 +32,7 @@ impl<'a> Lines<'a> {
         }
         self.line.clear();
         let read = (&mut self.source).take(LONGEST as u64 + 1).read_until(b'\n', &mut self.line);
-        if read.map_err(|e| Problem::Read { what: crate::error::cut(&e.to_string()) })? == 0 {
+        if read.map_err(|e| Problem::Read { what: crate::shortened::cut(&e.to_string()) })? == 0 {
             return Ok(None);
         }
         self.ended = self.line.last() == Some(&b'\n');

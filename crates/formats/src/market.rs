@@ -6,12 +6,13 @@
 //! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
 
 use crate::builder::{Builder, Head, Symmetry};
-use crate::error::{FormatsError, cut};
+use crate::error::FormatsError;
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
 use crate::matrix::Matrix;
 use crate::numbers::{index, order, value, whole};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// The format that the first line of a file declares.
 struct Banner {

@@ -149,7 +149,7 @@ pub(crate) fn check(mesh: &Mesh, shapes: &[ModeShape]) -> Result<(), FormatsErro
         if numbers.any(|z| !z.re.is_finite() || !z.im.is_finite()) || shape.name.chars().any(char::is_control) {
             return refused(
                 "the shape",
-                format!("{:?}", crate::error::cut(&shape.name)),
+                format!("{:?}", crate::shortened::cut(&shape.name)),
                 "finite numbers, a name of one line",
             );
         }

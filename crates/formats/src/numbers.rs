@@ -1,7 +1,7 @@
 //! Numbers in text.
 
-use crate::error::cut;
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// A finite number, with the E of C or the D of Fortran.
 pub(crate) fn value(field: &str) -> Result<f64, Problem> {

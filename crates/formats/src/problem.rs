@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::error::cut;
+use crate::shortened::cut;
 
 /// What the first line of a Matrix Market file should be, in messages.
 const BANNER: &str = "\"%%MatrixMarket matrix coordinate real general\" or the like";

@@ -33,7 +33,7 @@ impl File {
     pub fn matrix(&self, name: &str) -> Result<&Matrix, FormatsError> {
         let left_out = self.left_out.iter().find(|(left_out, _)| left_out == name);
         let refused =
-            |reason| FormatsError::NoSuchMatrix { name: crate::error::cut(name), reason, allowed: self.names() };
+            |reason| FormatsError::NoSuchMatrix { name: crate::shortened::cut(name), reason, allowed: self.names() };
         let mut all = self.matrices.iter().filter(|matrix| matrix.name == name);
         match (all.next(), all.next()) {
             (Some(matrix), None) => Ok(matrix),

@@ -8,12 +8,12 @@
 
 use crate::Dof;
 use crate::builder::{Builder, Head, Symmetry};
-use crate::error::cut;
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
 use crate::numbers::{fortran, whole};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// Reads all matrices of the one element of the file.
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Matrix>, Problem> {

@@ -33,7 +33,7 @@ pub fn write_vtu(out: &mut dyn Write, mesh: &Mesh, shapes: &[ModeShape]) -> Resu
     let mut names = std::collections::HashSet::new();
     if let Some(shape) = shapes.iter().find(|shape| !names.insert(&shape.name)) {
         let (what, allowed) = ("two shapes have the name", "a name for each".to_owned());
-        return Err(FormatsError::Shape { what, found: crate::error::cut(&shape.name), allowed });
+        return Err(FormatsError::Shape { what, found: crate::shortened::cut(&shape.name), allowed });
     }
     write_all(out, mesh, shapes).map_err(FormatsError::Write)
 }

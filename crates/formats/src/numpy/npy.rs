@@ -2,11 +2,11 @@
 
 use crate::builder::Builder;
 use crate::bytes::{Bytes, Endian};
-use crate::error::cut;
 use crate::limits::Limits;
 use crate::mat::elements::{Storage, index};
 use crate::numbers::order;
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// The first bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";

@@ -8,10 +8,11 @@ use super::npy::{self, Header};
 use crate::builder::{Builder, Head, Symmetry};
 use crate::bytes::{Bytes, Endian};
 use crate::dmig::Found;
-use crate::error::{FormatsError, Place, cut};
+use crate::error::{FormatsError, Place};
 use crate::limits::Limits;
 use crate::matrix::Matrix;
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 type Archive = ZipArchive<Cursor<Vec<u8>>>;
 

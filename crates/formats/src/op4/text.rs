@@ -2,11 +2,11 @@
 
 use super::{Open, short_header};
 use crate::dmig::Found;
-use crate::error::cut;
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::numbers::{fortran, signed};
 use crate::problem::Problem;
+use crate::shortened::cut;
 
 /// Width of a whole number.
 const WHOLE: usize = 8;
