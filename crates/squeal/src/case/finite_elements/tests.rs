@@ -96,7 +96,7 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
             "frequencies = [8000.0, 500.0]",
             "reduction.frequencies = [8000.0, 500.0]; allowed",
         ),
-        ("growth = [-500.0, 1000.0]", "growth = [10.0, 1000.0]", "reduction.growth"),
+        ("growth = [-500.0, 3000.0]", "growth = [10.0, 3000.0]", "reduction.growth"),
         ("residual = 1e-8", "residual = 1.0", "reduction.residual = 1; allowed: 1e-12 to 1e-3"),
         ("in_contact = [9, 8]", "in_contact = [10]", "contact.in_contact = 10; allowed: 1 to 9"),
         ("load = 468.0", "load = nan", "contact.load = NaN; allowed: a force in N, > 0"),
