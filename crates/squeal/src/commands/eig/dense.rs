@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{heading, list, number, rows_json, vector_json, vector_rows};
+use super::text::{heading, list, number, row, rows_json, vector_json, vector_rows};
 use crate::Error;
 use crate::input::LARGEST_MATRIX;
 use crate::output::{bytes_in_words, in_words, note};
@@ -123,18 +123,7 @@ fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool, labels
 fn table(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool) -> String {
     let mut text = heading();
     for (i, e) in certified.eigenvalues.iter().enumerate() {
-        let l = e.lambda;
-        text += &format!(
-            "{:>5} {:>24.16e} {:>24.16e} {:>14.6} {:>12.4e} {:>9.1e} {:>9.1e}  {}\n",
-            i + 1,
-            l.re,
-            l.im,
-            frequency_hz(l),
-            damping_ratio(l),
-            e.backward_error,
-            e.condition,
-            e.verdict
-        );
+        text += &row(i + 1, e.lambda, e.backward_error, e.condition, &e.verdict.to_string());
         if vectors {
             text += &vector_rows(&e.right, &e.left);
         }

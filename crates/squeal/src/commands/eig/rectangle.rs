@@ -10,7 +10,7 @@ use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{heading, list, number, rows_json, vector_json, vector_rows};
+use super::text::{heading, list, number, row, rows_json, vector_json, vector_rows};
 use crate::Error;
 use crate::output::{bytes_in_words, in_words, note};
 
@@ -147,19 +147,9 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, labels: Option<&[Do
 fn table(found: &Found, vectors: bool) -> String {
     let mut text = heading();
     for (i, pair) in found.pairs.iter().enumerate() {
-        let l = pair.lambda;
-        text += &format!(
-            "{:>5} {:>24.16e} {:>24.16e} {:>14.6} {:>12.4e} {:>9.1e} {:>9.1e}  {}{}\n",
-            i + 1,
-            l.re,
-            l.im,
-            frequency_hz(l),
-            damping_ratio(l),
-            pair.backward_error,
-            pair.condition,
-            verdict(pair),
-            if pair.on_border { ", on the border" } else { "" }
-        );
+        let border = if pair.on_border { ", on the border" } else { "" };
+        let said = format!("{}{border}", verdict(pair));
+        text += &row(i + 1, pair.lambda, pair.backward_error, pair.condition, &said);
         if vectors {
             text += &vector_rows(&pair.right, &pair.left);
         }

@@ -1,5 +1,6 @@
 //! Numbers, vectors and names as both routes write them.
 
+use cea::{damping_ratio, frequency_hz};
 use formats::Dof;
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -33,5 +34,16 @@ pub(super) fn heading() -> String {
     format!(
         "{:>5} {:>24} {:>24} {:>14} {:>12} {:>9} {:>9}  {}\n",
         "no.", "Re lambda, rad/s", "Im lambda, rad/s", "f, Hz", "damping", "backward", "condition", "verdict"
+    )
+}
+
+/// The line of an eigenvalue in that table, with its number, backward error, condition number and what is said of it.
+pub(super) fn row(number: usize, l: Complex<f64>, backward_error: f64, condition: f64, verdict: &str) -> String {
+    format!(
+        "{number:>5} {:>24.16e} {:>24.16e} {:>14.6} {:>12.4e} {backward_error:>9.1e} {condition:>9.1e}  {verdict}\n",
+        l.re,
+        l.im,
+        frequency_hz(l),
+        damping_ratio(l)
     )
 }
