@@ -71,7 +71,7 @@ struct Block {
 }
 
 impl Block {
-    fn new(term: usize, power: usize, weight: f64, image: &DMatrix<f64>) -> Self {
+    fn new(term: usize, power: usize, weight: f64, image: DMatrix<f64>) -> Self {
         let sizes: Vec<(usize, f64)> =
             image.row_iter().map(|row| row.norm()).enumerate().filter(|row| row.1 > 0.0).collect();
         let (columns, factor) = if sizes.len() < image.ncols() {
@@ -83,14 +83,17 @@ impl Block {
             }
             (units, Some(factor))
         } else {
-            (image.clone(), None)
+            (image, None)
         };
         Self { term, power, weight, columns, start: 0, width: 0, factor }
     }
 
     /// What its columns became, as what `A V` becomes.
     fn through(&self, columns: DMatrix<f64>) -> DMatrix<f64> {
-        self.factor.as_ref().map_or_else(|| columns.clone(), |factor| &columns * factor)
+        match &self.factor {
+            Some(factor) => columns * factor,
+            None => columns,
+        }
     }
 }
 
@@ -111,7 +114,7 @@ impl ResidualForm {
             for (power, (matrix, scale)) in matrices.into_iter().zip([largest * largest, largest, 1.0]).enumerate() {
                 if matrix.nnz() > 0 {
                     let weight = if theta > 0.0 { theta * scale } else { scale };
-                    blocks.push(Block::new(at, power, weight, &times(matrix, basis)));
+                    blocks.push(Block::new(at, power, weight, times(matrix, basis)));
                 }
             }
         }

@@ -2,16 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
+use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 
 use super::ReducedSet;
-use super::points::{closed_channels, full_point, median, no_median, of_configuration};
+use super::points::{closed_channels, naming_point, speeds_of};
 use crate::Error;
-use crate::case::{FiniteElementCase, Law, PatchContact};
-use crate::study::{
-    Configuration, LawLabel, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels, SpeedLabel, StudySource,
-};
+use crate::brakes::labels::friction_labels;
+use crate::case::{FiniteElementCase, PatchContact};
+use crate::study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 /// The plan, and the closed patches of each of its configurations.
 pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Plan, Vec<Vec<usize>>), Error> {
@@ -72,17 +71,6 @@ fn add_scenes(
     Ok(())
 }
 
-/// Amontons-Coulomb friction does not depend on speed.
-fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
-    if law == Law::AmontonsCoulomb { vec![None] } else { (0..contact.speeds.len()).map(Some).collect() }
-}
-
-/// Amontons-Coulomb friction at median parameters.
-fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
-    let full = full_point(case, closed, Some((Law::AmontonsCoulomb, 1.0)), &median(case)).map_err(no_median(case))?;
-    Ok(of_configuration(case, closed, &full))
-}
-
 /// The reduced brake with some patches closed. What is constant in it, holders and closed patches, is one term, and open patches
 /// have no channels.
 ///
@@ -115,25 +103,7 @@ fn brake(case: &FiniteElementCase, set: &ReducedSet, closed: &[usize]) -> Result
 
 fn labels(contact: &PatchContact) -> SceneLabels {
     SceneLabels {
-        laws: contact.laws.iter().map(|law| LawLabel { name: law.name().into(), title: law.title().into() }).collect(),
-        baseline_law: contact.laws.iter().position(|&law| law == Law::AmontonsCoulomb),
-        speeds: contact
-            .speeds
-            .iter()
-            .map(|range| SpeedLabel {
-                name: range.name.clone(),
-                description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
-            })
-            .collect(),
-        panels: contact
-            .panels
-            .iter()
-            .map(|(number, list)| PanelLabel {
-                in_contact: *number,
-                arrangements: list.iter().map(ToString::to_string).collect(),
-            })
-            .collect(),
         named_at: "with all patches in contact, Amontons-Coulomb, median parameters".into(),
-        ..SceneLabels::default()
+        ..friction_labels(&contact.laws, &contact.speeds, &contact.panels)
     }
 }

@@ -81,8 +81,7 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, Error> {
-        let full = points::full_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)?;
-        Ok(points::of_configuration(&self.case, self.closed(scene), &full))
+        points::scene_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)
     }
 
     /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn.

@@ -35,8 +35,9 @@ pub(super) fn speed(contact: &PatchContact, range: Option<usize>, sample: &Finit
     range.map_or(ANY_SPEED, |range| contact.speeds[range].quantile(quantile))
 }
 
-/// The operating point of the whole brake, with some patches closed, under a law at a speed.
-pub(super) fn full_point(
+/// The operating point of a configuration with some patches closed, under a law at a speed: the coefficients of the case's terms, then
+/// one for all that is constant in it, and the gains of closed patches.
+pub(super) fn scene_point(
     case: &FiniteElementCase,
     closed: &[usize],
     friction: Option<(Law, f64)>,
@@ -50,7 +51,10 @@ pub(super) fn full_point(
     let terms = case.system.terms().iter().zip(&case.coefficients);
     let coefficients =
         terms.map(|(term, coefficient)| coefficient.value(&sample.values).map_err(|source| named(&term.name, source)));
-    let coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
+    let mut coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
+    if case.system.terms().len() > coefficients.len() {
+        coefficients.push(1.0);
+    }
     let mut gains = Vec::new();
     if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
         for &patch in closed {
@@ -62,18 +66,17 @@ pub(super) fn full_point(
             gains.extend(vec![gain; contact.patches[patch].pairs.len()]);
         }
     }
-    Ok(of_brake(case, closed, &OperatingPoint { coefficients, channels: gains }))
+    Ok(OperatingPoint { coefficients, channels: gains })
 }
 
-/// The operating point of a configuration: the coefficients of the case's terms, then one for all that is constant in it, and the
-/// gains of closed patches.
-pub(super) fn of_configuration(case: &FiniteElementCase, closed: &[usize], full: &OperatingPoint) -> OperatingPoint {
-    let mut coefficients = full.coefficients[..case.coefficients.len()].to_vec();
-    if case.system.terms().len() > coefficients.len() {
-        coefficients.push(1.0);
-    }
-    let channels = closed_channels(case, closed).map(|channel| full.channels[channel]).collect();
-    OperatingPoint { coefficients, channels }
+/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed.
+pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
+    if law == Law::AmontonsCoulomb { vec![None] } else { (0..contact.speeds.len()).map(Some).collect() }
+}
+
+/// The point at which modes are named: Amontons-Coulomb friction at median parameters.
+pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
+    scene_point(case, closed, Some((Law::AmontonsCoulomb, ANY_SPEED)), &median(case)).map_err(no_median(case))
 }
 
 /// The operating point of the whole brake from that of a configuration: holders count once, closed patches once, open ones not.
@@ -101,6 +104,6 @@ pub(super) fn closed_channels<'a>(
 }
 
 /// The error of a case whose medians have no operating point.
-pub(super) fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
+fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
     |source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) }
 }

@@ -7,7 +7,7 @@ use montecarlo::{Progress, stream};
 use sparse::reduction::{Options, Reduction, Wanted};
 use sparse::{Rectangle, SparseAffineSystem};
 
-use super::points::{draw, full_point, median, no_median, speed};
+use super::points::{draw, naming_point, of_brake, scene_point, speed, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
 
@@ -26,7 +26,7 @@ pub struct ReducedSet {
 }
 
 /// Where the modes of a case are wanted, rad/s.
-pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
+fn rectangle(case: &FiniteElementCase) -> Rectangle {
     let goal = &case.reduction;
     Rectangle { re: goal.growth, im: goal.frequencies.map(|hz| TAU * hz) }
 }
@@ -35,11 +35,10 @@ pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
 pub(super) fn reduced_sets(case: &FiniteElementCase, progress: &dyn Progress) -> Result<Vec<ReducedSet>, Error> {
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let all: Vec<usize> = (0..patches).collect();
-    let (middle, baseline) = (median(case), Some((Law::AmontonsCoulomb, 1.0)));
-    let at_median = full_point(case, &all, baseline, &middle).map_err(no_median(case))?;
+    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
     let training = training_points(case)?;
-    let most_enrichments = MOST_ENRICHMENTS;
-    let options = Options { tolerance: case.reduction.residual, most_enrichments, ..Options::default() };
+    let tolerance = case.reduction.residual;
+    let options = Options { tolerance, most_enrichments: MOST_ENRICHMENTS, ..Options::default() };
     progress.begin(case.constraints.len() as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for set in &case.constraints {
@@ -55,8 +54,8 @@ pub(super) fn reduced_sets(case: &FiniteElementCase, progress: &dyn Progress) ->
     Ok(sets)
 }
 
-/// The closed patches of a scene, from 0, and its law with the place of its range of speed.
-type PatchScene<'a> = (&'a [usize], Option<(Law, usize)>);
+/// The closed patches of a scene, from 0, and its law with the place of its range of speed, where it has one.
+type PatchScene<'a> = (&'a [usize], Option<(Law, Option<usize>)>);
 
 /// Draws, each in one arrangement, law and range of speed after another: at least as many as these are, so that every arrangement is
 /// known to the basis.
@@ -65,11 +64,8 @@ fn training_points(case: &FiniteElementCase) -> Result<Vec<OperatingPoint>, Erro
         None => vec![(&[], None)],
         Some(contact) => {
             let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
-            let states = |law: Law| {
-                let ranges = if law == Law::AmontonsCoulomb { 1 } else { contact.speeds.len() };
-                (0..ranges).map(move |range| (law, range))
-            };
-            let states: Vec<_> = contact.laws.iter().flat_map(|&law| states(law)).collect();
+            let states = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| (law, range));
+            let states: Vec<_> = contact.laws.iter().flat_map(states).collect();
             let of = |closed| states.iter().map(move |&state| (closed, Some(state)));
             arrangements.flat_map(|arrangement| of(arrangement.in_contact())).collect()
         }
@@ -79,8 +75,8 @@ fn training_points(case: &FiniteElementCase) -> Result<Vec<OperatingPoint>, Erro
         // Streams from the other end than those of the samples.
         let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
         let at = case.contact.as_ref().zip(state);
-        let state = at.map(|(contact, (law, range))| (law, speed(contact, Some(range), &sample)));
-        full_point(case, closed, state, &sample)
+        let state = at.map(|(contact, (law, range))| (law, speed(contact, range, &sample)));
+        Ok(of_brake(case, closed, &scene_point(case, closed, state, &sample)?))
     };
     (0..count).zip(scenes.iter().cycle()).map(point).collect()
 }

@@ -14,10 +14,11 @@ use osc_model::{
 };
 
 use crate::Error;
+use crate::brakes::labels::friction_labels;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
-    Configuration, Cost, LawLabel, ModeIdentity, NamedParameter, Origin, PanelLabel, Plan, Scene, SceneKey,
-    SceneLabels, SpeedLabel, StudySource, UncertainBrake,
+    Configuration, Cost, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
+    UncertainBrake,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -285,26 +286,9 @@ fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
 fn labels(case: &LatticeCase) -> SceneLabels {
     SceneLabels {
         constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
-        laws: case.laws.iter().map(|law| LawLabel { name: law.name().into(), title: law.title().into() }).collect(),
-        baseline_law: case.laws.iter().position(|&law| law == Law::AmontonsCoulomb),
-        speeds: case
-            .speeds
-            .iter()
-            .map(|range| SpeedLabel {
-                name: range.name.clone(),
-                description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
-            })
-            .collect(),
-        panels: case
-            .panels
-            .iter()
-            .map(|(number, list)| PanelLabel {
-                in_contact: *number,
-                arrangements: list.iter().map(ToString::to_string).collect(),
-            })
-            .collect(),
         named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
         dofs: dof_names(case.lattice.grid.oscillators()),
+        ..friction_labels(&case.laws, &case.speeds, &case.panels)
     }
 }
 
