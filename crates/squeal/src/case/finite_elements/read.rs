@@ -103,6 +103,7 @@ fn patch_contact(
         return Err(check.value("study.laws", "[]", "one law or more"));
     }
     check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
+    let depends_on_speed = laws.iter().any(|&law| law != Law::AmontonsCoulomb);
     let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
     let of_patches = schema::ContactTable { in_contact, arrangements };
     Ok(PatchContact {
@@ -110,7 +111,7 @@ fn patch_contact(
         patches,
         friction: distributions(check, of_laws(check, &laws, friction)?)?,
         laws,
-        speeds: speed_ranges(check, speeds)?,
+        speeds: if depends_on_speed || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
         draws,
         bristle_damping: bristle_damping.into(),
     })
