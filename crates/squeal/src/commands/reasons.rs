@@ -97,8 +97,8 @@ fn influences(why: &Why) -> String {
     );
     for influence in why.influences.iter().take(MOST_INFLUENCES) {
         let Influence { name, unit, value, growth_per_percent: growth, frequency_hz_per_percent: hz, .. } = influence;
-        // The first word of what is no unit.
-        let unit = unit.split(' ').next().unwrap_or_default();
+        // Of what is no unit the first word; a number without one has none.
+        let unit = unit.split(' ').next().filter(|unit| *unit != "1").unwrap_or_default();
         let growth = match influence.holds_for_a_percent() {
             true => format!("{growth:+.4} "),
             false => format!("({growth:+.4})"),

@@ -4,7 +4,7 @@ use cea::{
     EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum, Verdict, Workspace,
     damping_ratio, verdicts,
 };
-use linsys::{OperatingPoint, SecondOrder};
+use linsys::{Internal, OperatingPoint, SecondOrder};
 use num_complex::Complex;
 use osc_model::Brake;
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub struct Why {
     pub is_simple: bool,
     /// What changes it, the one that changes the growth by most per cent first; empty where it is not simple.
     pub influences: Vec<Influence>,
-    /// Parameters that cannot be varied at their medians to both sides.
+    /// Parameters that cannot be varied at their medians.
     pub not_varied: Vec<String>,
     /// Who feeds it and who drains it, and where its energy is.
     pub balance: Balance,
@@ -168,7 +168,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     }
 
     /// Calls `each` with every parameter of the scene and the systems below, at and above its median; without them where the brake
-    /// refuses one.
+    /// refuses both sides.
     fn vary(
         &self,
         mut each: impl FnMut(&crate::study::NamedParameter, Option<[&SecondOrder; 3]>, f64) -> Result<(), Error>,
@@ -177,11 +177,35 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
         for (place, parameter) in self.brake.parameters(self.scene).iter().enumerate() {
             let half_step = DIFFERENCE * if parameter.median == 0.0 { 1.0 } else { parameter.median.abs() };
             let system = |by: f64| self.brake.system_with(self.scene, &[(place, parameter.median + by)]);
-            match (system(-half_step), system(half_step)) {
-                (Ok(below), Ok(above)) => each(parameter, Some([&below, &at, &above]), half_step)?,
-                _ => each(parameter, None, half_step)?,
+            // Where one side is refused, such as negative values, the systems go on smoothly from the other side.
+            let beyond = |near: &SecondOrder, sign: f64| {
+                Ok::<_, Error>(extrapolated(&at, near, &system(2.0 * sign * half_step)?))
+            };
+            let sides = match (system(-half_step), system(half_step)) {
+                (Ok(below), Ok(above)) => Ok((below, above)),
+                (Err(_), Ok(above)) => beyond(&above, 1.0).map(|below| (below, above)),
+                (Ok(below), Err(_)) => beyond(&below, -1.0).map(|above| (below, above)),
+                (Err(refused), Err(_)) => Err(refused),
+            };
+            match sides {
+                Ok((below, above)) => each(parameter, Some([&below, &at, &above]), half_step)?,
+                Err(_) => each(parameter, None, half_step)?,
             }
         }
         Ok(())
     }
+}
+
+/// The system at -h from those at 0, h and 2 h: each entry on its parabola, `3 a - 3 b + c`.
+fn extrapolated(at: &SecondOrder, near: &SecondOrder, far: &SecondOrder) -> SecondOrder {
+    let parabola = |a: &mut f64, b: f64, c: f64| *a += 2.0 * (*a - b) + (c - b);
+    let mut beyond = at.clone();
+    let Internal { decay, drive, force } = &mut beyond.internal;
+    decay.zip_zip_apply(&near.internal.decay, &far.internal.decay, parabola);
+    let [near, far] = [near, far].map(|s| [&s.m, &s.c, &s.k, &s.internal.drive, &s.internal.force]);
+    let matrices = [&mut beyond.m, &mut beyond.c, &mut beyond.k, drive, force];
+    for ((matrix, near), far) in matrices.into_iter().zip(near).zip(far) {
+        matrix.zip_zip_apply(near, far, parabola);
+    }
+    beyond
 }
