@@ -64,6 +64,12 @@ pub enum CeaError {
         /// Smallest normwise backward error reached.
         residual: f64,
     },
+    /// An eigenvalue that has no derivatives.
+    #[error("lambda = {lambda} is defective: it has no derivatives")]
+    Defective {
+        /// The eigenvalue.
+        lambda: Complex<f64>,
+    },
     /// Channels whose shapes do not fit the system, or a system with internal states, for which channels are not supported.
     #[error("the channels do not fit a system of order {order} with {states} internal states, which must be none")]
     Channels {

@@ -11,6 +11,8 @@
 //! | which eigenvalues are modes; shapes of chosen modes | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
 //! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | `certified` |
 //! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `feedback` |
+//! | how an eigenvalue moves with the numbers of its system, and how far that holds | [`Eigentriple`], [`Expansion`] | `sensitivity` |
+//! | the real modes of an undamped structure, and how much of each is in a complex mode | [`RealModes`] | `real_modes` |
 //! | how strong feedback may be before a mode can grow | [`h_infinity_norm_bound`] | `feedback` |
 //!
 //! ```
@@ -42,6 +44,8 @@ mod error;
 mod feedback;
 mod francis;
 mod lanes;
+mod real_modes;
+mod sensitivity;
 mod spectrum;
 mod stability;
 mod verdict;
@@ -62,6 +66,8 @@ pub use feedback::{
     Anchors, AxisMargins, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep,
     NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
 };
+pub use real_modes::{NoRealModes, RealModes};
+pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
 pub use stability::{StabilityCensus, stability_census, verdict, verdicts};
 pub use verdict::{JudgedEigenvalue, Verdict};

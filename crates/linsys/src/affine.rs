@@ -181,6 +181,20 @@ impl AffineSystem {
         Ok(())
     }
 
+    /// Writes the contribution of one friction channel, by its place, to `out`.
+    ///
+    /// # Errors
+    /// As [`AffineSystem::assemble_into`]; no channel at this place.
+    pub fn channel_into(&self, channel: usize, at: &OperatingPoint, out: &mut SecondOrder) -> Result<(), LinsysError> {
+        self.check(at)?;
+        let Some(gain) = at.channels.get(channel) else {
+            return Err(LinsysError::NoChannel { channel, total: self.channels.len() });
+        };
+        self.clear(out, usize::from(gain.lag.is_some()));
+        self.channels[channel].add(gain, 0, out);
+        Ok(())
+    }
+
     /// Checks that an operating point belongs to this system.
     ///
     /// # Errors

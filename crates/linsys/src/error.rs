@@ -79,6 +79,14 @@ pub enum LinsysError {
         /// Number that the system needs.
         expected: usize,
     },
+    /// A friction channel that the system does not have.
+    #[error("channel {channel}; the system has {total}, numbered from 0")]
+    NoChannel {
+        /// Its place, from 0.
+        channel: usize,
+        /// Number of channels.
+        total: usize,
+    },
     /// A coefficient that is NaN or infinite.
     #[error("the coefficient of the term \"{term}\" is {value}; it must be finite")]
     Coefficient {

@@ -186,6 +186,24 @@ impl SecondOrder {
         }
         q
     }
+
+    /// `Q''(lambda) = 2 M + 2 F diag(a / (lambda + a)^3) E`, n x n.
+    #[must_use]
+    pub fn dynamic_stiffness_second_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
+        let n = self.order();
+        let mut q = self.m.map(|m| Complex::from(2.0 * m));
+        for state in 0..self.states() {
+            let decay = self.internal.decay[state];
+            let gain = 2.0 * decay / (lambda + decay).powi(3);
+            let (drive, force) = (self.internal.drive.row(state), self.internal.force.column(state));
+            for j in (0..n).filter(|&j| drive[j] != 0.0) {
+                for i in 0..n {
+                    q[(i, j)] += gain * (force[i] * drive[j]);
+                }
+            }
+        }
+        q
+    }
 }
 
 fn not_finite(matrix: Matrix, row: usize, column: usize, value: f64) -> LinsysError {
@@ -209,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn the_derivative_is_the_limit_of_differences() {
+    fn derivatives_are_limits_of_differences() {
         let internal = Internal { decay: dvector![3.0], drive: dmatrix![2.0, 0.0], force: dmatrix![-5.0; 1.0] };
         let (m, c, k) = (dmatrix![1.5, 0.1; 0.1, 2.0], dmatrix![0.2, 0.0; 0.3, 0.1], dmatrix![7.0, -1.0; 2.0, 9.0]);
         let system = SecondOrder::with_internal(m, c, k, internal).unwrap();
@@ -218,6 +236,9 @@ mod tests {
         let behind = system.dynamic_stiffness(lambda - step);
         let difference = (ahead - behind) / Complex::from(2.0 * step);
         assert!((difference - system.dynamic_stiffness_derivative(lambda)).norm() < 1e-8);
+        let [ahead, behind] = [step, -step].map(|step| system.dynamic_stiffness_derivative(lambda + step));
+        let difference = (ahead - behind) / Complex::from(2.0 * step);
+        assert!((difference - system.dynamic_stiffness_second_derivative(lambda)).norm() < 1e-8);
     }
 
     #[test]

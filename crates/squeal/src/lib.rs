@@ -14,6 +14,7 @@
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
+//! | know why a mode grows | [`why::Explainer`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
 //! # Features
@@ -87,6 +88,7 @@ pub mod report;
 mod run;
 pub mod study;
 pub mod sweep;
+pub mod why;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;

@@ -7,7 +7,7 @@ use montecarlo::{Checkpoint, run_with};
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::report::{Manifest, Results, Times, write_tables};
+use crate::report::{Manifest, Results, Times, reasons, write_tables};
 use crate::study::{Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
@@ -69,8 +69,9 @@ pub fn run_study<B: UncertainBrake>(
 
     let start = Instant::now();
     let results = Results::new(&study, summary);
+    let reasons = pool.install(|| reasons(&study));
     folder.publish(|stage| {
-        write_tables(&results, stage)?;
+        write_tables(&results, &reasons, stage)?;
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();

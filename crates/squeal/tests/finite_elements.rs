@@ -66,4 +66,34 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
     assert!(modes.largest_residual() <= 1e-8);
     // Friction alone can make it unstable: one mode of twelve.
     assert_eq!(modes.lambdas.iter().filter(|lambda| lambda.re > 0.0).count(), 1);
+
+    // Its parameters: the coefficient of friction and the stiffness of each patch.
+    let [median, same] = [brake.system(scene, &brake.median()), brake.system_with(scene, &[])].map(Result::unwrap);
+    assert!(
+        (&median.k - &same.k).norm() <= 1e-12 * median.k.norm()
+            && (&median.c - &same.c).norm() <= 1e-12 * median.c.norm()
+    );
+    let names: Vec<String> = brake.parameters(scene).into_iter().map(|parameter| parameter.name).collect();
+    assert_eq!((names[0].as_str(), names[1].as_str(), names.len()), ("mu", "contact_stiffness.PATCH1", 10));
+
+    // Why the unstable mode grows: derivatives of the reduced brake are limits of differences.
+    let mut work = cea::Workspace::default();
+    let unstable = *modes.lambdas.iter().find(|lambda| lambda.re > 0.0).unwrap();
+    let explainer = squeal::why::Explainer::new(&brake, scene, &mut work).unwrap();
+    let why = explainer.why(&[unstable], &mut work).unwrap().remove(0);
+    for place in [0, 1, 5] {
+        let by = why.influences.iter().find(|influence| influence.name == names[place]).unwrap();
+        let step = 1e-4 * by.value;
+        let at = |value: f64| {
+            let system = brake.system_with(scene, &[(place, value)]).unwrap();
+            let all = cea::EigenSolver::eigenvalues(&cea::QrSolver, &system, &mut cea::Workspace::default()).unwrap();
+            let distance = |l: &Complex<f64>| (l - unstable).norm();
+            all.eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        let difference = (at(by.value + step) - at(by.value - step)) / (2.0 * step);
+        let rate = Complex::new(by.growth, TAU * by.frequency_hz);
+        assert!((rate - difference).norm() < 1e-4 * rate.norm() + 1e-9 * unstable.norm() / step, "{by:?} {difference}");
+    }
+    let sum: f64 = why.balance.families.iter().map(|family| family.growth).sum();
+    assert!((sum - unstable.re).abs() < 1e-6 * unstable.re, "{sum} {unstable}");
 }

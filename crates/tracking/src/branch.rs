@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 
-use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, Workspace, left_vector, right_vector};
+use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, Eigentriple, Workspace};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
@@ -23,8 +23,6 @@ const CLEAR_LINK_ERROR: f64 = 0.25;
 const COMPARED_EIGENVALUES: usize = 4;
 /// Number of steps that an interval is divided into before any step is halved; chosen.
 const FIRST_STEPS: usize = 16;
-/// Bound of the rounding error of one evaluation of `Q(lambda) x`, in units of epsilon times the norms of its terms; chosen.
-const ROUNDINGS: f64 = 8.0;
 
 /// An eigenvalue and its derivative by the parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,24 +50,15 @@ impl RefinedPoint {
     /// n x n.
     ///
     /// # Errors
-    /// Those of [`right_vector`].
+    /// Those of [`Eigentriple::new`].
     pub fn new(
         system: &SecondOrder,
         derivative: &DMatrix<Complex<f64>>,
         lambda: Complex<f64>,
         work: &mut Workspace,
     ) -> Result<Self, CeaError> {
-        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
-        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
-        let residual = left.dotc(&(system.dynamic_stiffness(lambda) * &right));
-        let (l, internal) = (lambda.norm(), &system.internal);
-        let states = internal.drive.norm() * internal.force.norm();
-        let size = l * l * system.m.norm() + l * system.c.norm() + system.k.norm() + states;
-        Ok(Self {
-            lambda: lambda - residual / slope,
-            rate: -left.dotc(&(derivative * &right)) / slope,
-            bound: ROUNDINGS * f64::EPSILON * size / slope.norm(),
-        })
+        let triple = Eigentriple::new(system, lambda, work)?;
+        Ok(Self { lambda: triple.refined(system), rate: triple.rate(derivative), bound: triple.rounding() })
     }
 }
 

@@ -44,6 +44,27 @@ pub enum WorkError {
         /// What is wrong with it.
         source: LinsysError,
     },
+    /// No part of a structure was given.
+    #[error("no part of the structure is given; energy needs at least one")]
+    NoPart,
+    /// A part does not fit the mode shape.
+    #[error("the part {part:?} has {found} degrees of freedom, the mode shape has {expected}")]
+    PartOrder {
+        /// Name of the part.
+        part: String,
+        /// Its degrees of freedom.
+        found: usize,
+        /// Those of the mode shape.
+        expected: usize,
+    },
+    /// The matrices of a part do not fit each other, or hold an entry that is not finite.
+    #[error("the part {part:?} is no system")]
+    Part {
+        /// Name of the part.
+        part: String,
+        /// What is wrong with it.
+        source: LinsysError,
+    },
     /// A body lists a degree of freedom that does not exist.
     #[error("body {body} owns degree of freedom {dof}; there are {order}, numbered from 0")]
     UnknownDof {

@@ -1,4 +1,4 @@
-//! Work per cycle of any number of force families in a complex mode.
+//! Work per cycle of any number of force families in a complex mode, and its energy.
 //!
 //! In a mode `u(t) = Re(phi e^{lambda t})` a force `Re(f e^{lambda t})` on degree of freedom j does, in one period at
 //! frozen amplitude, the work
@@ -15,12 +15,16 @@
 //! identity `sum W = 2 pi Re(lambda) Im(lambda) phi^H M phi` holds: the growth rate follows from the net work.
 //! [`ModeWork::identity_residual`] tells how well it holds.
 //!
-//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. Its one function is
-//! [`family_work`], which has an example.
+//! [`mode_energy`] says where the energy is that the work goes to: kinetic and strain energy of each part and body.
+//!
+//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. Its two functions are [`family_work`] and
+//! [`mode_energy`], each with an example.
 
+mod energy;
 mod error;
 mod family_work;
 
+pub use energy::{Energy, ModeEnergy, StructurePart, mode_energy};
 pub use error::WorkError;
 pub use family_work::{FamilyWork, ForceFamily, ModeWork, family_work};
 

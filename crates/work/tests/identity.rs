@@ -9,7 +9,7 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector, dmatrix, dvector};
 use num_complex::Complex;
 use proptest::prelude::*;
-use work::{ForceFamily, ModeWork, WorkError, family_work};
+use work::{Energy, ForceFamily, ModeWork, StructurePart, WorkError, family_work, mode_energy};
 
 const ORDER: usize = 5;
 const STATES: usize = 2;
@@ -188,4 +188,52 @@ fn refuses_what_does_not_fit() {
     let lambda = Complex::new(-3.0, 0.0);
     let expected = WorkError::InternalPole { family: "friction".into(), lambda, state: 0 };
     assert_eq!(family_work(&one(1.0).m, &friction(&bristle), lambda, &phi, &[[0]]), Err(expected));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// `d E / d t = 2 Re(lambda) E` is the mean power of dashpots and friction, `Re(conj(lambda) phi^H f) / 2`.
+    #[test]
+    fn energy_grows_by_the_power_that_is_fed((structure, friction) in systems()) {
+        let (system, work) = (sum(&structure, &friction), &mut Workspace::default());
+        let half = SecondOrder { c: DMatrix::zeros(ORDER, ORDER), ..structure.clone() };
+        let halves = [0.25, 0.75].map(|part| SecondOrder { m: &half.m * part, k: &half.k * (1.0 - part), ..half.clone() });
+        let parts = [("one", &halves[0]), ("two", &halves[1])].map(|(name, system)| StructurePart { name, system });
+        let bodies = [vec![0, 3], vec![1, 2, 4]];
+        for lambda in QrSolver.eigenvalues(&system, work).unwrap().oscillatory() {
+            let phi = right_vector(&system, lambda, work).unwrap();
+            let energy = mode_energy(&parts, lambda, &phi, &bodies).unwrap();
+            // The forces of all that is not elastic, from the elastic ones of the whole.
+            let forces = SecondOrder { m: DMatrix::zeros(ORDER, ORDER), k: &system.k - &structure.k, ..system.clone() };
+            let power = -0.5 * (lambda.conj() * phi.dotc(&(forces.dynamic_stiffness(lambda) * &phi))).re;
+            let per_mass = power / phi.dotc(&(structure.m.map(Complex::from) * &phi)).re;
+            let Energy { kinetic, strain } = energy.total;
+            let grows = 2.0 * lambda.re * (kinetic + strain);
+            prop_assert!((grows - per_mass).abs() < 1e-10 * (per_mass.abs() + lambda.norm() * kinetic), "{grows} {per_mass}");
+            let [sum_of_parts, sum_of_bodies] = [
+                energy.parts.iter().map(|(_, energy)| *energy).collect::<Vec<_>>(),
+                energy.bodies.clone(),
+            ].map(|list| list.into_iter().fold(Energy::default(), |mut sum, energy| { sum += energy; sum }));
+            for sum in [sum_of_parts, sum_of_bodies] {
+                prop_assert!((sum.kinetic - kinetic).abs() < 1e-12 * kinetic && (sum.strain - strain).abs() < 1e-10 * strain);
+            }
+            prop_assert!((energy.parts[0].1.kinetic / kinetic - 0.25).abs() < 1e-12);
+            prop_assert!((energy.parts[0].1.strain / strain - 0.75).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn refuses_parts_that_do_not_fit() {
+    let (one, phi) = (SecondOrder::zeros(1, 0), dvector![Complex::i(), Complex::i()]);
+    let energy = |parts: &[StructurePart<'_>]| mode_energy(parts, Complex::i(), &phi, &[[0]]).unwrap_err().to_string();
+    assert_eq!(energy(&[]), "no part of the structure is given; energy needs at least one");
+    let part = StructurePart { name: "pad", system: &one };
+    assert_eq!(energy(&[part]), "the part \"pad\" has 1 degrees of freedom, the mode shape has 2");
+    let two = SecondOrder::zeros(2, 0);
+    assert_eq!(
+        energy(&[StructurePart { name: "pad", system: &two }]),
+        "phi^H M phi = 0; it must be finite and positive"
+    );
 }

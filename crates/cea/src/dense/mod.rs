@@ -23,7 +23,7 @@ pub use qr::QrSolver;
 pub(crate) use scaling::MassRoot;
 pub use scaling::StandardForm;
 pub use solver::EigenSolver;
-pub(crate) use vectors::start;
 pub use vectors::{
     backward_error, fix_phase, left_vector, right_vector, right_vectors, right_vectors_of_all, singular_vectors,
 };
+pub(crate) use vectors::{size, start};

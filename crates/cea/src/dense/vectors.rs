@@ -132,7 +132,7 @@ pub fn backward_error(system: &SecondOrder, lambda: Complex<f64>, phi: &DVector<
 }
 
 /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of the internal states: the norm that backward errors are relative to.
-fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
+pub(crate) fn size(system: &SecondOrder, lambda: Complex<f64>) -> f64 {
     let l = lambda.norm();
     let states = (0..system.states()).map(|s| {
         let gain = (lambda / (lambda + system.internal.decay[s])).norm();

@@ -65,6 +65,22 @@ fn families_leave_out_what_is_elastic_and_make_up_the_rest() {
 }
 
 #[test]
+fn channels_one_by_one_make_up_friction() {
+    let (brake, at, lambda) = (brake(), point(), Complex::new(0.3, 2.1));
+    let (mut one, mut all) = (SecondOrder::zeros(1, 0), SecondOrder::zeros(1, 0));
+    let mut sum = DMatrix::zeros(2, 2);
+    for channel in 0..2 {
+        brake.channel_into(channel, &at, &mut one).unwrap();
+        assert_eq!(one.states(), usize::from(channel == 0));
+        sum += one.dynamic_stiffness(lambda);
+    }
+    brake.friction_into(&at, &mut all).unwrap();
+    assert!((sum - all.dynamic_stiffness(lambda)).norm() < 1e-13);
+    let none = brake.channel_into(2, &at, &mut one);
+    assert_eq!(none, Err(LinsysError::NoChannel { channel: 2, total: 2 }));
+}
+
+#[test]
 fn a_used_buffer_gives_what_a_fresh_one_gives() {
     let (brake, mut other) = (brake(), point());
     other.channels[0].lag = None;

@@ -1,6 +1,7 @@
 //! The brakes of case files, as [`UncertainBrake`](crate::study::UncertainBrake)s.
 
 mod finite_elements;
+mod friction_parameters;
 mod labels;
 mod lattice;
 mod matrices;

@@ -11,13 +11,15 @@ use serde_json::{Value, json};
 use work::ModeWork;
 
 use super::eig::announce;
+use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{LatticeScene, SceneArgs, chosen};
 use crate::Error;
-use crate::brakes::{FiniteElementBrake, LatticeSample, lattice, sliding};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
 use crate::report::hertz;
 use crate::run::bar;
 use crate::study::{Scene, UncertainBrake, mode_work};
+use crate::why::Why;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -30,6 +32,9 @@ pub struct CeaArgs {
     /// Add mode shapes and the work of friction and damping per body
     #[arg(long)]
     pub modes: bool,
+    /// Say why unstable modes grow: what changes them, who feeds them, of which modes of the structure they are made
+    #[arg(long)]
+    pub why: bool,
     /// JSON for machines: eigenvalues in rad/s
     #[arg(long)]
     pub json: bool,
@@ -51,17 +56,17 @@ impl CeaArgs {
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         let text = match CaseFile::read(&self.case)? {
-            CaseFile::Lattice(case) => self.lattice(&case)?,
-            CaseFile::Matrices(case) => self.matrices(&case)?,
+            CaseFile::Lattice(case) => self.lattice(*case)?,
+            CaseFile::Matrices(case) => self.matrices(*case)?,
             CaseFile::FiniteElements(case) => self.finite_elements(*case)?,
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
-    fn lattice(&self, case: &LatticeCase) -> Result<String, Error> {
-        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(case)?;
-        let lattice = lattice(case, constraints, &arrangement)?;
-        let state = sliding(case, &lattice, law, speed, &LatticeSample::median(case))?;
+    fn lattice(&self, case: LatticeCase) -> Result<String, Error> {
+        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(&case)?;
+        let lattice = lattice(&case, constraints, &arrangement)?;
+        let state = sliding(&case, &lattice, law, speed, &LatticeSample::median(&case))?;
         let contacts = lattice.arrangement();
         let scene = json!({
             "law": law.name(),
@@ -69,11 +74,13 @@ impl CeaArgs {
             "speed": speed,
         });
         let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters");
-        self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene)
+        let whys =
+            if self.why { first_scene(&LatticeBrake::new(self.scene.only_of_lattice(case)?)?)? } else { Vec::new() };
+        self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene, &whys)
     }
 
-    fn matrices(&self, case: &MatricesCase) -> Result<String, Error> {
-        let set = &case.constraints[self.scene.matrices(case)?];
+    fn matrices(&self, case: MatricesCase) -> Result<String, Error> {
+        let set = &case.constraints[self.scene.matrices(&case)?];
         let medians = case.medians();
         let values =
             case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
@@ -81,7 +88,10 @@ impl CeaArgs {
         let named: serde_json::Map<String, Value> =
             case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
         let scene = json!({ "constraints": set.name, "parameters": named });
-        self.text(&case.brake(set)?, &case.operating_point(&medians)?, &heading, &scene)
+        let (brake, at) = (case.brake(set)?, case.operating_point(&medians)?);
+        let whys =
+            if self.why { first_scene(&MatricesBrake::new(self.scene.only_of_matrices(case)?)?)? } else { Vec::new() };
+        self.text(&brake, &at, &heading, &scene, &whys)
     }
 
     /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
@@ -103,16 +113,21 @@ impl CeaArgs {
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
         let heading = format!("{}; median parameters", brake.plan.describe(scene));
         let rows = modes.lambdas.iter().zip(&modes.residuals);
+        let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         if self.json {
             let list: Vec<Value> = rows
                 .map(|(lambda, residual)| {
-                    json!({
+                    let mut mode = json!({
                         "re": lambda.re,
                         "im": lambda.im,
                         "frequency_hz": frequency_hz(*lambda),
                         "damping_ratio": damping_ratio(*lambda),
                         "residual": residual,
-                    })
+                    });
+                    if let Some(why) = whys.iter().find(|why| is_of(*lambda, why)) {
+                        mode["why"] = json!(why);
+                    }
+                    mode
                 })
                 .collect();
             return Ok(format!("{:#}\n", json!({ "scene": heading, "modes": list })));
@@ -123,17 +138,30 @@ impl CeaArgs {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
             text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}\n", lambda.re);
         }
-        Ok(
-            text + "\ndamping ratio: -Re / |lambda|, negative is unstable; residual: of the mode in the unreduced brake\n"
-        )
+        Ok(text
+            + "\ndamping ratio: -Re / |lambda|, negative is unstable; residual: of the mode in the unreduced brake\n"
+            + &reasons(&whys, |_| String::new()))
     }
 
     /// The analysis of a brake at an operating point, for people or for machines.
-    fn text(&self, brake: &Brake, at: &OperatingPoint, heading: &str, scene: &Value) -> Result<String, Error> {
+    fn text(
+        &self,
+        brake: &Brake,
+        at: &OperatingPoint,
+        heading: &str,
+        scene: &Value,
+        whys: &[Why],
+    ) -> Result<String, Error> {
         let (rows, modes) = analyse(brake, at, self.modes)?;
         Ok(match self.json {
-            true => json_text(scene, &rows, &modes),
-            false => format!("{heading}\n\n{}", table(&rows, &modes, brake)),
+            true => json_text(scene, &rows, &modes, whys),
+            false => {
+                let name = |why: &Why| {
+                    let row = rows.iter().find(|row| is_of(row.lambda, why));
+                    row.map_or(String::new(), |row| format!(" {}", row.rank))
+                };
+                format!("{heading}\n\n{}{}", table(&rows, &modes, brake), reasons(whys, name))
+            }
         })
     }
 }
@@ -213,7 +241,7 @@ fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
     text
 }
 
-fn json_text(scene: &Value, rows: &[Row], modes: &Modes) -> String {
+fn json_text(scene: &Value, rows: &[Row], modes: &Modes, whys: &[Why]) -> String {
     let list: Vec<Value> = rows
         .iter()
         .map(|row| {
@@ -227,6 +255,9 @@ fn json_text(scene: &Value, rows: &[Row], modes: &Modes) -> String {
                 "pair": [first, second],
                 "verdict": row.verdict.to_string(),
             });
+            if let Some(why) = whys.iter().find(|why| is_of(row.lambda, why)) {
+                mode["why"] = json!(why);
+            }
             if let Some((shape, energy)) = &row.shape {
                 mode["shape"] = shape.iter().map(|u| json!([u.re, u.im])).collect();
                 for family in &energy.families {

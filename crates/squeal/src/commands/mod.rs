@@ -4,6 +4,7 @@ mod cea;
 mod check;
 mod eig;
 mod options;
+mod reasons;
 mod refuse;
 mod run;
 mod scene;

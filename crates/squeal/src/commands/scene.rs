@@ -4,7 +4,7 @@ use osc_model::ContactArrangement;
 
 use super::options::number;
 use crate::Error;
-use crate::case::{LatticeCase, Law, MatricesCase};
+use crate::case::{LatticeCase, Law, MatricesCase, SpeedRange};
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -65,6 +65,29 @@ impl SceneArgs {
             return Err(refused("--speed", &speed.to_string(), "a speed in m/s, > 0".into()));
         }
         Ok(LatticeScene { law, constraints, arrangement, speed })
+    }
+
+    /// A case with a lattice that has this scene alone.
+    ///
+    /// # Errors
+    /// What the case does not have.
+    pub(super) fn only_of_lattice(&self, mut case: LatticeCase) -> Result<LatticeCase, Error> {
+        let LatticeScene { law, constraints, arrangement, speed } = self.lattice(&case)?;
+        case.laws = vec![law];
+        case.constraints = vec![case.constraints.swap_remove(constraints)];
+        case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+        case.speeds = vec![SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }];
+        Ok(case)
+    }
+
+    /// A case that is given by its matrices with this scene alone.
+    ///
+    /// # Errors
+    /// As [`SceneArgs::matrices`].
+    pub(super) fn only_of_matrices(&self, mut case: MatricesCase) -> Result<MatricesCase, Error> {
+        let set = self.matrices(&case)?;
+        case.constraints = vec![case.constraints.swap_remove(set)];
+        Ok(case)
     }
 
     /// The place of the set of constraints of a case that is given by its matrices.

@@ -14,6 +14,7 @@ mod paper;
 mod paper_pictures;
 #[cfg(feature = "figures")]
 mod pictures;
+mod reasons;
 mod results;
 mod summary;
 mod summary_page;
@@ -34,6 +35,7 @@ pub use paper::{Judgement, claims, claims_judged};
 pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]
 pub use pictures::draw_occurrence;
+pub use reasons::{SceneReasons, reasons};
 pub use results::{ArrangementOccurrence, Estimate, Results};
 pub(crate) use summary::hertz;
 pub use tables::write_tables;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::findings::{Change, OpenCounts, SetFindings, drop_in_words, place};
+use super::reasons::{SceneReasons, reasons_in_words};
 use super::results::Estimate;
 use super::summary::hertz;
 use super::{Results, set_letter};
@@ -11,7 +12,12 @@ use crate::output::write;
 use crate::study::{ModeLabel, SetLinks};
 
 /// Writes `summary.md`.
-pub(super) fn write_summary(results: &Results<'_>, links: &[SetLinks], dir: &Path) -> Result<(), Error> {
+pub(super) fn write_summary(
+    results: &Results<'_>,
+    links: &[SetLinks],
+    reasons: &[SceneReasons],
+    dir: &Path,
+) -> Result<(), Error> {
     let labels = &results.plan().labels;
     let mut text = format!(
         "# {}\n\n{} samples of each arrangement, law and speed range. The occurrence of a mode is the part of the samples in \
@@ -36,6 +42,7 @@ pub(super) fn write_summary(results: &Results<'_>, links: &[SetLinks], dir: &Pat
             text += &followed(results, link, &sets);
         }
     }
+    text += &reasons_in_words(results.plan(), reasons);
     write(&dir.join("summary.md"), text.as_bytes())
 }
 

@@ -6,17 +6,18 @@ use montecarlo::{Confidence, QuantileSketch};
 
 use super::Results;
 use super::modes::{write_links, write_modes};
+use super::reasons::{SceneReasons, write_sensitivities};
 use super::summary_page::write_summary;
 use crate::Error;
 use crate::output::write_csv;
 use crate::study::{ComparisonKind, Panel, SceneLabels, set_links};
 
 /// Writes `summary.md`, `modes.csv` with the shapes, `links.csv`, `occurrence.csv`, `panels.csv`, `differences.csv`, `net_work.csv`,
-/// `family_work.csv` and `failures.csv` into `dir`.
+/// `family_work.csv`, `sensitivities.csv` and `failures.csv` into `dir`; `reasons` are those of [`reasons`](super::reasons()).
 ///
 /// # Errors
 /// [`Error::Write`]; those of following modes from one set of constraints to another.
-pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+pub fn write_tables(results: &Results<'_>, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
     let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
     write_modes(results, dir)?;
     write_links(results, &links, dir)?;
@@ -25,8 +26,9 @@ pub fn write_tables(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     write_differences(results, dir)?;
     write_net_work(results, dir)?;
     write_family_work(results, dir)?;
+    write_sensitivities(results.plan(), reasons, dir)?;
     write_failures(results, dir)?;
-    write_summary(results, &links, dir)
+    write_summary(results, &links, reasons, dir)
 }
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {

@@ -1,13 +1,14 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod layout;
+mod parameters;
 mod points;
 mod reduce;
 
 pub use points::frictionless;
 pub use reduce::ReducedSet;
 
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -15,7 +16,7 @@ use num_complex::Complex;
 use super::LatticeSample;
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law};
-use crate::study::{ModeResidual, Plan, Scene, UncertainBrake};
+use crate::study::{ModeResidual, NamedParameter, Plan, Scene, UncertainBrake};
 
 /// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
 #[derive(Debug)]
@@ -115,5 +116,13 @@ impl UncertainBrake for FiniteElementBrake {
         // One that is no number is above too.
         let is_within = value <= self.case.reduction.residual;
         Ok(Some(ModeResidual { value, is_above: !is_within }))
+    }
+
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(self, scene)
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+        parameters::system(self, scene, values)
     }
 }

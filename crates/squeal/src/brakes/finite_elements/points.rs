@@ -113,8 +113,13 @@ pub(super) fn closed_channels<'a>(
     case: &'a FiniteElementCase,
     closed: &'a [usize],
 ) -> impl Iterator<Item = usize> + 'a {
-    let patches = case.contact.iter().flat_map(move |contact| closed.iter().map(|&patch| &contact.patches[patch]));
-    patches.flat_map(|patch| patch.first_channel..patch.first_channel + patch.pairs.len())
+    closed.iter().flat_map(|&patch| channels_of(case, patch))
+}
+
+/// The channels of a patch, as places in the system.
+pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::Range<usize> {
+    let patches = case.contact.as_ref().map_or(&[][..], |contact| &contact.patches);
+    patches.get(patch).map_or(0..0, |patch| patch.first_channel..patch.first_channel + patch.pairs.len())
 }
 
 /// The error of a case whose medians have no operating point.

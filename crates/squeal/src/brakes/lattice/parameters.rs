@@ -5,6 +5,7 @@ use osc_model::{Lateral, LatticeModel, LatticeParameters, Preload};
 
 use super::{FrictionDraw, LatticeBrake, LatticeSample, sliding_under};
 use crate::Error;
+use crate::brakes::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
 use crate::case::{LatticeReadings, Law};
 use crate::study::{NamedParameter, Scene};
 
@@ -17,7 +18,7 @@ struct Values {
     lattice: LatticeParameters,
 }
 
-/// One parameter.
+/// One parameter of speed, load or structure.
 struct Parameter {
     name: &'static str,
     unit: &'static str,
@@ -30,18 +31,12 @@ struct Parameter {
     is_structural: bool,
 }
 
-/// A parameter of the friction law.
-macro_rules! friction {
-    ($name:ident, $unit:literal, $matters:expr) => {
-        Parameter {
-            name: stringify!($name),
-            unit: $unit,
-            get: |at| Some(at.draw.$name),
-            set: |at, value| at.draw.$name = value,
-            matters: $matters,
-            is_structural: false,
-        }
-    };
+/// A parameter of a scene.
+enum Choice {
+    Friction(&'static FrictionParameter),
+    Lattice(&'static Parameter),
+    /// The stiffness of one contact, by the index of its oscillator.
+    Contact(usize),
 }
 
 /// A value of every spring, dashpot or oscillator, where all have the same.
@@ -58,23 +53,8 @@ macro_rules! of_all {
     };
 }
 
-/// Every parameter, friction first.
-const ALL: &[Parameter] = &[
-    Parameter {
-        name: "mu",
-        unit: "1",
-        get: |at| Some(at.draw.mu),
-        set: |at, value| (at.draw.mu, at.draw.lateral_mu) = (value, value),
-        matters: |law, readings| law == Law::AmontonsCoulomb || readings.lateral != Lateral::None,
-        is_structural: false,
-    },
-    friction!(mu_s, "1", |law, _| law != Law::AmontonsCoulomb),
-    friction!(mu_k, "1", |law, _| law != Law::AmontonsCoulomb),
-    friction!(alpha, "s/m", |law, _| law == Law::VelocityDependent),
-    friction!(v_s, "m/s", |law, _| matches!(law, Law::Stribeck | Law::LuGre)),
-    friction!(sigma0, "1/m", |law, _| law == Law::LuGre),
-    friction!(sigma1, "s/m", |law, readings| law == Law::LuGre && readings.bristle_damping.is_some()),
-    friction!(sigma2, "s/m", |law, _| matches!(law, Law::Stribeck | Law::LuGre)),
+/// Every parameter but those of friction, which come first, and those of single contacts, which come last.
+const LATTICE: &[Parameter] = &[
     Parameter {
         name: "v",
         unit: "m/s",
@@ -173,19 +153,67 @@ fn medians(brake: &LatticeBrake, scene: &Scene) -> Values {
     }
 }
 
+impl Choice {
+    fn name(&self) -> String {
+        match self {
+            Self::Friction(parameter) => parameter.name.into(),
+            Self::Lattice(parameter) => parameter.name.into(),
+            Self::Contact(oscillator) => format!("contact_stiffness.{}", oscillator + 1),
+        }
+    }
+
+    fn unit(&self) -> &'static str {
+        match self {
+            Self::Friction(parameter) => parameter.unit,
+            Self::Lattice(parameter) => parameter.unit,
+            Self::Contact(_) => "N/m",
+        }
+    }
+
+    fn get(&self, at: &Values) -> Option<f64> {
+        match self {
+            Self::Friction(parameter) => Some((parameter.get)(&at.draw)),
+            Self::Lattice(parameter) => (parameter.get)(at),
+            Self::Contact(oscillator) => Some(at.lattice.contact_stiffness[*oscillator]),
+        }
+    }
+
+    fn set(&self, at: &mut Values, value: f64) {
+        match self {
+            Self::Friction(parameter) => (parameter.set)(&mut at.draw, value),
+            Self::Lattice(parameter) => (parameter.set)(at, value),
+            Self::Contact(oscillator) => at.lattice.contact_stiffness[*oscillator] = value,
+        }
+    }
+
+    fn is_structural(&self) -> bool {
+        match self {
+            Self::Friction(_) => false,
+            Self::Lattice(parameter) => parameter.is_structural,
+            Self::Contact(_) => true,
+        }
+    }
+}
+
 /// The parameters on which the systems of a scene depend, with their medians.
-fn of_scene(brake: &LatticeBrake, scene: &Scene) -> Vec<(&'static Parameter, f64)> {
+fn of_scene(brake: &LatticeBrake, scene: &Scene) -> Vec<(Choice, f64)> {
     let (law, at) = (brake.law(scene.key), medians(brake, scene));
-    let relevant = ALL.iter().filter(|parameter| (parameter.matters)(law, &at.readings));
-    relevant.filter_map(|parameter| Some((parameter, (parameter.get)(&at)?))).collect()
+    let of = FrictionUse {
+        law,
+        is_lateral: at.readings.lateral != Lateral::None,
+        has_bristle_damping: at.readings.bristle_damping.is_some(),
+    };
+    let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);
+    let lattice = LATTICE.iter().filter(|parameter| (parameter.matters)(law, &at.readings)).map(Choice::Lattice);
+    let contacts =
+        brake.lattice(scene).arrangement().in_contact().iter().map(|&oscillator| Choice::Contact(oscillator));
+    let all = friction.chain(lattice).chain(contacts);
+    all.filter_map(|choice| choice.get(&at).map(|median| (choice, median))).collect()
 }
 
 pub(super) fn named(brake: &LatticeBrake, scene: &Scene) -> Vec<NamedParameter> {
-    let named = |(parameter, median): (&'static Parameter, f64)| NamedParameter {
-        name: parameter.name.into(),
-        unit: parameter.unit.into(),
-        median,
-    };
+    let named =
+        |(choice, median): (Choice, f64)| NamedParameter { name: choice.name(), unit: choice.unit().into(), median };
     of_scene(brake, scene).into_iter().map(named).collect()
 }
 
@@ -193,9 +221,9 @@ pub(super) fn system(brake: &LatticeBrake, scene: &Scene, values: &[(usize, f64)
     let (mut at, mut is_structural) = (medians(brake, scene), false);
     let parameters = of_scene(brake, scene);
     for &(place, value) in values {
-        let (parameter, _) = parameters[place];
-        (parameter.set)(&mut at, value);
-        is_structural |= parameter.is_structural;
+        let (choice, _) = &parameters[place];
+        choice.set(&mut at, value);
+        is_structural |= choice.is_structural();
     }
     let changed = if is_structural {
         let fixed = &brake.case.constraints[scene.key.constraints].fixed;

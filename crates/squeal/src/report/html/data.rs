@@ -16,7 +16,7 @@ use crate::study::{SceneLabels, origin_of_set};
 const MOST_SHAPE_NUMBERS: usize = 100_000;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
-const TABLES: [(&str, &str); 8] = [
+const TABLES: [(&str, &str); 9] = [
     ("modes.csv", "The modes of each set of constraints where they have their names"),
     ("panels.csv", "Unstable modes per analysis in each panel"),
     (
@@ -26,6 +26,7 @@ const TABLES: [(&str, &str); 8] = [
     ("links.csv", "Which mode of a set of constraints is which of one that holds more"),
     ("net_work.csv", "Net work of friction and damping on each body in unstable modes, per cycle and mass of the mode"),
     ("family_work.csv", "The same work by family of forces"),
+    ("sensitivities.csv", "What changes the growth of unstable modes at median parameters, and how far that holds"),
     ("estimates.csv", "Occurrences to the half width that was asked for, by the cheapest estimator"),
     ("failures.csv", "Draws and evaluations that failed"),
 ];

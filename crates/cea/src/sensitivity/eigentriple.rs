@@ -1,0 +1,121 @@
+//! An eigenvalue with both of its vectors.
+
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use crate::dense::size;
+use crate::{CeaError, Workspace, left_vector, right_vector};
+
+/// Bound of the rounding error of one evaluation of `Q(lambda) x`, in units of epsilon times the norms of its terms; chosen.
+const ROUNDINGS: f64 = 8.0;
+/// Largest part of a derivative that may be rounding; chosen: three digits are left.
+const LARGEST_BLUR: f64 = 1e-3;
+
+/// An eigenvalue lambda with its right vector x and left vector y: `Q(lambda) x = 0`, `y^H Q(lambda) = 0`.
+///
+/// ```
+/// use cea::{Eigentriple, Workspace};
+/// use linsys::SecondOrder;
+/// use nalgebra::dmatrix;
+/// use num_complex::Complex;
+///
+/// // 2 kg on a spring of 50 N/m and a dashpot of 4 Ns/m: lambda = -1 + i sqrt(24).
+/// let system = SecondOrder::new(dmatrix![2.0], dmatrix![4.0], dmatrix![50.0])?;
+/// let triple = Eigentriple::new(&system, Complex::new(-1.0, 24_f64.sqrt()), &mut Workspace::default())?;
+/// // Another Ns/m damps by 1 / (2 m) = 0.25 1/s more.
+/// let dashpot = SecondOrder::new(dmatrix![0.0], dmatrix![1.0], dmatrix![0.0])?;
+/// let rate = triple.rate(&dashpot.dynamic_stiffness(triple.lambda));
+/// assert!((rate.re + 0.25).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Eigentriple {
+    /// lambda, rad/s.
+    pub lambda: Complex<f64>,
+    /// x, length n, unit 2-norm.
+    pub right: DVector<Complex<f64>>,
+    /// y, length n, unit 2-norm.
+    pub left: DVector<Complex<f64>>,
+    /// `y^H Q'(lambda) x`: 0 where lambda is defective.
+    pub slope: Complex<f64>,
+    /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of internal states.
+    size: f64,
+}
+
+impl Eigentriple {
+    /// The vectors of an eigenvalue that is known; two factorisations of `Q(lambda)`.
+    ///
+    /// # Errors
+    /// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
+    pub fn new(system: &SecondOrder, lambda: Complex<f64>, work: &mut Workspace) -> Result<Self, CeaError> {
+        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
+        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
+        Ok(Self { lambda, right, left, slope, size: size(system, lambda) })
+    }
+
+    /// `d lambda / d p = -y^H Q_p x / y^H Q' x` for a given `Q_p = d Q / d p` at lambda, n x n.
+    ///
+    /// Not finite where lambda is defective; [`Eigentriple::separation`] tells whether it can be believed.
+    #[must_use]
+    pub fn rate(&self, derivative: &DMatrix<Complex<f64>>) -> Complex<f64> {
+        -self.left.dotc(&(derivative * &self.right)) / self.slope
+    }
+
+    /// The eigenvalue after one Newton step with these vectors, the generalised Rayleigh quotient, rad/s.
+    #[must_use]
+    pub fn refined(&self, system: &SecondOrder) -> Complex<f64> {
+        let residual = self.left.dotc(&(system.dynamic_stiffness(self.lambda) * &self.right));
+        self.lambda - residual / self.slope
+    }
+
+    /// Bound of the error of lambda by rounding, rad/s, to first order: eight roundings of the size of the terms of Q, over
+    /// `|y^H Q' x|`.
+    #[must_use]
+    pub fn rounding(&self) -> f64 {
+        ROUNDINGS * f64::EPSILON * self.size / self.slope.norm()
+    }
+
+    /// The relative condition number, `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |y^H Q' x|)` with unit vectors and Frobenius
+    /// norms (Tisseur, Linear Algebra Appl. 309, 2000): the relative change of lambda over that of the matrices.
+    #[must_use]
+    pub fn condition(&self) -> f64 {
+        self.size / (self.lambda.norm() * self.slope.norm())
+    }
+
+    /// How far the other eigenvalues are; `spectrum` holds all of the system, this one included.
+    #[must_use]
+    pub fn separation(&self, spectrum: &[Complex<f64>]) -> Separation {
+        let distance = |other: &Complex<f64>| (other - self.lambda).norm();
+        // The nearest one is the eigenvalue itself.
+        let (mut itself, mut nearest) = (f64::INFINITY, f64::INFINITY);
+        for distance in spectrum.iter().map(distance) {
+            if distance < itself {
+                (itself, nearest) = (distance, itself);
+            } else {
+                nearest = nearest.min(distance);
+            }
+        }
+        let blur = self.rounding() / nearest;
+        // Two infinities make no number, and no derivative either.
+        Separation { nearest, blur: if blur.is_nan() { f64::INFINITY } else { blur } }
+    }
+}
+
+/// How far an eigenvalue is from the next one, and what that leaves of its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Separation {
+    /// Distance of the next eigenvalue, rad/s; infinite where there is none.
+    pub nearest: f64,
+    /// The part of a derivative that may be rounding: the error that the eigenvalue may have by rounding, over that distance.
+    pub blur: f64,
+}
+
+impl Separation {
+    /// Whether the eigenvalue is simple as far as can be told, so that its derivatives exist and keep three digits or more. Two
+    /// eigenvalues that are nearer coalesce, or are equal by a symmetry.
+    #[must_use]
+    pub fn is_simple(&self) -> bool {
+        self.blur <= LARGEST_BLUR
+    }
+}

@@ -1,0 +1,176 @@
+//! Why modes grow, in words and tables: what `squeal cea --why` prints.
+
+use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
+use num_complex::Complex;
+
+use crate::Error;
+use crate::report::hertz;
+use crate::study::{Scene, UncertainBrake};
+use crate::why::{Balance, Contribution, Explainer, Influence, Why};
+
+/// Most influences that are listed; chosen: a screen. All are in JSON.
+const MOST_INFLUENCES: usize = 16;
+/// Most contacts and modes of the structure that are listed; chosen: a line.
+const MOST_IN_A_LINE: usize = 6;
+/// Least part of a mode of the structure that is listed; chosen: half of a digit shown.
+const LEAST_PART: f64 = 0.0005;
+/// What the columns of an answer mean.
+const NOTE: &str = "\nholds to: change of the value up to which that of the growth is linear to a tenth; in parentheses where 1 % is beyond \
+     it\ngrowth of a family, contact, term or body: the part of the growth that the work of its forces makes; docs/why.md\n";
+
+/// Why the unstable modes of the first scene of a brake grow, or the least damped one does not.
+pub(super) fn first_scene<B: UncertainBrake>(brake: &B) -> Result<Vec<Why>, Error> {
+    whys(brake, &brake.plan().scenes[0], None)
+}
+
+/// The same of a scene; where modes are given, of those alone: other modes of a reduction mean nothing.
+pub(super) fn whys<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+    among: Option<&[Complex<f64>]>,
+) -> Result<Vec<Why>, Error> {
+    let mut work = Workspace::default();
+    let explainer = Explainer::new(brake, scene, &mut work)?;
+    let mut modes = explainer.asked_for(&mut work)?;
+    if let Some(among) = among {
+        modes.retain(|mode| among.iter().any(|lambda| is_same(*lambda, *mode)));
+    }
+    explainer.why(&modes, &mut work)
+}
+
+/// Whether an answer is that of the mode with this eigenvalue.
+pub(super) fn is_of(lambda: Complex<f64>, why: &Why) -> bool {
+    is_same(lambda, why.lambda)
+}
+
+fn is_same(a: Complex<f64>, b: Complex<f64>) -> bool {
+    (a - b).norm() <= EQUAL_BUT_FOR_ROUNDING * a.norm()
+}
+
+/// Answers, each under a heading with the name of its mode.
+pub(super) fn reasons(whys: &[Why], name: impl Fn(&Why) -> String) -> String {
+    let one = |why: &Why| {
+        let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
+        let heading = match growth > 0.0 {
+            true => format!("Why mode{} grows: {hz} Hz, growth {growth:.4} 1/s", name(why)),
+            false => {
+                format!("No mode is unstable; mode{} is the least damped: {hz} Hz, growth {growth:.4} 1/s", name(why))
+            }
+        };
+        format!("\n{heading}\n{}", text_of(why))
+    };
+    let text: String = whys.iter().map(one).collect();
+    match whys.is_empty() {
+        true => text,
+        false => text + NOTE,
+    }
+}
+
+/// One answer.
+fn text_of(why: &Why) -> String {
+    let mut text =
+        format!("  the next eigenvalue is {:.4} rad/s away, condition number {:.1e}\n\n", why.nearest, why.condition);
+    text += &match why.is_simple {
+        true => influences(why),
+        false => format!(
+            "  no derivatives: within rounding it is equal to another eigenvalue, and {:.0e} of a derivative could be rounding\n\n",
+            why.blur
+        ),
+    };
+    text += &balance(why.lambda.re, &why.balance);
+    let listed = match &why.no_structure_modes {
+        Some(reason) => format!("none, {reason}"),
+        None => {
+            let shown = why.structure_modes.iter().take(MOST_IN_A_LINE).filter(|mode| mode.part >= LEAST_PART);
+            let one = shown.map(|mode| format!("{} {} Hz", percent(mode.part), hertz(mode.frequency_hz)));
+            one.collect::<Vec<_>>().join(", ")
+        }
+    };
+    text + &format!("\n  of modes of the structure without damping and friction: {listed}\n")
+}
+
+/// The numbers that change a mode, by the change of its growth.
+fn influences(why: &Why) -> String {
+    let mut text = format!(
+        "  {:<30}  {:>10} {:<6}  {:>13}  {:>10}  {:>12}\n",
+        "1 % more of", "value", "", "growth 1/s ", "Hz", "holds to"
+    );
+    for influence in why.influences.iter().take(MOST_INFLUENCES) {
+        let Influence { name, unit, value, growth_per_percent: growth, frequency_hz_per_percent: hz, .. } = influence;
+        // Of what is no unit the first word; a number without one has none.
+        let unit = unit.split(' ').next().filter(|unit| *unit != "1").unwrap_or_default();
+        let growth = match influence.holds_for_a_percent() {
+            true => format!("{growth:+.4} "),
+            false => format!("({growth:+.4})"),
+        };
+        let (value, reach) = (short(*value), reach(influence));
+        text += &format!("  {name:<30}  {value:>10} {unit:<6}  {growth:>13}  {hz:>+10.4}  {reach:>12}\n");
+    }
+    let (all, shown) = (why.influences.len(), why.influences.len().min(MOST_INFLUENCES));
+    text += &format!(
+        "  {shown} of {all}, by the change of the growth; {:.0e} of a derivative could be rounding\n",
+        why.blur
+    );
+    if !why.not_varied.is_empty() {
+        text += &format!("  not varied, at an end of what is allowed: {}\n", why.not_varied.join(", "));
+    }
+    text + "\n"
+}
+
+/// Who feeds a mode, and where its energy is.
+fn balance(growth: f64, balance: &Balance) -> String {
+    let one = |part: &Contribution| format!("{} {:+.4}", part.name, part.growth);
+    let families: Vec<String> = balance.families.iter().map(one).collect();
+    let mut text =
+        format!("  growth {growth:.4} 1/s = {}; off by {:.0e}\n", families.join(", "), balance.identity_residual);
+    if balance.contacts.len() > 1 {
+        let mut contacts: Vec<&Contribution> = balance.contacts.iter().collect();
+        contacts.sort_by(|a, b| b.growth.abs().total_cmp(&a.growth.abs()));
+        let shown: Vec<String> = contacts.iter().take(MOST_IN_A_LINE).map(|part| one(part)).collect();
+        let rest = contacts.len() - shown.len();
+        let more = if rest > 0 { format!(", and {rest} smaller") } else { String::new() };
+        text += &format!("  by contact: {}{more}\n", shown.join(", "));
+    }
+    let line = |name: &str, kinetic: f64, strain: f64, growth: &[f64]| {
+        let growth: String = growth.iter().map(|part| format!("  {part:>+12.4}")).collect();
+        format!("  {name:<20}  {:>8}  {:>8}{growth}\n", percent(kinetic), percent(strain))
+    };
+    if balance.terms.len() > 1 {
+        text += &format!("\n  {:<20}  {:>8}  {:>8}  {:>12}\n", "term", "kinetic", "strain", "growth 1/s");
+        text.extend(balance.terms.iter().map(|term| line(&term.name, term.kinetic, term.strain, &[term.growth])));
+    }
+    if balance.bodies.len() > 1 {
+        let heads: String = balance.families.iter().map(|family| format!("  {:>12}", family.name)).collect();
+        text += &format!("\n  {:<20}  {:>8}  {:>8}{heads}\n", "body", "kinetic", "strain");
+        text.extend(balance.bodies.iter().map(|body| line(&body.name, body.kinetic, body.strain, &body.growth)));
+    }
+    text
+}
+
+/// Up to which change of the value the growth is linear to a tenth, relative to the value where it has one.
+fn reach(influence: &Influence) -> String {
+    let to = influence.growth_holds_to;
+    match (influence.value == 0.0, to.is_infinite()) {
+        (_, true) => "any".into(),
+        (true, false) => format!("+-{to:.1e}"),
+        (false, false) => format!("+-{} %", short(100.0 * to / influence.value.abs())),
+    }
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", 100.0 * part)
+}
+
+/// A number to four digits.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e5).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3.0 - size.log10().floor()).max(0.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}

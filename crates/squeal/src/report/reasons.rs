@@ -1,0 +1,161 @@
+//! Why the modes of a study's scenes grow at its medians: `sensitivities.csv`, and the largest ones in words.
+
+use std::path::Path;
+
+use cea::{Workspace, frequency_hz};
+use rayon::prelude::*;
+
+use super::summary::hertz;
+use crate::Error;
+use crate::output::write_csv;
+use crate::study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
+use crate::why::{Explainer, Influence, InfluenceKind, Why};
+
+/// Parameters that a sentence names; chosen.
+const MOST_IN_A_SENTENCE: usize = 3;
+/// Largest distance of an eigenvalue from that of the reference mode that it is, relative to it: both are solved to rounding; chosen.
+const SAME_MODE: f64 = 1e-6;
+
+/// The unstable modes of a scene at its medians, with the candidates for the name of each.
+pub struct SceneReasons {
+    /// Place of the scene in the plan.
+    pub scene: usize,
+    /// Ascending in frequency; or why there is no answer, in which case the study goes on without.
+    pub modes: Result<Vec<(Vec<ModeLabel>, Why)>, String>,
+}
+
+/// Why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
+///
+/// A mode that is not one of those that the study names is left out.
+pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>) -> Vec<SceneReasons> {
+    let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
+    let of_scene =
+        |&scene: &usize| SceneReasons { scene, modes: of_scene(study, scene).map_err(|error| error.to_string()) };
+    scenes.par_iter().map(of_scene).collect()
+}
+
+fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {
+    let mut work = Workspace::default();
+    let explainer = Explainer::new(study.brake(), &study.plan().scenes[scene], &mut work)?;
+    let Reference { modes, names, .. } = &study.references()[scene];
+    let mut unstable = explainer.asked_for(&mut work)?;
+    unstable.retain(|lambda| lambda.re > 0.0);
+    let distance = |lambda: &num_complex::Complex<f64>, at: usize| (modes[at].lambda - lambda).norm();
+    let mut named = Vec::with_capacity(unstable.len());
+    unstable.retain(|lambda| {
+        let nearest = (0..modes.len()).min_by(|&a, &b| distance(lambda, a).total_cmp(&distance(lambda, b)));
+        let known = nearest.filter(|&at| distance(lambda, at) <= SAME_MODE * lambda.norm());
+        named.extend(known.map(|at| names[at].clone()));
+        known.is_some()
+    });
+    Ok(named.into_iter().zip(explainer.why(&unstable, &mut work)?).collect())
+}
+
+/// Writes `sensitivities.csv`.
+pub(super) fn write_sensitivities(plan: &Plan, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
+    let own = [
+        "frequency_hz",
+        "growth_rate",
+        "kind",
+        "parameter",
+        "unit",
+        "value",
+        "d_growth",
+        "d_frequency_hz",
+        "growth_per_percent",
+        "frequency_hz_per_percent",
+        "growth_holds_to",
+        "frequency_holds_to",
+    ];
+    let mut rows = Vec::new();
+    for SceneReasons { scene, modes } in reasons {
+        let of_scene = &plan.scenes[*scene];
+        let key = |mode: &str| {
+            let mut columns = plan.labels.mode_columns(of_scene.key, of_scene.members[0], ModeLabel::new(0));
+            columns.pop();
+            columns.push(mode.to_owned());
+            columns
+        };
+        // What has no derivatives is said, in a row of its own.
+        let without = |mode: &str, why: Option<&Why>, kind: &str, reason: &str| {
+            let numbers = why
+                .map_or(["".into(), "".into()], |why| [frequency_hz(why.lambda), why.lambda.re].map(|x| x.to_string()));
+            let filled = numbers.into_iter().chain([kind.to_owned(), reason.to_owned()]);
+            key(mode).into_iter().chain(filled).chain(vec![String::new(); own.len() - 4]).collect::<Vec<String>>()
+        };
+        let modes = match modes {
+            Ok(modes) => modes,
+            Err(reason) => {
+                rows.push(without("", None, "failed", reason));
+                continue;
+            }
+        };
+        for (names, why) in modes {
+            let mode = in_words(names);
+            if !why.is_simple {
+                rows.push(without(&mode, Some(why), "none", "equal to another eigenvalue within rounding"));
+            }
+            for influence in &why.influences {
+                let Influence { kind, name, unit, value, growth, frequency_hz: frequency, .. } = influence;
+                let text = [kind.to_string(), name.clone(), unit.clone()];
+                let numbers = [
+                    *value,
+                    *growth,
+                    *frequency,
+                    influence.growth_per_percent,
+                    influence.frequency_hz_per_percent,
+                    influence.growth_holds_to,
+                    influence.frequency_holds_to,
+                ];
+                let of_mode = [frequency_hz(why.lambda), why.lambda.re].map(|x| x.to_string());
+                let cells = of_mode.into_iter().chain(text).chain(numbers.map(|x| x.to_string()));
+                rows.push(key(&mode).into_iter().chain(cells).collect());
+            }
+        }
+    }
+    write_csv(&dir.join("sensitivities.csv"), &[&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)
+}
+
+/// One line for each scene: its fastest growing mode, and which parameters change that growth by most.
+pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String {
+    let mut text = String::from(
+        "\n## Why\n\nWhat changes the growth of the fastest growing mode of a scene at its medians by most, as a parameter grows by 1 %; \
+         sensitivities.csv has all:\n\n",
+    );
+    for SceneReasons { scene, modes } in reasons {
+        let described = plan.describe(&plan.scenes[*scene]);
+        let fastest = match modes {
+            Ok(modes) => modes.iter().max_by(|a, b| a.1.lambda.re.total_cmp(&b.1.lambda.re)),
+            Err(reason) => {
+                text += &format!("- {described}: no answer, {reason}\n");
+                continue;
+            }
+        };
+        let Some((names, why)) = fastest else {
+            text += &format!("- {described}: no mode is unstable\n");
+            continue;
+        };
+        let parameters = why.influences.iter().filter(|influence| influence.kind == InfluenceKind::Parameter);
+        let listed = parameters.filter(|influence| influence.growth_per_percent != 0.0).take(MOST_IN_A_SENTENCE);
+        let listed: Vec<String> = listed
+            .map(|influence| {
+                let caution = if influence.holds_for_a_percent() { "" } else { " (for less than 1 %)" };
+                format!("{} by {:+.3} 1/s{caution}", influence.name, influence.growth_per_percent)
+            })
+            .collect();
+        let change = match (why.is_simple, listed.is_empty()) {
+            (false, _) => "it has no derivatives, equal to another eigenvalue within rounding".to_owned(),
+            (true, true) => "no named parameter changes it".to_owned(),
+            (true, false) => listed.join(", "),
+        };
+        let (hz, growth) = (hertz(frequency_hz(why.lambda)), why.lambda.re);
+        text += &format!("- {described}: mode {} at {hz} Hz, growth {growth:.3} 1/s: {change}\n", in_words(names));
+    }
+    text
+}
+
+/// The candidates for a name, as in 1|2.
+fn in_words(names: &[ModeLabel]) -> String {
+    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+    if names.is_empty() { "?".into() } else { names.join("|") }
+}

@@ -1,0 +1,211 @@
+//! A scene made ready for the question why its modes grow.
+
+use cea::{
+    EigenSolver, Eigentriple, Expansion, Mode, QrSolver, RealModes, Separation, Spectrum, Verdict, Workspace,
+    damping_ratio, verdicts,
+};
+use linsys::{Internal, OperatingPoint, SecondOrder};
+use num_complex::Complex;
+use osc_model::Brake;
+use serde::Serialize;
+
+use super::balance::Balance;
+use super::influence::{Influence, InfluenceKind, between, of_friction, of_terms, rank};
+use crate::Error;
+use crate::study::{Scene, UncertainBrake};
+
+/// Half of the difference from which derivatives of matrices by a parameter are taken, relative to its value: squared it is the error of
+/// the first, and machine epsilon over its square that of the second.
+const DIFFERENCE: f64 = 1e-4;
+
+/// A mode of the structure without damping and friction.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StructureMode {
+    /// Its place among them, from 1, ascending in frequency.
+    pub number: usize,
+    /// Its frequency, Hz; negative where the structure would fall away from its rest.
+    pub frequency_hz: f64,
+    /// Its part in the mode.
+    pub part: f64,
+}
+
+/// Why one mode has the growth that it has.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Why {
+    /// lambda, rad/s.
+    #[serde(skip)]
+    pub lambda: Complex<f64>,
+    /// Relative condition number of the eigenvalue.
+    pub condition: f64,
+    /// Distance of the next eigenvalue, rad/s.
+    pub nearest: f64,
+    /// The part of each derivative that may be rounding.
+    pub blur: f64,
+    /// Whether the mode has derivatives: its eigenvalue is simple as far as can be told.
+    pub is_simple: bool,
+    /// What changes it, the one that changes the growth by most per cent first; empty where it is not simple.
+    pub influences: Vec<Influence>,
+    /// Parameters that cannot be varied at their medians.
+    pub not_varied: Vec<String>,
+    /// Who feeds it and who drains it, and where its energy is.
+    pub balance: Balance,
+    /// The modes of the structure in it, the largest part first; empty where the structure has none.
+    pub structure_modes: Vec<StructureMode>,
+    /// Why the structure has no such modes.
+    pub no_structure_modes: Option<String>,
+}
+
+/// A scene of a brake at its medians.
+pub struct Explainer<'a, B: UncertainBrake> {
+    brake: &'a B,
+    scene: &'a Scene,
+    at: OperatingPoint,
+    system: SecondOrder,
+    spectrum: Spectrum,
+    structure: Result<RealModes, cea::NoRealModes>,
+}
+
+impl<'a, B: UncertainBrake> Explainer<'a, B> {
+    /// Solves the scene at its medians; one spectrum.
+    ///
+    /// # Errors
+    /// Those of the brake and of the solver.
+    pub fn new(brake: &'a B, scene: &'a Scene, work: &mut Workspace) -> Result<Self, Error> {
+        let at = brake.operating_point(scene, &brake.median())?;
+        let system = &brake.plan().brake(scene).system;
+        let structure = system.structure(&at.coefficients)?;
+        let system = system.assemble(&at)?;
+        let spectrum = QrSolver.eigenvalues(&system, work)?;
+        Ok(Self { brake, scene, at, system, spectrum, structure: RealModes::new(&structure.m, &structure.k) })
+    }
+
+    /// The unstable modes, ascending in frequency; where there are none the least damped one.
+    ///
+    /// # Errors
+    /// Those of [`verdicts`].
+    pub fn asked_for(&self, work: &mut Workspace) -> Result<Vec<Complex<f64>>, Error> {
+        let modes: Vec<Complex<f64>> = self.spectrum.oscillatory().collect();
+        let verdicts = verdicts(&self.system, &modes, &self.spectrum, work)?;
+        let unstable = modes.iter().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable);
+        let unstable: Vec<Complex<f64>> = unstable.map(|(lambda, _)| *lambda).collect();
+        let least_damped = modes.into_iter().min_by(|a, b| damping_ratio(*a).total_cmp(&damping_ratio(*b)));
+        Ok(if unstable.is_empty() { least_damped.into_iter().collect() } else { unstable })
+    }
+
+    /// Why some of its modes, by their eigenvalues, have the growth that they have.
+    ///
+    /// Three factorisations of Q for each mode and two systems for each parameter, but no further spectrum.
+    ///
+    /// # Errors
+    /// What is no eigenvalue; those of the brake.
+    pub fn why(&self, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Vec<Why>, Error> {
+        let triples = lambdas.iter().map(|&lambda| Eigentriple::new(&self.system, lambda, work));
+        let triples = triples.collect::<Result<Vec<_>, _>>()?;
+        let mut found = Vec::with_capacity(triples.len());
+        for triple in &triples {
+            found.push(self.without_influences(triple)?);
+        }
+        let mut expansions = Vec::new();
+        for (mode, triple) in triples.iter().enumerate() {
+            if !found[mode].is_simple {
+                continue;
+            }
+            let expansion = Expansion::new(&self.system, triple, work)?;
+            let model = self.model();
+            found[mode].influences = of_terms(model, &self.at, triple, &expansion)?;
+            found[mode].influences.extend(of_friction(model, &self.at, triple, &expansion)?);
+            expansions.push((mode, triple, expansion));
+        }
+        self.vary(|parameter, systems, half_step| {
+            for (mode, triple, expansion) in &expansions {
+                let Some(systems) = systems else {
+                    found[*mode].not_varied.push(parameter.name.clone());
+                    continue;
+                };
+                let rates = between(triple, expansion, systems, half_step)?;
+                let (kind, value) = (InfluenceKind::Parameter, parameter.median);
+                let influence = Influence::new(kind, &parameter.name, &parameter.unit, value, &rates);
+                found[*mode].influences.push(influence);
+            }
+            Ok(())
+        })?;
+        found.iter_mut().for_each(|why| rank(&mut why.influences));
+        Ok(found)
+    }
+
+    fn model(&self) -> &'a Brake {
+        self.brake.plan().brake(self.scene)
+    }
+
+    /// All of an answer but the influences.
+    fn without_influences(&self, triple: &Eigentriple) -> Result<Why, Error> {
+        let separation = triple.separation(&self.spectrum.eigenvalues);
+        let Separation { nearest, blur } = separation;
+        let mode = Mode::normalised(&self.system, triple.lambda, triple.right.clone());
+        let structure_modes = self.structure.as_ref().map_or(Vec::new(), |modes| {
+            let parts = modes.participation(&mode.shape).into_iter().zip(&modes.omega_squared).enumerate();
+            let mut list: Vec<StructureMode> = parts
+                .map(|(place, (part, square))| {
+                    let frequency_hz = square.abs().sqrt().copysign(*square) / std::f64::consts::TAU;
+                    StructureMode { number: place + 1, frequency_hz, part }
+                })
+                .collect();
+            list.sort_by(|a, b| b.part.total_cmp(&a.part));
+            list
+        });
+        Ok(Why {
+            lambda: triple.lambda,
+            condition: triple.condition(),
+            nearest,
+            blur,
+            is_simple: separation.is_simple(),
+            influences: Vec::new(),
+            not_varied: Vec::new(),
+            balance: Balance::new(self.model(), &self.at, &mode)?,
+            structure_modes,
+            no_structure_modes: self.structure.as_ref().err().map(ToString::to_string),
+        })
+    }
+
+    /// Calls `each` with every parameter of the scene and the systems below, at and above its median; without them where the brake
+    /// refuses both sides.
+    fn vary(
+        &self,
+        mut each: impl FnMut(&crate::study::NamedParameter, Option<[&SecondOrder; 3]>, f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let at = self.brake.system_with(self.scene, &[])?;
+        for (place, parameter) in self.brake.parameters(self.scene).iter().enumerate() {
+            let half_step = DIFFERENCE * if parameter.median == 0.0 { 1.0 } else { parameter.median.abs() };
+            let system = |by: f64| self.brake.system_with(self.scene, &[(place, parameter.median + by)]);
+            // Where one side is refused, such as negative values, the systems go on smoothly from the other side.
+            let beyond = |near: &SecondOrder, sign: f64| {
+                Ok::<_, Error>(extrapolated(&at, near, &system(2.0 * sign * half_step)?))
+            };
+            let sides = match (system(-half_step), system(half_step)) {
+                (Ok(below), Ok(above)) => Ok((below, above)),
+                (Err(_), Ok(above)) => beyond(&above, 1.0).map(|below| (below, above)),
+                (Ok(below), Err(_)) => beyond(&below, -1.0).map(|above| (below, above)),
+                (Err(refused), Err(_)) => Err(refused),
+            };
+            match sides {
+                Ok((below, above)) => each(parameter, Some([&below, &at, &above]), half_step)?,
+                Err(_) => each(parameter, None, half_step)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The system at -h from those at 0, h and 2 h: each entry on its parabola, `3 a - 3 b + c`.
+fn extrapolated(at: &SecondOrder, near: &SecondOrder, far: &SecondOrder) -> SecondOrder {
+    let parabola = |a: &mut f64, b: f64, c: f64| *a += 2.0 * (*a - b) + (c - b);
+    let mut beyond = at.clone();
+    let Internal { decay, drive, force } = &mut beyond.internal;
+    decay.zip_zip_apply(&near.internal.decay, &far.internal.decay, parabola);
+    let [near, far] = [near, far].map(|s| [&s.m, &s.c, &s.k, &s.internal.drive, &s.internal.force]);
+    let matrices = [&mut beyond.m, &mut beyond.c, &mut beyond.k, drive, force];
+    for ((matrix, near), far) in matrices.into_iter().zip(near).zip(far) {
+        matrix.zip_zip_apply(near, far, parabola);
+    }
+    beyond
+}

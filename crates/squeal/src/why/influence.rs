@@ -1,0 +1,193 @@
+//! What a change of a number does to a mode.
+
+use cea::{CeaError, Eigentriple, Expansion, Perturbation, Rates, frequency_hz};
+use linsys::{ChannelGain, OperatingPoint, SecondOrder};
+use num_complex::Complex;
+use osc_model::Brake;
+use serde::Serialize;
+
+use crate::Error;
+
+/// Most contacts whose friction is listed one by one; chosen: more are the pairs of nodes of a mesh, whose families are listed.
+pub(super) const MOST_CONTACTS: usize = 100;
+
+/// What is changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InfluenceKind {
+    /// A named parameter of the brake, with all that depends on it.
+    Parameter,
+    /// The mass, damping or stiffness of a term, as a factor of it.
+    Term,
+    /// The friction of one contact alone.
+    Contact,
+    /// The friction of all contacts of one family, as a factor of it.
+    Family,
+}
+
+impl std::fmt::Display for InfluenceKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Parameter => "parameter",
+            Self::Term => "term",
+            Self::Contact => "contact",
+            Self::Family => "family",
+        })
+    }
+}
+
+/// The derivatives of one mode by one number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Influence {
+    /// What is changed.
+    pub kind: InfluenceKind,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// d growth / d value, 1/s per unit.
+    pub growth: f64,
+    /// d frequency / d value, Hz per unit.
+    pub frequency_hz: f64,
+    /// Change of the growth, 1/s, as the value grows by one per cent.
+    pub growth_per_percent: f64,
+    /// Change of the frequency, Hz, as the value grows by one per cent.
+    pub frequency_hz_per_percent: f64,
+    /// The change of the value up to which the derivative of the growth holds to a tenth, by the second derivative; infinite where
+    /// that is 0.
+    pub growth_holds_to: f64,
+    /// The same for the frequency.
+    pub frequency_holds_to: f64,
+}
+
+impl Influence {
+    pub(super) fn new(kind: InfluenceKind, name: &str, unit: &str, value: f64, rates: &Rates) -> Self {
+        let (growth, frequency) = (rates.first.re, frequency_hz(rates.first));
+        Self {
+            kind,
+            name: name.into(),
+            unit: unit.into(),
+            value,
+            growth,
+            frequency_hz: frequency,
+            growth_per_percent: 0.01 * value * growth,
+            frequency_hz_per_percent: 0.01 * value * frequency,
+            growth_holds_to: rates.growth_holds_to(),
+            frequency_holds_to: rates.frequency_holds_to(),
+        }
+    }
+
+    /// Whether the first order of the growth holds for a change by one per cent.
+    #[must_use]
+    pub fn holds_for_a_percent(&self) -> bool {
+        self.growth_holds_to >= 0.01 * self.value.abs()
+    }
+}
+
+/// The influences of the terms of a brake at an operating point: of the mass, the damping and the stiffness of each as a factor.
+pub(super) fn of_terms(
+    brake: &Brake,
+    at: &OperatingPoint,
+    triple: &Eigentriple,
+    expansion: &Expansion<'_>,
+) -> Result<Vec<Influence>, Error> {
+    let (mut found, zero) = (Vec::new(), SecondOrder::zeros(brake.system.order(), 0));
+    for (term, &coefficient) in brake.system.terms().iter().zip(&at.coefficients) {
+        let SecondOrder { m, c, k, .. } = term.matrices();
+        let parts = [
+            ("mass", SecondOrder { m: m * coefficient, ..zero.clone() }),
+            ("damping", SecondOrder { c: c * coefficient, ..zero.clone() }),
+            ("stiffness", SecondOrder { k: k * coefficient, ..zero.clone() }),
+        ];
+        for (what, part) in parts.into_iter().filter(|(_, part)| *part != zero) {
+            let rates = expansion.rates(&Perturbation::linear(triple, &part))?;
+            let name = format!("{} of {}", what, term.name);
+            found.push(Influence::new(InfluenceKind::Term, &name, "times", 1.0, &rates));
+        }
+    }
+    Ok(found)
+}
+
+/// The influences of friction: of the coefficient, the slope and the lag in each contact, or of each family as a factor where there are
+/// too many contacts.
+pub(super) fn of_friction(
+    brake: &Brake,
+    at: &OperatingPoint,
+    triple: &Eigentriple,
+    expansion: &Expansion<'_>,
+) -> Result<Vec<Influence>, Error> {
+    let (channels, lambda) = (brake.system.channels(), triple.lambda);
+    let pairs = channels.iter().zip(&at.channels);
+    let mut found = Vec::new();
+    if channels.len() <= MOST_CONTACTS {
+        for (channel, gain) in pairs {
+            for GainPart { what, unit, value, gain, reads_force } in parts(gain, lambda) {
+                let reading = if reads_force { &channel.reading } else { &channel.force };
+                if reading.is_empty() {
+                    continue;
+                }
+                let rates = expansion.rates(&Perturbation::product(triple, gain, &channel.force, reading))?;
+                let name = format!("{what} of contact {}", channel.name);
+                found.push(Influence::new(InfluenceKind::Contact, &name, unit, value, &rates));
+            }
+        }
+        return Ok(found);
+    }
+    for family in brake.system.families() {
+        let mut whole = None::<Perturbation>;
+        for (channel, gain) in pairs.clone().filter(|(channel, _)| channel.family == *family) {
+            for GainPart { value, gain, reads_force, .. } in parts(gain, lambda) {
+                let reading = if reads_force { &channel.reading } else { &channel.force };
+                *whole.get_or_insert_with(|| Perturbation::none(triple)) +=
+                    Perturbation::product(triple, gain.map(|gain| gain * value), &channel.force, reading);
+            }
+        }
+        if let Some(whole) = whole {
+            found.push(Influence::new(InfluenceKind::Family, family, "times", 1.0, &expansion.rates(&whole)?));
+        }
+    }
+    Ok(found)
+}
+
+/// One number of a channel: `value g(lambda) b r^T`, or `b b^T` in place of `b r^T`.
+struct GainPart {
+    what: &'static str,
+    unit: &'static str,
+    value: f64,
+    /// g and g'.
+    gain: [Complex<f64>; 2],
+    /// Whether it acts through the normal force that the channel reads.
+    reads_force: bool,
+}
+
+fn parts(gain: &ChannelGain, lambda: Complex<f64>) -> Vec<GainPart> {
+    let one = Complex::from(1.0);
+    let (mu, slope) = ([one, Complex::default()], [lambda, one]);
+    let mut parts = vec![
+        GainPart { what: "mu", unit: "1", value: gain.mu, gain: mu, reads_force: true },
+        GainPart { what: "slope", unit: "Ns/m", value: gain.slope, gain: slope, reads_force: false },
+    ];
+    if let Some(lag) = gain.lag {
+        let shifted = lambda + lag.decay;
+        let gain = [lambda * lag.drive / shifted, lag.drive * lag.decay / (shifted * shifted)];
+        parts.push(GainPart { what: "lag", unit: "N", value: lag.force, gain, reads_force: false });
+    }
+    parts
+}
+
+/// Both derivatives of a mode by a number that is p - h, p and p + h in three systems.
+pub(super) fn between(
+    triple: &Eigentriple,
+    expansion: &Expansion<'_>,
+    systems: [&SecondOrder; 3],
+    half_step: f64,
+) -> Result<Rates, CeaError> {
+    expansion.rates(&Perturbation::between(triple, systems, half_step))
+}
+
+/// Puts the influence that changes the growth by most per cent first.
+pub(super) fn rank(influences: &mut [Influence]) {
+    influences.sort_by(|a, b| b.growth_per_percent.abs().total_cmp(&a.growth_per_percent.abs()));
+}
