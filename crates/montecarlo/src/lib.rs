@@ -44,6 +44,7 @@
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
 //! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
 //!
 //! Random number generators appear in public signatures, so [`rand`] is re-exported: [`StreamRng`] does not implement the
@@ -72,6 +73,7 @@ mod redraw;
 mod replicate_mean;
 mod run;
 mod sampling;
+mod sobol_index;
 mod stream;
 mod summary;
 
@@ -95,6 +97,7 @@ pub use redraw::redraw_until_at_least;
 pub use replicate_mean::ReplicateMean;
 pub use run::{run, run_with};
 pub use sampling::Sampling;
+pub use sobol_index::{PickFreeze, SobolIndex, first_order_by_ranks};
 pub use stream::{StreamRng, stream};
 pub use summary::Summary;
 

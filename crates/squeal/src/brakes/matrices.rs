@@ -29,6 +29,7 @@ impl MatricesBrake {
         let median = case.operating_point(&case.medians()).map_err(failed)?;
         let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
         plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        plan.threshold = case.threshold;
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }

@@ -10,6 +10,7 @@ mod file;
 mod finite_elements;
 mod matrices;
 mod schema;
+mod squeal;
 mod types;
 mod validate;
 

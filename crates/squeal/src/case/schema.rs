@@ -22,6 +22,7 @@ pub(super) struct LatticeFile {
     pub alternatives: AlternativesTable,
     pub paper: Option<super::Paper>,
     pub accuracy: Option<super::check::Accuracy>,
+    pub squeal: Option<super::squeal::SquealTable>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use friction::BristleDamping;
 use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
+use super::squeal::identity_of;
 use super::{Alternative, Draws, Law};
 use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
@@ -27,6 +29,8 @@ pub struct LatticeCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The lattice.
     pub lattice: LatticeParameters,
     /// The readings: choices where the published description leaves the model open.
@@ -150,6 +154,7 @@ impl LatticeCase {
     pub fn identity(&self) -> String {
         let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
         let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
+        let content = content + &identity_of(&self.threshold);
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 

@@ -45,6 +45,7 @@ impl LatticeCase {
             alternatives,
             paper,
             accuracy,
+            squeal,
         } = file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
@@ -73,6 +74,7 @@ impl LatticeCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
             readings,
             panels: arrangements_by_number(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,

@@ -42,6 +42,9 @@ pub struct Manifest {
     pub solved: u64,
     /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
+    /// From where on a mode counts as unstable, where that is not the bare sign.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<String>,
     /// Contact arrangements by number in contact.
     pub arrangements: Vec<(usize, usize)>,
     /// Samples or evaluations that failed; each is listed in failures.csv.
@@ -83,6 +86,7 @@ impl Manifest {
             analyses: plan.analyses_per_sample() * summary.samples,
             solved: sum(|tally| tally.solved),
             certified: sum(|tally| tally.certified),
+            threshold: (!plan.threshold.is_axis()).then(|| plan.threshold.to_string()),
             arrangements: panels.collect(),
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),

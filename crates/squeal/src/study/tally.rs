@@ -222,6 +222,7 @@ mod tests {
     fn unstable(names: &[&[u16]]) -> Vec<UnstableMode> {
         let mode = |(names, rank): (&&[u16], u16)| UnstableMode {
             rank: ModeLabel::new(rank),
+            growth: 1.0,
             names: labels(names),
             work: None,
             residual: None,

@@ -54,6 +54,7 @@ impl LatticeBrake {
             mode_labels: case.readings.labels,
             mode_identity: case.readings.identity,
             band: None,
+            threshold: case.threshold,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),

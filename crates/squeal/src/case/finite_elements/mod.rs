@@ -9,11 +9,13 @@ mod terms;
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use formats::{Dof, Mesh};
 use friction::BristleDamping;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
+use super::squeal::identity_of;
 use super::{Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange};
 
 /// A checked study of a finite element brake.
@@ -31,6 +33,8 @@ pub struct FiniteElementCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The drawn parameters of coefficients, in the order of their names.
     pub parameters: Vec<Parameter>,
     /// The mesh, where the case names one.
@@ -110,6 +114,7 @@ impl FiniteElementCase {
         let Self { parameters, dofs, system, coefficients, contact, constraints, reduction, .. } = self;
         let content =
             format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contact:?} {constraints:?} {reduction:?}");
+        let content = content + &identity_of(&self.threshold);
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

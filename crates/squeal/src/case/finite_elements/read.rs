@@ -40,6 +40,7 @@ impl FiniteElementCase {
             friction,
             reduction,
             accuracy,
+            squeal,
         } = file;
         check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
@@ -80,6 +81,7 @@ impl FiniteElementCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
             parameters,
             system,
             coefficients,

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use crate::case::check::Accuracy;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
+use crate::case::squeal::SquealTable;
 use crate::case::{Draws, FrictionDistributions, Law};
 
 #[derive(Debug, Deserialize)]
@@ -28,6 +29,7 @@ pub(super) struct FiniteElementsFile {
     pub friction: Option<FrictionDistributions>,
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
+    pub squeal: Option<SquealTable>,
 }
 
 #[derive(Debug, Deserialize)]

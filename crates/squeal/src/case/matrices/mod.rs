@@ -11,10 +11,12 @@ mod terms;
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::{Check, field};
+use super::squeal::identity_of;
 use super::{CaseError, Expression};
 
 /// A checked study of a brake given by its matrices.
@@ -32,6 +34,8 @@ pub struct MatricesCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
     /// Names of the degrees of freedom, in the order of rows and columns.
@@ -157,6 +161,7 @@ impl MatricesCase {
         let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
         let content =
             format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {gains:?} {bodies:?} {constraints:?}");
+        let content = content + &identity_of(&self.threshold);
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

@@ -21,7 +21,7 @@ impl MatricesCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy, squeal } = file;
         check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters: Vec<Parameter> =
@@ -40,6 +40,7 @@ impl MatricesCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
             system,
             coefficients,
             gains,

@@ -7,6 +7,7 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+use crate::case::squeal::SquealTable;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,6 +24,7 @@ pub(super) struct MatricesFile {
     #[serde(default)]
     pub constraints: Vec<ConstraintsTable>,
     pub accuracy: Option<Accuracy>,
+    pub squeal: Option<SquealTable>,
 }
 
 #[derive(Debug, Deserialize)]
