@@ -40,7 +40,7 @@
 //! | which samples are drawn, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
 //! | how is a run started, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
 //! | what is the result of a run? | [`Summary`], [`Failures`] |
-//! | how is a parameter distributed? | [`Distribution`], [`redraw_until_at_least`] |
+//! | how is a parameter distributed? | [`Distribution`], [`GaussianCopula`], [`redraw_until_at_least`] |
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
@@ -63,6 +63,7 @@ mod distribution;
 mod error;
 mod experiment;
 mod failures;
+mod gaussian_copula;
 mod integer_mean;
 mod label_tally;
 mod merge;
@@ -87,6 +88,7 @@ pub use distribution::Distribution;
 pub use error::{Damage, DistributionFault, MonteCarloError};
 pub use experiment::{Experiment, Runs, Tally};
 pub use failures::{Failure, Failures};
+pub use gaussian_copula::GaussianCopula;
 pub use integer_mean::IntegerMean;
 pub use label_tally::{LabelTally, occurring_labels};
 pub use merge::Merge;

@@ -13,6 +13,7 @@
 //! | run a study in memory | [`report::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
+//! | know which input makes squeal vary | [`influence::influence`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
@@ -80,6 +81,7 @@ pub mod estimators;
 pub mod figures;
 mod fingerprint;
 mod folder;
+pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;
 pub mod output;

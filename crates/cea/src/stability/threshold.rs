@@ -43,9 +43,8 @@ impl Threshold {
     /// the first is finite and >= 0, and the second in -1 < ratio <= 0: certificates and secular equations know of growing motions alone.
     #[must_use]
     pub fn new(growth_above: f64, damping_ratio_below: f64) -> Option<Self> {
-        let is_allowed = (0.0..f64::INFINITY).contains(&growth_above)
-            && damping_ratio_below > -1.0
-            && damping_ratio_below <= 0.0;
+        let is_allowed =
+            (0.0..f64::INFINITY).contains(&growth_above) && damping_ratio_below > -1.0 && damping_ratio_below <= 0.0;
         // Without the sign of a zero, which a text would show.
         is_allowed.then_some(Self { growth: growth_above + 0.0, ratio: damping_ratio_below + 0.0 })
     }
@@ -73,11 +72,7 @@ impl Threshold {
         // Re lambda > c |lambda| is an angle whose upper ray has the direction (c, s).
         let (c, s) = (-self.ratio, (1.0 - self.ratio * self.ratio).sqrt());
         let (of_growth, of_ratio) = (lambda.re - self.growth, lambda.re * s - lambda.im.abs() * c);
-        if of_ratio <= of_growth {
-            (Complex::new(s, -c), of_ratio)
-        } else {
-            (Complex::from(1.0), of_growth)
-        }
+        if of_ratio <= of_growth { (Complex::new(s, -c), of_ratio) } else { (Complex::from(1.0), of_growth) }
     }
 
     /// How far an eigenvalue is beyond the threshold, rad/s; below zero where it is not, and then no more than its distance. For
@@ -115,7 +110,9 @@ impl std::fmt::Display for Threshold {
             (false, false) => f.write_str("a growth rate above 0"),
             (true, false) => write!(f, "a growth rate above {} 1/s", self.growth),
             (false, true) => write!(f, "a damping ratio below {}", self.ratio),
-            (true, true) => write!(f, "a growth rate above {} 1/s and a damping ratio below {}", self.growth, self.ratio),
+            (true, true) => {
+                write!(f, "a growth rate above {} 1/s and a damping ratio below {}", self.growth, self.ratio)
+            }
         }
     }
 }
@@ -127,7 +124,9 @@ mod tests {
 
     #[test]
     fn the_axis_is_the_bare_sign_to_the_last_bit() {
-        for lambda in [Complex::new(3.7, 1234.5), Complex::new(-1e-300, 1e4), Complex::new(0.0, 7.0), Complex::new(2.0, 0.0)] {
+        for lambda in
+            [Complex::new(3.7, 1234.5), Complex::new(-1e-300, 1e4), Complex::new(0.0, 7.0), Complex::new(2.0, 0.0)]
+        {
             assert_eq!(Threshold::AXIS.margin(lambda).to_bits(), lambda.re.to_bits());
             assert_eq!(Threshold::AXIS.nearest(lambda), Complex::new(0.0, lambda.im));
             assert_eq!(Threshold::AXIS.verdict(lambda, 1e-3), Verdict::of(lambda, 1e-3));
@@ -136,7 +135,9 @@ mod tests {
 
     #[test]
     fn thresholds_on_the_stable_side_and_no_numbers_are_refused() {
-        for (growth, ratio) in [(-1.0, 0.0), (0.0, 0.01), (0.0, -1.0), (f64::NAN, 0.0), (0.0, f64::NAN), (f64::INFINITY, 0.0)] {
+        for (growth, ratio) in
+            [(-1.0, 0.0), (0.0, 0.01), (0.0, -1.0), (f64::NAN, 0.0), (0.0, f64::NAN), (f64::INFINITY, 0.0)]
+        {
             assert_eq!(Threshold::new(growth, ratio), None, "{growth} {ratio}");
         }
         assert!(Threshold::new(-0.0, -0.0).is_some_and(|threshold| threshold.is_axis()));

@@ -8,8 +8,7 @@ use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::squeal::identity_of;
-use super::{Alternative, Draws, Law};
+use super::{Alternative, Correlation, Draws, Law, correlation, squeal};
 use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
@@ -43,6 +42,8 @@ pub struct LatticeCase {
     pub speeds: Vec<SpeedRange>,
     /// Distributions of the friction parameters.
     pub friction: FrictionDistributions,
+    /// Which of them depend on each other.
+    pub correlation: Option<Correlation>,
     /// Other readings for comparison.
     pub alternatives: Vec<Alternative>,
     /// Printed values of a publication, for comparison.
@@ -115,6 +116,20 @@ pub struct FrictionDistributions {
     pub sigma2: Distribution,
 }
 
+impl FrictionDistributions {
+    /// What is drawn for a contact, in this order: the parameters of all laws, with the coefficient across the sliding, which the
+    /// laws other than Amontons-Coulomb draw from the distribution of mu.
+    pub const DRAWN: [&str; 9] = ["mu", "lateral_mu", "mu_s", "mu_k", "alpha", "v_s", "sigma0", "sigma1", "sigma2"];
+    /// Units of [`Self::DRAWN`].
+    pub const UNITS: [&str; 9] = ["1", "1", "1", "1", "s/m", "m/s", "1/m", "s/m", "s/m"];
+
+    /// The distributions of [`Self::DRAWN`].
+    pub fn of_draw(&self) -> [&Distribution; Self::DRAWN.len()] {
+        let Self { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = self;
+        [mu, mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2]
+    }
+}
+
 /// Printed values that a study is compared with.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -154,7 +169,8 @@ impl LatticeCase {
     pub fn identity(&self) -> String {
         let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
         let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
-        let content = content + &identity_of(&self.threshold);
+        let content =
+            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 

@@ -8,9 +8,9 @@ use cea::QrSolver;
 use serde_json::{Value, json};
 
 use super::options::{check_threads, threads};
-use super::scene::{LatticeScene, SceneArgs};
+use super::scene::SceneArgs;
 use crate::brakes::{LatticeBrake, MatricesBrake};
-use crate::case::{CaseFile, LatticeCase, MatricesCase, SpeedRange};
+use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
 use crate::report::write_sweep_page;
@@ -61,30 +61,14 @@ impl SweepArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         let text = match CaseFile::read(&self.case)? {
-            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.lattice(*case)?)?)?,
-            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.matrices(*case)?)?)?,
+            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.scene.only_lattice(*case, None)?)?)?,
+            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?,
             CaseFile::FiniteElements(_) => {
                 let (value, allowed) = (self.over[0].to_string(), "cases with a lattice or matrices".into());
                 return Err(Error::Option { option: "--over", value, allowed });
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
-    }
-
-    /// The case with the one scene that is swept.
-    fn lattice(&self, mut case: LatticeCase) -> Result<LatticeCase, Error> {
-        let LatticeScene { law, constraints, arrangement, speed } = self.scene.lattice(&case)?;
-        case.laws = vec![law];
-        case.constraints = vec![case.constraints.swap_remove(constraints)];
-        case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
-        case.speeds = vec![SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }];
-        Ok(case)
-    }
-
-    fn matrices(&self, mut case: MatricesCase) -> Result<MatricesCase, Error> {
-        let set = self.scene.matrices(&case)?;
-        case.constraints = vec![case.constraints.swap_remove(set)];
-        Ok(case)
     }
 
     /// Sweeps the first scene of a brake, and says what was found.

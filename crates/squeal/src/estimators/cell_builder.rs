@@ -195,7 +195,8 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
                 let path = link(&view.modes, &view.corners, start, index);
                 used.extend(path.iter().flatten().copied().enumerate());
                 let corners = path.map(|path| view.along(&path));
-                let surface = corners.and_then(|corners| Some((ResponseSurface::new(&corners, self.threshold)?, corners)));
+                let surface =
+                    corners.and_then(|corners| Some((ResponseSurface::new(&corners, self.threshold)?, corners)));
                 let Some((surface, corners)) = surface else {
                     leaf.is_uncertain = true;
                     continue;

@@ -104,8 +104,11 @@ pub fn friction_points<B: UncertainBrake>(
     scene: usize,
     half_width: f64,
 ) -> Result<Option<FrictionPoints>, EstimatorError> {
-    let is_single = study.brake().single_parameter(&study.plan().scenes[scene]).is_some();
-    if is_single || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
+    let plan = study.plan();
+    // The exact integral is over onsets of the bare sign.
+    let is_single = plan.threshold.is_axis() && study.brake().single_parameter(&plan.scenes[scene]).is_some();
+    // A prediction would have the modes of all frequencies.
+    if is_single || plan.band.is_some() || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
         return Ok(None);
     }
     let modes = study.references()[scene].modes.iter().map(|mode| mode.lambda);

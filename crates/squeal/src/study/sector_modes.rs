@@ -159,7 +159,9 @@ impl ModesWithVerdicts {
         let studied: Vec<usize> =
             (0..modes.oscillatory.len()).filter(|&index| plan.is_studied(modes.oscillatory[index])).collect();
         let lambdas: Vec<_> = studied.iter().map(|&index| modes.oscillatory[index]).collect();
-        for (index, verdict) in studied.into_iter().zip(verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?) {
+        for (index, verdict) in
+            studied.into_iter().zip(verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?)
+        {
             match verdict {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,

@@ -15,8 +15,9 @@ use friction::BristleDamping;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
-use super::squeal::identity_of;
-use super::{Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange};
+use super::{
+    Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, correlation, squeal,
+};
 
 /// A checked study of a finite element brake.
 #[derive(Debug, Clone)]
@@ -48,6 +49,8 @@ pub struct FiniteElementCase {
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
+    /// Which friction parameters depend on each other.
+    pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
     /// What the reduced brake shall hold.
@@ -114,7 +117,8 @@ impl FiniteElementCase {
         let Self { parameters, dofs, system, coefficients, contact, constraints, reduction, .. } = self;
         let content =
             format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contact:?} {constraints:?} {reduction:?}");
-        let content = content + &identity_of(&self.threshold);
+        let content =
+            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+use crate::case::correlation::CorrelationTable;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
 use crate::case::squeal::SquealTable;
@@ -30,6 +31,7 @@ pub(super) struct FiniteElementsFile {
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
     pub squeal: Option<SquealTable>,
+    pub correlation: Option<CorrelationTable>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -7,6 +7,7 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+use crate::case::correlation::CorrelationTable;
 use crate::case::squeal::SquealTable;
 
 #[derive(Debug, Deserialize)]
@@ -25,6 +26,7 @@ pub(super) struct MatricesFile {
     pub constraints: Vec<ConstraintsTable>,
     pub accuracy: Option<Accuracy>,
     pub squeal: Option<SquealTable>,
+    pub correlation: Option<CorrelationTable>,
 }
 
 #[derive(Debug, Deserialize)]
