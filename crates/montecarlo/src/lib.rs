@@ -42,6 +42,7 @@
 //! | what is the result of a run? | [`Summary`], [`Failures`] |
 //! | how is a parameter distributed? | [`Distribution`], [`GaussianCopula`], [`redraw_until_at_least`] |
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
+//! | when may a run stop? | [`looks`](looks()), [`distance`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
 //! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
@@ -66,6 +67,7 @@ mod failures;
 mod gaussian_copula;
 mod integer_mean;
 mod label_tally;
+mod looks;
 mod merge;
 mod progress;
 mod proportion;
@@ -91,6 +93,7 @@ pub use failures::{Failure, Failures};
 pub use gaussian_copula::GaussianCopula;
 pub use integer_mean::IntegerMean;
 pub use label_tally::{LabelTally, occurring_labels};
+pub use looks::{Look, distance, looks};
 pub use merge::Merge;
 pub use progress::Progress;
 pub use proportion::{Proportion, Trial, trials_for_half_width, wilson};

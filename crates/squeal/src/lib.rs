@@ -92,7 +92,7 @@ pub mod sweep;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;
-pub use run::{DrawResults, estimate, run_study};
+pub use run::{DrawResults, estimate, run_study, run_study_until};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -16,6 +16,19 @@ pub struct Times {
     pub report: f64,
 }
 
+/// Where a run stopped that had to know every occurrence to a half width.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stopped {
+    /// The half width asked for.
+    pub half_width: f64,
+    /// The one reached, at the level of the look, without what open names leave open.
+    pub reached: f64,
+    /// At which look, from 1.
+    pub look: usize,
+    /// Of how many.
+    pub looks: usize,
+}
+
 /// The manifest of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Manifest {
@@ -64,6 +77,9 @@ pub struct Manifest {
     /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
+    /// Where a run stopped that had to know every occurrence to a half width.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<Stopped>,
     /// Wall-clock times, s.
     pub seconds: Times,
 }
@@ -97,6 +113,7 @@ impl Manifest {
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
+            stopped: None,
             seconds,
         }
     }
