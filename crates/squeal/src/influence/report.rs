@@ -17,8 +17,14 @@ impl Influence {
     #[must_use]
     pub fn text(&self, plan: &Plan) -> String {
         let mut text = String::new();
-        for output in &self.outputs {
-            text += &self.of_output(output, plan);
+        // Of a mode that is hardly ever unstable there is nothing to say; of the scene that is said.
+        let (said, rare): (Vec<_>, Vec<_>) =
+            self.outputs.iter().partition(|output| output.output.mode.is_none() || !output.inputs.is_empty());
+        text.extend(said.into_iter().map(|output| self.of_output(output, plan)));
+        let mut modes: Vec<String> = rare.iter().filter_map(|output| Some(output.output.mode?.to_string())).collect();
+        modes.dedup();
+        if !modes.is_empty() {
+            text += &format!("Of modes {} too few draws differ from the others.\n", modes.join(", "));
         }
         let correlated: Vec<&str> =
             self.inputs.iter().filter(|input| input.is_correlated).map(|input| input.name.as_str()).collect();
@@ -62,7 +68,7 @@ impl Influence {
         let mut text = heading;
         let (mut others, mut sum) = (0, 0.0);
         for (at, input) in output.ranked() {
-            sum += input.first_order.value.max(0.0);
+            sum += input.first_order.value;
             let interval = input.first_order.interval(Self::CONFIDENCE);
             let total = input.total.map(|total| format!("; in all, with others, {}", in_words(&total)));
             let matters = interval.lower > LEAST_IN_WORDS
@@ -82,7 +88,10 @@ impl Influence {
             text += &format!("  {which} {others} inputs {verb} {not}surely more than 1 % each\n");
         }
         if self.inputs.iter().all(|input| !input.is_correlated) {
-            text += &format!("  alone they explain {:.0} %; the rest is what they do together\n", 100.0 * sum.min(1.0));
+            text += &format!(
+                "  alone they explain about {:.0} %; the rest is what they do together\n",
+                100.0 * sum.clamp(0.0, 1.0)
+            );
         }
         text
     }
