@@ -58,8 +58,6 @@ pub struct Influence {
     pub failures: u64,
     /// Draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
     pub open: u64,
-    /// Rows of the design for total indices; 0 without.
-    pub rows: u64,
     /// Systems evaluated, those that a certificate covers among them.
     pub evaluations: u64,
 }
@@ -107,7 +105,6 @@ pub fn influence<B: UncertainBrake>(
         draws,
         failures,
         open: of_draws.iter().filter(|row| row.is_open).count() as u64,
-        rows: rows.unwrap_or(0),
         evaluations: draws + of_design,
     })
 }

@@ -11,6 +11,8 @@ use crate::study::{Plan, Scene, SceneLabels};
 
 /// Inputs that explain less than this part for sure are counted together in words; chosen.
 const LEAST_IN_WORDS: f64 = 0.01;
+/// Most of these that are named; chosen: a line.
+const MOST_NAMED: usize = 8;
 
 impl Influence {
     /// The answer in words, output by output.
@@ -66,7 +68,7 @@ impl Influence {
             return heading + "  too few draws differ from the others to say what makes it vary\n";
         }
         let mut text = heading;
-        let (mut others, mut sum) = (0, 0.0);
+        let (mut others, mut sum) = (Vec::new(), 0.0);
         for (at, input) in output.ranked() {
             sum += input.first_order.value;
             let interval = input.first_order.interval(Self::CONFIDENCE);
@@ -78,14 +80,16 @@ impl Influence {
                 let explained = in_words(&input.first_order);
                 text += &format!("  {name} explains {explained} of the variance{}\n", total.unwrap_or_default());
             } else {
-                others += 1;
+                others.push(self.inputs[at].name.as_str());
             }
         }
-        if others > 0 {
-            let which = if others == self.inputs.len() { "none of" } else { "the other" };
-            let verb = if others == self.inputs.len() { "explains" } else { "explain" };
-            let not = if others == self.inputs.len() { "" } else { "not " };
-            text += &format!("  {which} {others} inputs {verb} {not}surely more than 1 % each\n");
+        if !others.is_empty() {
+            let which = match others.len() {
+                1..=MOST_NAMED => others.join(", "),
+                count => format!("{count} others"),
+            };
+            let each = if others.len() > 1 { " each" } else { "" };
+            text += &format!("  {which}: not surely more than 1 %{each}\n");
         }
         if self.inputs.iter().all(|input| !input.is_correlated) {
             text += &format!(
