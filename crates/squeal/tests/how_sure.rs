@@ -67,11 +67,11 @@ fn by_quadrature(output: impl Fn(f64, f64) -> f64) -> [[f64; 2]; 2] {
     let value = |i: usize, j: usize| output(middle(i, 1.0), middle(j, 1.5));
     let count = steps as f64;
     let (mut of_d, mut of_s, mut squares) = (vec![0.0; steps], vec![0.0; steps], 0.0);
-    for i in 0..steps {
-        for j in 0..steps {
+    for (i, of_d) in of_d.iter_mut().enumerate() {
+        for (j, of_s) in of_s.iter_mut().enumerate() {
             let y = value(i, j);
-            of_d[i] += y / count;
-            of_s[j] += y / count;
+            *of_d += y / count;
+            *of_s += y / count;
             squares += y * y / count / count;
         }
     }
