@@ -77,8 +77,8 @@ mod tests {
         let mut going = vec![1.0];
         let (mut samples, mut right) = (0_u64, 0.0);
         for (at, look) in looks.iter().enumerate() {
+            going.resize(look.samples as usize + 1, 0.0);
             for _ in samples..look.samples {
-                going.push(0.0);
                 for hits in (0..going.len()).rev() {
                     let from_below = if hits > 0 { p * going[hits - 1] } else { 0.0 };
                     going[hits] = (1.0 - p) * going[hits] + from_below;
