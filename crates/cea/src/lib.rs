@@ -69,7 +69,7 @@ pub use feedback::{
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
-pub use stability::{StabilityCensus, stability_census, verdict, verdicts};
+pub use stability::{StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond};
 pub use verdict::{JudgedEigenvalue, Verdict};
 pub use workspace::{Counters, Workspace};
 

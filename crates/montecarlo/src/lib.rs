@@ -40,10 +40,12 @@
 //! | which samples are drawn, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
 //! | how is a run started, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
 //! | what is the result of a run? | [`Summary`], [`Failures`] |
-//! | how is a parameter distributed? | [`Distribution`], [`redraw_until_at_least`] |
+//! | how is a parameter distributed? | [`Distribution`], [`GaussianCopula`], [`redraw_until_at_least`] |
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
+//! | when may a run stop? | [`looks`](looks()), [`distance`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
+//! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
 //! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
 //!
 //! Random number generators appear in public signatures, so [`rand`] is re-exported: [`StreamRng`] does not implement the
@@ -62,8 +64,10 @@ mod distribution;
 mod error;
 mod experiment;
 mod failures;
+mod gaussian_copula;
 mod integer_mean;
 mod label_tally;
+mod looks;
 mod merge;
 mod progress;
 mod proportion;
@@ -72,6 +76,7 @@ mod redraw;
 mod replicate_mean;
 mod run;
 mod sampling;
+mod sobol_index;
 mod stream;
 mod summary;
 
@@ -85,8 +90,10 @@ pub use distribution::Distribution;
 pub use error::{Damage, DistributionFault, MonteCarloError};
 pub use experiment::{Experiment, Runs, Tally};
 pub use failures::{Failure, Failures};
+pub use gaussian_copula::GaussianCopula;
 pub use integer_mean::IntegerMean;
 pub use label_tally::{LabelTally, occurring_labels};
+pub use looks::{Look, distance, looks};
 pub use merge::Merge;
 pub use progress::Progress;
 pub use proportion::{Proportion, Trial, trials_for_half_width, wilson};
@@ -95,6 +102,7 @@ pub use redraw::redraw_until_at_least;
 pub use replicate_mean::ReplicateMean;
 pub use run::{run, run_with};
 pub use sampling::Sampling;
+pub use sobol_index::{PickFreeze, SobolIndex, first_order_by_ranks};
 pub use stream::{StreamRng, stream};
 pub use summary::Summary;
 

@@ -89,6 +89,20 @@ pub enum Error {
     /// A system or an operating point.
     #[error(transparent)]
     System(#[from] linsys::LinsysError),
+    /// A scene in which nothing is drawn.
+    #[error(
+        "{scene}: nothing is drawn in this scene; allowed: a brake that names what it draws, with one distribution that is not constant"
+    )]
+    NoInputs {
+        /// Constraints, law, contacts and speed.
+        scene: String,
+    },
+    /// A scene whose samples are no functions of a point of the unit cube, or of which no such sample can be evaluated.
+    #[error("{scene}: no sample by quantiles can be evaluated; allowed: a brake whose samples are functions of them")]
+    NoQuantiles {
+        /// Constraints, law, contacts and speed.
+        scene: String,
+    },
     /// An option of the command line that does not fit the case.
     #[error("{option} = {value}; allowed: {allowed}")]
     Option {

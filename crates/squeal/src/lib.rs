@@ -13,6 +13,7 @@
 //! | run a study in memory | [`report::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
+//! | know which input makes squeal vary | [`influence::influence`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | know why a mode grows | [`why::Explainer`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
@@ -81,6 +82,7 @@ pub mod estimators;
 pub mod figures;
 mod fingerprint;
 mod folder;
+pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;
 pub mod output;
@@ -92,7 +94,7 @@ pub mod why;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;
-pub use run::{DrawResults, estimate, run_study};
+pub use run::{DrawResults, estimate, run_study, run_study_until};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::{Checkpoint, run_with};
+use montecarlo::{Checkpoint, MonteCarloError, Summary, looks, run_with};
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::report::{Manifest, Results, Times, reasons, write_tables};
-use crate::study::{Study, StudyTally, UncertainBrake};
+use crate::report::{Manifest, Results, Stopped, Times, reasons, write_tables};
+use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 6;
@@ -46,6 +46,21 @@ pub fn run_study<B: UncertainBrake>(
     threads: Option<usize>,
     draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
+    run_study_until(brake, dir, threads, None, draw)
+}
+
+/// As [`run_study`]; with a half width not the samples of the plan, but as many as it takes until every occurrence is known to it, see
+/// [`montecarlo::looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
+///
+/// # Errors
+/// As [`run_study`].
+pub fn run_study_until<B: UncertainBrake>(
+    brake: &B,
+    dir: &Path,
+    threads: Option<usize>,
+    half_width: Option<f64>,
+    draw: &mut DrawResults<'_, B>,
+) -> Result<Manifest, Error> {
     let plan = brake.plan();
     let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
     RunFolder::check(dir, &identity)?;
@@ -60,11 +75,20 @@ pub fn run_study<B: UncertainBrake>(
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
     let folder = RunFolder::take(dir, &identity)?;
     let start = Instant::now();
-    let mut sampling = montecarlo::Sampling::new(plan.seed, plan.samples);
-    sampling.threads = threads;
-    sampling.block = block(plan.samples);
     let checkpoint = Checkpoint { path: dir.join("checkpoint.json"), every: CHECKPOINT_EVERY, fingerprint: identity };
-    let summary = run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &bar(EVALUATED))?;
+    let sampled = |samples: u64| {
+        let mut sampling = montecarlo::Sampling::new(plan.seed, samples);
+        sampling.threads = threads;
+        sampling.block = block(samples);
+        run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &bar(EVALUATED))
+    };
+    let (summary, stopped) = match half_width {
+        None => (sampled(plan.samples)?, None),
+        Some(half_width) => {
+            let (summary, stopped) = sampled_until(half_width, plan, sampled)?;
+            (summary, Some(stopped))
+        }
+    };
     seconds.samples = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -75,9 +99,32 @@ pub fn run_study<B: UncertainBrake>(
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();
-    let manifest = Manifest::new(&results, threads, seconds);
+    let manifest = Manifest { stopped, ..Manifest::new(&results, threads, seconds) };
     folder.write("manifest.json", manifest.json().as_bytes())?;
     Ok(manifest)
+}
+
+/// Samples until every occurrence is known to a half width, or to the last look.
+fn sampled_until(
+    half_width: f64,
+    plan: &Plan,
+    sampled: impl Fn(u64) -> Result<Summary<StudyTally>, MonteCarloError>,
+) -> Result<(Summary<StudyTally>, Stopped), Error> {
+    let all = looks(half_width);
+    let last = all.len() - 1;
+    for (at, look) in all.iter().enumerate() {
+        let summary = match sampled(look.samples) {
+            // A run that was stopped, or extended: it has passed this look.
+            Err(MonteCarloError::CheckpointLonger { .. }) if at < last => continue,
+            Err(MonteCarloError::CheckpointLonger { found, .. }) => sampled(found)?,
+            other => other?,
+        };
+        let reached = summary.tally.distance(plan.mode_labels == ModeNaming::Tracked, look.confidence);
+        if reached <= half_width || at == last {
+            return Ok((summary, Stopped { half_width, reached, look: at + 1, looks: all.len() }));
+        }
+    }
+    Err(MonteCarloError::Zero { what: "looks" }.into())
 }
 
 /// The threads for so much of a study as is not sampling.

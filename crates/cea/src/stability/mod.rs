@@ -1,7 +1,9 @@
-//! Whether motions grow: the verdict on one eigenvalue, the census of a system.
+//! Whether motions grow: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
 
 mod census;
 mod screen;
+mod threshold;
 
 pub use census::{StabilityCensus, stability_census};
-pub use screen::{verdict, verdicts};
+pub use screen::{verdict, verdicts, verdicts_beyond};
+pub use threshold::Threshold;

@@ -3,6 +3,7 @@
 use linsys::SecondOrder;
 use num_complex::Complex;
 
+use super::Threshold;
 use crate::certified::SingleCertifier;
 use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
@@ -44,22 +45,38 @@ pub fn verdicts(
     spectrum: &Spectrum,
     work: &mut Workspace,
 ) -> Result<Vec<Verdict>, CeaError> {
+    verdicts_beyond(&Threshold::AXIS, system, lambdas, spectrum, work)
+}
+
+/// Whether some eigenvalues of `spectrum` are beyond a threshold: [`verdicts`] with the nearest point of the threshold in place of
+/// that of the axis. Near it [`Verdict::Undecided`] is where the certified bound straddles the threshold.
+///
+/// # Errors
+/// Those of [`verdicts`].
+pub fn verdicts_beyond(
+    threshold: &Threshold,
+    system: &SecondOrder,
+    lambdas: &[Complex<f64>],
+    spectrum: &Spectrum,
+    work: &mut Workspace,
+) -> Result<Vec<Verdict>, CeaError> {
     let mut judge = Judge::new(system, spectrum);
     let one = |&lambda: &Complex<f64>| {
-        if is_clear(lambda, spectrum) {
-            return Ok(Verdict::of(lambda, 0.0));
+        if is_clear(lambda, spectrum, threshold) {
+            return Ok(threshold.verdict(lambda, 0.0));
         }
-        Ok(judge.bounded(lambda, work)?.verdict)
+        let judged = judge.bounded(lambda, work)?;
+        Ok(if threshold.is_axis() { judged.verdict } else { threshold.verdict(judged.lambda, judged.bound) })
     };
     lambdas.iter().map(one).collect()
 }
 
-/// Whether the sign of Re lambda is beyond doubt.
-pub(crate) fn is_clear(lambda: Complex<f64>, spectrum: &Spectrum) -> bool {
-    if lambda.re.abs() <= NEAR_AXIS * spectrum.scale {
+/// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
+pub(crate) fn is_clear(lambda: Complex<f64>, spectrum: &Spectrum, threshold: &Threshold) -> bool {
+    if threshold.margin(lambda).abs() <= NEAR_AXIS * spectrum.scale {
         return false;
     }
-    let on_axis = Complex::new(0.0, lambda.im);
+    let on_axis = threshold.nearest(lambda);
     // Squares of distances over the scale, which need no roots.
     let mut nearest = [f64::INFINITY; MOST_COALESCING];
     for other in &spectrum.eigenvalues {

@@ -5,7 +5,7 @@ use montecarlo::{Distribution, StreamRng};
 
 use crate::Error;
 use crate::case::{MatricesCase, Parameter};
-use crate::study::{NamedParameter, Plan, Scene, StudySource, UncertainBrake};
+use crate::study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]
@@ -29,6 +29,7 @@ impl MatricesBrake {
         let median = case.operating_point(&case.medians()).map_err(failed)?;
         let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
         plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        plan.threshold = case.threshold;
         for set in &case.constraints {
             plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
         }
@@ -38,9 +39,15 @@ impl MatricesBrake {
 
     /// The index of the only parameter that is not constant; `None` where no parameter varies, or several do.
     fn only_parameter(&self) -> Option<usize> {
-        let varies = |distribution: &Distribution| !matches!(distribution, Distribution::Constant { .. });
-        let mut varying = (0..self.case.parameters.len()).filter(|&i| varies(&self.case.parameters[i].distribution));
+        let mut varying = self.varying().map(|(at, _)| at);
         varying.next().filter(|_| varying.next().is_none())
+    }
+
+    /// The parameters that are not constant, with their places.
+    fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
+        let varies =
+            |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });
+        self.case.parameters.iter().enumerate().filter(varies)
     }
 }
 
@@ -65,7 +72,22 @@ impl UncertainBrake for MatricesBrake {
 
     fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<Vec<f64>> {
         let parameters = self.case.parameters.iter().zip(0..);
-        Some(parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension))).collect())
+        let independent = parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension)));
+        Some(self.case.correlated(independent.collect()))
+    }
+
+    fn inputs(&self, _: &Scene) -> Vec<Input> {
+        let input = |(at, parameter): (usize, &Parameter)| Input {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            coordinate: at as u32,
+            is_correlated: self.case.correlation.as_ref().is_some_and(|correlation| correlation.holds(at)),
+        };
+        self.varying().map(input).collect()
+    }
+
+    fn input_values(&self, _: &Scene, sample: &Vec<f64>) -> Vec<f64> {
+        self.varying().map(|(at, _)| sample[at]).collect()
     }
 
     fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {

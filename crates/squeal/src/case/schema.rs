@@ -22,6 +22,8 @@ pub(super) struct LatticeFile {
     pub alternatives: AlternativesTable,
     pub paper: Option<super::Paper>,
     pub accuracy: Option<super::check::Accuracy>,
+    pub squeal: Option<super::squeal::SquealTable>,
+    pub correlation: Option<super::correlation::CorrelationTable>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use friction::BristleDamping;
 use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::{Alternative, Draws, Law};
+use super::{Alternative, Correlation, Draws, Law, correlation, squeal};
 use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
@@ -27,6 +28,8 @@ pub struct LatticeCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The lattice.
     pub lattice: LatticeParameters,
     /// The readings: choices where the published description leaves the model open.
@@ -39,6 +42,8 @@ pub struct LatticeCase {
     pub speeds: Vec<SpeedRange>,
     /// Distributions of the friction parameters.
     pub friction: FrictionDistributions,
+    /// Which of them depend on each other.
+    pub correlation: Option<Correlation>,
     /// Other readings for comparison.
     pub alternatives: Vec<Alternative>,
     /// Printed values of a publication, for comparison.
@@ -111,6 +116,20 @@ pub struct FrictionDistributions {
     pub sigma2: Distribution,
 }
 
+impl FrictionDistributions {
+    /// What is drawn for a contact, in this order: the parameters of all laws, with the coefficient across the sliding, which the
+    /// laws other than Amontons-Coulomb draw from the distribution of mu.
+    pub const DRAWN: [&str; 9] = ["mu", "lateral_mu", "mu_s", "mu_k", "alpha", "v_s", "sigma0", "sigma1", "sigma2"];
+    /// Units of [`Self::DRAWN`].
+    pub const UNITS: [&str; 9] = ["1", "1", "1", "1", "s/m", "m/s", "1/m", "s/m", "s/m"];
+
+    /// The distributions of [`Self::DRAWN`].
+    pub fn of_draw(&self) -> [&Distribution; Self::DRAWN.len()] {
+        let Self { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = self;
+        [mu, mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2]
+    }
+}
+
 /// Printed values that a study is compared with.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -150,6 +169,8 @@ impl LatticeCase {
     pub fn identity(&self) -> String {
         let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
         let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
+        let content =
+            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 

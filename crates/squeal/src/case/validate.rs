@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use friction::BristleDamping;
+use montecarlo::Distribution;
 use osc_model::{Dof, Grid, Lateral, LatticeModel, LatticeParameters, Lean, PlateParameters, Preload, Sign};
 
 use super::arrangements::arrangements_by_number;
 use super::check::{Check, syntax};
+use super::correlation::Correlated;
 use super::schema::{self, Chain, LatticeFile, Values};
 use super::{
-    Alternative, CaseError, ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange,
+    Alternative, CaseError, ConstraintSet, Draws, FrictionDistributions, LatticeCase, LatticeReadings, Paper,
+    SpeedRange,
 };
 use crate::input::{LARGEST_CASE, read_text};
 
@@ -45,6 +48,8 @@ impl LatticeCase {
             alternatives,
             paper,
             accuracy,
+            squeal,
+            correlation,
         } = file;
         if study.laws.is_empty() {
             return Err(check.value("study.laws", "[]", "one law or more"));
@@ -66,6 +71,12 @@ impl LatticeCase {
         if let Some(paper) = &paper {
             check_paper(&check, paper, parameters.grid.oscillators())?;
         }
+        let friction = distributions(&check, friction)?;
+        let contacts = match readings.draws {
+            Draws::Shared => vec![[0.0; 3]],
+            Draws::Each => oscillator_places(parameters.grid),
+        };
+        let correlated = Correlated { parameters: friction_parameters(&friction), contacts: &contacts };
         Ok(Self {
             path: path.to_owned(),
             name: study.name,
@@ -73,12 +84,14 @@ impl LatticeCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
             readings,
             panels: arrangements_by_number(&check, &contact, parameters.grid.oscillators())?,
             lattice: parameters,
             constraints,
             speeds: speed_ranges(&check, speeds)?,
-            friction: distributions(&check, friction)?,
+            correlation: check.correlation(correlation, &correlated)?,
+            friction,
             alternatives: all_alternatives(&check, &alternatives)?,
             paper,
             text,
@@ -237,6 +250,17 @@ pub(super) fn speed_ranges(check: &Check<'_>, speeds: Vec<schema::SpeedsTable>) 
         }
     }
     Ok(speeds.into_iter().map(|schema::SpeedsTable { name, from, to }| SpeedRange { name, from, to }).collect())
+}
+
+/// Where the oscillators of a grid are, in units of their spacing.
+fn oscillator_places(grid: Grid) -> Vec<[f64; 3]> {
+    let place = |at: usize| [(at % grid.columns()) as f64, (at / grid.columns()) as f64, 0.0];
+    (0..grid.oscillators()).map(place).collect()
+}
+
+/// The names and distributions of what is drawn for a contact.
+pub(super) fn friction_parameters(friction: &FrictionDistributions) -> Vec<(&'static str, &Distribution)> {
+    FrictionDistributions::DRAWN.into_iter().zip(friction.of_draw()).collect()
 }
 
 pub(super) fn distributions(

@@ -75,7 +75,7 @@ impl CeaArgs {
         });
         let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters");
         let whys =
-            if self.why { first_scene(&LatticeBrake::new(self.scene.only_of_lattice(case)?)?)? } else { Vec::new() };
+            if self.why { first_scene(&LatticeBrake::new(self.scene.only_lattice(case, None)?)?)? } else { Vec::new() };
         self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene, &whys)
     }
 
@@ -90,7 +90,7 @@ impl CeaArgs {
         let scene = json!({ "constraints": set.name, "parameters": named });
         let (brake, at) = (case.brake(set)?, case.operating_point(&medians)?);
         let whys =
-            if self.why { first_scene(&MatricesBrake::new(self.scene.only_of_matrices(case)?)?)? } else { Vec::new() };
+            if self.why { first_scene(&MatricesBrake::new(self.scene.only_matrices(case)?)?)? } else { Vec::new() };
         self.text(&brake, &at, &heading, &scene, &whys)
     }
 

@@ -3,6 +3,7 @@
 mod cea;
 mod check;
 mod eig;
+mod influence;
 mod options;
 mod reasons;
 mod refuse;
@@ -13,6 +14,7 @@ mod sweep;
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
+pub use influence::InfluenceArgs;
 pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;

@@ -4,7 +4,7 @@ use osc_model::ContactArrangement;
 
 use super::options::number;
 use crate::Error;
-use crate::case::{LatticeCase, Law, MatricesCase, SpeedRange};
+use crate::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -52,41 +52,58 @@ impl SceneArgs {
         let constraints = chosen("--constraints", self.constraints.as_deref(), &names)?;
         let arrangement = match &self.contact {
             None => case.panels[0].1[0].clone(),
-            Some(numbers) => {
-                let oscillators = case.lattice.grid.oscillators();
-                ContactArrangement::from_numbers(oscillators, numbers).map_err(|_| {
-                    let list: Vec<String> = numbers.iter().map(usize::to_string).collect();
-                    refused("--contact", &list.join(","), format!("oscillators 1 to {oscillators}, each once"))
-                })?
-            }
+            Some(numbers) => in_contact(case.lattice.grid.oscillators(), numbers, "oscillators")?,
         };
-        let speed = self.speed.unwrap_or(case.speeds[0].quantile(0.5));
-        if !(speed.is_finite() && speed > 0.0) {
-            return Err(refused("--speed", &speed.to_string(), "a speed in m/s, > 0".into()));
-        }
+        let speed = allowed_speed(self.speed.unwrap_or(case.speeds[0].quantile(0.5)))?;
         Ok(LatticeScene { law, constraints, arrangement, speed })
     }
 
-    /// A case with a lattice that has this scene alone.
+    /// The case with this one scene; with a `range` of speeds, unless the options give a speed, or at one speed.
     ///
     /// # Errors
-    /// What the case does not have.
-    pub(super) fn only_of_lattice(&self, mut case: LatticeCase) -> Result<LatticeCase, Error> {
+    /// As [`SceneArgs::lattice`].
+    pub(super) fn only_lattice(&self, mut case: LatticeCase, range: Option<SpeedRange>) -> Result<LatticeCase, Error> {
         let LatticeScene { law, constraints, arrangement, speed } = self.lattice(&case)?;
         case.laws = vec![law];
         case.constraints = vec![case.constraints.swap_remove(constraints)];
         case.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
-        case.speeds = vec![SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }];
+        case.speeds = vec![range.filter(|_| self.speed.is_none()).unwrap_or_else(|| only(speed))];
         Ok(case)
     }
 
-    /// A case that is given by its matrices with this scene alone.
+    /// The case with this one set of constraints.
     ///
     /// # Errors
     /// As [`SceneArgs::matrices`].
-    pub(super) fn only_of_matrices(&self, mut case: MatricesCase) -> Result<MatricesCase, Error> {
+    pub(super) fn only_matrices(&self, mut case: MatricesCase) -> Result<MatricesCase, Error> {
         let set = self.matrices(&case)?;
         case.constraints = vec![case.constraints.swap_remove(set)];
+        Ok(case)
+    }
+
+    /// The case with this one scene, in a range of speeds, unless the options give a speed.
+    ///
+    /// # Errors
+    /// What the case does not have.
+    pub(super) fn only_finite_elements(
+        &self,
+        mut case: FiniteElementCase,
+        range: Option<SpeedRange>,
+    ) -> Result<FiniteElementCase, Error> {
+        let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
+        let set = chosen("--constraints", self.constraints.as_deref(), &names)?;
+        case.constraints = vec![case.constraints.swap_remove(set)];
+        if let Some(contact) = &mut case.contact {
+            let laws: Vec<&str> = contact.laws.iter().map(|law| law.name()).collect();
+            contact.laws = vec![contact.laws[chosen("--law", self.law.as_deref(), &laws)?]];
+            let arrangement = match &self.contact {
+                None => contact.panels[0].1[0].clone(),
+                Some(numbers) => in_contact(contact.patches.len(), numbers, "patches")?,
+            };
+            contact.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+            let fixed = self.speed.map(|speed| allowed_speed(speed).map(only)).transpose()?;
+            contact.speeds = fixed.or(range).map_or_else(|| std::mem::take(&mut contact.speeds), |range| vec![range]);
+        }
         Ok(case)
     }
 
@@ -104,6 +121,27 @@ impl SceneArgs {
         let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
         chosen("--constraints", self.constraints.as_deref(), &names)
     }
+}
+
+/// The contacts that an option gives by their numbers from 1.
+fn in_contact(contacts: usize, numbers: &[usize], what: &str) -> Result<ContactArrangement, Error> {
+    ContactArrangement::from_numbers(contacts, numbers).map_err(|_| {
+        let value = numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
+        Error::Option { option: "--contact", value, allowed: format!("{what} 1 to {contacts}, each once") }
+    })
+}
+
+/// A speed that an option gives, m/s.
+fn allowed_speed(speed: f64) -> Result<f64, Error> {
+    if speed.is_finite() && speed > 0.0 {
+        return Ok(speed);
+    }
+    Err(Error::Option { option: "--speed", value: speed.to_string(), allowed: "a speed in m/s, > 0".into() })
+}
+
+/// The range of one speed, m/s.
+fn only(speed: f64) -> SpeedRange {
+    SpeedRange { name: format!("{speed:.4} m/s"), from: speed, to: speed }
 }
 
 /// The place of the name that an option gives; the first where it is not given.

@@ -61,8 +61,8 @@ impl SweepArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         let text = match CaseFile::read(&self.case)? {
-            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.scene.only_of_lattice(*case)?)?)?,
-            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.scene.only_of_matrices(*case)?)?)?,
+            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.scene.only_lattice(*case, None)?)?)?,
+            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?,
             CaseFile::FiniteElements(_) => {
                 let (value, allowed) = (self.over[0].to_string(), "cases with a lattice or matrices".into());
                 return Err(Error::Option { option: "--over", value, allowed });

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use cea::Threshold;
 use linsys::{ChannelGain, Lag};
 use num_complex::Complex;
 
@@ -20,11 +21,11 @@ const GRID_STEPS: u32 = 1 << 16;
 const POINTS_PER_OUTLIER: usize = 4096;
 /// Number of points of which the nearest gives the gain of a sample point; chosen.
 const TANGENT_CANDIDATES: usize = 2048;
-/// Least distance from the axis, in residuals of its polynomial, at which a mode crosses nowhere in a cell; chosen.
+/// Least distance from the threshold, in residuals of its polynomial, at which a mode crosses nowhere in a cell; chosen.
 const CLEAR_RESIDUALS: f64 = 10.0;
 /// Number of points of a cell whose slopes are evaluated at the frequencies of its modes; chosen.
 const SLOPES_PER_CELL: usize = 32;
-/// A mode is followed in a cell if it would reach the axis at this multiple of its rates at a corner; chosen.
+/// A mode is followed in a cell if it would reach the threshold at this multiple of its rates at a corner; chosen.
 const RATE_MARGIN: f64 = 1.5;
 
 /// A cell without a leaf yet, in steps of the finest grid.
@@ -62,6 +63,7 @@ struct CellView<'a> {
 /// The k-d tree of a scene while it is built.
 pub(super) struct CellBuilder<'a, B: UncertainBrake> {
     solver: SamplePoints<'a, B>,
+    threshold: Threshold,
     points: &'a FrictionPoints,
     coordinates: Vec<[f64; 3]>,
     from: [f64; 3],
@@ -85,6 +87,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         }
         Ok(Self {
             solver: SamplePoints::new(study, scene)?,
+            threshold: study.plan().threshold,
             points,
             coordinates,
             from,
@@ -186,30 +189,32 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
         let mut used: BTreeSet<(usize, usize)> = BTreeSet::new();
         for start in 0..view.corners.len() {
             for (index, mode) in view.modes[start].1.iter().enumerate() {
-                if used.contains(&(start, index)) || !view.reaches_axis(mode) {
+                if used.contains(&(start, index)) || !view.reaches(&self.threshold, mode) {
                     continue;
                 }
                 let path = link(&view.modes, &view.corners, start, index);
                 used.extend(path.iter().flatten().copied().enumerate());
                 let corners = path.map(|path| view.along(&path));
-                let surface = corners.and_then(|corners| Some((ResponseSurface::new(&corners)?, corners)));
+                let surface =
+                    corners.and_then(|corners| Some((ResponseSurface::new(&corners, self.threshold)?, corners)));
                 let Some((surface, corners)) = surface else {
                     leaf.is_uncertain = true;
                     continue;
                 };
                 let names = self.corner_names(&view, &corners);
-                let at_points = view.growths(&surface);
-                // The range of Re lambda over the points and the corners of the cell.
-                let growths = at_points.iter().map(|point| point.0).chain(corners.iter().map(|c| c.1.lambda.re));
-                let [least, most] = [f64::min, f64::max].map(|of| growths.clone().reduce(of).unwrap_or(0.0));
+                let at_points = view.margins(&surface);
+                // The range of the margin over the points and the corners of the cell.
+                let at_corners = corners.iter().map(|c| self.threshold.margin(c.1.lambda));
+                let margins = at_points.iter().map(|point| point.0).chain(at_corners);
+                let [least, most] = [f64::min, f64::max].map(|of| margins.clone().reduce(of).unwrap_or(0.0));
                 // The width of this range is added to the margin, because samples may lie outside the range of the known points.
                 let clear = CLEAR_RESIDUALS * surface.residual + (most - least);
                 if least > clear {
                     always.iter_mut().zip(names.at).for_each(|(all, names)| *all = all.or(names));
                 } else if most >= -clear {
                     let mode = CrossingMode { surface, names };
-                    for (is_uncertain, (growth, is_outside)) in uncertain.iter_mut().zip(at_points) {
-                        *is_uncertain |= mode.judge(growth, is_outside)[1];
+                    for (is_uncertain, (margin, is_outside)) in uncertain.iter_mut().zip(at_points) {
+                        *is_uncertain |= mode.judge(margin, is_outside)[1];
                     }
                     leaf.crossing.push(mode);
                 }
@@ -248,7 +253,7 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
     /// unstable.
     fn corner_names(&self, view: &CellView<'_>, modes: &[(f64, &SampledMode)]) -> CornerNames {
         let near = |k: usize| {
-            let unstable = (0..view.corners.len()).filter(|&c| modes[c].1.lambda.re > 0.0);
+            let unstable = (0..view.corners.len()).filter(|&c| self.threshold.margin(modes[c].1.lambda) > 0.0);
             let nearest = unstable.min_by_key(|&c| ((view.corners[c] ^ k) & view.sides).count_ones());
             nearest.map_or(ModeSet::default(), |c| self.bits(&modes[c].1.names))
         };
@@ -258,13 +263,14 @@ impl<'a, B: UncertainBrake> CellBuilder<'a, B> {
 }
 
 impl<'a> CellView<'a> {
-    /// Whether a mode at a corner could reach the axis somewhere in the cell.
-    fn reaches_axis(&self, mode: &SampledMode) -> bool {
+    /// Whether a mode at a corner could reach the threshold somewhere in the cell.
+    fn reaches(&self, threshold: &Threshold, mode: &SampledMode) -> bool {
         // At other frequencies than that of the coordinates the slopes in the cell may differ more.
         let some = self.gains.iter().step_by(self.gains.len().div_ceil(SLOPES_PER_CELL));
         let away = some.map(|gain| (gain.complex_slope(mode.lambda) - mode.slope).norm_sqr());
         let extent = away.fold(self.extent * self.extent, f64::max).sqrt();
-        mode.lambda.re + RATE_MARGIN * (mode.by_mu.re.abs() * self.width + mode.by_slope.norm() * extent) > 0.0
+        let by_mu = threshold.margin_rate(mode.lambda, mode.by_mu).abs();
+        threshold.margin(mode.lambda) + RATE_MARGIN * (by_mu * self.width + mode.by_slope.norm() * extent) > 0.0
     }
 
     /// mu and the mode at each corner, where the mode has the index `path[c]`.
@@ -272,9 +278,8 @@ impl<'a> CellView<'a> {
         self.modes.iter().zip(path).map(|((mu, all), &i)| (*mu, &all[i])).collect()
     }
 
-    /// Re lambda at each point of the cell, and whether the slope there is outside the range of the surface.
-    fn growths(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
-        let at = self.gains.iter().map(|gain| surface.eigenvalue(gain));
-        at.map(|(lambda, is_outside)| (lambda.re, is_outside)).collect()
+    /// The margin at each point of the cell, and whether the slope there is outside the range of the surface.
+    fn margins(&self, surface: &ResponseSurface) -> Vec<(f64, bool)> {
+        self.gains.iter().map(|gain| surface.margin(gain)).collect()
     }
 }

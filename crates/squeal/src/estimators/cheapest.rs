@@ -7,6 +7,7 @@ use cea::QrSolver;
 use montecarlo::{Confidence, trials_for_half_width};
 use serde::{Deserialize, Serialize};
 
+use super::sampling::ScrambledSobol;
 use super::{
     Estimated, Estimates, EstimatorError, FrictionPoints, OneParameterFamily, control_variate, exact, monte_carlo,
 };
@@ -26,6 +27,9 @@ const FINEST_HALF_WIDTH: f64 = 1e-3;
 const FINEST_POINTS: f64 = 32_768.0;
 const COARSEST_POINTS: f64 = 1_024.0;
 const SCRAMBLINGS: u32 = 32;
+/// Scramblings where Sobol points are what is solved, and the logarithms of their numbers of points; chosen.
+const SOBOL_SCRAMBLINGS: u32 = 16;
+const SOBOL_POINTS: std::ops::RangeInclusive<u32> = 7..=16;
 
 /// A way to estimate occurrences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -36,8 +40,15 @@ pub enum Estimator {
     ExactIntegral,
     /// The mean of a prediction from response surfaces, corrected by samples.
     ControlVariate,
+    /// The points of a Sobol sequence under several scramblings.
+    ScrambledSobol,
     /// Plain Monte Carlo.
     PlainSampling,
+}
+
+impl Estimator {
+    /// All of them, the cheapest first where it applies.
+    pub const ALL: [Self; 4] = [Self::ExactIntegral, Self::ControlVariate, Self::ScrambledSobol, Self::PlainSampling];
 }
 
 impl fmt::Display for Estimator {
@@ -45,6 +56,7 @@ impl fmt::Display for Estimator {
         f.pad(match self {
             Self::ExactIntegral => "exact integral",
             Self::ControlVariate => "control variate",
+            Self::ScrambledSobol => "scrambled Sobol points",
             Self::PlainSampling => "plain sampling",
         })
     }
@@ -104,8 +116,11 @@ pub fn friction_points<B: UncertainBrake>(
     scene: usize,
     half_width: f64,
 ) -> Result<Option<FrictionPoints>, EstimatorError> {
-    let is_single = study.brake().single_parameter(&study.plan().scenes[scene]).is_some();
-    if is_single || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
+    let plan = study.plan();
+    // The exact integral is over onsets of the bare sign.
+    let is_single = plan.threshold.is_axis() && study.brake().single_parameter(&plan.scenes[scene]).is_some();
+    // A prediction would have the modes of all frequencies.
+    if is_single || plan.band.is_some() || plain_samples(0.5, half_width) < FEWEST_BY_CONTROL_VARIATE {
         return Ok(None);
     }
     let modes = study.references()[scene].modes.iter().map(|mode| mode.lambda);
@@ -157,7 +172,8 @@ fn by_control_variate<B: UncertainBrake>(
     Ok(SceneOccurrences::new(Estimator::ControlVariate, found.modes, reached, evaluations, half_width))
 }
 
-/// The occurrences by plain samples; their number follows from pilot samples and the occurrence nearest to one half.
+/// The occurrences by scrambled Sobol points or plain samples; the number of the latter follows from pilot samples and the occurrence nearest to
+/// one half. Half as many systems are solved at Sobol points, if the brake has samples by quantiles, before it is given up.
 fn by_sampling<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -166,9 +182,50 @@ fn by_sampling<B: UncertainBrake>(
     let seed = study.plan().seed;
     let pilots = monte_carlo(study, scene, seed.wrapping_add(1), PLAIN_PILOT_SAMPLES)?;
     let samples = planned_samples(&pilots, half_width);
+    let mut spent = PLAIN_PILOT_SAMPLES;
+    match by_sobol(study, scene, half_width, samples)? {
+        Sobol::Reached(found, evaluations) => {
+            let (reached, evaluations) = (found.half_width(), spent + evaluations);
+            return Ok(SceneOccurrences::new(Estimator::ScrambledSobol, found.modes, reached, evaluations, half_width));
+        }
+        Sobol::GivenUp(evaluations) => spent += evaluations,
+    }
     let found = monte_carlo(study, scene, seed, samples)?;
     let reached = found.half_width();
-    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, PLAIN_PILOT_SAMPLES + samples, half_width))
+    Ok(SceneOccurrences::new(Estimator::PlainSampling, found.modes, reached, spent + samples, half_width))
+}
+
+/// What came of Sobol points, with the systems solved.
+enum Sobol {
+    Reached(Estimates, u64),
+    GivenUp(u64),
+}
+
+/// The occurrences by scrambled Sobol points, twice as many at each look, whose error probabilities sum to 5 % (Boole's inequality).
+fn by_sobol<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    half_width: f64,
+    plain: u64,
+) -> Result<Sobol, EstimatorError> {
+    let all = |points: u32| u64::from(points) * u64::from(SOBOL_SCRAMBLINGS);
+    let looks: Vec<u32> = SOBOL_POINTS.map(|log| 1 << log).take_while(|&points| all(points) <= plain / 2).collect();
+    let mut sobol = ScrambledSobol::new(study.plan().seed as u32, SOBOL_SCRAMBLINGS);
+    let tail = 2.0 * Confidence::P95.tail() / looks.len().max(1) as f64;
+    let confidence = Confidence::new(1.0 - tail).map_err(crate::Error::from)?;
+    let mut spent = 0;
+    for points in looks {
+        match sobol.extend(study, scene, points) {
+            Err(EstimatorError::NotShared) => return Ok(Sobol::GivenUp(0)),
+            other => other?,
+        }
+        spent = all(points);
+        let found = sobol.estimates(confidence);
+        if found.half_width() <= half_width {
+            return Ok(Sobol::Reached(found, spent));
+        }
+    }
+    Ok(Sobol::GivenUp(spent))
 }
 
 /// Samples for a half width: what the occurrence nearest to one half needs, within the limits that pilots leave it. A mode that

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use cea::Counters;
-use montecarlo::{ReplicateMean, StreamRng, stream};
+use montecarlo::{Confidence, ReplicateMean, StreamRng, stream};
 use rand_distr::{Binomial, Distribution as _};
 
 use super::cheapest::{PLAIN_PILOT_SAMPLES, planned_samples};
@@ -128,7 +128,7 @@ fn quasi(event: Event, truth: f64, points: u32, scramblings: u32, rng: &mut Stre
         hits((0..points).filter(is_hit).count() as u64)
     };
     let runs: Vec<HitCounts> = (0..scramblings).map(|_| of_scrambling(rng.random())).collect();
-    of(&of_scramblings(&runs, points, Counters::default()))
+    of(&of_scramblings(&runs, points, Counters::default(), Confidence::P95))
 }
 
 /// How prediction and reference are distributed together.

@@ -17,8 +17,8 @@ pub enum EstimatorError {
     /// Branches that are not resolved, modes that do not oscillate, onsets that are not found or contradict the spectra.
     #[error(transparent)]
     Tracking(tracking::TrackingError),
-    /// Quasi-Monte Carlo over more dimensions than a draw shared by all contacts has.
-    #[error("quasi-Monte Carlo needs one draw shared by all contacts; the case has a draw for each")]
+    /// A scene whose samples are no functions of a point of the unit cube, or whose friction is not one gain in all contacts.
+    #[error("this estimator needs samples by quantiles, and friction that is the same in all contacts")]
     NotShared,
     /// A number of Sobol points or scramblings that is not allowed.
     #[error("{points} points in {scramblings} scramblings; allowed: 1 to 65536 points, 2 scramblings or more")]

@@ -4,6 +4,8 @@
 //! `s(i omega)` of [`ChannelGain::complex_slope`].
 
 use linsys::{ChannelGain, OperatingPoint};
+use montecarlo::rand::RngExt as _;
+use montecarlo::stream;
 use num_complex::Complex;
 use rayon::prelude::*;
 
@@ -12,6 +14,8 @@ use crate::study::{Scene, UncertainBrake};
 
 /// Most points of the Sobol sequence, by the tables of the generator.
 const MOST_POINTS: u32 = 1 << 16;
+/// Dimensions of the Sobol sequence, by the same tables.
+const MOST_DIMENSIONS: u32 = sobol_burley::NUM_DIMENSIONS;
 /// Number of points at which the friction of two scenes is compared before one scene uses the points of the other; chosen.
 const COMPARED_POINTS: usize = 64;
 
@@ -142,6 +146,13 @@ pub(super) fn sobol_sample<B: UncertainBrake>(
     seed: u32,
 ) -> Result<B::Sample, EstimatorError> {
     // A number of 24 bits in [0, 1), moved to the middle of its step, because quantiles at 0 and 1 may be infinite.
-    let uniform = |dimension: u32| f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25);
+    let uniform = |dimension: u32| match dimension {
+        // Beyond the dimensions of the sequence, numbers at random.
+        _ if dimension >= MOST_DIMENSIONS => {
+            let random: f64 = stream(u64::from(seed) << 32 | u64::from(dimension), u64::from(index)).random();
+            random.max(f64::EPSILON)
+        }
+        _ => f64::from(sobol_burley::sample(index, dimension, seed)) + 0.5_f64.powi(25),
+    };
     brake.quantile_sample(scene, &uniform).ok_or(EstimatorError::NotShared)
 }

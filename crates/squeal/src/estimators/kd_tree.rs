@@ -51,13 +51,13 @@ pub(super) struct Leaf {
     pub middle: [f64; 3],
     /// Modes that are unstable in the whole cell.
     pub unstable: CornerNames,
-    /// Modes that may cross the axis.
+    /// Modes that may cross the threshold.
     pub crossing: Vec<CrossingMode>,
     /// Whether a mode could not be followed between corners.
     pub is_uncertain: bool,
 }
 
-/// A mode that may cross the axis in a cell.
+/// A mode that may cross the threshold in a cell.
 #[derive(Debug, Clone)]
 pub(super) struct CrossingMode {
     pub surface: ResponseSurface,
@@ -65,16 +65,16 @@ pub(super) struct CrossingMode {
 }
 
 impl CrossingMode {
-    /// Whether the mode grows under a gain, and whether the growth or the name is uncertain.
+    /// Whether the mode is beyond the threshold under a gain, and whether that or the name is uncertain.
     pub fn predict(&self, gain: &ChannelGain) -> [bool; 2] {
-        let (lambda, is_outside) = self.surface.eigenvalue(gain);
-        self.judge(lambda.re, is_outside)
+        let (margin, is_outside) = self.surface.margin(gain);
+        self.judge(margin, is_outside)
     }
 
     /// [`CrossingMode::predict`] from the results of the response surface.
-    pub fn judge(&self, growth: f64, is_outside: bool) -> [bool; 2] {
-        let grows = growth > 0.0;
-        [grows, growth.abs() < self.surface.uncertainty() || is_outside || grows && self.names.is_uncertain]
+    pub fn judge(&self, margin: f64, is_outside: bool) -> [bool; 2] {
+        let grows = margin > 0.0;
+        [grows, margin.abs() < self.surface.uncertainty() || is_outside || grows && self.names.is_uncertain]
     }
 }
 

@@ -40,7 +40,7 @@ impl<'a> OneParameterFamily<'a> {
     ///
     /// # Errors
     /// [`EstimatorError::NotOneParameter`] for a scene whose systems are no affine function of one parameter, have internal
-    /// states, or do not exist at 0, 1, 2 or somewhere in the distribution.
+    /// states, or do not exist at 0, 1, 2 or somewhere in the distribution; for a plan with a threshold beyond the axis.
     pub fn new<B: UncertainBrake>(
         brake: &B,
         scene: &Scene,
@@ -50,6 +50,11 @@ impl<'a> OneParameterFamily<'a> {
             let found = format!("another dependence in {}", brake.plan().source());
             return Err(EstimatorError::NotOneParameter { needed: "one uncertain parameter", found });
         };
+        let threshold = brake.plan().threshold;
+        if !threshold.is_axis() {
+            // Its onsets are zeros of Re lambda.
+            return Err(EstimatorError::NotOneParameter { needed: "the bare sign", found: threshold.to_string() });
+        }
         let of_scene = &brake.plan().brake(scene).system;
         let assembled = |value: f64| -> Result<SecondOrder, crate::Error> {
             Ok(of_scene.assemble(&brake.operating_point(scene, &brake.with_parameter(scene, value))?)?)

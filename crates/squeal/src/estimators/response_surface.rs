@@ -4,6 +4,7 @@
 //! every friction law, a simple eigenvalue is an analytic function of mu and of the complex number H. The polynomial with
 //! complex coefficients is fitted to values and derivatives at the corners; the residual of the fit estimates its error.
 
+use cea::Threshold;
 use linsys::ChannelGain;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -15,7 +16,7 @@ use super::sample_points::SampledMode;
 const DEGREE: usize = 3;
 /// Number added to the diagonal of the normal equations, for directions in which the cell has no extent; chosen.
 const RIDGE: f64 = 1e-10;
-/// Distance from the axis, in residuals of the polynomial, below which an eigenvalue's side is uncertain; chosen.
+/// Distance from the threshold, in residuals of the polynomial, below which an eigenvalue's side is uncertain; chosen.
 const UNCERTAIN_RESIDUALS: f64 = 2.0;
 /// Largest distance of a slope from the centre of a cell at which the polynomial is relied on, as a multiple of that of the
 /// corners; chosen.
@@ -24,6 +25,8 @@ const RELIABLE_RANGE: f64 = 1.25;
 /// lambda as a polynomial in mu and H, both scaled to a cell.
 #[derive(Debug, Clone)]
 pub(super) struct ResponseSurface {
+    /// From where on the mode counts as unstable.
+    threshold: Threshold,
     degree: usize,
     centre: (f64, Complex<f64>),
     scale: (f64, f64),
@@ -53,7 +56,7 @@ fn up_to(x: Complex<f64>) -> [[Complex<f64>; DEGREE + 2]; 2] {
 impl ResponseSurface {
     /// The polynomial fitted to values and derivatives at the corners of a cell, each given with its mu; `None` where these are
     /// not finite.
-    pub fn new(corners: &[(f64, &SampledMode)]) -> Option<Self> {
+    pub fn new(corners: &[(f64, &SampledMode)], threshold: Threshold) -> Option<Self> {
         let degree = if corners.len() > 4 { DEGREE + 1 } else { DEGREE };
         let count = corners.len() as f64;
         let mu = corners.iter().map(|c| c.0).sum::<f64>() / count;
@@ -96,6 +99,7 @@ impl ResponseSurface {
             b as f64 * size(*c) * RELIABLE_RANGE.powi((a + b).saturating_sub(1) as i32)
         };
         Some(Self {
+            threshold,
             steepness: powers(degree).zip(coefficients.iter()).map(steepest).sum::<f64>() / scale.1,
             degree,
             centre: (mu, slope),
@@ -107,20 +111,26 @@ impl ResponseSurface {
 
     /// lambda under a gain, and whether the slope at lambda is outside [`RELIABLE_RANGE`]: the slope depends on more than the
     /// coordinates of the gain.
-    pub fn eigenvalue(&self, gain: &ChannelGain) -> (Complex<f64>, bool) {
+    fn eigenvalue(&self, gain: &ChannelGain) -> (Complex<f64>, bool) {
         let mut slope = gain.complex_slope(self.coefficients[0]);
         let mut lambda = self.at(gain.mu, slope);
         if gain.lag.is_some() {
-            // The slope depends on the eigenvalue; far from the axis the first approximation is enough.
+            // The slope depends on the eigenvalue; far from the threshold the first approximation is enough.
             let other = gain.complex_slope(lambda);
-            if lambda.re.abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
+            if self.threshold.margin(lambda).abs() <= self.uncertainty() + self.steepness * (other - slope).l1_norm() {
                 (slope, lambda) = (other, self.at(gain.mu, other));
             }
         }
         (lambda, (slope - self.centre.1).norm_sqr() > (RELIABLE_RANGE * self.scale.1).powi(2))
     }
 
-    /// Distance from the axis within which the side of the eigenvalue is uncertain, rad/s.
+    /// How far the eigenvalue is beyond the threshold under a gain, and whether the slope at it is outside [`RELIABLE_RANGE`].
+    pub fn margin(&self, gain: &ChannelGain) -> (f64, bool) {
+        let (lambda, is_outside) = self.eigenvalue(gain);
+        (self.threshold.margin(lambda), is_outside)
+    }
+
+    /// Distance from the threshold within which the side of the eigenvalue is uncertain, rad/s.
     pub fn uncertainty(&self) -> f64 {
         UNCERTAIN_RESIDUALS * self.residual
     }
@@ -203,7 +213,7 @@ mod tests {
             for (offset, error) in [(0.0, 1e-3), (-4.139, 1e-6)] {
                 let corners = corners(slopes, offset);
                 let corners: Vec<(f64, &SampledMode)> = corners.iter().map(|(mu, mode)| (*mu, mode)).collect();
-                let surface = ResponseSurface::new(&corners).unwrap();
+                let surface = ResponseSurface::new(&corners, Threshold::AXIS).unwrap();
                 let gain = ChannelGain { mu: 0.45, slope: -0.2, lag };
                 let lambda = surface.eigenvalue(&gain).0;
                 let expected = mode(0.45, gain.complex_slope(lambda), offset).lambda;

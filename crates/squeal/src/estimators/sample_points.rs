@@ -115,7 +115,8 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
         for (((system, gain), modes), left) in systems.iter().zip(gains).zip(&right).zip(&left) {
             found.push(modes.iter().zip(left).map(|(mode, left)| self.mode(system, gain, mode, left)).collect());
         }
-        right.iter_mut().for_each(|modes| modes.retain(|mode| mode.lambda.re > 0.0));
+        let grows = |mode: &Mode| self.study.plan().threshold.margin(mode.lambda) > 0.0;
+        right.iter_mut().for_each(|modes| modes.retain(grows));
         let reference = &self.study.references()[self.scene];
         let end = PathEnd { system: &reference.system, modes: &reference.modes };
         let paths: Vec<Path<'_>> = systems
@@ -125,7 +126,8 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             .collect();
         let names = reference.names_of_all(&BatchSolver, &paths, &mut self.work);
         for (modes, names) in found.iter_mut().zip(names) {
-            for (mode, names) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(names?) {
+            let grows = |mode: &&mut SampledMode| self.study.plan().threshold.margin(mode.lambda) > 0.0;
+            for (mode, names) in modes.iter_mut().filter(grows).zip(names?) {
                 mode.names = names;
             }
         }

@@ -98,10 +98,10 @@ pub(super) fn of_samples(hits: &HitCounts, samples: u64, counters: Counters) -> 
 /// through the quantile functions of the parameters (Owen, J. Complexity 14, 1998; Burley, J. Comput. Graph. Tech. 9,
 /// 2020). The scatter of the scramblings, with Student's t, is the error estimate; it takes two or more.
 ///
-/// The sequence has 2^16 points; take a power of two. One draw is shared by all contacts.
+/// The sequence has 2^16 points; take a power of two.
 ///
 /// # Errors
-/// Separate draws, no points or too many of them, fewer than two scramblings; a sample that cannot be solved.
+/// A brake without samples by quantiles, no points or too many of them, fewer than two scramblings; a sample that cannot be solved.
 pub fn quasi_monte_carlo<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -112,31 +112,65 @@ pub fn quasi_monte_carlo<B: UncertainBrake>(
     if points == 0 || points > 1 << 16 || scramblings < 2 {
         return Err(EstimatorError::Points { points, scramblings });
     }
-    let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
-    let mut runs: Vec<HitCounts> = Vec::new();
-    let mut counters = Counters::default();
-    for scrambling in 0..scramblings {
-        let samples = (0..points).map(|i| sobol_sample(brake, of_scene, i, seed.wrapping_add(scrambling)));
-        let (hits, computed) = count(study, scene, samples)?;
-        counters += computed;
-        runs.push(hits);
+    let mut sobol = ScrambledSobol::new(seed, scramblings);
+    sobol.extend(study, scene, points)?;
+    Ok(sobol.estimates(Confidence::P95))
+}
+
+/// Hits at the first points of the Sobol sequence under several scramblings, of which more can be added.
+pub(super) struct ScrambledSobol {
+    seed: u32,
+    points: u32,
+    runs: Vec<HitCounts>,
+    counters: Counters,
+}
+
+impl ScrambledSobol {
+    pub fn new(seed: u32, scramblings: u32) -> Self {
+        let runs = (0..scramblings).map(|_| HitCounts::new()).collect();
+        Self { seed, points: 0, runs, counters: Counters::default() }
     }
-    Ok(of_scramblings(&runs, points, counters))
+
+    /// Solves the points that are missing of so many in each scrambling.
+    pub fn extend<B: UncertainBrake>(
+        &mut self,
+        study: &Study<'_, B>,
+        scene: usize,
+        points: u32,
+    ) -> Result<(), EstimatorError> {
+        let (brake, of_scene) = (study.brake(), &study.plan().scenes[scene]);
+        for (scrambling, run) in (0..).zip(&mut self.runs) {
+            let seed = self.seed.wrapping_add(scrambling);
+            let samples = (self.points..points).map(|i| sobol_sample(brake, of_scene, i, seed));
+            let (hits, computed) = count(study, scene, samples)?;
+            self.counters += computed;
+            for (name, more) in hits {
+                let hits = run.entry(name).or_default();
+                hits.iter_mut().zip(more).for_each(|(hits, more)| *hits += more);
+            }
+        }
+        self.points = self.points.max(points);
+        Ok(())
+    }
+
+    pub fn estimates(&self, confidence: Confidence) -> Estimates {
+        of_scramblings(&self.runs, self.points, self.counters, confidence)
+    }
 }
 
 /// The estimates from the hits of each of two or more scramblings among their points.
-pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters) -> Estimates {
+pub(super) fn of_scramblings(runs: &[HitCounts], points: u32, counters: Counters, confidence: Confidence) -> Estimates {
     let names: BTreeSet<ModeLabel> = runs.iter().flat_map(|run| run.keys().copied()).collect();
     let estimated = |name: ModeLabel| {
         let hits = |run: &HitCounts| run.get(&name).copied().unwrap_or_default();
         let sure = mean_of_scramblings(runs.iter().map(|run| hits(run)[0] as f64), points);
         let perhaps = mean_of_scramblings(runs.iter().map(|run| hits(run).iter().sum::<u64>() as f64), points);
         let occurrence = OccurrenceBounds { lower: sure.mean, upper: perhaps.mean };
-        let [lower, upper] = [sure, perhaps].map(|mean| mean.interval(Confidence::P95));
+        let [lower, upper] = [sure, perhaps].map(|mean| mean.interval(confidence));
         (name, Estimated { occurrence, limits: Interval { lower: lower.lower.max(0.0), upper: upper.upper.min(1.0) } })
     };
     let none = mean_of_scramblings(runs.iter().map(|_| 0.0), points);
-    let unseen = none.interval(Confidence::P95).upper.min(1.0);
+    let unseen = none.interval(confidence).upper.min(1.0);
     Estimates { modes: names.into_iter().map(estimated).collect(), unseen, counters }
 }
 

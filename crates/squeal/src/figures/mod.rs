@@ -36,6 +36,7 @@ mod canvas;
 mod error;
 mod figure;
 mod font;
+mod index_bars;
 mod legend;
 mod loglog;
 mod mode_work;
@@ -50,6 +51,7 @@ mod vector;
 
 pub use error::FigureError;
 pub use figure::Figure;
+pub use index_bars::{IndexBar, IndexFigure, IndexPanel, index_bars};
 pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 pub use mode_work::{BodyInMode, LawMode, ModeWorkFigure, NetWork, mode_and_work};
 pub use model_diagram::{ModelDiagram, model_diagram};

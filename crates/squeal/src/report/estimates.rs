@@ -124,7 +124,7 @@ impl Estimates {
     pub fn text(&self) -> String {
         let found: Vec<&SceneOccurrences> = self.scenes.iter().flatten().collect();
         let mut text = format!("Occurrences to {} at 95 %, without what open names leave open:\n", self.half_width);
-        for estimator in [Estimator::ExactIntegral, Estimator::ControlVariate, Estimator::PlainSampling] {
+        for estimator in Estimator::ALL {
             let of: Vec<_> = found.iter().filter(|scene| scene.estimator == estimator).collect();
             if of.is_empty() {
                 continue;

@@ -16,6 +16,19 @@ pub struct Times {
     pub report: f64,
 }
 
+/// Where a run stopped that had to know every occurrence to a half width.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stopped {
+    /// The half width asked for.
+    pub half_width: f64,
+    /// The one reached, at the level of the look, without what open names leave open.
+    pub reached: f64,
+    /// At which look, from 1.
+    pub look: usize,
+    /// Of how many.
+    pub looks: usize,
+}
+
 /// The manifest of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Manifest {
@@ -42,6 +55,9 @@ pub struct Manifest {
     pub solved: u64,
     /// Those among them that a certificate covers: stable up to rounding, without a spectrum.
     pub certified: u64,
+    /// From where on a mode counts as unstable, where that is not the bare sign.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<String>,
     /// Contact arrangements by number in contact.
     pub arrangements: Vec<(usize, usize)>,
     /// Samples or evaluations that failed; each is listed in failures.csv.
@@ -61,6 +77,9 @@ pub struct Manifest {
     /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
+    /// Where a run stopped that had to know every occurrence to a half width.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<Stopped>,
     /// Wall-clock times, s.
     pub seconds: Times,
 }
@@ -83,6 +102,7 @@ impl Manifest {
             analyses: plan.analyses_per_sample() * summary.samples,
             solved: sum(|tally| tally.solved),
             certified: sum(|tally| tally.certified),
+            threshold: (!plan.threshold.is_axis()).then(|| plan.threshold.to_string()),
             arrangements: panels.collect(),
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),
@@ -93,6 +113,7 @@ impl Manifest {
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
+            stopped: None,
             seconds,
         }
     }

@@ -27,7 +27,7 @@ pub use estimates::Estimates;
 pub(crate) use html::write_sweep_page;
 #[cfg(feature = "figures")]
 pub use html::{Geometry, write_page};
-pub use manifest::{Manifest, Times};
+pub use manifest::{Manifest, Stopped, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]
 pub use paper::{Judgement, claims, claims_judged};

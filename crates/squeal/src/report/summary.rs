@@ -26,6 +26,9 @@ impl<'a> Results<'a> {
     /// None for the results of a study.
     pub fn text(&self) -> Result<String, Error> {
         let mut text = String::new();
+        if !self.plan().threshold.is_axis() {
+            let _ = writeln!(text, "unstable: with {}", self.plan().threshold);
+        }
         for panel in self.panels() {
             let _ = writeln!(text, "{}:", self.describe(panel));
             let occurrences = self.occurrences(panel);

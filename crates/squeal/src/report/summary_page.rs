@@ -26,6 +26,9 @@ pub(super) fn write_summary(
         results.plan().name,
         results.summary.samples
     );
+    if !results.plan().threshold.is_axis() {
+        text += &format!("\nA mode counts as unstable with {}.\n", results.plan().threshold);
+    }
     let sets = (0..labels.constraints.len())
         .map(|constraints| SetFindings::new(results, constraints))
         .collect::<Result<Vec<_>, Error>>()?;

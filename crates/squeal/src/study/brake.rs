@@ -19,6 +19,19 @@ pub struct NamedParameter {
     pub median: f64,
 }
 
+/// A number that is drawn for a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// Its name, as the case file has it; with the number of its contact where each has a draw of its own.
+    pub name: String,
+    /// Its unit, for people.
+    pub unit: String,
+    /// The coordinate of [`UncertainBrake::quantile_sample`] that it is a function of.
+    pub coordinate: u32,
+    /// Whether it depends on another input.
+    pub is_correlated: bool,
+}
+
 /// The residual of a mode in the system that a brake is a reduction of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModeResidual {
@@ -67,6 +80,16 @@ pub trait UncertainBrake: Sync {
     /// coordinate d, the most important parameters first. `None` where a sample is no such function.
     fn quantile_sample(&self, _scene: &Scene, _uniform: &dyn Fn(u32) -> f64) -> Option<Self::Sample> {
         None
+    }
+
+    /// What is drawn and matters in a scene. Constants are not listed.
+    fn inputs(&self, _scene: &Scene) -> Vec<Input> {
+        Vec::new()
+    }
+
+    /// The value that each of the [`UncertainBrake::inputs`] has in a sample.
+    fn input_values(&self, _scene: &Scene, _sample: &Self::Sample) -> Vec<f64> {
+        Vec::new()
     }
 
     /// The distribution of the one parameter that the operating points of a scene are a function of; `None` where there

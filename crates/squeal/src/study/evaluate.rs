@@ -20,9 +20,11 @@ use crate::Error;
 /// The result of one complex eigenvalue analysis (CEA) of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
-    /// The unstable modes, ascending in frequency.
+    /// The unstable modes, ascending in frequency: those that surely are beyond [`Plan::threshold`].
     pub unstable: Vec<UnstableMode>,
-    /// Real eigenvalues of the structure above zero: divergence.
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where there is none.
+    pub growth: f64,
+    /// Real eigenvalues of the structure above zero, and beyond the threshold: divergence.
     pub divergent: u32,
     /// Number of modes whose verdict the error bound leaves open.
     pub undecided: u32,
@@ -35,6 +37,8 @@ pub struct Outcome {
 pub struct UnstableMode {
     /// Frequency rank in this CEA, from 1.
     pub rank: ModeLabel,
+    /// Growth rate, Re lambda, 1/s.
+    pub growth: f64,
     /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<ModeLabel>,
     /// Work in one period on each body; in scenes that want it.
@@ -254,15 +258,21 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
+                outcome.growth = outcome.growth.max(mode.lambda.re);
                 outcome.unstable.push(UnstableMode {
                     rank: ModeLabel::of_rank(ranks[*index]),
+                    growth: mode.lambda.re,
                     names: names.clone(),
                     work,
                     residual: self.brake.mode_residual(scene, at, mode.lambda, &mode.shape)?,
                 });
             }
-            let is_divergent = |re: &&f64| **re > 0.0 && self.plan().is_studied(Complex::from(**re));
-            outcome.divergent += of_sector.modes.real.iter().filter(is_divergent).count() as u32;
+            let counts = |re: f64| self.plan().threshold.margin(Complex::from(re)) > 0.0;
+            let is_divergent = |re: &&f64| counts(**re) && self.plan().is_studied(Complex::from(**re));
+            for &re in of_sector.modes.real.iter().filter(is_divergent) {
+                outcome.divergent += 1;
+                outcome.growth = outcome.growth.max(re);
+            }
             outcome.undecided += of_sector.undecided;
         }
         outcome.unstable.sort_by_key(|mode| mode.rank);

@@ -24,7 +24,7 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
-pub use brake::{ModeResidual, NamedParameter, UncertainBrake};
+pub use brake::{Input, ModeResidual, NamedParameter, UncertainBrake};
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use cost::Cost;

@@ -18,7 +18,7 @@ pub(crate) struct NearAxis {
     pub by_mu: Complex<f64>,
     /// d lambda / d (N0 h) at constant mu.
     pub by_slope: Complex<f64>,
-    /// The names that an unstable mode may have; empty for a stable one.
+    /// The names that an unstable mode, beyond the threshold of the plan, may have; empty for another one.
     pub names: Vec<ModeLabel>,
 }
 
@@ -38,12 +38,13 @@ impl<B: UncertainBrake> Study<'_, B> {
         let (solvers, memory) = (self.solvers(scene), &mut scratch.memory);
         let gains = points.iter().map(|at| self.equations(scene).gain(at)).collect::<Option<Vec<Gain>>>();
         let equations = solvers.iter().map(|solver| solver.equation).collect::<Option<Vec<_>>>();
+        let grows = |lambda: Complex<f64>| self.plan().threshold.margin(lambda) > 0.0;
         let (Some(gains), Some(equations)) = (gains, equations) else { return Ok(vec![None; points.len()]) };
         let mut found = vec![Some(Vec::new()); points.len()];
         for (solver, SectorEquation { secular, anchors, .. }) in solvers.iter().zip(equations) {
             let near = secular.near_axis(anchors, &gains, part, &mut memory.work);
             let growing = |near: &Result<Vec<Complex<f64>>, LeftOpen>| -> Vec<Complex<f64>> {
-                near.iter().flatten().copied().filter(|lambda| lambda.re > 0.0).collect()
+                near.iter().flatten().copied().filter(|lambda| grows(*lambda)).collect()
             };
             let growing: Vec<(Gain, Vec<Complex<f64>>)> =
                 gains.iter().zip(&near).map(|(gain, near)| (*gain, growing(near))).collect();
@@ -56,7 +57,7 @@ impl<B: UncertainBrake> Study<'_, B> {
                 let asked: Vec<(Gain, Complex<f64>)> = near.iter().map(|&lambda| (*gain, lambda)).collect();
                 let mut names = named?.into_iter().map(|(_, names)| names);
                 for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, &mut memory.work)) {
-                    let names = if lambda.re > 0.0 { names.next().unwrap_or_default() } else { Vec::new() };
+                    let names = if grows(lambda) { names.next().unwrap_or_default() } else { Vec::new() };
                     of_point.push(NearAxis { lambda, by_mu, by_slope, names });
                 }
             }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use linsys::OperatingPoint;
 use num_complex::Complex;
 use osc_model::Brake;
@@ -187,6 +188,8 @@ pub struct Plan {
     pub mode_identity: ModeIdentity,
     /// The frequencies that are studied, rad/s: of a reduced brake those that it holds. `None` studies all modes.
     pub band: Option<[f64; 2]>,
+    /// From where on a growing mode counts as unstable; the axis: every mode that grows.
+    pub threshold: Threshold,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -219,6 +222,7 @@ impl Plan {
             mode_labels: ModeNaming::Tracked,
             mode_identity: ModeIdentity::Continuation,
             band: None,
+            threshold: Threshold::AXIS,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),

@@ -2,7 +2,7 @@
 
 use cea::{
     Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
-    verdicts,
+    verdicts_beyond,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -16,7 +16,7 @@ use super::{ModeLabel, Plan, Reference};
 pub(super) struct SectorModes {
     /// All of them. Where the secular equation found the growing ones, the others are approximations in the right order.
     pub modes: Modes,
-    /// The unstable ones, ascending in frequency.
+    /// The unstable ones, beyond the threshold of the plan, ascending in frequency.
     pub unstable: Vec<UnstableSectorMode>,
     /// Number of modes whose verdict the error bound leaves open.
     pub undecided: u32,
@@ -147,7 +147,7 @@ struct ModesWithVerdicts {
 
 impl ModesWithVerdicts {
     fn from_growing(Growing { modes, .. }: &Growing, plan: &Plan) -> Self {
-        let is_unstable = |lambda: Complex<f64>| lambda.re > 0.0 && plan.is_studied(lambda);
+        let is_unstable = |lambda: Complex<f64>| plan.threshold.margin(lambda) > 0.0 && plan.is_studied(lambda);
         let unstable = (0..modes.len()).filter(|&index| is_unstable(modes[index])).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
         Self { modes, unstable, undecided: 0 }
@@ -159,7 +159,9 @@ impl ModesWithVerdicts {
         let studied: Vec<usize> =
             (0..modes.oscillatory.len()).filter(|&index| plan.is_studied(modes.oscillatory[index])).collect();
         let lambdas: Vec<_> = studied.iter().map(|&index| modes.oscillatory[index]).collect();
-        for (index, verdict) in studied.into_iter().zip(verdicts(system, &lambdas, spectrum, work)?) {
+        for (index, verdict) in
+            studied.into_iter().zip(verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?)
+        {
             match verdict {
                 Verdict::Unstable => unstable.push(index),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,

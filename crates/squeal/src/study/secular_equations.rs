@@ -1,6 +1,6 @@
 //! Finding the growing modes of a scene without spectra: the secular equations of its configuration, started at anchors.
 
-use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Secular, Spectrum, Workspace};
+use cea::{Anchors, CeaError, EigenSolver, Feedback, Gain, Growing, Secular, Spectrum, Workspace};
 use linsys::{ChannelGain, OperatingPoint};
 use montecarlo::{Progress, stream};
 use osc_model::Sector;
@@ -163,9 +163,14 @@ pub(super) fn growing_modes(
     found
 }
 
-/// The growing modes of a sector at some gains, each with frequencies that the bounds of other modes must keep off.
+/// The growing modes of a sector at some gains, each with frequencies that the bounds of other modes must keep off. A growing mode
+/// so near the threshold of the plan that rounding leaves its side open leaves the answer open: a spectrum brings a bound.
 fn search_sector(sector: &SectorSolver<'_>, gains: &[(Gain, &[f64])], work: &mut Workspace) -> Vec<SecularAnswer> {
     let Some(SectorEquation { secular, anchors, .. }) = sector.equation else { return vec![None; gains.len()] };
     let found = secular.growing(anchors, gains, work);
-    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found.ok()?))).collect()
+    let is_clear = |found: &Growing| {
+        let mut growing = found.modes.iter().filter(|mode| mode.re > 0.0);
+        growing.all(|&mode| sector.plan.threshold.margin(mode).abs() > secular.least_distance())
+    };
+    gains.iter().zip(found).map(|(&(gain, _), found)| Some((gain, found.ok().filter(is_clear)?))).collect()
 }

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use montecarlo::{Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, occurring_labels};
+use montecarlo::{
+    Confidence, Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, distance, occurring_labels,
+    wilson,
+};
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
@@ -78,6 +81,25 @@ impl StudyTally {
             layout: PanelLayout { panels, comparisons, weights },
         }
     }
+}
+
+impl StudyTally {
+    /// How far an occurrence can be from its estimate at a confidence, at most over all scenes and modes, seen or not; of modes that are
+    /// tracked or, if not, named by rank. What open names leave open is not in it.
+    pub(crate) fn distance(&self, is_tracked: bool, confidence: Confidence) -> f64 {
+        let of_scene = |scene: &SceneTally| {
+            let counts = if is_tracked { &scene.tracked } else { &scene.ranked };
+            // A mode that was never seen has no hit in as many trials.
+            let unseen = if counts.trials() == 0 { 1.0 } else { upper_limit_of_none(counts.trials(), confidence) };
+            counts.proportions().map(|(_, proportion)| distance(&proportion, confidence)).fold(unseen, f64::max)
+        };
+        self.scenes.iter().map(of_scene).fold(0.0, f64::max)
+    }
+}
+
+/// Wilson's upper limit of an event that occurred in no trial.
+fn upper_limit_of_none(trials: u64, confidence: Confidence) -> f64 {
+    wilson(0, trials, confidence).map_or(1.0, |interval| interval.upper)
 }
 
 impl SceneTally {
@@ -213,7 +235,6 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use montecarlo::Confidence;
 
     fn labels(numbers: &[u16]) -> Vec<ModeLabel> {
         numbers.iter().copied().map(ModeLabel::new).collect()
@@ -222,6 +243,7 @@ mod tests {
     fn unstable(names: &[&[u16]]) -> Vec<UnstableMode> {
         let mode = |(names, rank): (&&[u16], u16)| UnstableMode {
             rank: ModeLabel::new(rank),
+            growth: 1.0,
             names: labels(names),
             work: None,
             residual: None,

@@ -8,6 +8,7 @@ mod cea;
 mod common;
 mod estimates;
 mod failures;
+mod how_sure;
 mod memory;
 mod names;
 mod rectangle;

@@ -127,6 +127,13 @@ impl Secular {
         &self.structure
     }
 
+    /// Distance from the axis, rad/s, at or below which rounding leaves the side of an eigenvalue open that [`Secular::growing`]
+    /// finds: it then gives [`LeftOpen::NearAxis`]. Who asks on which side of another line a growing mode is needs as much.
+    #[must_use]
+    pub fn least_distance(&self) -> f64 {
+        search::LEAST_AXIS_DISTANCE * self.resolvent.unit
+    }
+
     /// The structure with feedback of the given gain.
     #[must_use]
     pub fn system(&self, gain: &Gain) -> SecondOrder {

@@ -15,7 +15,7 @@ const CORRECTED_SHARE: f64 = 0.2;
 /// method would be rounding.
 const CONVERGED_CORRECTION: f64 = 1e-9;
 /// Distance from the axis, in the resolvent's unit, at or below which rounding errors leave an eigenvalue's side open; chosen.
-const LEAST_AXIS_DISTANCE: f64 = 1e-6;
+pub(super) const LEAST_AXIS_DISTANCE: f64 = 1e-6;
 
 /// The search at one gain.
 struct Search {

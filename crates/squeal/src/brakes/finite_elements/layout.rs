@@ -16,6 +16,7 @@ use crate::study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, St
 pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Plan, Vec<Vec<usize>>), Error> {
     let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
     plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+    plan.threshold = case.threshold;
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
     let mut closed = Vec::new();
     for (set, constraints) in sets.iter().zip(&case.constraints) {

@@ -14,9 +14,10 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::LatticeSample;
+use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
-use crate::case::{Draws, FiniteElementCase, Law};
-use crate::study::{ModeResidual, NamedParameter, Plan, Scene, UncertainBrake};
+use crate::case::{Draws, FiniteElementCase, Law, Parameter};
+use crate::study::{Input, ModeResidual, NamedParameter, Plan, Scene, UncertainBrake};
 
 /// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
 #[derive(Debug)]
@@ -61,6 +62,42 @@ impl FiniteElementBrake {
         points::of_brake(&self.case, self.closed(scene), at)
     }
 
+    /// What the friction of a scene is drawn from; `None` without a contact.
+    fn drawn(&self, scene: &Scene) -> Option<DrawnFriction<'_>> {
+        let contact = self.case.contact.as_ref()?;
+        Some(DrawnFriction {
+            law: contact.laws[scene.key.law],
+            from: &contact.friction,
+            correlation: self.case.correlation.as_ref(),
+            draws: contact.draws,
+            is_lateral: false,
+            has_bristle_damping: contact.bristle_damping.is_some(),
+        })
+    }
+
+    /// How many contacts have a draw of their own.
+    fn drawn_contacts(&self) -> usize {
+        let contact = self.case.contact.as_ref().filter(|contact| contact.draws == Draws::Each);
+        contact.map_or(1, |contact| contact.patches.len())
+    }
+
+    /// The coordinate of the first parameter of coefficients, after those of friction.
+    fn first_parameter(&self) -> u32 {
+        OF_CONTACT * self.drawn_contacts() as u32
+    }
+
+    fn speed_is_drawn(&self, scene: &Scene) -> bool {
+        let range = self.case.contact.as_ref().zip(scene.key.speed).map(|(contact, range)| &contact.speeds[range]);
+        range.is_some_and(|range| range.to > range.from)
+    }
+
+    /// The parameters of coefficients that are not constant, with their places.
+    fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
+        let varies =
+            |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });
+        self.case.parameters.iter().enumerate().filter(varies)
+    }
+
     fn law_and_speed(&self, scene: &Scene, sample: &FiniteElementSample) -> Option<(Law, f64)> {
         let contact = self.case.contact.as_ref()?;
         Some((contact.laws[scene.key.law], points::speed(contact, scene.key.speed, sample)))
@@ -84,6 +121,37 @@ impl UncertainBrake for FiniteElementBrake {
 
     fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, Error> {
         points::scene_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)
+    }
+
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<FiniteElementSample> {
+        let parameters = self.case.parameters.iter().zip(self.first_parameter()..);
+        Some(FiniteElementSample {
+            values: parameters.map(|(p, coordinate)| p.distribution.quantile(uniform(coordinate))).collect(),
+            contacts: self.drawn(scene).map(|drawn| drawn.sample(self.drawn_contacts(), uniform)),
+        })
+    }
+
+    fn inputs(&self, scene: &Scene) -> Vec<Input> {
+        let of_contact = self.drawn(scene).map(|drawn| drawn.inputs(self.closed(scene), self.speed_is_drawn(scene)));
+        let mut inputs = of_contact.unwrap_or_default();
+        inputs.extend(self.varying().map(|(at, parameter)| Input {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            coordinate: self.first_parameter() + at as u32,
+            is_correlated: false,
+        }));
+        inputs
+    }
+
+    fn input_values(&self, scene: &Scene, sample: &FiniteElementSample) -> Vec<f64> {
+        let mut values = match (self.drawn(scene), &sample.contacts) {
+            (Some(drawn), Some(contacts)) => drawn.values(self.closed(scene), contacts),
+            _ => Vec::new(),
+        };
+        let speed = self.law_and_speed(scene, sample).filter(|_| self.speed_is_drawn(scene));
+        values.extend(speed.map(|(_, speed)| speed));
+        values.extend(self.varying().map(|(at, _)| sample.values[at]));
+        values
     }
 
     /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn.

@@ -17,7 +17,7 @@ pub(super) fn draw(case: &FiniteElementCase, rng: &mut StreamRng) -> Result<Fini
     let values = case.parameters.iter().map(|parameter| parameter.distribution.draw(rng)).collect::<Result<_, _>>()?;
     let of_contact = |contact: &PatchContact| {
         let count = if contact.draws == Draws::Shared { 1 } else { contact.patches.len() };
-        LatticeSample::draw_for(&contact.friction, count, rng)
+        LatticeSample::draw_for(&contact.friction, case.correlation.as_ref(), count, rng)
     };
     Ok(FiniteElementSample { values, contacts: case.contact.as_ref().map(of_contact).transpose()? })
 }

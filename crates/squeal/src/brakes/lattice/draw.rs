@@ -7,7 +7,7 @@ use friction::{
 use montecarlo::{MonteCarloError, StreamRng};
 use rand_distr::{Distribution as _, StandardUniform};
 
-use crate::case::{Draws, FrictionDistributions, LatticeCase, Law};
+use crate::case::{Correlation, Draws, FrictionDistributions, LatticeCase, Law};
 
 /// Friction parameters of one contact for all laws, so that scenes of different laws have the same draw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +16,8 @@ pub struct FrictionDraw {
     pub mu: f64,
     /// Coefficient across the sliding for all laws except Amontons-Coulomb.
     pub lateral_mu: f64,
+    /// Static coefficient as drawn.
+    pub drawn_mu_s: f64,
     /// Static coefficient, raised to `mu_k` where the drawn value is below.
     pub mu_s: f64,
     /// Kinetic coefficient.
@@ -33,34 +35,29 @@ pub struct FrictionDraw {
 }
 
 impl FrictionDraw {
+    /// From values in the order of [`FrictionDistributions::of_draw`].
+    pub(super) fn from_values(values: [f64; FrictionDistributions::DRAWN.len()]) -> Self {
+        let [mu, lateral_mu, drawn_mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2] = values;
+        let mu_s = drawn_mu_s.max(mu_k);
+        Self { mu, lateral_mu, drawn_mu_s, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 }
+    }
+
+    /// The values as drawn, in the order of [`FrictionDistributions::of_draw`].
+    pub(super) fn values(&self) -> [f64; FrictionDistributions::DRAWN.len()] {
+        let Self { mu, lateral_mu, drawn_mu_s, mu_s: _, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = *self;
+        [mu, lateral_mu, drawn_mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2]
+    }
+
     fn draw(from: &FrictionDistributions, rng: &mut StreamRng) -> Result<Self, MonteCarloError> {
-        let (mu, lateral_mu) = (from.mu.draw(rng)?, from.mu.draw(rng)?);
-        let (mu_s, mu_k) = (from.mu_s.draw(rng)?, from.mu_k.draw(rng)?);
-        Ok(Self {
-            mu,
-            lateral_mu,
-            mu_s: mu_s.max(mu_k),
-            mu_k,
-            alpha: from.alpha.draw(rng)?,
-            v_s: from.v_s.draw(rng)?,
-            sigma0: from.sigma0.draw(rng)?,
-            sigma1: from.sigma1.draw(rng)?,
-            sigma2: from.sigma2.draw(rng)?,
-        })
+        let mut values = [0.0; FrictionDistributions::DRAWN.len()];
+        for (value, distribution) in values.iter_mut().zip(from.of_draw()) {
+            *value = distribution.draw(rng)?;
+        }
+        Ok(Self::from_values(values))
     }
 
     fn median(from: &FrictionDistributions) -> Self {
-        Self {
-            mu: from.mu.median(),
-            lateral_mu: from.mu.median(),
-            mu_s: from.mu_s.median(),
-            mu_k: from.mu_k.median(),
-            alpha: from.alpha.median(),
-            v_s: from.v_s.median(),
-            sigma0: from.sigma0.median(),
-            sigma1: from.sigma1.median(),
-            sigma2: from.sigma2.median(),
-        }
+        Self::from_values(from.of_draw().map(|distribution| distribution.median()))
     }
 
     /// The tangent of `law` at `speed`, m/s. `bristle_damping` is reading R9; `None` sets sigma1 to 0.
@@ -118,21 +115,38 @@ impl LatticeSample {
             Draws::Shared => 1,
             Draws::Each => case.lattice.grid.oscillators(),
         };
-        Self::draw_for(&case.friction, count, rng)
+        Self::draw_for(&case.friction, case.correlation.as_ref(), count, rng)
     }
 
-    /// Draws so many contacts, one for all or one for each.
+    /// Draws so many contacts, one for all or one for each, and makes them correlated.
     ///
     /// # Errors
     /// Those of [`Distribution::draw`](montecarlo::Distribution::draw).
     pub fn draw_for(
         friction: &FrictionDistributions,
+        correlation: Option<&Correlation>,
         count: usize,
         rng: &mut StreamRng,
     ) -> Result<Self, MonteCarloError> {
         let speed_quantile = StandardUniform.sample(rng);
         let contacts = (0..count).map(|_| FrictionDraw::draw(friction, rng)).collect::<Result<_, _>>()?;
-        Ok(Self { contacts, speed_quantile })
+        Ok(Self { contacts, speed_quantile }.correlated(friction, correlation))
+    }
+
+    /// A draw for each contact, or one for all, from independent ones.
+    pub(super) fn correlated(mut self, friction: &FrictionDistributions, correlation: Option<&Correlation>) -> Self {
+        if let Some(correlation) = correlation {
+            let mut values: Vec<_> = self.contacts.iter().map(FrictionDraw::values).collect();
+            let mut contacts: Vec<&mut [f64]> = values.iter_mut().map(|values| &mut values[..]).collect();
+            correlation.apply(&friction.of_draw(), &mut contacts);
+            self.contacts = values.into_iter().map(FrictionDraw::from_values).collect();
+        }
+        self
+    }
+
+    /// A sample with these draws, one for each contact or one for all.
+    pub(super) fn of_contacts(contacts: Vec<FrictionDraw>, speed_quantile: f64) -> Self {
+        Self { contacts, speed_quantile }
     }
 
     /// The medians of all distributions.

@@ -5,6 +5,7 @@ mod parameters;
 mod sobol;
 
 pub use draw::{FrictionDraw, LatticeSample};
+pub(in crate::brakes) use sobol::{DrawnFriction, OF_CONTACT};
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
@@ -17,7 +18,7 @@ use crate::Error;
 use crate::brakes::labels::friction_labels;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
-    Configuration, Cost, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
+    Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
     UncertainBrake,
 };
 
@@ -54,6 +55,7 @@ impl LatticeBrake {
             mode_labels: case.readings.labels,
             mode_identity: case.readings.identity,
             band: None,
+            threshold: case.threshold,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -114,6 +116,23 @@ impl LatticeBrake {
         key.speed.map_or(ANY_SPEED, |range| self.case.speeds[range].quantile(sample.speed_quantile))
     }
 
+    /// What the friction of a scene is drawn from.
+    fn drawn(&self, scene: &Scene) -> DrawnFriction<'_> {
+        let LatticeCase { readings, friction, correlation, .. } = &self.case;
+        DrawnFriction {
+            law: self.law(scene.key),
+            from: friction,
+            correlation: correlation.as_ref(),
+            draws: readings.draws,
+            is_lateral: readings.lateral != Lateral::None,
+            has_bristle_damping: readings.bristle_damping.is_some(),
+        }
+    }
+
+    fn speed_is_drawn(&self, scene: &Scene) -> bool {
+        scene.key.speed.is_some_and(|range| self.case.speeds[range].to > self.case.speeds[range].from)
+    }
+
     /// The sliding state of `sample` in `scene`.
     ///
     /// # Errors
@@ -143,8 +162,21 @@ impl UncertainBrake for LatticeBrake {
     }
 
     fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<LatticeSample> {
-        let is_shared = self.case.readings.draws == Draws::Shared;
-        is_shared.then(|| sobol::sample(&self.case, self.law(scene.key), uniform))
+        let contacts = match self.case.readings.draws {
+            Draws::Shared => 1,
+            Draws::Each => self.case.lattice.grid.oscillators(),
+        };
+        Some(self.drawn(scene).sample(contacts, uniform))
+    }
+
+    fn inputs(&self, scene: &Scene) -> Vec<Input> {
+        self.drawn(scene).inputs(self.lattice(scene).arrangement().in_contact(), self.speed_is_drawn(scene))
+    }
+
+    fn input_values(&self, scene: &Scene, sample: &LatticeSample) -> Vec<f64> {
+        let mut values = self.drawn(scene).values(self.lattice(scene).arrangement().in_contact(), sample);
+        values.extend(self.speed_is_drawn(scene).then(|| self.speed(scene.key, sample)));
+        values
     }
 
     /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by

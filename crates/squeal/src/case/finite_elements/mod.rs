@@ -9,12 +9,15 @@ mod terms;
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use formats::{Dof, Mesh};
 use friction::BristleDamping;
 use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
-use super::{Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange};
+use super::{
+    Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, correlation, squeal,
+};
 
 /// A checked study of a finite element brake.
 #[derive(Debug, Clone)]
@@ -31,6 +34,8 @@ pub struct FiniteElementCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The drawn parameters of coefficients, in the order of their names.
     pub parameters: Vec<Parameter>,
     /// The mesh, where the case names one.
@@ -44,6 +49,8 @@ pub struct FiniteElementCase {
     pub coefficients: Vec<Expression>,
     /// The contact, where there is one.
     pub contact: Option<PatchContact>,
+    /// Which friction parameters depend on each other.
+    pub correlation: Option<Correlation>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
     /// What the reduced brake shall hold.
@@ -110,6 +117,8 @@ impl FiniteElementCase {
         let Self { parameters, dofs, system, coefficients, contact, constraints, reduction, .. } = self;
         let content =
             format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contact:?} {constraints:?} {reduction:?}");
+        let content =
+            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

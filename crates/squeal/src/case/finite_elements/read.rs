@@ -10,13 +10,14 @@ use super::contact::Patches;
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
 use super::terms::{holders_term, read_terms, terms_with_coefficients};
-use super::{FiniteElementCase, PatchContact, ReductionGoal};
+use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
 use crate::case::arrangements::arrangements_by_number;
 use crate::case::check::{Check, field, syntax};
+use crate::case::correlation::Correlated;
 use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::read::parameter;
-use crate::case::validate::{distributions, speed_ranges};
-use crate::case::{CaseError, FixedDofs, FrictionDistributions, Law, schema};
+use crate::case::validate::{distributions, friction_parameters, speed_ranges};
+use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
 
 /// Most training points of a reduction; chosen: each costs one evaluation for each basis.
 const MOST_TRAINING: usize = 10_000;
@@ -41,6 +42,8 @@ impl FiniteElementCase {
             friction,
             reduction,
             accuracy,
+            squeal,
+            correlation,
         } = file;
         check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
@@ -72,6 +75,21 @@ impl FiniteElementCase {
                 Some(patch_contact(&check, table, of_contact.patches, given)?)
             }
         };
+        let correlation = match &contact {
+            None if correlation.is_some() => {
+                return Err(check.value(
+                    "correlation",
+                    "given",
+                    "cases with a contact: friction parameters are correlated",
+                ));
+            }
+            None => None,
+            Some(contact) => {
+                let places = draw_places(&model, contact)?;
+                let of = Correlated { parameters: friction_parameters(&contact.friction), contacts: &places };
+                check.correlation(correlation, &of)?
+            }
+        };
         let constraints = constraint_sets(&model, constraints)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
         Ok(Self {
@@ -81,6 +99,8 @@ impl FiniteElementCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
+            correlation,
             parameters,
             system,
             coefficients,
@@ -140,6 +160,19 @@ fn of_laws(check: &Check<'_>, laws: &[Law], given: FrictionTable) -> Result<Fric
         sigma1: take("sigma1", sigma1, &[Law::LuGre])?,
         sigma2: take("sigma2", sigma2, &stribeck)?,
     })
+}
+
+/// Where the contacts are that have a draw each: the middles of the patches on the pad, or one place for all.
+fn draw_places(model: &Model<'_>, contact: &PatchContact) -> Result<Vec<[f64; 3]>, CaseError> {
+    let middle = |patch: &Patch| {
+        let nodes = patch.pairs.iter().map(|[pad, _]| model.position("contact.patches", *pad));
+        let nodes = nodes.collect::<Result<Vec<_>, _>>()?;
+        Ok(std::array::from_fn(|d| nodes.iter().map(|node| node[d]).sum::<f64>() / nodes.len() as f64))
+    };
+    match contact.draws {
+        Draws::Shared => Ok(vec![[0.0; 3]]),
+        Draws::Each => contact.patches.iter().map(middle).collect(),
+    }
 }
 
 fn constraint_sets(model: &Model<'_>, given: Vec<ConstraintsTable>) -> Result<Vec<FixedDofs>, CaseError> {

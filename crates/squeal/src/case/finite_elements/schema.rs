@@ -7,8 +7,10 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+use crate::case::correlation::CorrelationTable;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
+use crate::case::squeal::SquealTable;
 use crate::case::{Draws, Law};
 
 #[derive(Debug, Deserialize)]
@@ -29,6 +31,8 @@ pub(super) struct FiniteElementsFile {
     pub friction: Option<FrictionTable>,
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
+    pub squeal: Option<SquealTable>,
+    pub correlation: Option<CorrelationTable>,
 }
 
 #[derive(Debug, Deserialize)]

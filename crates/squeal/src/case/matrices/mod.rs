@@ -11,11 +11,12 @@ mod terms;
 
 use std::path::PathBuf;
 
+use cea::Threshold;
 use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::{Check, field};
-use super::{CaseError, Expression};
+use super::{CaseError, Correlation, Expression, correlation, squeal};
 
 /// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
@@ -32,8 +33,12 @@ pub struct MatricesCase {
     pub seed: u64,
     /// Half width to which every occurrence is also estimated, if asked for.
     pub half_width: Option<f64>,
+    /// From where on a growing mode counts as unstable.
+    pub threshold: Threshold,
     /// The drawn parameters, in the order of their names; each occurs in an expression.
     pub parameters: Vec<Parameter>,
+    /// Which of them depend on each other.
+    pub correlation: Option<Correlation>,
     /// Names of the degrees of freedom, in the order of rows and columns.
     pub dofs: Vec<String>,
     /// Terms and channels over all degrees of freedom.
@@ -106,7 +111,17 @@ impl MatricesCase {
     /// # Errors
     /// As [`Distribution::draw`].
     pub fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, MonteCarloError> {
-        self.parameters.iter().map(|parameter| parameter.distribution.draw(rng)).collect()
+        let values = self.parameters.iter().map(|parameter| parameter.distribution.draw(rng));
+        Ok(self.correlated(values.collect::<Result<_, _>>()?))
+    }
+
+    /// One value of each parameter, from independent ones.
+    pub(crate) fn correlated(&self, mut values: Vec<f64>) -> Vec<f64> {
+        if let Some(correlation) = &self.correlation {
+            let distributions: Vec<&Distribution> = self.parameters.iter().map(|p| &p.distribution).collect();
+            correlation.apply(&distributions, &mut [&mut values]);
+        }
+        values
     }
 
     /// The medians of the parameters.
@@ -157,6 +172,8 @@ impl MatricesCase {
         let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
         let content =
             format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {gains:?} {bodies:?} {constraints:?}");
+        let content =
+            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
         format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }

@@ -11,6 +11,7 @@ use super::schema::{self, MatricesFile};
 use super::terms::terms_with_coefficients;
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
+use crate::case::correlation::Correlated;
 use crate::case::{CaseError, is_parameter_name};
 
 impl MatricesCase {
@@ -21,7 +22,18 @@ impl MatricesCase {
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
         let check = Check { path };
-        let MatricesFile { study, brake, parameters, terms, contacts, bodies, constraints, accuracy } = file;
+        let MatricesFile {
+            study,
+            brake,
+            parameters,
+            terms,
+            contacts,
+            bodies,
+            constraints,
+            accuracy,
+            squeal,
+            correlation,
+        } = file;
         check.line("study.name", &study.name)?;
         check.samples(study.samples)?;
         let parameters: Vec<Parameter> =
@@ -33,6 +45,8 @@ impl MatricesCase {
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         formulas.all_used()?;
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
+        let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
+        let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
         let case = Self {
             path: path.to_owned(),
             text,
@@ -40,6 +54,8 @@ impl MatricesCase {
             samples: study.samples,
             seed: study.seed,
             half_width: check.half_width(accuracy)?,
+            threshold: check.threshold(squeal)?,
+            correlation: check.correlation(correlation, &correlated)?,
             system,
             coefficients,
             gains,

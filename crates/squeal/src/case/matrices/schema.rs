@@ -7,6 +7,8 @@ use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
+use crate::case::correlation::CorrelationTable;
+use crate::case::squeal::SquealTable;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,6 +25,8 @@ pub(super) struct MatricesFile {
     #[serde(default)]
     pub constraints: Vec<ConstraintsTable>,
     pub accuracy: Option<Accuracy>,
+    pub squeal: Option<SquealTable>,
+    pub correlation: Option<CorrelationTable>,
 }
 
 #[derive(Debug, Deserialize)]

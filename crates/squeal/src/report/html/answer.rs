@@ -17,6 +17,9 @@ pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
         text += &format!("<li>{}</li>\n", squealing(results, set, found));
     }
     text += "</ul>\n<p>\u{201c}Most\u{201d} is more than half of the draws, and surely so: the lower limit is.</p>\n";
+    if !results.plan().threshold.is_axis() {
+        text += &format!("<p>A mode counts with {}.</p>\n", results.plan().threshold);
+    }
     text += &helps(results);
     text += &how_sure(results, &findings);
     text += "<h3>Every mode that is ever unstable</h3>\n";

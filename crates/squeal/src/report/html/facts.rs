@@ -51,6 +51,9 @@ pub(super) fn of_study(results: &Results<'_>) -> String {
         ("Failures", manifest.failures.to_string()),
     ];
     facts.retain(|(_, value)| !value.is_empty());
+    if !plan.threshold.is_axis() {
+        facts.insert(0, ("Counts as unstable", format!("a mode with {}", plan.threshold)));
+    }
     assumptions() + &described(&facts) + &program() + &case(plan.source_file.as_ref(), manifest.case_sha256.as_deref())
 }
 

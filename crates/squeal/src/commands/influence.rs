@@ -1,0 +1,166 @@
+//! `squeal influence`: which input makes squeal vary, and by how much.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::options::{check_threads, override_run, threads, whole_number};
+use super::scene::{SceneArgs, chosen};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::case::{CaseFile, SpeedRange};
+use crate::folder::RunFolder;
+use crate::influence::{Influence, influence};
+use crate::output::{printable, write};
+use crate::run::{bar, workers};
+use crate::study::{Plan, Study, UncertainBrake};
+use crate::{Error, fingerprint};
+
+/// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
+const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
+
+/// Say which drawn parameter makes squeal vary, and by how much: Sobol' indices of growth and of instability, with 95 % intervals.
+///
+/// First-order indices are from the draws that a study of the case evaluates, in one of its scenes; total ones, with --total, from a
+/// design of their own.
+#[derive(Debug, clap::Args)]
+pub struct InfluenceArgs {
+    /// The case file (TOML)
+    pub case: PathBuf,
+    /// The scene
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Range of sliding speed by name [default: the case's first]
+    #[arg(long, value_name = "NAME", conflicts_with = "speed")]
+    pub range: Option<String>,
+    /// Draws, instead of the case's samples
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub samples: Option<u64>,
+    /// Also total indices, from so many points, each of which takes as many analyses as there are inputs, and two
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub total: Option<u64>,
+    /// Seed of the random streams, instead of the case's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
+    pub seed: Option<u64>,
+    /// Folder for influence.csv, summary.md and a figure: new, empty, or that of the same question
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+}
+
+impl InfluenceArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What is wrong with the case or an option.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        check_threads(self.threads)?;
+        for (option, given) in [("--samples", self.samples), ("--total", self.total)] {
+            if let Some(given) = given.filter(|given| !ALLOWED.contains(given)) {
+                let allowed = format!("{} to {}", ALLOWED.start(), ALLOWED.end());
+                return Err(Error::Option { option, value: given.to_string(), allowed });
+            }
+        }
+        let text = match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                let range = self.range(&case.speeds)?;
+                self.influence(&LatticeBrake::new(self.scene.only_lattice(*case, range)?)?)?
+            }
+            CaseFile::Matrices(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                self.range(&[])?;
+                self.influence(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?
+            }
+            CaseFile::FiniteElements(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
+                let case = self.scene.only_finite_elements(*case, range)?;
+                self.influence(&FiniteElementBrake::new(case, &bar("reductions"))?)?
+            }
+        };
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    /// The range of speeds that is asked for.
+    fn range(&self, ranges: &[SpeedRange]) -> Result<Option<SpeedRange>, Error> {
+        let names: Vec<&str> = ranges.iter().map(|range| range.name.as_str()).collect();
+        if let (Some(range), []) = (&self.range, &names[..]) {
+            let allowed = "cases with ranges of speed".into();
+            return Err(Error::Option { option: "--range", value: range.clone(), allowed });
+        }
+        Ok(ranges.get(chosen("--range", self.range.as_deref(), &names)?).cloned())
+    }
+
+    /// The influence of the inputs of the one scene of a brake.
+    fn influence<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, start) = (brake.plan(), Instant::now());
+        let draws = plan.samples.clamp(*ALLOWED.start(), *ALLOWED.end());
+        let total = self.total.map_or(String::new(), |rows| format!(" total {rows}"));
+        let identity = format!("{} seed {} influence {draws}{total}", plan.identity, plan.seed);
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
+        }
+        let solver = cea::BatchSolver;
+        let found = workers(self.threads)?.install(|| {
+            let study = Study::new(brake, &solver)?;
+            influence(&study, 0, draws, self.total, &bar("evaluations"))
+        })?;
+        let seconds = start.elapsed().as_secs_f64();
+        let scene = &plan.scenes[0];
+        let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
+        let answer = found.text(plan);
+        if let Some(dir) = &self.out {
+            let folder = RunFolder::take(dir, &identity)?;
+            folder.publish(|stage| {
+                found.write_table(plan, scene, stage)?;
+                write(&stage.join("summary.md"), summary(&heading, &answer).as_bytes())?;
+                match found.figure("What makes squeal vary", &heading)? {
+                    Some(figure) => Ok(figure.save_pictures(stage, "influence")?),
+                    None => Ok(()),
+                }
+            })?;
+            let manifest = self.manifest(plan, &found, draws, seconds);
+            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+        }
+        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
+        let place = place.unwrap_or_default();
+        let evaluations = found.evaluations;
+        Ok(format!("{}\n\n{answer}{evaluations} CEAs in {seconds:.2} s{place}\n", printable(&heading)))
+    }
+
+    /// Enough to ask again, and what it took.
+    fn manifest(&self, plan: &Plan, found: &Influence, draws: u64, seconds: f64) -> serde_json::Value {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+            "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+            "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+            "study": plan.name,
+            "scene": plan.describe(&plan.scenes[0]),
+            "seed": plan.seed,
+            "samples": draws,
+            "failures": found.failures,
+            "total": self.total,
+            "threads": self.threads,
+            "evaluations": found.evaluations,
+            "seconds": seconds,
+        })
+    }
+}
+
+/// The answer as a page of text.
+fn summary(heading: &str, answer: &str) -> String {
+    let lines = answer.lines().map(|line| match line.strip_prefix("  ") {
+        Some(item) => format!("- {item}\n"),
+        None => format!("\n**{line}**\n\n"),
+    });
+    format!(
+        "# What makes squeal vary\n\n{heading}. What an input explains alone is its first-order Sobol' index, from the draws by ranks; \
+         in parentheses are 95 % intervals.\n{}",
+        lines.collect::<String>()
+    )
+}

@@ -1,0 +1,62 @@
+//! What is kept of one evaluated sample: its inputs, and the growth rates that were found.
+
+use montecarlo::{Experiment as _, Progress};
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::study::{ModeLabel, Outcome, Scratch, Study, UncertainBrake};
+
+/// Samples evaluated together; chosen, so that batched solvers are filled again and again.
+const SAMPLES_PER_BLOCK: u64 = 128;
+
+/// One evaluated sample.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Evaluated {
+    /// The values of the inputs.
+    pub inputs: Vec<f64>,
+    /// The largest growth rate of an unstable mode, 1/s; 0 where there is none.
+    pub growth: f64,
+    /// Growth rates of unstable modes that have one sure name.
+    pub modes: Vec<(ModeLabel, f64)>,
+    /// Whether another unstable mode has no sure name.
+    pub is_open: bool,
+}
+
+impl Evaluated {
+    fn new(inputs: Vec<f64>, outcome: &Outcome) -> Self {
+        let named = outcome.unstable.iter().filter_map(|mode| match mode.names[..] {
+            [name] => Some((name, mode.growth)),
+            _ => None,
+        });
+        let modes: Vec<(ModeLabel, f64)> = named.collect();
+        Self { inputs, growth: outcome.growth, is_open: modes.len() < outcome.unstable.len(), modes }
+    }
+}
+
+/// Evaluates the samples of the first indices in a scene, in the order of the indices whatever the threads; `None` for one that fails.
+pub(super) fn evaluate<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    count: u64,
+    progress: &dyn Progress,
+    sample: impl Fn(u64) -> Result<B::Sample, Error> + Sync,
+) -> Vec<Option<Evaluated>> {
+    let of_block = |block: u64| {
+        let indices = block * SAMPLES_PER_BLOCK..((block + 1) * SAMPLES_PER_BLOCK).min(count);
+        let drawn: Vec<Option<B::Sample>> = indices.clone().map(|index| sample(index).ok()).collect();
+        let samples: Vec<&B::Sample> = drawn.iter().flatten().collect();
+        let mut outcomes = Vec::with_capacity(samples.len());
+        study.evaluate_block(scene, &samples, &mut Scratch::default(), &mut outcomes);
+        let mut outcomes = outcomes.into_iter();
+        let of_scene = &study.plan().scenes[scene];
+        let evaluated = |sample: &Option<B::Sample>| {
+            let sample = sample.as_ref()?;
+            let outcome = outcomes.next()?.ok()?;
+            Some(Evaluated::new(study.brake().input_values(of_scene, sample), &outcome))
+        };
+        let found: Vec<Option<Evaluated>> = drawn.iter().map(evaluated).collect();
+        progress.advance(indices.end - indices.start);
+        found
+    };
+    (0..count.div_ceil(SAMPLES_PER_BLOCK)).into_par_iter().flat_map_iter(of_block).collect()
+}

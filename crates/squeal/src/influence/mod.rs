@@ -1,0 +1,194 @@
+//! What makes squeal vary: Sobol' indices of growth and of instability, by the inputs of a scene.
+//!
+//! First-order indices come from the draws of the study by ranks, without a design; total ones, on demand, from a design of
+//! their own. Outputs of a scene are the largest growth rate of an unstable mode, and whether any mode is unstable; and the same of each
+//! mode. A growth rate is 0 where nothing is unstable: of damped modes a study knows that they are, and not how much.
+
+mod evaluated;
+mod output;
+#[cfg(feature = "figures")]
+mod pictures;
+mod report;
+
+use montecarlo::rand::RngExt as _;
+use montecarlo::{Confidence, PickFreeze, Progress, SobolIndex, first_order_by_ranks, stream};
+
+use crate::Error;
+use crate::study::{Input, Study, UncertainBrake};
+use evaluated::{Evaluated, evaluate};
+pub use output::{Output, OutputKind};
+
+/// Fewest draws in which an output is not what it is in most: with fewer its indices rest on those few draws. Chosen.
+const FEWEST_UNLIKE: usize = 30;
+
+/// The influence of all inputs on an output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputInfluence {
+    /// The output.
+    pub output: Output,
+    /// Its mean over the draws.
+    pub mean: f64,
+    /// Its standard deviation over the draws.
+    pub deviation: f64,
+    /// Draws in which it is not 0.
+    pub nonzero: u64,
+    /// In the order of [`Influence::inputs`]; empty where the output hardly varies.
+    pub inputs: Vec<InputInfluence>,
+}
+
+/// The influence of one input on an output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputInfluence {
+    /// First order: what would go of the variance if this input alone were known.
+    pub first_order: SobolIndex,
+    /// Total: what would be left of the variance if all but this input were known.
+    pub total: Option<SobolIndex>,
+}
+
+/// The influence of the inputs of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Influence {
+    /// What is drawn and matters.
+    pub inputs: Vec<Input>,
+    /// The outputs: of the scene first, then of its modes.
+    pub outputs: Vec<OutputInfluence>,
+    /// Draws of the study that were evaluated, and those among them that failed.
+    pub draws: u64,
+    /// Draws that failed and are left out.
+    pub failures: u64,
+    /// Draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
+    pub open: u64,
+    /// Systems evaluated, those that a certificate covers among them.
+    pub evaluations: u64,
+}
+
+/// The influence of the inputs of a scene on its outputs, from the first `draws` of the study, and total indices from so many `rows` of a design
+/// of independent points, each of which takes as many evaluations as there are inputs, and two.
+///
+/// # Errors
+/// A scene without inputs; total indices of inputs that are correlated, and of a brake that has no samples by quantiles; a sample of the
+/// design that cannot be evaluated.
+pub fn influence<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    draws: u64,
+    rows: Option<u64>,
+    progress: &dyn Progress,
+) -> Result<Influence, Error> {
+    let (brake, plan) = (study.brake(), study.plan());
+    let of_scene = &plan.scenes[scene];
+    let inputs = brake.inputs(of_scene);
+    if inputs.is_empty() {
+        return Err(Error::NoInputs { scene: plan.describe(of_scene) });
+    }
+    if let (Some(correlated), Some(rows)) = (inputs.iter().find(|input| input.is_correlated), rows) {
+        let allowed = format!("inputs that are independent; {} is correlated with others", correlated.name);
+        return Err(Error::Option { option: "--total", value: rows.to_string(), allowed });
+    }
+    let of_design = rows.unwrap_or(0) * (inputs.len() as u64 + 2);
+    progress.begin(draws + of_design, 0);
+    let of_draws = evaluate(study, scene, draws, progress, |index| brake.draw(&mut stream(plan.seed, index)));
+    let design = match rows {
+        Some(rows) => Some(design(study, scene, &inputs, rows, progress)?),
+        None => None,
+    };
+    progress.end();
+    let failures = of_draws.iter().filter(|evaluated| evaluated.is_none()).count() as u64;
+    let of_draws: Vec<Evaluated> = of_draws.into_iter().flatten().collect();
+    let columns: Vec<Vec<f64>> =
+        (0..inputs.len()).map(|input| of_draws.iter().map(|row| row.inputs[input]).collect()).collect();
+    let outputs = Output::all(&of_draws);
+    let of_output = |output: Output| OutputInfluence::new(output, &of_draws, &columns, design.as_deref());
+    Ok(Influence {
+        outputs: outputs.into_iter().map(of_output).collect(),
+        inputs,
+        draws,
+        failures,
+        open: of_draws.iter().filter(|row| row.is_open).count() as u64,
+        evaluations: draws + of_design,
+    })
+}
+
+impl OutputInfluence {
+    fn new(output: Output, draws: &[Evaluated], columns: &[Vec<f64>], design: Option<&[Vec<Evaluated>]>) -> Self {
+        let values = output.of_all(draws);
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let nonzero = values.iter().filter(|value| **value != 0.0).count();
+        let has_enough =
+            nonzero >= FEWEST_UNLIKE && (output.kind == OutputKind::Growth || values.len() - nonzero >= FEWEST_UNLIKE);
+        let of_design: Option<Vec<Vec<f64>>> =
+            design.map(|columns| columns.iter().map(|column| output.of_all(column)).collect());
+        let of_input = |(at, column): (usize, &Vec<f64>)| {
+            let total = of_design.as_deref().and_then(|design| {
+                let [a, b, mixed] = [0, 1, at + 2].map(|column| &design[column][..]);
+                PickFreeze { a, b, mixed }.total()
+            });
+            Some(InputInfluence { first_order: first_order_by_ranks(column, &values)?, total })
+        };
+        let all = columns.iter().enumerate().filter(|_| has_enough);
+        let inputs = all.map(of_input).collect::<Option<Vec<_>>>().unwrap_or_default();
+        Self { output, mean, deviation, nonzero: nonzero as u64, inputs }
+    }
+
+    /// The inputs by their first-order indices, the largest first, with their places.
+    #[must_use]
+    pub fn ranked(&self) -> Vec<(usize, &InputInfluence)> {
+        let mut ranked: Vec<(usize, &InputInfluence)> = self.inputs.iter().enumerate().collect();
+        ranked.sort_by(|(_, a), (_, b)| b.first_order.value.total_cmp(&a.first_order.value));
+        ranked
+    }
+}
+
+impl Influence {
+    /// The level of all intervals.
+    pub const CONFIDENCE: Confidence = Confidence::P95;
+}
+
+/// What the points of a design gave: at A, at B, and at A with each input from B.
+fn design<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    inputs: &[Input],
+    rows: u64,
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<Evaluated>>, Error> {
+    let (brake, plan) = (study.brake(), study.plan());
+    let coordinates = inputs.iter().map(|input| input.coordinate + 1).max().unwrap_or(0) as usize;
+    // Not the draws of the study: they are another estimate.
+    let seed = plan.seed.wrapping_add(1);
+    let point = |row: u64, side: usize| -> Vec<f64> {
+        let mut rng = stream(seed, row);
+        let mut both = [Vec::with_capacity(coordinates), Vec::with_capacity(coordinates)];
+        for _ in 0..coordinates {
+            // Quantiles at 0 may be infinite.
+            both.iter_mut().for_each(|side| side.push(rng.random::<f64>().max(f64::EPSILON)));
+        }
+        std::mem::take(&mut both[side])
+    };
+    let column = |from_b: Option<u32>, side: usize| {
+        evaluate(study, scene, rows, progress, |row| {
+            let mut at = point(row, side);
+            if let Some(coordinate) = from_b {
+                at[coordinate as usize] = point(row, 1)[coordinate as usize];
+            }
+            let uniform = |coordinate: u32| at.get(coordinate as usize).copied().unwrap_or(0.5);
+            let sample = brake.quantile_sample(&plan.scenes[scene], &uniform);
+            sample.ok_or_else(|| Error::NoQuantiles { scene: plan.describe(&plan.scenes[scene]) })
+        })
+    };
+    let mut columns = vec![column(None, 0), column(None, 1)];
+    columns.extend(inputs.iter().map(|input| column(Some(input.coordinate), 0)));
+    // A row with a failure is left out as a whole.
+    let is_whole = |row: &usize| columns.iter().all(|column| column[*row].is_some());
+    let whole: Vec<usize> = (0..rows as usize).filter(is_whole).collect();
+    if whole.is_empty() {
+        return Err(Error::NoQuantiles { scene: plan.describe(&plan.scenes[scene]) });
+    }
+    let kept = |column: Vec<Option<Evaluated>>| {
+        let mut rows: Vec<Option<Evaluated>> = column;
+        whole.iter().filter_map(|&row| rows[row].take()).collect::<Vec<Evaluated>>()
+    };
+    Ok(columns.into_iter().map(kept).collect())
+}

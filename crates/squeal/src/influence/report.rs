@@ -1,0 +1,137 @@
+//! Influence in words, and as a table.
+
+use std::path::Path;
+
+use montecarlo::SobolIndex;
+
+use super::{Influence, OutputInfluence, OutputKind};
+use crate::Error;
+use crate::output::write_csv;
+use crate::study::{Plan, Scene, SceneLabels};
+
+/// Inputs that explain less than this part for sure are counted together in words; chosen.
+const LEAST_IN_WORDS: f64 = 0.01;
+/// Most of these that are named; chosen: a line.
+const MOST_NAMED: usize = 8;
+
+impl Influence {
+    /// The answer in words, output by output.
+    #[must_use]
+    pub fn text(&self, plan: &Plan) -> String {
+        let mut text = String::new();
+        // Of a mode that is hardly ever unstable there is nothing to say; of the scene that is said.
+        let (said, rare): (Vec<_>, Vec<_>) =
+            self.outputs.iter().partition(|output| output.output.mode.is_none() || !output.inputs.is_empty());
+        text.extend(said.into_iter().map(|output| self.of_output(output, plan)));
+        let mut modes: Vec<String> = rare.iter().filter_map(|output| Some(output.output.mode?.to_string())).collect();
+        modes.dedup();
+        if !modes.is_empty() {
+            text += &format!("Of modes {} too few draws differ from the others.\n", modes.join(", "));
+        }
+        let correlated: Vec<&str> =
+            self.inputs.iter().filter(|input| input.is_correlated).map(|input| input.name.as_str()).collect();
+        if !correlated.is_empty() {
+            text += &format!(
+                "{} are correlated: what one explains may be explained by another as well, and the parts do not add up.\n",
+                correlated.join(", ")
+            );
+        }
+        if self.open > 0 {
+            text +=
+                &format!("In {} draws an unstable mode has a name that is open: it counts for no mode.\n", self.open);
+        }
+        if self.failures > 0 {
+            text += &format!("{} of {} draws failed and are left out.\n", self.failures, self.draws);
+        }
+        text
+    }
+
+    fn of_output(&self, output: &OutputInfluence, plan: &Plan) -> String {
+        let whose = match output.output.mode {
+            None => "any mode".to_owned(),
+            Some(mode) => format!("mode {mode}"),
+        };
+        let solved = self.draws - self.failures;
+        let share = 100.0 * output.nonzero as f64 / solved.max(1) as f64;
+        let beyond = match plan.threshold.is_axis() {
+            true => String::new(),
+            false => format!(" with {}", plan.threshold),
+        };
+        let heading = match output.output.kind {
+            OutputKind::Growth => format!(
+                "growth of {whose}, 0 where stable: mean {:.4} 1/s, deviation {:.4} 1/s; unstable{beyond} in {share:.1} % of the draws\n",
+                output.mean, output.deviation
+            ),
+            OutputKind::Instability => format!("whether {whose} is unstable\n"),
+        };
+        if output.inputs.is_empty() {
+            return heading + "  too few draws differ from the others to say what makes it vary\n";
+        }
+        let mut text = heading;
+        let (mut others, mut sum) = (Vec::new(), 0.0);
+        for (at, input) in output.ranked() {
+            sum += input.first_order.value;
+            let interval = input.first_order.interval(Self::CONFIDENCE);
+            let total = input.total.map(|total| format!("; in all, with others, {}", in_words(&total)));
+            let matters = interval.lower > LEAST_IN_WORDS
+                || input.total.is_some_and(|total| total.interval(Self::CONFIDENCE).lower > LEAST_IN_WORDS);
+            if matters {
+                let name = &self.inputs[at].name;
+                let explained = in_words(&input.first_order);
+                text += &format!("  {name} explains {explained} of the variance{}\n", total.unwrap_or_default());
+            } else {
+                others.push(self.inputs[at].name.as_str());
+            }
+        }
+        if !others.is_empty() {
+            let which = match others.len() {
+                1..=MOST_NAMED => others.join(", "),
+                count => format!("{count} others"),
+            };
+            let each = if others.len() > 1 { " each" } else { "" };
+            text += &format!("  {which}: not surely more than 1 %{each}\n");
+        }
+        if self.inputs.iter().all(|input| !input.is_correlated) {
+            text += &format!(
+                "  alone they explain about {:.0} %; the rest is what they do together\n",
+                100.0 * sum.clamp(0.0, 1.0)
+            );
+        }
+        text
+    }
+
+    /// Writes `influence.csv`: a row for each output, input and kind of index.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write_table(&self, plan: &Plan, scene: &Scene, dir: &Path) -> Result<(), Error> {
+        let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
+        let mut rows = Vec::new();
+        for output in &self.outputs {
+            for (input, found) in self.inputs.iter().zip(&output.inputs) {
+                let indices = [Some(("first-order", found.first_order)), found.total.map(|total| ("total", total))];
+                for (kind, index) in indices.into_iter().flatten() {
+                    let interval = index.interval(Self::CONFIDENCE);
+                    let mut row = plan.labels.key_columns(scene.key).to_vec();
+                    let panel = &plan.labels.panels[scene.key.panel];
+                    row.extend([panel.in_contact.to_string(), panel.arrangements[scene.members[0]].clone()]);
+                    row.push(output.output.mode.map_or("any".into(), |mode| mode.to_string()));
+                    row.extend([output.output.kind.name(), &input.name, &input.unit, kind].map(str::to_owned));
+                    let numbers = [index.value, interval.lower, interval.upper, index.standard_error];
+                    row.extend(numbers.map(|number| number.to_string()));
+                    row.push(index.samples.to_string());
+                    rows.push(row);
+                }
+            }
+        }
+        let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
+        write_csv(&dir.join("influence.csv"), &header, rows)
+    }
+}
+
+/// "83 % (80 to 86 %)".
+fn in_words(index: &SobolIndex) -> String {
+    let interval = index.interval(Influence::CONFIDENCE);
+    let percent = |part: f64| (100.0 * part.clamp(0.0, 1.0)).round();
+    format!("{} % ({} to {} %)", percent(index.value), percent(interval.lower), percent(interval.upper))
+}
