@@ -14,6 +14,7 @@
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
+//! | rank what can be changed, and confirm what helps | [`screen::rank`], [`screen::confirm`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
 //! # Features
@@ -85,6 +86,7 @@ mod input;
 pub mod output;
 pub mod report;
 mod run;
+pub mod screen;
 pub mod study;
 pub mod sweep;
 

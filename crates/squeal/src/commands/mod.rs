@@ -7,6 +7,7 @@ mod options;
 mod refuse;
 mod run;
 mod scene;
+mod screen;
 mod sweep;
 
 pub use self::cea::CeaArgs;
@@ -16,4 +17,5 @@ pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;
 pub use scene::SceneArgs;
+pub use screen::ScreenArgs;
 pub use sweep::SweepArgs;

@@ -33,6 +33,7 @@
 
 mod axis;
 mod canvas;
+mod drops;
 mod error;
 mod figure;
 mod font;
@@ -48,6 +49,7 @@ mod stability_map;
 mod style;
 mod vector;
 
+pub use drops::{DropBar, DropGroup, DropsFigure, drops};
 pub use error::FigureError;
 pub use figure::Figure;
 pub use loglog::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
