@@ -2,9 +2,8 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use montecarlo::Checkpoint;
 use serde_json::{Value, json};
 
 use super::options::{number, override_run, threads, whole_number};
@@ -28,8 +27,6 @@ const PLACES: u64 = 2;
 /// Most draws of the prediction, and most places of a set; chosen.
 const MOST_DRAWS: u64 = 10_000;
 const MOST_PLACES: u64 = 20;
-/// Time between two checkpoints.
-const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// Screen a brake for what helps: constraints, masses, springs, dashpots and contacts taken out, singly and in sets.
 ///
@@ -161,15 +158,10 @@ impl ScreenArgs {
         let ranking = workers(self.threads)?.install(|| rank(brake, &options, &bar("sets of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
-        let checkpoint = self.out.as_ref().map(|dir| Checkpoint {
-            path: dir.join("checkpoint.json"),
-            every: CHECKPOINT_EVERY,
-            fingerprint: identity.clone(),
-        });
         let how = Confirmation {
             samples: plan.samples,
             threads: self.threads,
-            checkpoint,
+            checkpoint: self.out.as_ref().map(|dir| dir.join("checkpoint.json")),
             preparation: &bar("steps of preparation"),
             evaluation: &bar("evaluations"),
         };
@@ -179,7 +171,7 @@ impl ScreenArgs {
         if let Some(folder) = &folder {
             folder.publish(|stage| {
                 screen.write_tables(stage)?;
-                let figure = screen.figure(&what, &screen.rests_on())?;
+                let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
                 write_screen_page(plan, &screen, &figure, &what, stage)
             })?;

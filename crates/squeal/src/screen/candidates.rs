@@ -188,6 +188,12 @@ impl Candidates {
         self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
     }
 
+    /// Whether every symmetry leaves some single changes, in order, as they are; `false` where the brake has none.
+    pub fn is_symmetric(&self, of: &[usize]) -> bool {
+        let is_same = |image: &Vec<usize>| of.iter().all(|&single| of.contains(&image[single]));
+        self.images.len() > 1 && self.images.iter().all(is_same)
+    }
+
     /// The changes of some singles.
     pub fn changes(&self, of: &[usize]) -> Vec<Change> {
         of.iter().map(|&single| self.singles[single].change.clone()).collect()

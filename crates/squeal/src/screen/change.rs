@@ -147,7 +147,8 @@ fn attach(matrix: &mut DMatrix<f64>, dofs: &DofMap, size: f64, vector: &[(usize,
 /// The sectors that the changes leave, where they keep the symmetry, else the whole.
 fn sectors(brake: &Brake, kept: &DofMap, channels: &[usize], added: &SecondOrder) -> Sectors {
     let whole = || Sectors::whole(kept.free().len(), channels.len());
-    if brake.sectors.iter().len() == 1 || [&added.m, &added.c, &added.k].map(|a| brake.sectors.are_coupled_by(a)).contains(&true)
+    if brake.sectors.iter().len() == 1
+        || [&added.m, &added.c, &added.k].map(|a| brake.sectors.are_coupled_by(a)).contains(&true)
     {
         return whole();
     }

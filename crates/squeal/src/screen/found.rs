@@ -70,10 +70,10 @@ impl ScreenedSet {
     /// What is done, for people.
     pub fn name(&self) -> String {
         let sizes = match (self.kind, self.sizes.as_slice()) {
-            (Some(kind), [size]) => format!(", {size:.4} {}", kind.unit()),
+            (Some(kind), [size]) => format!(", {size:.3e} {}", kind.unit()),
             (Some(kind), [_, ..]) => {
                 let (least, most) = self.sizes.iter().fold((f64::INFINITY, 0.0), |(a, b), &s| (s.min(a), s.max(b)));
-                format!(", {least:.4} to {most:.4} {}", kind.unit())
+                format!(", {least:.3e} to {most:.3e} {}", kind.unit())
             }
             _ => String::new(),
         };
@@ -123,9 +123,13 @@ impl Screen {
         let mut rows = Vec::new();
         for more in &confirmed {
             for less in &confirmed {
-                if let Some(Estimate { value, lower, upper }) = self.difference(more, less).filter(|_| more.place != less.place) {
+                if let Some(Estimate { value, lower, upper }) =
+                    self.difference(more, less).filter(|_| more.place != less.place)
+                {
                     let numbers = [value, lower, upper].map(|x| x.to_string());
-                    rows.push([more.changes.name.clone(), less.changes.name.clone()].into_iter().chain(numbers).collect());
+                    rows.push(
+                        [more.changes.name.clone(), less.changes.name.clone()].into_iter().chain(numbers).collect(),
+                    );
                 }
             }
         }
@@ -231,20 +235,22 @@ impl Screen {
         text + &self.remarks()
     }
 
-    /// How the best constraints found compare with a set of constraints of the case that holds as many.
+    /// How the constraints found compare with a set of constraints of the case that holds as many.
     fn against(&self, set: &ScreenedSet) -> String {
-        let is_alike =
-            |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
-        let best = self.sets.iter().filter(is_alike).find(|other| other.place.is_some());
-        let Some((best, less)) = best.and_then(|best| Some((best, self.difference(set, best)?))) else {
-            return String::new();
+        let is_alike = |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
+        let line = |other: &ScreenedSet| {
+            let Estimate { value, lower, upper } = self.difference(set, other)?;
+            let (than, size) = match value < 0.0 {
+                true => ("more", Estimate { value: -value, lower: -upper, upper: -lower }),
+                false => ("fewer", Estimate { value, lower, upper }),
+            };
+            let (size, places) = (within(&size, 3, 1.0), &set.places);
+            Some(format!(
+                "holding {} leaves {size} unstable modes {than} than \"{places}\", which holds as many\n",
+                other.places
+            ))
         };
-        format!(
-            "holding {} leaves {} unstable modes fewer than \"{}\", which holds as many\n",
-            best.places,
-            within(&less, 3, 1.0),
-            set.places
-        )
+        self.sets.iter().filter(is_alike).filter_map(line).collect()
     }
 
     /// What every number rests on.
@@ -256,16 +262,17 @@ impl Screen {
         if self.failures > 0 {
             text += &format!("{} evaluations of the confirmation failed\n", self.failures);
         }
-        text + &self.rests_on().replace(". ", "\n") + "\n"
+        text + &self.rests_on().join("\n") + "\n"
     }
 
     /// What the numbers mean, and how many analyses they rest on.
-    pub fn rests_on(&self) -> String {
-        format!(
-            "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits. \
-             predicted by {} spectra for each of {} sets of changes, {} draws; confirmed with {} other draws in {} scenes",
+    pub fn rests_on(&self) -> [String; 2] {
+        let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
+        let counts = format!(
+            "predicted by {} spectra for each of {} sets of changes, {} draws; confirmed with {} other draws in {} scenes",
             self.analyses_per_set, self.predicted_sets, self.prediction_draws, self.samples, self.scenes
-        )
+        );
+        [meaning.into(), counts]
     }
 
     fn line(&self, set: &ScreenedSet) -> String {
@@ -288,7 +295,7 @@ fn heading(what: &str) -> String {
 
 /// A value with its limits.
 fn within(estimate: &Estimate, decimals: usize, times: f64) -> String {
-    let [value, lower, upper] = [estimate.value, estimate.lower, estimate.upper].map(|x| format!("{:.decimals$}", times * x));
+    let [value, lower, upper] =
+        [estimate.value, estimate.lower, estimate.upper].map(|x| format!("{:.decimals$}", times * x));
     format!("{value} ({lower} to {upper})")
 }
-

@@ -43,10 +43,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
             identity: format!("{} changes {}", of.identity, &fingerprint(&format!("{sets:?}"))[..16]),
             mode_labels: ModeNaming::Rank,
             mode_identity: ModeIdentity::Mac,
-            labels: SceneLabels {
-                constraints: sets.iter().map(|set| set.name.clone()).collect(),
-                ..of.labels.clone()
-            },
+            labels: SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() },
             origins: Vec::new(),
             configurations: Vec::new(),
             scenes: Vec::new(),

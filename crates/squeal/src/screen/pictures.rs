@@ -13,7 +13,12 @@ impl Screen {
         let bar = |set: &ScreenedSet| {
             let drop = set.confirmed.as_ref()?.drop;
             let limits = [drop.lower, drop.upper];
-            Some(DropBar { name: set.name(), value: drop.value, limits, predicted: set.predicted_drop(&self.unchanged) })
+            Some(DropBar {
+                name: set.name(),
+                value: drop.value,
+                limits,
+                predicted: set.predicted_drop(&self.unchanged),
+            })
         };
         let group = |title: &str, kind: Option<ChangeKind>| {
             let bars = self.sets.iter().skip(1).filter(|set| set.kind == kind).filter_map(bar).collect();

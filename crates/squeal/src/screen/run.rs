@@ -1,5 +1,8 @@
 //! A screening from the candidates to what is confirmed of the best.
 
+use std::path::PathBuf;
+use std::time::Duration;
+
 use montecarlo::{Checkpoint, Progress, Sampling, run_with};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
@@ -7,10 +10,15 @@ use super::confirm::ScreenTally;
 use super::found::{Screen, ScreenedSet};
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
-use super::search::{KindRanking, Ranked, search, steps};
+use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
 use crate::run::block;
 use crate::study::{Study, UncertainBrake};
+
+/// Changes when checkpoints of an older program can no longer be continued.
+const TALLY_VERSION: u32 = 1;
+/// Time between two checkpoints.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
 /// What is screened, and how far.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,15 +53,11 @@ pub struct Ranking {
 ///
 /// # Errors
 /// A draw without an operating point; a brake that cannot be analysed without changes.
-pub fn rank<B: UncertainBrake>(
-    brake: &B,
-    options: &ScreenOptions,
-    progress: &dyn Progress,
-) -> Result<Ranking, Error> {
+pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dyn Progress) -> Result<Ranking, Error> {
     let ScreenOptions { constraints, kinds, sizes, up_to, draws, .. } = options;
     let probes = Probes::new(brake, *constraints, *draws)?;
     let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
-    progress.begin(candidates.iter().map(|of_kind| steps(of_kind, *up_to)).sum(), 0);
+    progress.begin(candidates.iter().map(|of_kind| most_sets(of_kind, *up_to)).sum(), 0);
     let unchanged = probes.prediction(&[])?;
     let of_kind = |candidates| search(candidates, &probes, *up_to, progress);
     let kinds = candidates.into_iter().map(of_kind).collect();
@@ -67,8 +71,8 @@ pub struct Confirmation<'a> {
     pub samples: u64,
     /// Worker threads, on which the result does not depend.
     pub threads: Option<usize>,
-    /// Where the state is kept, so that a run that was stopped goes on.
-    pub checkpoint: Option<Checkpoint>,
+    /// The file in which the state is kept, so that a run that was stopped goes on.
+    pub checkpoint: Option<PathBuf>,
     /// Told of the steps before the first sample.
     pub preparation: &'a dyn Progress,
     /// Told of the evaluations.
@@ -76,7 +80,7 @@ pub struct Confirmation<'a> {
 }
 
 /// Confirms the best of a ranking by a study of all scenes: the brake as it is, its other sets of constraints, the best single
-/// changes of each kind, and the best set of each larger size, all on the same draws.
+/// changes of each kind, and of each larger size the best set and the best symmetric one, all on the same draws.
 ///
 /// # Errors
 /// Those of the study.
@@ -98,7 +102,12 @@ pub fn confirm<B: UncertainBrake>(
     sampling.threads = how.threads;
     sampling.block = block(how.samples);
     let empty = || ScreenTally::empty(plan);
-    let summary = run_with(&study, &sampling, empty, how.checkpoint.as_ref(), how.evaluation)?;
+    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint {
+        path: path.clone(),
+        every: CHECKPOINT_EVERY,
+        fingerprint: format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed),
+    });
+    let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation)?;
     for (place, &at) in to_confirm.iter().enumerate() {
         sets[at].confirmed = summary.tally.confirmed(plan, place);
     }
@@ -106,7 +115,8 @@ pub fn confirm<B: UncertainBrake>(
         to_confirm.iter().enumerate().map(|(other, _)| summary.tally.difference(plan, set, other)).collect()
     };
     let differences = (0..to_confirm.len()).collect::<Vec<_>>().iter().map(between).collect();
-    let failures = summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
+    let failures =
+        summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
     Ok(Screen {
         sets,
         differences,
@@ -139,7 +149,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
         });
     }
     let mut confirmed = sets.len();
-    for KindRanking { candidates, singles, best, .. } in &ranking.kinds {
+    for KindRanking { candidates, singles, best, symmetric, .. } in &ranking.kinds {
         let mut add = |ranked: &Ranked, is_confirmed: bool| {
             let places = candidates.name(&ranked.singles);
             let place = is_confirmed.then_some(confirmed);
@@ -159,7 +169,10 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
                 confirmed: None,
             });
         };
-        best.iter().skip(1).rev().for_each(|ranked| add(ranked, true));
+        for (best, symmetric) in best.iter().zip(symmetric).skip(1).rev() {
+            add(best, true);
+            symmetric.iter().filter(|other| other.singles != best.singles).for_each(|other| add(other, true));
+        }
         singles.iter().enumerate().for_each(|(rank, ranked)| add(ranked, rank < options.confirmed));
     }
     sets
@@ -168,6 +181,7 @@ fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOpt
 /// Degrees of freedom that a set of constraints of a brake holds.
 fn held<B: UncertainBrake>(brake: &B, constraints: usize) -> usize {
     let plan = brake.plan();
-    let dofs = plan.scenes.iter().find(|scene| scene.key.constraints == constraints).map(|scene| &plan.brake(scene).dofs);
+    let dofs =
+        plan.scenes.iter().find(|scene| scene.key.constraints == constraints).map(|scene| &plan.brake(scene).dofs);
     dofs.map_or(0, |dofs| dofs.total() - dofs.free().len())
 }

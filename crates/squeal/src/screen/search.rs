@@ -25,20 +25,23 @@ pub struct KindRanking {
     pub singles: Vec<Ranked>,
     /// The best set found of each size, from 1; it ends where no set of a size could be analysed.
     pub best: Vec<Ranked>,
+    /// The best found of each size among those that every symmetry of the brake leaves as they are.
+    pub symmetric: Vec<Option<Ranked>>,
     /// Sets that could not be analysed, and why.
     pub failed: Vec<(String, String)>,
     /// Sets of changes analysed.
     pub sets: u64,
 }
 
-/// How many steps a search takes, for its progress.
-pub(super) fn steps(candidates: &Candidates, up_to: usize) -> u64 {
-    let groups = candidates.groups.iter().map(|group| (up_to + 1).saturating_sub(group.len()) as u64);
-    groups.sum()
+/// How many sets a search has at most, for its progress.
+pub(super) fn most_sets(candidates: &Candidates, up_to: usize) -> u64 {
+    let groups = candidates.groups.iter().filter(|group| group.len() <= up_to);
+    groups.map(|group| 1 + 2 * (up_to - group.len()) as u64).sum()
 }
 
 /// Ranks single changes and builds the best set of each size up to `up_to`: each group of changes is added to the best set that leaves
-/// room for it. Greedy: a set of which no part is the best of its size is not found, unless it is one group.
+/// room for it, and to the best symmetric one. Greedy: a set of which no part is the best of its size is not found, unless it is one
+/// group.
 pub(super) fn search(
     candidates: Candidates,
     probes: &Probes<'_>,
@@ -46,11 +49,16 @@ pub(super) fn search(
     progress: &dyn Progress,
 ) -> KindRanking {
     let mut known: HashMap<Vec<usize>, Option<Prediction>> = HashMap::new();
-    let mut ranking =
-        KindRanking { candidates, singles: Vec::new(), best: Vec::new(), failed: Vec::new(), sets: 0 };
+    let mut ranking = KindRanking {
+        candidates,
+        singles: Vec::new(),
+        best: Vec::new(),
+        symmetric: Vec::new(),
+        failed: Vec::new(),
+        sets: 0,
+    };
     for size in 1..=up_to {
         let sets = ranking.sets_of(size);
-        let steps = ranking.candidates.groups.iter().filter(|group| group.len() <= size).count();
         let new: Vec<Vec<usize>> = sets.iter().filter(|set| !known.contains_key(*set)).cloned().collect();
         let changes: Vec<_> = new.iter().map(|set| ranking.candidates.changes(set)).collect();
         ranking.sets += new.len() as u64;
@@ -64,7 +72,6 @@ pub(super) fn search(
             };
             known.insert(set, prediction);
         }
-        progress.advance((steps - changes.len()) as u64);
         let analysed = sets.into_iter().filter_map(|singles| {
             let prediction = known.get(&singles).copied().flatten()?;
             Some(Ranked { singles, prediction })
@@ -73,6 +80,8 @@ pub(super) fn search(
         analysed.sort_by(by_prediction);
         let Some(best) = analysed.first().cloned() else { break };
         ranking.best.push(best);
+        let is_symmetric = |ranked: &&Ranked| ranking.candidates.is_symmetric(&ranked.singles);
+        ranking.symmetric.push(analysed.iter().find(is_symmetric).cloned());
         if size == 1 {
             ranking.singles = analysed;
         }
@@ -92,19 +101,20 @@ impl KindRanking {
     fn sets_of(&self, size: usize) -> Vec<Vec<usize>> {
         let mut sets: Vec<Vec<usize>> = Vec::new();
         for group in self.candidates.groups.iter().filter(|group| group.len() <= size) {
-            let rest = match size - group.len() {
-                0 => &[][..],
-                missing => match self.best.get(missing - 1) {
-                    Some(best) => &best.singles,
-                    None => continue,
-                },
+            let of_chains = |missing: usize| {
+                let any = self.best.get(missing - 1).map(|best| best.singles.as_slice());
+                let symmetric = self.symmetric.get(missing - 1).and_then(Option::as_ref);
+                any.into_iter().chain(symmetric.map(|best| best.singles.as_slice()))
             };
-            if rest.iter().any(|single| group.contains(single)) {
-                continue;
-            }
-            let set = self.candidates.representative(&[group, rest].concat());
-            if !sets.contains(&set) {
-                sets.push(set);
+            let rests: Vec<&[usize]> = match size - group.len() {
+                0 => vec![&[]],
+                missing => of_chains(missing).collect(),
+            };
+            for rest in rests.into_iter().filter(|rest| rest.iter().all(|single| !group.contains(single))) {
+                let set = self.candidates.representative(&[group, rest].concat());
+                if !sets.contains(&set) {
+                    sets.push(set);
+                }
             }
         }
         sets

@@ -24,9 +24,7 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
-pub use brake::{
-    Direction, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact,
-};
+pub use brake::{Direction, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact};
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use cost::Cost;

@@ -1,6 +1,7 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod layout;
+mod places;
 mod points;
 mod reduce;
 
@@ -14,7 +15,7 @@ use num_complex::Complex;
 use super::LatticeSample;
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law};
-use crate::study::{ModeResidual, Plan, Scene, UncertainBrake};
+use crate::study::{ModeResidual, Place, Plan, Scene, UncertainBrake, WholeContact};
 
 /// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
 #[derive(Debug)]
@@ -100,6 +101,14 @@ impl UncertainBrake for FiniteElementBrake {
             LatticeSample::shared(draw, sample.speed_quantile)
         });
         FiniteElementSample { contacts, ..median }
+    }
+
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        places::contacts(self, scene)
+    }
+
+    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error> {
+        places::places(&self.case, &self.sets[constraints]).map(Some)
     }
 
     fn mode_residual(

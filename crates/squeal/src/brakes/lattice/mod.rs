@@ -17,8 +17,8 @@ use crate::Error;
 use crate::brakes::labels::friction_labels;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
-    Configuration, Cost, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource, Symmetry,
-    UncertainBrake, WholeContact,
+    Configuration, Cost, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
+    Symmetry, UncertainBrake, WholeContact,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.

@@ -87,6 +87,7 @@ impl FiniteElementCase {
             constraints,
             reduction: goal(&check, &reduction)?,
             dofs: model.dofs,
+            node_sets: model.sets,
             mesh: model.mesh,
         })
     }

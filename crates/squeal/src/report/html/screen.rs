@@ -55,7 +55,7 @@ pub(crate) fn write_screen_page(
         figures: filled(include_str!("screen.html"), &[("figure", &figure.svg())]),
         facts: format!(
             "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
-            escaped(&screen.rests_on()),
+            escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),
             described(&counts),
             program(),
             case(plan.source_file.as_ref(), sha256.as_deref())
