@@ -167,7 +167,7 @@ impl ScreenArgs {
         };
         let screen = confirm(brake, ranking, &options, &how)?;
         let seconds = start.elapsed().as_secs_f64();
-        let what = format!("{}: what helps \"{}\"", plan.name, sets[options.constraints]);
+        let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);
         if let Some(folder) = &folder {
             folder.publish(|stage| {
                 screen.write_tables(stage)?;

@@ -61,8 +61,8 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
     let bars = || data.groups.iter().flat_map(|group| &group.bars);
     let values = bars().flat_map(|bar| [bar.value, bar.limits[0], bar.limits[1], bar.predicted.unwrap_or(0.0)]);
     let scale = AxisScale::linear(values.chain(data.most), 6.0);
-    let width_of = |canvas: &Canvas, name: &str| canvas.fonts.width(name, SMALL_TEXT, false);
-    let widest = bars().map(|bar| width_of(&canvas, &bar.name)).fold(0.0, f64::max);
+    let headings = data.groups.iter().map(|group| canvas.fonts.width(&group.title, SMALL_TEXT, true));
+    let widest = bars().map(|bar| canvas.fonts.width(&bar.name, SMALL_TEXT, false)).chain(headings).fold(0.0, f64::max);
     let names = widest.min(MOST_FOR_NAMES * canvas.width);
 
     let mut y = title(&mut canvas, &data.title);

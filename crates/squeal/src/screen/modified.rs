@@ -1,5 +1,7 @@
 //! A brake whose sets of constraints are sets of changes of another.
 
+use std::collections::{BTreeMap, HashMap};
+
 use linsys::OperatingPoint;
 use montecarlo::StreamRng;
 
@@ -28,8 +30,24 @@ pub struct ChangeSet {
 pub struct Modified<'a, B> {
     inner: &'a B,
     plan: Plan,
-    /// By configuration: that of the inner brake and the changed brake.
-    configurations: Vec<(SceneKey, usize, ChangedBrake)>,
+    /// By configuration: from where it is.
+    from: Vec<FromInner>,
+}
+
+/// A configuration of the inner brake with changes.
+struct FromInner {
+    /// The inner set of constraints.
+    constraints: usize,
+    /// The inner configuration.
+    configuration: usize,
+    changed: ChangedBrake,
+}
+
+/// Places of what has been laid out already, by those of the inner brake and of the image of the changes.
+#[derive(Default)]
+struct LaidOut {
+    origins: HashMap<(usize, usize), usize>,
+    configurations: HashMap<(usize, usize), usize>,
 }
 
 impl<'a, B: UncertainBrake> Modified<'a, B> {
@@ -49,7 +67,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
             scenes: Vec::new(),
             ..of.clone()
         };
-        let mut modified = Self { inner, plan, configurations: Vec::new() };
+        let mut modified = Self { inner, plan, from: Vec::new() };
         for (place, set) in sets.iter().enumerate() {
             modified.lay_out(place, set)?;
         }
@@ -59,27 +77,15 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     /// Adds the origins, configurations and scenes of a set of changes.
     fn lay_out(&mut self, place: usize, set: &ChangeSet) -> Result<(), Error> {
         let images = Images::new(&set.changes, &self.inner.symmetries(set.of));
-        let mut origins: Vec<(usize, usize, usize)> = Vec::new();
-        let mut made: Vec<(usize, usize, usize)> = Vec::new();
+        let mut laid_out = LaidOut::default();
         for scene in self.inner.plan().scenes.iter().filter(|scene| scene.key.constraints == set.of) {
-            let mut members: Vec<(usize, Vec<usize>)> = Vec::new();
+            let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
             for (at, &member) in scene.members.iter().enumerate() {
                 let image = images.of_member(self.inner.symmetry_of_member(scene, at));
-                match members.iter_mut().find(|(other, _)| *other == image) {
-                    Some((_, list)) => list.push(member),
-                    None => members.push((image, vec![member])),
-                }
+                members.entry(image).or_default().push(member);
             }
             for (image, members) in members {
-                let known = made.iter().find(|known| (known.0, known.1) == (scene.configuration, image));
-                let configuration = match known {
-                    Some(known) => known.2,
-                    None => {
-                        let new = self.configure(scene, &images.distinct[image], image, &mut origins)?;
-                        made.push((scene.configuration, image, new));
-                        new
-                    }
-                };
+                let configuration = self.configuration(scene, &images.distinct[image], image, &mut laid_out)?;
                 let key = SceneKey { constraints: place, ..scene.key };
                 self.plan.scenes.push(Scene { key, members, configuration, wants_work: false });
             }
@@ -87,27 +93,30 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(())
     }
 
-    /// Adds the configuration of a scene with changes, and its origin where that is not there yet. Returns its place.
-    fn configure(
+    /// The place of the configuration of a scene with changes, which is added where it is not there yet, and its origin with it.
+    fn configuration(
         &mut self,
         scene: &Scene,
         changes: &[Change],
         image: usize,
-        origins: &mut Vec<(usize, usize, usize)>,
+        laid_out: &mut LaidOut,
     ) -> Result<usize, Error> {
+        if let Some(&known) = laid_out.configurations.get(&(scene.configuration, image)) {
+            return Ok(known);
+        }
         let of = self.inner.plan();
         let from = of.configuration(scene);
-        let known = origins.iter().find(|known| (known.0, known.1) == (from.origin, image));
-        let origin = match known {
-            Some(known) => known.2,
+        let origin = match laid_out.origins.get(&(from.origin, image)) {
+            Some(&known) => known,
             None => {
                 // Modes have their names with every contact, as those of the brake without changes have.
                 let Origin { brake, naming_point } = &of.origins[from.origin];
                 let changed = ChangedBrake::new(brake, &[], changes)?;
                 let naming_point = changed.point(naming_point.clone());
                 self.plan.origins.push(Origin { brake: changed.brake, naming_point });
-                origins.push((from.origin, image, self.plan.origins.len() - 1));
-                self.plan.origins.len() - 1
+                let place = self.plan.origins.len() - 1;
+                laid_out.origins.insert((from.origin, image), place);
+                place
             }
         };
         let changed = ChangedBrake::new(&from.brake, &self.inner.contacts(scene), changes)?;
@@ -117,8 +126,11 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
             origin,
             contacts: from.contacts.clone(),
         });
-        self.configurations.push((scene.key, scene.configuration, changed));
-        Ok(self.configurations.len() - 1)
+        let (constraints, configuration) = (scene.key.constraints, scene.configuration);
+        self.from.push(FromInner { constraints, configuration, changed });
+        let place = self.from.len() - 1;
+        laid_out.configurations.insert((scene.configuration, image), place);
+        Ok(place)
     }
 }
 
@@ -181,8 +193,8 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
     }
 
     fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, Error> {
-        let (key, configuration, changed) = &self.configurations[scene.configuration];
-        let key = SceneKey { constraints: key.constraints, ..scene.key };
+        let FromInner { constraints, configuration, changed } = &self.from[scene.configuration];
+        let key = SceneKey { constraints: *constraints, ..scene.key };
         let inner = Scene { key, configuration: *configuration, ..Scene::default() };
         Ok(changed.point(self.inner.operating_point(&inner, sample)?))
     }

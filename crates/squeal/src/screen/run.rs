@@ -111,10 +111,9 @@ pub fn confirm<B: UncertainBrake>(
     for (place, &at) in to_confirm.iter().enumerate() {
         sets[at].confirmed = summary.tally.confirmed(plan, place);
     }
-    let between = |&set: &usize| {
-        to_confirm.iter().enumerate().map(|(other, _)| summary.tally.difference(plan, set, other)).collect()
-    };
-    let differences = (0..to_confirm.len()).collect::<Vec<_>>().iter().map(between).collect();
+    let count = to_confirm.len();
+    let of_set = |set: usize| (0..count).map(|less| summary.tally.difference(plan, set, less)).collect();
+    let differences = (0..count).map(of_set).collect();
     let failures =
         summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
     Ok(Screen {

@@ -45,13 +45,17 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
     assert_eq!(first.keys().collect::<Vec<_>>(), files);
     assert_same(&first, &results(&dir("2")));
     roxmltree::Document::parse(&String::from_utf8(first["screen.svg"].clone()).unwrap()).unwrap();
-    // The brake as it is, the case's other set, and of each kind the best pair and single change.
+    // The brake as it is, the case's other set, and of each kind the best pair, the best symmetric one and the best single change.
     let rows = columns(&dir("1").join("screen.csv"), &["kind", "count", "samples", "drop", "drop_lower", "drop_upper"]);
     let confirmed: Vec<&Vec<String>> = rows.iter().filter(|row| !row[2].is_empty()).collect();
     assert!(confirmed.iter().all(|row| row[2] == "40"), "{confirmed:?}");
     for kind in ["constraint", "mass", "spring", "dashpot", "contact"] {
         let counts: Vec<&str> = confirmed.iter().filter(|row| row[0] == kind).map(|row| row[1].as_str()).collect();
-        assert_eq!(counts, ["2", "1"], "{kind}");
+        let (last, pairs) = counts.split_last().unwrap();
+        assert!(
+            *last == "1" && (1..=2).contains(&pairs.len()) && pairs.iter().all(|count| *count == "2"),
+            "{kind} {counts:?}"
+        );
     }
     for row in &confirmed[1..] {
         let [drop, lower, upper] = [3, 4, 5].map(|at| row[at].parse::<f64>().unwrap());
