@@ -5,6 +5,7 @@ mod places;
 mod points;
 mod reduce;
 
+pub use points::frictionless;
 pub use reduce::ReducedSet;
 
 use linsys::OperatingPoint;

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
-use crate::case::{Draws, FrictionDistributions, Law};
+use crate::case::{Draws, Law};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +26,7 @@ pub(super) struct FiniteElementsFile {
     pub constraints: Vec<ConstraintsTable>,
     #[serde(default)]
     pub speeds: Vec<SpeedsTable>,
-    pub friction: Option<FrictionDistributions>,
+    pub friction: Option<FrictionTable>,
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
 }
@@ -112,6 +113,21 @@ fn shared() -> Draws {
 
 fn constant() -> BristleDampingEntry {
     BristleDampingEntry::Constant
+}
+
+/// Distributions of the friction parameters: that of Amontons-Coulomb friction, at whose median modes are named, and those of the
+/// study's laws.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrictionTable {
+    pub mu: Distribution,
+    pub mu_s: Option<Distribution>,
+    pub mu_k: Option<Distribution>,
+    pub alpha: Option<Distribution>,
+    pub v_s: Option<Distribution>,
+    pub sigma0: Option<Distribution>,
+    pub sigma1: Option<Distribution>,
+    pub sigma2: Option<Distribution>,
 }
 
 /// The velocity of the disc under the pad: one direction, or around an axis.
