@@ -19,7 +19,7 @@ pub use term::Term;
 
 use nalgebra::DMatrix;
 
-use crate::{Internal, LinsysError, SecondOrder};
+use crate::{DofMap, Internal, LinsysError, SecondOrder};
 
 /// The terms and friction channels of a brake over its free degrees of freedom.
 ///
@@ -63,6 +63,31 @@ impl AffineSystem {
             }
         }
         Ok(Self { terms, channels, families })
+    }
+
+    /// The system over the degrees of freedom of this one that are free in `dofs`. Channels keep the entries of their forces and
+    /// readings at these.
+    ///
+    /// # Errors
+    /// Degrees of freedom of a system of another order.
+    pub fn on(&self, dofs: &DofMap) -> Result<Self, LinsysError> {
+        let (found, expected) = (dofs.total(), self.order());
+        if found != expected {
+            return Err(LinsysError::Count { what: "degrees of freedom", found, expected });
+        }
+        let term = |term: &Term| {
+            let SecondOrder { m, c, k, .. } = term.matrices();
+            let matrices = SecondOrder::new(dofs.reduce(m), dofs.reduce(c), dofs.reduce(k))?;
+            Term::new(term.name.clone(), term.family.clone(), matrices)
+        };
+        let free = |entries: &[(usize, f64)]| {
+            entries.iter().filter_map(|&(dof, value)| Some((dofs.position(dof)?, value))).collect()
+        };
+        let channel = |Channel { name, family, force, reading }: &Channel| {
+            Channel::new(name.clone(), family.clone(), free(force), free(reading))
+        };
+        let terms = self.terms.iter().map(term).collect::<Result<_, _>>()?;
+        Self::new(terms, self.channels.iter().map(channel).collect())
     }
 
     /// n, the number of free degrees of freedom.

@@ -13,6 +13,8 @@
 //! (Fässler and Stiefel, Group Theoretical Methods and Their Applications, 1992, chapter 2). The eigenvalues of all sectors
 //! together are those of the whole system, except the eigenvalues -a of states that act on no degree of freedom.
 
+mod changed;
+
 use linsys::{AffineSystem, ChannelGain, Internal, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;

@@ -16,6 +16,7 @@
 //! | know which input makes squeal vary | [`influence::influence`] |
 //! | sweep one or two parameters | [`sweep::sweep`], [`sweep::stability_map`] |
 //! | know why a mode grows | [`why::Explainer`] |
+//! | rank what can be changed, and confirm what helps | [`screen::rank`], [`screen::confirm`] |
 //! | draw it | [`report::draw_occurrence`], [`figures`] |
 //!
 //! # Features
@@ -88,6 +89,7 @@ mod input;
 pub mod output;
 pub mod report;
 mod run;
+pub mod screen;
 pub mod study;
 pub mod sweep;
 pub mod why;

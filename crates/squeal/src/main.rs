@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use squeal::Error;
-use squeal::commands::{CeaArgs, CheckArgs, EigArgs, InfluenceArgs, RunArgs, SweepArgs, finish, refuse};
+use squeal::commands::{CeaArgs, CheckArgs, EigArgs, InfluenceArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
@@ -29,6 +29,7 @@ enum Command {
     Eig(EigArgs),
     Sweep(SweepArgs),
     Influence(InfluenceArgs),
+    Screen(ScreenArgs),
     /// Print completions of these commands for a shell, to be put where it looks for them.
     Completions {
         /// The shell
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Eig(args) => args.run(&mut out),
         Command::Sweep(args) => args.run(&mut out),
         Command::Influence(args) => args.run(&mut out),
+        Command::Screen(args) => args.run(&mut out),
         Command::Completions { shell } => completions(*shell, &mut out),
         Command::Man => manual(&mut out).map_err(Error::StandardOutput),
     };

@@ -134,7 +134,7 @@ pub(crate) fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error
 }
 
 /// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many threads.
-fn block(samples: u64) -> u64 {
+pub(crate) fn block(samples: u64) -> u64 {
     (samples / 8).next_multiple_of(8).clamp(8, 128)
 }
 

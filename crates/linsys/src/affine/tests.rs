@@ -110,3 +110,17 @@ fn says_what_is_wrong() {
     assert_eq!(refused, Err(LinsysError::UnknownDof { dof: 2, total: 2 }));
     assert_eq!(AffineSystem::new(Vec::new(), Vec::new()), Err(LinsysError::Empty));
 }
+
+#[test]
+fn what_is_held_leaves_every_term_and_channel() {
+    let (brake, at, lambda) = (brake(), point(), Complex::new(0.3, 2.1));
+    let whole = brake.assemble(&at).unwrap().dynamic_stiffness(lambda);
+    for held in [0, 1] {
+        let dofs = crate::DofMap::new(2, &[held]).unwrap();
+        let part = brake.on(&dofs).unwrap().assemble(&at).unwrap().dynamic_stiffness(lambda);
+        assert_eq!((part.nrows(), part.ncols()), (1, 1));
+        assert!((part[(0, 0)] - whole[(1 - held, 1 - held)]).norm() < 1e-13);
+    }
+    let expected = LinsysError::Count { what: "degrees of freedom", found: 3, expected: 2 };
+    assert_eq!(brake.on(&crate::DofMap::all(3)), Err(expected));
+}

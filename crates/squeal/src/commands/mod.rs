@@ -9,6 +9,7 @@ mod reasons;
 mod refuse;
 mod run;
 mod scene;
+mod screen;
 mod sweep;
 
 pub use self::cea::CeaArgs;
@@ -19,4 +20,5 @@ pub use options::{override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;
 pub use scene::SceneArgs;
+pub use screen::ScreenArgs;
 pub use sweep::SweepArgs;

@@ -33,6 +33,7 @@
 
 mod axis;
 mod canvas;
+mod drops;
 mod error;
 mod figure;
 mod font;
@@ -49,6 +50,7 @@ mod stability_map;
 mod style;
 mod vector;
 
+pub use drops::{DropBar, DropGroup, DropsFigure, drops};
 pub use error::FigureError;
 pub use figure::Figure;
 pub use index_bars::{IndexBar, IndexFigure, IndexPanel, index_bars};

@@ -23,10 +23,10 @@ mod tables;
 #[cfg(feature = "case-files")]
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
-#[cfg(feature = "program")]
-pub(crate) use html::write_sweep_page;
 #[cfg(feature = "figures")]
 pub use html::{Geometry, write_page};
+#[cfg(feature = "program")]
+pub(crate) use html::{write_screen_page, write_sweep_page};
 pub use manifest::{Manifest, Stopped, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]

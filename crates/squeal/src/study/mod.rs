@@ -24,7 +24,9 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
-pub use brake::{Input, ModeResidual, NamedParameter, UncertainBrake};
+pub use brake::{
+    Direction, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact,
+};
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use cost::Cost;

@@ -284,6 +284,11 @@ impl Plan {
         &self.configuration(scene).brake
     }
 
+    /// How many ranges of speed a scene stands for: all where nothing in it depends on speed.
+    pub fn speeds_of(&self, key: SceneKey) -> usize {
+        if key.speed.is_some() { 1 } else { self.labels.speeds.len().max(1) }
+    }
+
     /// Complex eigenvalue analyses that one sample stands for: every arrangement, law, constraint set and speed range.
     pub fn analyses_per_sample(&self) -> u64 {
         let SceneLabels { constraints, laws, speeds, panels, .. } = &self.labels;

@@ -14,6 +14,7 @@ mod names;
 mod rectangle;
 mod report_page;
 mod same_bytes;
+mod screen;
 mod sizes;
 mod study_tables;
 mod sweep;

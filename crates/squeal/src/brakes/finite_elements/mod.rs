@@ -2,6 +2,7 @@
 
 mod layout;
 mod parameters;
+mod places;
 mod points;
 mod reduce;
 
@@ -17,7 +18,7 @@ use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
-use crate::study::{Input, ModeResidual, NamedParameter, Plan, Scene, UncertainBrake};
+use crate::study::{Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact};
 
 /// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
 #[derive(Debug)]
@@ -170,6 +171,14 @@ impl UncertainBrake for FiniteElementBrake {
             LatticeSample::shared(draw, sample.speed_quantile)
         });
         FiniteElementSample { contacts, ..median }
+    }
+
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        places::contacts(self, scene)
+    }
+
+    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error> {
+        places::places(&self.case, &self.sets[constraints]).map(Some)
     }
 
     fn mode_residual(

@@ -19,7 +19,7 @@ use crate::brakes::labels::friction_labels;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::study::{
     Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
-    UncertainBrake,
+    Symmetry, UncertainBrake, WholeContact,
 };
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
@@ -34,6 +34,10 @@ pub struct LatticeBrake {
     pub plan: Plan,
     /// The lattice of each configuration of the plan.
     lattices: Vec<PreparedLattice>,
+    /// The symmetries of each set of constraints, where the draws keep them.
+    symmetries: Vec<Vec<Reversal>>,
+    /// By configuration: the reversal that maps it onto each member of its scenes.
+    members: Vec<Vec<Reversal>>,
 }
 
 impl LatticeBrake {
@@ -61,7 +65,7 @@ impl LatticeBrake {
             configurations: Vec::new(),
             scenes: Vec::new(),
         };
-        let mut brake = Self { case, plan, lattices: Vec::new() };
+        let mut brake = Self { case, plan, lattices: Vec::new(), symmetries: Vec::new(), members: Vec::new() };
         for constraints in 0..brake.case.constraints.len() {
             brake.lay_out(constraints)?;
         }
@@ -76,6 +80,7 @@ impl LatticeBrake {
         let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
         let named_at = naming_point(case, &full)?;
         self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
+        self.symmetries.push(if case.readings.draws == Draws::Shared { model.symmetries() } else { Vec::new() });
         for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
             for class in classes(case, &model, arrangements)? {
                 let arrangement = &arrangements[class.representative];
@@ -96,6 +101,7 @@ impl LatticeBrake {
                     contacts: arrangement.to_string(),
                 });
                 self.lattices.push(lattice);
+                self.members.push(class.members.iter().map(|member| member.reversal).collect());
             }
         }
         Ok(())
@@ -194,6 +200,38 @@ impl UncertainBrake for LatticeBrake {
     fn with_parameter(&self, _: &Scene, mu: f64) -> LatticeSample {
         let median = self.median();
         LatticeSample::shared(FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) }, median.speed_quantile)
+    }
+
+    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
+        let grid = self.case.lattice.grid;
+        let oscillators = grid.oscillators();
+        let symmetry = |reversal: &Reversal| Symmetry {
+            dofs: (0..3 * (oscillators + 1)).map(|dof| reversal.dof(grid, dof)).collect(),
+            contacts: (0..oscillators).map(|contact| reversal.oscillator(grid, contact)).collect(),
+        };
+        self.symmetries[constraints].iter().map(symmetry).collect()
+    }
+
+    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
+        let reversal = self.members[scene.configuration][member];
+        self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
+    }
+
+    /// An oscillator in contact: its friction along the sliding and across it, and its contact spring.
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        let (lattice, channels) = (self.lattice(scene), self.plan.brake(scene).system.channels());
+        let oscillators = lattice.arrangement().in_contact();
+        let whole = |(at, &number): (usize, &usize)| {
+            let (reading, stiffness) = (&channels[at].reading, self.case.lattice.contact_stiffness[number]);
+            let mut structure = SecondOrder::zeros(lattice.structural().order(), 0);
+            for &(i, a) in reading {
+                // The friction reads the force of the spring, k times its compression.
+                reading.iter().for_each(|&(j, b)| structure.k[(i, j)] = a * b / stiffness);
+            }
+            let channels = (at..channels.len()).step_by(oscillators.len()).collect();
+            WholeContact { number, name: (number + 1).to_string(), channels, structure: Some(structure) }
+        };
+        oscillators.iter().enumerate().map(whole).collect()
     }
 
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {

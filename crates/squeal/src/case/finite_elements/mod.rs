@@ -7,6 +7,7 @@ mod read;
 mod schema;
 mod terms;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use cea::Threshold;
@@ -40,6 +41,8 @@ pub struct FiniteElementCase {
     pub parameters: Vec<Parameter>,
     /// The mesh, where the case names one.
     pub mesh: Option<Mesh>,
+    /// The node sets of the mesh.
+    pub node_sets: BTreeMap<String, Vec<i64>>,
     /// What each row of the matrices is; a matrix without labels has the numbers of its rows as nodes, and direction 0.
     pub dofs: Vec<Dof>,
     /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; one channel for each

@@ -108,6 +108,7 @@ impl FiniteElementCase {
             constraints,
             reduction: goal(&check, &reduction)?,
             dofs: model.dofs,
+            node_sets: model.sets,
             mesh: model.mesh,
         })
     }

@@ -13,11 +13,15 @@ mod facts;
 mod geometry;
 mod page;
 #[cfg(feature = "program")]
+mod screen;
+#[cfg(feature = "program")]
 mod sweep;
 mod tables;
 mod text;
 
 pub use geometry::Geometry;
+#[cfg(feature = "program")]
+pub(crate) use screen::write_screen_page;
 #[cfg(feature = "program")]
 pub(crate) use sweep::write_sweep_page;
 

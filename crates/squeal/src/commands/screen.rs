@@ -1,0 +1,222 @@
+//! `squeal screen`: what helps, ranked and confirmed.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::options::{number, override_run, threads, whole_number};
+use super::scene::chosen;
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::case::CaseFile;
+use crate::folder::RunFolder;
+use crate::output::printable;
+use crate::report::write_screen_page;
+use crate::run::{bar, workers};
+use crate::screen::{ChangeKind, Confirmation, Screen, ScreenOptions, Sizes, confirm, rank};
+use crate::study::{Plan, UncertainBrake};
+use crate::{Error, fingerprint};
+
+/// Draws of the prediction where no option says otherwise; chosen: it ranks.
+const DRAWS: u64 = 8;
+/// Single changes of each kind that are confirmed where no option says otherwise.
+const CONFIRMED: u64 = 1;
+/// Places of a set where no option says otherwise: pairs.
+const PLACES: u64 = 2;
+/// Most draws of the prediction, and most places of a set; chosen.
+const MOST_DRAWS: u64 = 10_000;
+const MOST_PLACES: u64 = 20;
+
+/// Screen a brake for what helps: constraints, masses, springs, dashpots and contacts taken out, singly and in sets.
+///
+/// All are ranked by a few analyses on the same draws; the best are confirmed by all scenes of the case on other draws, the same
+/// for all, with an interval of each difference. A run that was stopped is continued by the same command.
+#[derive(Debug, clap::Args)]
+pub struct ScreenArgs {
+    /// The case file (TOML)
+    pub case: PathBuf,
+    /// Kinds of changes: constraint, mass, spring, dashpot, contact [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub kinds: Option<Vec<String>>,
+    /// Places of a set at most; sets are built greedily, of places and of what symmetries of the brake make of a place [default: 2]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = whole_number)]
+    pub up_to: Option<u64>,
+    /// Set of constraints that is changed, by name [default: the case's first]
+    #[arg(long, value_name = "NAME")]
+    pub constraints: Option<String>,
+    /// Single changes of each kind to confirm; of each larger size one set is [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub confirm: Option<u64>,
+    /// Added mass, kg [default: 5 % of the place's own]
+    #[arg(long, value_name = "KG", allow_negative_numbers = true, value_parser = number)]
+    pub mass: Option<f64>,
+    /// Added spring to ground, N/m [default: 5 % of the direction's own stiffness]
+    #[arg(long, value_name = "N/m", allow_negative_numbers = true, value_parser = number)]
+    pub spring: Option<f64>,
+    /// Added dashpot to ground, Ns/m [default: 1 % of critical damping of the direction by itself]
+    #[arg(long, value_name = "Ns/m", allow_negative_numbers = true, value_parser = number)]
+    pub dashpot: Option<f64>,
+    /// Draws of the prediction [default: 8]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub draws: Option<u64>,
+    /// Draws of the confirmation, instead of the case's samples
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    pub samples: Option<u64>,
+    /// Seed of the random streams, instead of the case's
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = whole_number)]
+    pub seed: Option<u64>,
+    /// Folder for tables, figure and page: new, empty, or that of the same screening
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// JSON for machines
+    #[arg(long)]
+    pub json: bool,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
+    pub threads: Option<usize>,
+}
+
+impl ScreenArgs {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What is wrong with the case or an option.
+    pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
+        let text = match CaseFile::read(&self.case)? {
+            CaseFile::Lattice(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                self.screen(&LatticeBrake::new(*case)?)?
+            }
+            CaseFile::Matrices(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                self.screen(&MatricesBrake::new(*case)?)?
+            }
+            CaseFile::FiniteElements(mut case) => {
+                override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
+                self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
+                self.screen(&FiniteElementBrake::new(*case, &bar("reductions"))?)?
+            }
+        };
+        out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
+    }
+
+    /// The options of the screening of a brake with these sets of constraints.
+    fn options(&self, sets: &[&str]) -> Result<ScreenOptions, Error> {
+        let within = |option, given: Option<u64>, default: u64, allowed: std::ops::RangeInclusive<u64>| {
+            let value = given.unwrap_or(default);
+            let refused = || {
+                let allowed = format!("{} to {}", allowed.start(), allowed.end());
+                Error::Option { option, value: value.to_string(), allowed }
+            };
+            if allowed.contains(&value) { Ok(value) } else { Err(refused()) }
+        };
+        let size = |option, given: Option<f64>, unit: &str| match given {
+            Some(value) if !(value.is_finite() && value > 0.0) => {
+                Err(Error::Option { option, value: value.to_string(), allowed: format!("a number > 0, {unit}") })
+            }
+            given => Ok(given),
+        };
+        let mut kinds = Vec::new();
+        for name in self.kinds.iter().flatten() {
+            let names = ChangeKind::ALL.map(ChangeKind::name);
+            let kind = ChangeKind::ALL[chosen("--kinds", Some(name), &names)?];
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+        }
+        if self.kinds.is_none() {
+            kinds.extend(ChangeKind::ALL);
+        }
+        Ok(ScreenOptions {
+            constraints: chosen("--constraints", self.constraints.as_deref(), sets)?,
+            kinds,
+            sizes: Sizes {
+                mass: size("--mass", self.mass, "kg")?,
+                spring: size("--spring", self.spring, "N/m")?,
+                dashpot: size("--dashpot", self.dashpot, "Ns/m")?,
+            },
+            up_to: within("--up-to", self.up_to, PLACES, 1..=MOST_PLACES)? as usize,
+            draws: within("--draws", self.draws, DRAWS, 1..=MOST_DRAWS)?,
+            confirmed: within("--confirm", self.confirm, CONFIRMED, 0..=u64::from(u16::MAX))? as usize,
+        })
+    }
+
+    fn screen<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+        let (plan, start) = (brake.plan(), Instant::now());
+        let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
+        let options = self.options(&sets)?;
+        if plan.samples < 2 {
+            let (value, allowed) = (plan.samples.to_string(), "2 or more, for an interval".into());
+            return Err(Error::Option { option: "--samples", value, allowed });
+        }
+        let of = fingerprint(&format!("{options:?}"));
+        let identity = format!("{} seed {} screen {} samples {}", plan.identity, plan.seed, &of[..16], plan.samples);
+        if let Some(dir) = &self.out {
+            RunFolder::check(dir, &identity)?;
+        }
+        let ranking = workers(self.threads)?.install(|| rank(brake, &options, &bar("sets of changes")))?;
+        let predicted = start.elapsed().as_secs_f64();
+        let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
+        let how = Confirmation {
+            samples: plan.samples,
+            threads: self.threads,
+            checkpoint: self.out.as_ref().map(|dir| dir.join("checkpoint.json")),
+            preparation: &bar("steps of preparation"),
+            evaluation: &bar("evaluations"),
+        };
+        let screen = confirm(brake, ranking, &options, &how)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);
+        if let Some(folder) = &folder {
+            folder.publish(|stage| {
+                screen.write_tables(stage)?;
+                let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
+                figure.save_pictures(stage, "screen")?;
+                write_screen_page(plan, &screen, &figure, &what, stage)
+            })?;
+            let manifest = manifest(plan, &options, &screen, self.threads, [predicted, seconds]);
+            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+        }
+        if self.json {
+            return Ok(format!("{:#}\n", screen.json()));
+        }
+        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
+        let place = place.unwrap_or_default();
+        Ok(format!(
+            "{}\n\n{}{}\n{seconds:.2} s, {predicted:.2} s of it for the prediction{place}\n",
+            printable(&what),
+            screen.text(),
+            Sizes::in_proportion()
+        ))
+    }
+}
+
+/// Enough to make the screening again, and what it took.
+fn manifest(
+    plan: &Plan,
+    options: &ScreenOptions,
+    screen: &Screen,
+    threads: Option<usize>,
+    [predicted, seconds]: [f64; 2],
+) -> Value {
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+        "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+        "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+        "study": plan.name,
+        "constraints": plan.labels.constraints[options.constraints],
+        "kinds": options.kinds,
+        "up_to": options.up_to,
+        "confirmed_singles": options.confirmed,
+        "mass": options.sizes.mass,
+        "spring": options.sizes.spring,
+        "dashpot": options.sizes.dashpot,
+        "seed": plan.seed,
+        "counts": screen.counts(),
+        "threads": threads,
+        "seconds_of_prediction": predicted,
+        "seconds": seconds,
+    })
+}

@@ -1,0 +1,108 @@
+//! The page of a screening.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::FILE;
+use super::facts::{case, described, program};
+use super::page::Page;
+use super::tables::Table;
+use super::text::{escaped, filled};
+use crate::figures::Figure;
+use crate::screen::{Screen, ScreenedSet};
+use crate::study::Plan;
+use crate::{Error, fingerprint};
+
+/// The tables of a screening, and what they are about.
+const TABLES: [(&str, &str); 2] = [
+    ("screen.csv", "Every change with what was predicted, and what was confirmed of the best"),
+    (
+        "screen_differences.csv",
+        "Differences of two confirmed sets of changes on the same draws: positive where the second has fewer unstable modes",
+    ),
+];
+
+/// Writes `report.html` into `dir`, in which the tables of the same screening stand already.
+///
+/// # Errors
+/// A table that cannot be read, a file that cannot be written.
+pub(crate) fn write_screen_page(
+    plan: &Plan,
+    screen: &Screen,
+    figure: &Figure,
+    title: &str,
+    dir: &Path,
+) -> Result<(), Error> {
+    let mut tables = Vec::new();
+    for (name, about) in TABLES {
+        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
+            tables.push(table.json(name, about));
+        }
+    }
+    let counts = [
+        ("Sets of changes predicted", screen.predicted_sets.to_string()),
+        ("Spectra for each of them", screen.analyses_per_set.to_string()),
+        ("Draws of the prediction", screen.prediction_draws.to_string()),
+        ("Draws of the confirmation", screen.samples.to_string()),
+        ("Scenes of the confirmation", screen.scenes.to_string()),
+        ("Evaluations of the confirmation that failed", screen.failures.to_string()),
+    ];
+    let sha256 = plan.source_file.as_ref().map(|file| fingerprint(&file.text));
+    let page = Page {
+        title: title.into(),
+        answer: answer(screen),
+        figures: filled(include_str!("screen.html"), &[("figure", &figure.svg())]),
+        facts: format!(
+            "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
+            escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),
+            described(&counts),
+            program(),
+            case(plan.source_file.as_ref(), sha256.as_deref())
+        ),
+        data: json!({ "tables": tables }),
+    };
+    page.write(&dir.join(FILE))
+}
+
+/// What helps, in words, the best of each kind first; then all that was found, as it is printed.
+fn answer(screen: &Screen) -> String {
+    let mut text = String::from("<h3>What helps</h3>\n<ul class=\"lead\">\n");
+    let mut best: Vec<&ScreenedSet> = Vec::new();
+    for set in screen.sets.iter().skip(1).filter(|set| set.confirmed.is_some()) {
+        let drop = |set: &ScreenedSet| set.confirmed.as_ref().map_or(f64::NEG_INFINITY, |found| found.drop.value);
+        match best.iter_mut().find(|other| other.kind == set.kind) {
+            Some(other) if drop(set) > drop(other) => *other = set,
+            Some(_) => {}
+            None => best.push(set),
+        }
+    }
+    for set in best {
+        let Some(found) = &set.confirmed else { continue };
+        let action = set.kind.map_or_else(|| "Set of constraints".to_owned(), |kind| capitalised(kind.action()));
+        let effect = if found.drop.lower > 0.0 {
+            "fewer unstable modes"
+        } else if found.drop.upper < 0.0 {
+            "fewer unstable modes: surely more than without it"
+        } else {
+            "fewer unstable modes: no sure difference"
+        };
+        text += &format!(
+            "<li>{action} <strong>{}</strong>: {:.3} ({:.3} to {:.3}) {effect}; {:.3} are left, and {:.1}&nbsp;% of the analyses have \
+             any.</li>\n",
+            escaped(&set.name()),
+            found.drop.value,
+            found.drop.lower,
+            found.drop.upper,
+            found.unstable.value,
+            100.0 * found.squealing.value
+        );
+    }
+    text += "</ul>\n<p>Of each kind the one with the largest drop that was confirmed; limits at 95&nbsp;%.</p>\n";
+    text + &format!("<pre tabindex=\"0\" aria-label=\"What the screening found\">{}</pre>\n", escaped(&screen.text()))
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

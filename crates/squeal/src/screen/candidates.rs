@@ -1,0 +1,294 @@
+//! What could be changed: single changes of a brake, and groups of them that its symmetries make.
+
+use std::collections::BTreeSet;
+
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use super::change::{Attached, Change};
+use crate::Error;
+use crate::study::{Direction, OwnSize, Place, Symmetry, UncertainBrake, origin_of_set};
+
+/// A kind of changes. Sets are of one kind: what a constraint costs against a dashpot is not for a program to say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChangeKind {
+    /// A degree of freedom is held.
+    Constraint,
+    /// A point mass is added to a body, or to a degree of freedom where bodies are no point masses.
+    Mass,
+    /// A spring to ground is added.
+    Spring,
+    /// A dashpot to ground is added.
+    Dashpot,
+    /// A contact is taken out.
+    Contact,
+}
+
+impl ChangeKind {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Constraint, Self::Mass, Self::Spring, Self::Dashpot, Self::Contact];
+
+    /// In tables and options.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constraint => "constraint",
+            Self::Mass => "mass",
+            Self::Spring => "spring",
+            Self::Dashpot => "dashpot",
+            Self::Contact => "contact",
+        }
+    }
+
+    /// The unit of its size; empty where it has none.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Mass => "kg",
+            Self::Spring => "N/m",
+            Self::Dashpot => "Ns/m",
+            Self::Constraint | Self::Contact => "",
+        }
+    }
+
+    /// What is done, for people.
+    pub fn action(self) -> &'static str {
+        match self {
+            Self::Constraint => "hold",
+            Self::Mass => "add a mass to",
+            Self::Spring => "add a spring to ground to",
+            Self::Dashpot => "add a dashpot to ground to",
+            Self::Contact => "take out contact",
+        }
+    }
+}
+
+/// How large masses, springs and dashpots are.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sizes {
+    /// kg; `None` is [`Sizes::PART`] of the mass at the place.
+    pub mass: Option<f64>,
+    /// N/m; `None` is [`Sizes::PART`] of the stiffness of the direction.
+    pub spring: Option<f64>,
+    /// Ns/m; `None` gives the direction by itself [`Sizes::DAMPING_RATIO`] more.
+    pub dashpot: Option<f64>,
+}
+
+impl Sizes {
+    /// Part of a place's own mass and stiffness that is added; chosen: small enough to be built, large enough to be seen.
+    pub const PART: f64 = 0.05;
+    /// Damping ratio that a dashpot of `2 zeta sqrt(k m)` adds to a direction left to itself; chosen.
+    pub const DAMPING_RATIO: f64 = 0.01;
+
+    /// What the sizes are where none is given, for people.
+    pub fn in_proportion() -> String {
+        format!(
+            "a mass or spring is {} % of its place's own, a dashpot adds {} % of critical damping to its direction left to itself",
+            100.0 * Self::PART,
+            100.0 * Self::DAMPING_RATIO
+        )
+    }
+
+    fn spring(&self, own: OwnSize) -> f64 {
+        self.spring.unwrap_or(Self::PART * own.stiffness)
+    }
+
+    fn dashpot(&self, own: OwnSize) -> f64 {
+        self.dashpot.unwrap_or(2.0 * Self::DAMPING_RATIO * (own.stiffness * own.mass).max(0.0).sqrt())
+    }
+
+    fn mass(&self, place: &Place) -> f64 {
+        let own = place.directions.iter().map(|direction| direction.own.mass).fold(f64::INFINITY, f64::min);
+        self.mass.unwrap_or(Self::PART * own)
+    }
+}
+
+/// A change at one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SingleChange {
+    /// What is changed there: a degree of freedom, a body, a contact.
+    pub name: String,
+    /// The change.
+    pub change: Change,
+}
+
+impl SingleChange {
+    /// How large it is, in the unit of its kind; `None` of one that has no size.
+    pub fn size(&self) -> Option<f64> {
+        match self.change {
+            Change::Attach { size, .. } => Some(size),
+            Change::Hold { .. } | Change::TakeOut { .. } => None,
+        }
+    }
+}
+
+/// Everything of one kind that could be changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidates {
+    /// Of which kind.
+    pub kind: ChangeKind,
+    /// Changes at one place each.
+    pub singles: Vec<SingleChange>,
+    /// By symmetry of the brake, and place in `singles`: what it becomes. Without symmetries the identity alone.
+    images: Vec<Vec<usize>>,
+    /// What can be done at once: each single change, and what one symmetry or all of them make of it.
+    pub groups: Vec<Vec<usize>>,
+}
+
+impl Candidates {
+    /// What can be changed on a brake under a set of constraints, kind by kind.
+    ///
+    /// # Errors
+    /// Those of [`UncertainBrake::places`].
+    pub fn all<B: UncertainBrake>(
+        brake: &B,
+        constraints: usize,
+        kinds: &[ChangeKind],
+        sizes: &Sizes,
+    ) -> Result<Vec<Self>, Error> {
+        let given = brake.places(constraints)?;
+        let places = match given {
+            Some(places) => places,
+            None => degrees_of_freedom(brake, constraints)?,
+        };
+        let of_kind = |&kind: &ChangeKind| {
+            let singles = match kind {
+                ChangeKind::Contact => contacts(brake, constraints),
+                _ => places.iter().flat_map(|place| attached(kind, place, sizes)).collect(),
+            };
+            Self::new(kind, singles, &brake.symmetries(constraints))
+        };
+        Ok(kinds.iter().map(of_kind).collect())
+    }
+
+    fn new(kind: ChangeKind, singles: Vec<SingleChange>, symmetries: &[Symmetry]) -> Self {
+        let place = |change: &Change| singles.iter().position(|single| single.change == *change);
+        let image = |symmetry: &Symmetry| singles.iter().map(|single| place(&single.change.image(symmetry))).collect();
+        let mut images: Vec<Vec<usize>> = symmetries.iter().filter_map(image).collect();
+        if images.is_empty() {
+            images.push((0..singles.len()).collect());
+        }
+        let mut groups: Vec<Vec<usize>> = (0..singles.len()).map(|single| vec![single]).collect();
+        let mut larger = BTreeSet::new();
+        for single in 0..singles.len() {
+            let by_one = images.iter().map(|image| BTreeSet::from([single, image[single]]));
+            let by_all = images.iter().map(|image| image[single]).collect();
+            larger.extend(by_one.chain([by_all]).filter(|group: &BTreeSet<usize>| group.len() > 1));
+        }
+        groups.extend(larger.into_iter().map(|group| group.into_iter().collect::<Vec<_>>()));
+        Self { kind, singles, images, groups }
+    }
+
+    /// The first, in order, of all that symmetries make of some single changes, which have the same effect over all arrangements.
+    pub fn representative(&self, of: &[usize]) -> Vec<usize> {
+        let image = |image: &Vec<usize>| {
+            let mut image: Vec<usize> = of.iter().map(|&single| image[single]).collect();
+            image.sort_unstable();
+            image
+        };
+        self.images.iter().map(image).min().unwrap_or_else(|| of.to_vec())
+    }
+
+    /// Whether every symmetry leaves some single changes, in order, as they are; `false` where the brake has none.
+    pub fn is_symmetric(&self, of: &[usize]) -> bool {
+        let is_same = |image: &Vec<usize>| of.iter().all(|&single| of.contains(&image[single]));
+        self.images.len() > 1 && self.images.iter().all(is_same)
+    }
+
+    /// The changes of some singles.
+    pub fn changes(&self, of: &[usize]) -> Vec<Change> {
+        of.iter().map(|&single| self.singles[single].change.clone()).collect()
+    }
+
+    /// What some singles are called together.
+    pub fn name(&self, of: &[usize]) -> String {
+        of.iter().map(|&single| self.singles[single].name.as_str()).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The sizes of some singles: one where they are equal.
+    pub fn sizes(&self, of: &[usize]) -> Vec<f64> {
+        let mut sizes: Vec<f64> = of.iter().filter_map(|&single| self.singles[single].size()).collect();
+        sizes.dedup();
+        sizes
+    }
+}
+
+/// What can be attached to a place, or held there.
+fn attached(kind: ChangeKind, place: &Place, sizes: &Sizes) -> Vec<SingleChange> {
+    let single = |name: &str, what: Attached, size: f64, along: Vec<Vec<(usize, f64)>>| {
+        // A direction without mass or stiffness of its own gets nothing in proportion to it.
+        let change = Change::Attach { what, size, along };
+        (size.is_finite() && size > 0.0).then(|| SingleChange { name: name.into(), change })
+    };
+    match kind {
+        ChangeKind::Mass => {
+            let along = place.directions.iter().flat_map(|direction| direction.parts.clone()).collect();
+            single(&place.name, Attached::Mass, sizes.mass(place), along).into_iter().collect()
+        }
+        ChangeKind::Contact => Vec::new(),
+        _ => {
+            let of_direction = |direction: &Direction| {
+                let Direction { name, dof, parts, own } = direction;
+                match kind {
+                    ChangeKind::Spring => single(name, Attached::Spring, sizes.spring(*own), parts.clone()),
+                    ChangeKind::Dashpot => single(name, Attached::Dashpot, sizes.dashpot(*own), parts.clone()),
+                    _ => dof.map(|dof| SingleChange { name: name.clone(), change: Change::Hold { dof } }),
+                }
+            };
+            place.directions.iter().filter_map(of_direction).collect()
+        }
+    }
+}
+
+/// The contacts that are closed in any scene of a set of constraints, each once.
+fn contacts<B: UncertainBrake>(brake: &B, constraints: usize) -> Vec<SingleChange> {
+    let mut found: Vec<(usize, String)> = Vec::new();
+    for scene in brake.plan().scenes.iter().filter(|scene| scene.key.constraints == constraints) {
+        for contact in brake.contacts(scene) {
+            if found.iter().all(|(number, _)| *number != contact.number) {
+                found.push((contact.number, contact.name));
+            }
+        }
+    }
+    found.sort();
+    let single = |(contact, name)| SingleChange { name, change: Change::TakeOut { contact } };
+    found.into_iter().map(single).collect()
+}
+
+/// The free degrees of freedom as places: each body that is a point mass is one, with its directions, each other degree of freedom
+/// one by itself.
+fn degrees_of_freedom<B: UncertainBrake>(brake: &B, constraints: usize) -> Result<Vec<Place>, Error> {
+    let plan = brake.plan();
+    let Some(origin) = origin_of_set(plan, constraints) else { return Ok(Vec::new()) };
+    let origin = &plan.origins[origin];
+    let structure = origin.brake.system.structure(&origin.naming_point.coefficients)?;
+    let free = origin.brake.dofs.free();
+    let direction = |at: usize| Direction {
+        name: plan.labels.dof(free[at]),
+        dof: Some(free[at]),
+        parts: vec![vec![(free[at], 1.0)]],
+        own: OwnSize { mass: structure.m[(at, at)], stiffness: structure.k[(at, at)] },
+    };
+    let mut places: Vec<(usize, Place)> = Vec::new();
+    let mut is_taken = vec![false; free.len()];
+    for body in &origin.brake.bodies {
+        if is_point_mass(&structure.m, &body.dofs) && body.dofs.iter().all(|&at| !is_taken[at]) {
+            body.dofs.iter().for_each(|&at| is_taken[at] = true);
+            let directions = body.dofs.iter().map(|&at| direction(at)).collect();
+            places.push((body.dofs[0], Place { name: body.name.clone(), directions }));
+        }
+    }
+    for at in (0..free.len()).filter(|&at| !is_taken[at]) {
+        let direction = direction(at);
+        places.push((at, Place { name: direction.name.clone(), directions: vec![direction] }));
+    }
+    places.sort_by_key(|(first, _)| *first);
+    Ok(places.into_iter().map(|(_, place)| place).collect())
+}
+
+/// Whether a body has one mass in up to three directions, and none in common with other degrees of freedom.
+fn is_point_mass(mass: &DMatrix<f64>, dofs: &[usize]) -> bool {
+    let Some(&first) = dofs.first() else { return false };
+    let own = mass[(first, first)];
+    let is_alone = |&at: &usize| (0..mass.nrows()).all(|i| mass[(i, at)] == if i == at { own } else { 0.0 });
+    dofs.len() <= 3 && own > 0.0 && dofs.iter().all(is_alone)
+}

@@ -1,0 +1,159 @@
+//! What can be changed on a brake, and the brake with it.
+
+use linsys::{AffineSystem, DofMap, OperatingPoint, SecondOrder, Term};
+use nalgebra::DMatrix;
+use osc_model::{Body, Brake, Sectors};
+use serde::Serialize;
+
+use crate::Error;
+use crate::study::{Symmetry, WholeContact};
+
+/// The term that holds what is attached to a brake, less what goes with contacts that are taken out.
+const TERM: &str = "changes";
+
+/// What is attached to a brake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize)]
+pub enum Attached {
+    /// A mass, kg.
+    Mass,
+    /// A spring to ground, N/m.
+    Spring,
+    /// A dashpot to ground, Ns/m.
+    Dashpot,
+}
+
+/// One change of a brake. Degrees of freedom have their numbers, from 0, with held ones counted.
+#[derive(Debug, Clone, PartialEq, PartialOrd, Serialize)]
+pub enum Change {
+    /// A degree of freedom is held: its row and column leave the matrices.
+    Hold {
+        /// Which.
+        dof: usize,
+    },
+    /// `size sum p p^T` is added to M, K or C.
+    Attach {
+        /// To which of the three.
+        what: Attached,
+        /// kg, N/m or Ns/m.
+        size: f64,
+        /// The vectors p.
+        along: Vec<Vec<(usize, f64)>>,
+    },
+    /// A contact is taken out where it is closed: its friction and, as far as they are known, its spring and dashpot. The loads of
+    /// the others stay as they are.
+    TakeOut {
+        /// Its number.
+        contact: usize,
+    },
+}
+
+impl Change {
+    /// What a symmetry makes of it.
+    pub fn image(&self, symmetry: &Symmetry) -> Self {
+        match self {
+            Self::Hold { dof } => Self::Hold { dof: symmetry.dofs[*dof] },
+            Self::TakeOut { contact } => Self::TakeOut { contact: symmetry.contacts[*contact] },
+            Self::Attach { what, size, along } => {
+                let image = |vector: &Vec<(usize, f64)>| {
+                    let mut image: Vec<(usize, f64)> =
+                        vector.iter().map(|&(dof, value)| (symmetry.dofs[dof], value)).collect();
+                    image.sort_by_key(|&(dof, _)| dof);
+                    image
+                };
+                let mut along: Vec<_> = along.iter().map(image).collect();
+                along.sort_by_key(|vector| vector.first().map(|&(dof, _)| dof));
+                Self::Attach { what: *what, size: *size, along }
+            }
+        }
+    }
+}
+
+/// A brake with changes.
+#[derive(Debug, Clone)]
+pub(super) struct ChangedBrake {
+    pub brake: Brake,
+    /// Places of the channels that it has among those of the brake without changes.
+    channels: Vec<usize>,
+    has_term: bool,
+}
+
+impl ChangedBrake {
+    /// A brake with these changes; `contacts` are its own.
+    ///
+    /// # Errors
+    /// No degree of freedom left free, or one that the brake does not have.
+    pub fn new(brake: &Brake, contacts: &[WholeContact], changes: &[Change]) -> Result<Self, Error> {
+        let order = brake.system.order();
+        let (mut held, mut added, mut out) = (Vec::new(), SecondOrder::zeros(order, 0), Vec::new());
+        for change in changes {
+            match change {
+                Change::Hold { dof } => held.extend(brake.dofs.position(*dof)),
+                Change::Attach { what, size, along } => {
+                    let matrix = match what {
+                        Attached::Mass => &mut added.m,
+                        Attached::Spring => &mut added.k,
+                        Attached::Dashpot => &mut added.c,
+                    };
+                    along.iter().for_each(|vector| attach(matrix, &brake.dofs, *size, vector));
+                }
+                Change::TakeOut { contact } => {
+                    if let Some(contact) = contacts.iter().find(|other| other.number == *contact) {
+                        out.extend(&contact.channels);
+                        if let Some(structure) = &contact.structure {
+                            added.c -= &structure.c;
+                            added.k -= &structure.k;
+                        }
+                    }
+                }
+            }
+        }
+        let channels: Vec<usize> = (0..brake.system.channels().len()).filter(|at| !out.contains(at)).collect();
+        let kept = DofMap::new(order, &held)?;
+        let (mut terms, has_term) = (brake.system.terms().to_vec(), added != SecondOrder::zeros(order, 0));
+        if has_term {
+            terms.push(Term::new(TERM, TERM, added.clone())?);
+        }
+        let of_channels = channels.iter().map(|&at| brake.system.channels()[at].clone()).collect();
+        let system = AffineSystem::new(terms, of_channels)?.on(&kept)?;
+        let free = |body: &Body| body.dofs.iter().filter_map(|&dof| kept.position(dof)).collect();
+        let bodies = brake.bodies.iter().map(|body| Body { name: body.name.clone(), dofs: free(body) }).collect();
+        let total = brake.dofs.total();
+        let stays = |dof: usize| brake.dofs.position(dof).is_some_and(|at| kept.position(at).is_some());
+        let dofs = DofMap::new(total, &(0..total).filter(|&dof| !stays(dof)).collect::<Vec<_>>())?;
+        let sectors = sectors(brake, &kept, &channels, &added);
+        Ok(Self { brake: Brake { system, dofs, bodies, sectors }, channels, has_term })
+    }
+
+    /// The operating point of the brake with changes from that of the one without.
+    pub fn point(&self, mut at: OperatingPoint) -> OperatingPoint {
+        if self.has_term {
+            at.coefficients.push(1.0);
+        }
+        at.channels = self.channels.iter().filter_map(|&channel| at.channels.get(channel).copied()).collect();
+        at
+    }
+}
+
+/// Adds `size p p^T` at the free degrees of freedom.
+fn attach(matrix: &mut DMatrix<f64>, dofs: &DofMap, size: f64, vector: &[(usize, f64)]) {
+    let free = || vector.iter().filter_map(|&(dof, value)| Some((dofs.position(dof)?, value)));
+    for (row, a) in free() {
+        for (column, b) in free() {
+            matrix[(row, column)] += size * a * b;
+        }
+    }
+}
+
+/// The sectors that the changes leave, where they keep the symmetry, else the whole.
+fn sectors(brake: &Brake, kept: &DofMap, channels: &[usize], added: &SecondOrder) -> Sectors {
+    let whole = || Sectors::whole(kept.free().len(), channels.len());
+    if brake.sectors.iter().len() == 1
+        || [&added.m, &added.c, &added.k].map(|a| brake.sectors.are_coupled_by(a)).contains(&true)
+    {
+        return whole();
+    }
+    let dofs: Vec<Option<usize>> = (0..kept.total()).map(|dof| kept.position(dof)).collect();
+    let place = |at| channels.iter().position(|&other| other == at);
+    let channels: Vec<Option<usize>> = (0..brake.system.channels().len()).map(place).collect();
+    brake.sectors.kept(&dofs, &channels).unwrap_or_else(whole)
+}

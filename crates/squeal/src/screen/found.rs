@@ -1,0 +1,301 @@
+//! What a screening found, for people and for machines.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::candidates::ChangeKind;
+use super::confirm::Confirmed;
+use super::modified::ChangeSet;
+use super::predict::Prediction;
+use crate::Error;
+use crate::output::write_csv;
+use crate::report::Estimate;
+
+/// Changes of each kind that are printed and not confirmed; more are in the table. Chosen.
+const MOST_PRINTED: usize = 5;
+
+/// Some changes of a brake together, with what is known of their effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScreenedSet {
+    /// Of which kind; `None` of the brake as it is, and of its other sets of constraints.
+    pub kind: Option<ChangeKind>,
+    /// Where, or the name of a set of constraints.
+    pub places: String,
+    /// At how many places; of sets of constraints, degrees of freedom held more than in the first.
+    pub count: usize,
+    /// The sizes, in the unit of the kind; one where all are equal.
+    pub sizes: Vec<f64>,
+    /// What a few analyses have with them.
+    pub prediction: Option<Prediction>,
+    /// The changes.
+    pub changes: ChangeSet,
+    /// Its place among those that are confirmed.
+    pub place: Option<usize>,
+    /// What the study of all scenes says.
+    pub confirmed: Option<Confirmed>,
+}
+
+/// What a screening found.
+pub struct Screen {
+    /// The brake as it is, its other sets of constraints, then kind by kind: the largest sets first, then single changes, the best
+    /// first.
+    pub sets: Vec<ScreenedSet>,
+    /// By how much one confirmed set has more unstable modes than another, by their places.
+    pub differences: Vec<Vec<Option<Estimate>>>,
+    /// What the analyses of the prediction have without changes.
+    pub unchanged: Prediction,
+    /// Sets that could not be analysed, and why.
+    pub failed: Vec<(String, String)>,
+    /// Sets of changes that were predicted.
+    pub predicted_sets: u64,
+    /// Spectra for each of them.
+    pub analyses_per_set: u64,
+    /// Draws of the prediction.
+    pub prediction_draws: u64,
+    /// Draws of the confirmation.
+    pub samples: u64,
+    /// Scenes of the confirmation, all sets together.
+    pub scenes: u64,
+    /// Evaluations of the confirmation that failed.
+    pub failures: u64,
+}
+
+impl ScreenedSet {
+    /// By how many unstable modes in one analysis the prediction is less than without changes.
+    pub fn predicted_drop(&self, unchanged: &Prediction) -> Option<f64> {
+        Some(unchanged.unstable - self.prediction?.unstable)
+    }
+
+    /// What is done, for people.
+    pub fn name(&self) -> String {
+        let sizes = match (self.kind, self.sizes.as_slice()) {
+            (Some(kind), [size]) => format!(", {size:.3e} {}", kind.unit()),
+            (Some(kind), [_, ..]) => {
+                let (least, most) = self.sizes.iter().fold((f64::INFINITY, 0.0), |(a, b), &s| (s.min(a), s.max(b)));
+                format!(", {least:.3e} to {most:.3e} {}", kind.unit())
+            }
+            _ => String::new(),
+        };
+        format!("{}{sizes}", self.places)
+    }
+}
+
+impl Screen {
+    /// The brake without changes, confirmed.
+    pub fn as_it_is(&self) -> Option<&Confirmed> {
+        self.sets.first()?.confirmed.as_ref()
+    }
+
+    /// Writes `screen.csv`, a row for each set, and `screen_differences.csv`, one for each pair of confirmed sets.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
+        let header = [
+            "kind",
+            "places",
+            "count",
+            "size",
+            "unit",
+            "predicted_unstable_modes",
+            "predicted_drop",
+            "predicted_growth",
+            "unstable_modes",
+            "unstable_modes_lower",
+            "unstable_modes_upper",
+            "drop",
+            "drop_lower",
+            "drop_upper",
+            "squealing",
+            "squealing_lower",
+            "squealing_upper",
+            "squealing_drop",
+            "squealing_drop_lower",
+            "squealing_drop_upper",
+            "undecided",
+            "divergent",
+            "samples",
+            "predicted_analyses",
+        ];
+        write_csv(&dir.join("screen.csv"), &header, self.sets.iter().map(|set| self.row(set)))?;
+        let confirmed: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.place.is_some()).collect();
+        let mut rows = Vec::new();
+        for more in &confirmed {
+            for less in &confirmed {
+                if let Some(Estimate { value, lower, upper }) =
+                    self.difference(more, less).filter(|_| more.place != less.place)
+                {
+                    let numbers = [value, lower, upper].map(|x| x.to_string());
+                    rows.push(
+                        [more.changes.name.clone(), less.changes.name.clone()].into_iter().chain(numbers).collect(),
+                    );
+                }
+            }
+        }
+        let header = ["changes", "other_changes", "difference", "lower", "upper"];
+        write_csv(&dir.join("screen_differences.csv"), &header, rows)
+    }
+
+    /// By how much one confirmed set has more unstable modes than another.
+    pub fn difference(&self, more: &ScreenedSet, less: &ScreenedSet) -> Option<Estimate> {
+        self.differences.get(more.place?)?.get(less.place?).copied().flatten()
+    }
+
+    fn row(&self, set: &ScreenedSet) -> Vec<String> {
+        let text = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let sizes: Vec<String> = set.sizes.iter().map(f64::to_string).collect();
+        let mut row = vec![
+            set.kind.map_or("set of constraints", ChangeKind::name).to_owned(),
+            set.places.clone(),
+            set.count.to_string(),
+            sizes.join(" "),
+            set.kind.map_or("", ChangeKind::unit).to_owned(),
+            text(set.prediction.map(|prediction| prediction.unstable)),
+            text(set.predicted_drop(&self.unchanged)),
+            text(set.prediction.map(|prediction| prediction.growth)),
+        ];
+        let confirmed = set.confirmed.as_ref();
+        let estimates: [fn(&Confirmed) -> Estimate; 4] =
+            [|c| c.unstable, |c| c.drop, |c| c.squealing, |c| c.squealing_drop];
+        for of in estimates {
+            let estimate = confirmed.map(of);
+            row.extend([estimate.map(|e| e.value), estimate.map(|e| e.lower), estimate.map(|e| e.upper)].map(text));
+        }
+        let counts: [fn(&Confirmed) -> u64; 3] = [|c| c.undecided, |c| c.divergent, |c| c.samples];
+        row.extend(counts.map(|of| confirmed.map_or_else(String::new, |c| of(c).to_string())));
+        row.push(if set.prediction.is_some() { self.analyses_per_set.to_string() } else { String::new() });
+        row
+    }
+
+    /// Everything, for machines.
+    pub fn json(&self) -> Value {
+        let sets: Vec<Value> = self
+            .sets
+            .iter()
+            .map(|set| {
+                json!({
+                    "kind": set.kind,
+                    "places": set.places,
+                    "count": set.count,
+                    "sizes": set.sizes,
+                    "unit": set.kind.map(ChangeKind::unit),
+                    "predicted": set.prediction,
+                    "predicted_drop": set.predicted_drop(&self.unchanged),
+                    "confirmed": set.confirmed,
+                })
+            })
+            .collect();
+        json!({ "sets": sets, "failed": self.failed, "counts": self.counts() })
+    }
+
+    /// What was computed.
+    pub fn counts(&self) -> Value {
+        json!({
+            "predicted_sets": self.predicted_sets,
+            "analyses_per_set": self.analyses_per_set,
+            "prediction_draws": self.prediction_draws,
+            "samples": self.samples,
+            "scenes": self.scenes,
+            "failures": self.failures,
+        })
+    }
+
+    /// What was found, for people.
+    pub fn text(&self) -> String {
+        let mut text = self.as_it_is().map_or_else(String::new, |now| {
+            format!(
+                "{}: {} unstable modes in one analysis, any in {} %\n",
+                self.sets[0].places,
+                within(&now.unstable, 3, 1.0),
+                within(&now.squealing, 1, 100.0)
+            )
+        });
+        let of_case: Vec<&ScreenedSet> = self.sets.iter().skip(1).take_while(|set| set.kind.is_none()).collect();
+        if !of_case.is_empty() {
+            text += &format!("\n{}", heading("the case's sets of constraints"));
+            of_case.iter().for_each(|set| text += &self.line(set));
+        }
+        for kind in ChangeKind::ALL {
+            let of_kind: Vec<&ScreenedSet> = self.sets.iter().filter(|set| set.kind == Some(kind)).collect();
+            if of_kind.is_empty() {
+                continue;
+            }
+            text += &format!("\n{}", heading(kind.action()));
+            let (confirmed, predicted): (Vec<_>, Vec<_>) = of_kind.into_iter().partition(|set| set.place.is_some());
+            confirmed.iter().chain(predicted.iter().take(MOST_PRINTED)).for_each(|set| text += &self.line(set));
+            if predicted.len() > MOST_PRINTED {
+                text += &format!("{} more, of smaller drop\n", predicted.len() - MOST_PRINTED);
+            }
+        }
+        text += "\n";
+        for set in of_case {
+            text += &self.against(set);
+        }
+        text + &self.remarks()
+    }
+
+    /// How the constraints found compare with a set of constraints of the case that holds as many.
+    fn against(&self, set: &ScreenedSet) -> String {
+        let is_alike = |other: &&ScreenedSet| other.kind == Some(ChangeKind::Constraint) && other.count == set.count;
+        let line = |other: &ScreenedSet| {
+            let Estimate { value, lower, upper } = self.difference(set, other)?;
+            let (than, size) = match value < 0.0 {
+                true => ("more", Estimate { value: -value, lower: -upper, upper: -lower }),
+                false => ("fewer", Estimate { value, lower, upper }),
+            };
+            let (size, places) = (within(&size, 3, 1.0), &set.places);
+            Some(format!(
+                "holding {} leaves {size} unstable modes {than} than \"{places}\", which holds as many\n",
+                other.places
+            ))
+        };
+        self.sets.iter().filter(is_alike).filter_map(line).collect()
+    }
+
+    /// What every number rests on.
+    fn remarks(&self) -> String {
+        let mut text = String::new();
+        for (set, error) in &self.failed {
+            text += &format!("{set}: not analysed: {error}\n");
+        }
+        if self.failures > 0 {
+            text += &format!("{} evaluations of the confirmation failed\n", self.failures);
+        }
+        text + &self.rests_on().join("\n") + "\n"
+    }
+
+    /// What the numbers mean, and how many analyses they rest on.
+    pub fn rests_on(&self) -> [String; 2] {
+        let meaning = "drop: unstable modes fewer in one analysis, on average over all arrangements, laws and speed ranges; 95 % limits";
+        let counts = format!(
+            "predicted by {} spectra for each of {} sets of changes, {} draws; confirmed with {} other draws in {} scenes",
+            self.analyses_per_set, self.predicted_sets, self.prediction_draws, self.samples, self.scenes
+        );
+        [meaning.into(), counts]
+    }
+
+    fn line(&self, set: &ScreenedSet) -> String {
+        let predicted = set.predicted_drop(&self.unchanged).map_or_else(|| "-".into(), |drop| format!("{drop:.3}"));
+        let confirmed = set.confirmed.as_ref().map_or_else(String::new, |confirmed| {
+            format!(
+                "  {:>25}  {:>7.3}  {:>7.1} %",
+                within(&confirmed.drop, 3, 1.0),
+                confirmed.unstable.value,
+                100.0 * confirmed.squealing.value
+            )
+        });
+        format!("{:<38}{predicted:>9}{confirmed}\n", set.name())
+    }
+}
+
+fn heading(what: &str) -> String {
+    format!("{what:<38}{:>9}  {:>25}  {:>7}  {:>9}\n", "predicted", "drop", "left", "any")
+}
+
+/// A value with its limits.
+fn within(estimate: &Estimate, decimals: usize, times: f64) -> String {
+    let [value, lower, upper] =
+        [estimate.value, estimate.lower, estimate.upper].map(|x| format!("{:.decimals$}", times * x));
+    format!("{value} ({lower} to {upper})")
+}

@@ -1,0 +1,28 @@
+//! Screening: which small change of a brake leaves the fewest unstable modes.
+//!
+//! Single changes (a constraint, a mass, a spring or a dashpot to ground, a contact taken out) and sets of them are ranked by a few
+//! analyses each, on the same draws: [`rank`]. The best are confirmed by the study of all scenes on other draws, again the same for
+//! all, so that each difference has an interval: [`confirm`].
+//!
+//! Nothing here is of first order: a constraint is not small, and the number of unstable modes has no derivative. Any
+//! [`UncertainBrake`](crate::study::UncertainBrake) can be screened; [`Modified`] is such a brake again.
+
+mod candidates;
+mod change;
+mod confirm;
+mod found;
+mod modified;
+#[cfg(feature = "figures")]
+mod pictures;
+mod predict;
+mod run;
+mod search;
+
+pub use candidates::{Candidates, ChangeKind, SingleChange, Sizes};
+pub use change::{Attached, Change};
+pub use confirm::Confirmed;
+pub use found::{Screen, ScreenedSet};
+pub use modified::{ChangeSet, Modified};
+pub use predict::Prediction;
+pub use run::{Confirmation, Ranking, ScreenOptions, confirm, rank};
+pub use search::{KindRanking, Ranked};

@@ -1,0 +1,201 @@
+//! A brake whose sets of constraints are sets of changes of another.
+
+use std::collections::{BTreeMap, HashMap};
+
+use linsys::OperatingPoint;
+use montecarlo::StreamRng;
+
+use super::change::{Change, ChangedBrake};
+use crate::study::{
+    Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake,
+};
+use crate::{Error, fingerprint};
+
+/// Changes of a brake together, compared as one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChangeSet {
+    /// What it is called.
+    pub name: String,
+    /// The set of constraints of the brake that is changed.
+    pub of: usize,
+    /// The changes; none is the brake as it is.
+    pub changes: Vec<Change>,
+}
+
+/// A brake with several sets of changes in the place of its sets of constraints, so that a study compares them on the same draws.
+///
+/// Modes are known by their frequency ranks in each sample: what is compared is how many are unstable. A scene that stands for
+/// several arrangements is divided where the changes are not symmetric: to change a member of it is to change what the scene
+/// computes by the image of the changes, which the inverse of the member's symmetry makes.
+pub struct Modified<'a, B> {
+    inner: &'a B,
+    plan: Plan,
+    /// By configuration: from where it is.
+    from: Vec<FromInner>,
+}
+
+/// A configuration of the inner brake with changes.
+struct FromInner {
+    /// The inner set of constraints.
+    constraints: usize,
+    /// The inner configuration.
+    configuration: usize,
+    changed: ChangedBrake,
+}
+
+/// Places of what has been laid out already, by those of the inner brake and of the image of the changes.
+#[derive(Default)]
+struct LaidOut {
+    origins: HashMap<(usize, usize), usize>,
+    configurations: HashMap<(usize, usize), usize>,
+}
+
+impl<'a, B: UncertainBrake> Modified<'a, B> {
+    /// A brake with these sets of changes.
+    ///
+    /// # Errors
+    /// Changes that leave nothing free.
+    pub fn new(inner: &'a B, sets: &[ChangeSet]) -> Result<Self, Error> {
+        let of = inner.plan();
+        let plan = Plan {
+            identity: format!("{} changes {}", of.identity, &fingerprint(&format!("{sets:?}"))[..16]),
+            mode_labels: ModeNaming::Rank,
+            mode_identity: ModeIdentity::Mac,
+            labels: SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() },
+            origins: Vec::new(),
+            configurations: Vec::new(),
+            scenes: Vec::new(),
+            ..of.clone()
+        };
+        let mut modified = Self { inner, plan, from: Vec::new() };
+        for (place, set) in sets.iter().enumerate() {
+            modified.lay_out(place, set)?;
+        }
+        Ok(modified)
+    }
+
+    /// Adds the origins, configurations and scenes of a set of changes.
+    fn lay_out(&mut self, place: usize, set: &ChangeSet) -> Result<(), Error> {
+        let images = Images::new(&set.changes, &self.inner.symmetries(set.of));
+        let mut laid_out = LaidOut::default();
+        for scene in self.inner.plan().scenes.iter().filter(|scene| scene.key.constraints == set.of) {
+            let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+            for (at, &member) in scene.members.iter().enumerate() {
+                let image = images.of_member(self.inner.symmetry_of_member(scene, at));
+                members.entry(image).or_default().push(member);
+            }
+            for (image, members) in members {
+                let configuration = self.configuration(scene, &images.distinct[image], image, &mut laid_out)?;
+                let key = SceneKey { constraints: place, ..scene.key };
+                self.plan.scenes.push(Scene { key, members, configuration, wants_work: false });
+            }
+        }
+        Ok(())
+    }
+
+    /// The place of the configuration of a scene with changes, which is added where it is not there yet, and its origin with it.
+    fn configuration(
+        &mut self,
+        scene: &Scene,
+        changes: &[Change],
+        image: usize,
+        laid_out: &mut LaidOut,
+    ) -> Result<usize, Error> {
+        if let Some(&known) = laid_out.configurations.get(&(scene.configuration, image)) {
+            return Ok(known);
+        }
+        let of = self.inner.plan();
+        let from = of.configuration(scene);
+        let origin = match laid_out.origins.get(&(from.origin, image)) {
+            Some(&known) => known,
+            None => {
+                // Modes have their names with every contact, as those of the brake without changes have.
+                let Origin { brake, naming_point } = &of.origins[from.origin];
+                let changed = ChangedBrake::new(brake, &[], changes)?;
+                let naming_point = changed.point(naming_point.clone());
+                self.plan.origins.push(Origin { brake: changed.brake, naming_point });
+                let place = self.plan.origins.len() - 1;
+                laid_out.origins.insert((from.origin, image), place);
+                place
+            }
+        };
+        let changed = ChangedBrake::new(&from.brake, &self.inner.contacts(scene), changes)?;
+        self.plan.configurations.push(Configuration {
+            brake: changed.brake.clone(),
+            naming_point: changed.point(from.naming_point.clone()),
+            origin,
+            contacts: from.contacts.clone(),
+        });
+        let (constraints, configuration) = (scene.key.constraints, scene.configuration);
+        self.from.push(FromInner { constraints, configuration, changed });
+        let place = self.from.len() - 1;
+        laid_out.configurations.insert((scene.configuration, image), place);
+        Ok(place)
+    }
+}
+
+/// What the symmetries of a brake make of some changes.
+struct Images {
+    /// Those that differ.
+    pub distinct: Vec<Vec<Change>>,
+    /// By symmetry: the place of what its inverse makes of the changes.
+    by_inverse: Vec<usize>,
+}
+
+impl Images {
+    fn new(changes: &[Change], symmetries: &[Symmetry]) -> Self {
+        let mut images = Self { distinct: Vec::new(), by_inverse: Vec::new() };
+        if symmetries.is_empty() {
+            return Self { distinct: vec![changes.to_vec()], by_inverse: vec![0] };
+        }
+        for symmetry in symmetries {
+            let mut image: Vec<Change> = changes.iter().map(|change| change.image(&inverse(symmetry))).collect();
+            image.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+            let place = images.distinct.iter().position(|other| *other == image);
+            images.by_inverse.push(place.unwrap_or(images.distinct.len()));
+            if place.is_none() {
+                images.distinct.push(image);
+            }
+        }
+        images
+    }
+
+    /// The place of the changes to be made in the configuration of a scene so that they are those of a member, onto which this
+    /// symmetry maps it.
+    fn of_member(&self, symmetry: usize) -> usize {
+        self.by_inverse.get(symmetry).copied().unwrap_or(0)
+    }
+}
+
+/// The symmetry that undoes another.
+pub(super) fn inverse(symmetry: &Symmetry) -> Symmetry {
+    let inverse = |of: &[usize]| {
+        let mut inverse = vec![0; of.len()];
+        of.iter().enumerate().for_each(|(from, &to)| inverse[to] = from);
+        inverse
+    };
+    Symmetry { dofs: inverse(&symmetry.dofs), contacts: inverse(&symmetry.contacts) }
+}
+
+impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
+    type Sample = B::Sample;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<B::Sample, Error> {
+        self.inner.draw(rng)
+    }
+
+    fn median(&self) -> B::Sample {
+        self.inner.median()
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, Error> {
+        let FromInner { constraints, configuration, changed } = &self.from[scene.configuration];
+        let key = SceneKey { constraints: *constraints, ..scene.key };
+        let inner = Scene { key, configuration: *configuration, ..Scene::default() };
+        Ok(changed.point(self.inner.operating_point(&inner, sample)?))
+    }
+}

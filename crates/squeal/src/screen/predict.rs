@@ -1,0 +1,142 @@
+//! What changes do on a few draws in a few scenes: the prediction by which they are ranked.
+
+use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Workspace};
+use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::{Progress, stream};
+use num_complex::Complex;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::change::{Change, ChangedBrake};
+use super::modified::inverse;
+use crate::Error;
+use crate::study::{Configuration, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
+
+/// Arrangements of a panel that are looked at; chosen: the prediction only ranks.
+const ARRANGEMENTS_PER_PANEL: usize = 2;
+
+/// What the analyses at hand have on average.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Unstable modes.
+    pub unstable: f64,
+    /// The sum of their growth rates, 1/s.
+    pub growth: f64,
+}
+
+/// A few analyses of a brake, on which sets of changes are compared.
+pub(super) struct Probes<'a> {
+    plan: &'a Plan,
+    probes: Vec<Probe<'a>>,
+    /// Draws of each.
+    pub draws: u64,
+}
+
+/// One arrangement of a scene with the operating points of all draws.
+struct Probe<'a> {
+    configuration: &'a Configuration,
+    contacts: Vec<WholeContact>,
+    /// What makes of changes of the arrangement those of the configuration that is computed.
+    symmetry: Option<Symmetry>,
+    points: Vec<OperatingPoint>,
+    /// Its part of all analyses of the plan.
+    weight: f64,
+}
+
+impl<'a> Probes<'a> {
+    /// Two arrangements of each panel of a set of constraints, with the same draws, which are not those of the study.
+    ///
+    /// # Errors
+    /// A draw without an operating point.
+    pub fn new<B: UncertainBrake>(brake: &'a B, constraints: usize, draws: u64) -> Result<Self, Error> {
+        let plan = brake.plan();
+        // Streams from the other end than those of the samples of a study.
+        let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
+        let samples = samples.collect::<Result<Vec<_>, Error>>()?;
+        let symmetries = brake.symmetries(constraints);
+        let mut panels: Vec<(SceneKey, Vec<(&Scene, usize)>)> = Vec::new();
+        for scene in plan.scenes.iter().filter(|scene| scene.key.constraints == constraints) {
+            let members = (0..scene.members.len()).map(|at| (scene, at));
+            match panels.iter_mut().find(|(key, _)| *key == scene.key) {
+                Some((_, list)) => list.extend(members),
+                None => panels.push((scene.key, members.collect())),
+            }
+        }
+        let mut probes = Vec::new();
+        for (key, members) in &mut panels {
+            members.sort_by_key(|(scene, at)| scene.members[*at]);
+            let taken = members.len().min(ARRANGEMENTS_PER_PANEL);
+            for nth in 0..taken {
+                let (scene, at) = members[nth * members.len() / taken];
+                let points = samples.iter().map(|sample| brake.operating_point(scene, sample));
+                probes.push(Probe {
+                    configuration: plan.configuration(scene),
+                    contacts: brake.contacts(scene),
+                    symmetry: symmetries.get(brake.symmetry_of_member(scene, at)).map(inverse),
+                    points: points.collect::<Result<_, Error>>()?,
+                    weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
+                });
+            }
+        }
+        let all: f64 = probes.iter().map(|probe| probe.weight).sum();
+        probes.iter_mut().for_each(|probe| probe.weight /= all);
+        Ok(Self { plan, probes, draws })
+    }
+
+    /// Analyses that one set of changes takes.
+    pub fn analyses(&self) -> u64 {
+        self.draws * self.probes.len() as u64
+    }
+
+    /// The prediction of each of some sets of changes; progress advances by one for each.
+    pub fn predictions(&self, sets: &[Vec<Change>], progress: &dyn Progress) -> Vec<Result<Prediction, Error>> {
+        let of_set = |set: &Vec<Change>| {
+            let found = self.prediction(set);
+            progress.advance(1);
+            found
+        };
+        sets.par_iter().map(of_set).collect()
+    }
+
+    /// The prediction of one set of changes.
+    pub fn prediction(&self, changes: &[Change]) -> Result<Prediction, Error> {
+        let (mut sum, mut work) = (Prediction { unstable: 0.0, growth: 0.0 }, Workspace::default());
+        for probe in &self.probes {
+            let found = probe.prediction(changes, self.plan, &mut work)?;
+            sum.unstable += probe.weight * found.unstable;
+            sum.growth += probe.weight * found.growth;
+        }
+        Ok(sum)
+    }
+}
+
+impl Probe<'_> {
+    fn prediction(&self, changes: &[Change], plan: &Plan, work: &mut Workspace) -> Result<Prediction, Error> {
+        let changes: Vec<Change> = match &self.symmetry {
+            Some(symmetry) => changes.iter().map(|change| change.image(symmetry)).collect(),
+            None => changes.to_vec(),
+        };
+        let changed = ChangedBrake::new(&self.configuration.brake, &self.contacts, &changes)?;
+        let (brake, mut whole) = (&changed.brake, SecondOrder::zeros(1, 0));
+        let empty = || vec![SecondOrder::zeros(1, 0); self.points.len()];
+        let mut systems: Vec<Vec<SecondOrder>> = brake.sectors.iter().map(|_| empty()).collect();
+        for (at, point) in self.points.iter().enumerate() {
+            let out = systems.iter_mut().map(|of_sector| &mut of_sector[at]);
+            brake.sectors.assemble_into(&brake.system, &changed.point(point.clone()), &mut whole, out)?;
+        }
+        let (mut unstable, mut growth) = (0, 0.0);
+        for of_sector in &systems {
+            let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
+            BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
+            for spectrum in spectra {
+                let is_counted = |lambda: &Complex<f64>| lambda.re > 0.0 && plan.is_studied(*lambda);
+                for lambda in spectrum?.oscillatory().filter(is_counted) {
+                    unstable += 1;
+                    growth += lambda.re;
+                }
+            }
+        }
+        let draws = self.points.len() as f64;
+        Ok(Prediction { unstable: f64::from(unstable) / draws, growth: growth / draws })
+    }
+}

@@ -1,0 +1,186 @@
+//! A screening from the candidates to what is confirmed of the best.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use montecarlo::{Checkpoint, Progress, Sampling, run_with};
+
+use super::candidates::{Candidates, ChangeKind, Sizes};
+use super::confirm::ScreenTally;
+use super::found::{Screen, ScreenedSet};
+use super::modified::{ChangeSet, Modified};
+use super::predict::{Prediction, Probes};
+use super::search::{KindRanking, Ranked, most_sets, search};
+use crate::Error;
+use crate::run::block;
+use crate::study::{Study, UncertainBrake};
+
+/// Changes when checkpoints of an older program can no longer be continued.
+const TALLY_VERSION: u32 = 1;
+/// Time between two checkpoints.
+const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
+
+/// What is screened, and how far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScreenOptions {
+    /// The set of constraints that is changed, by its place in the plan.
+    pub constraints: usize,
+    /// Kinds of changes, each once.
+    pub kinds: Vec<ChangeKind>,
+    /// The size of masses, springs and dashpots.
+    pub sizes: Sizes,
+    /// Places that a set has at most, >= 1.
+    pub up_to: usize,
+    /// Draws of the prediction, >= 1.
+    pub draws: u64,
+    /// Single changes of each kind that are confirmed.
+    pub confirmed: usize,
+}
+
+/// All changes ranked by prediction.
+pub struct Ranking {
+    /// What the probes have without changes.
+    pub unchanged: Prediction,
+    /// By kind.
+    pub kinds: Vec<KindRanking>,
+    /// Analyses for each set of changes.
+    pub analyses_per_set: u64,
+    /// Draws of the prediction.
+    pub draws: u64,
+}
+
+/// Ranks the changes of a brake. Progress advances by one for each set of changes.
+///
+/// # Errors
+/// A draw without an operating point; a brake that cannot be analysed without changes.
+pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dyn Progress) -> Result<Ranking, Error> {
+    let ScreenOptions { constraints, kinds, sizes, up_to, draws, .. } = options;
+    let probes = Probes::new(brake, *constraints, *draws)?;
+    let candidates = Candidates::all(brake, *constraints, kinds, sizes)?;
+    progress.begin(candidates.iter().map(|of_kind| most_sets(of_kind, *up_to)).sum(), 0);
+    let unchanged = probes.prediction(&[])?;
+    let of_kind = |candidates| search(candidates, &probes, *up_to, progress);
+    let kinds = candidates.into_iter().map(of_kind).collect();
+    progress.end();
+    Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
+}
+
+/// How the best of a ranking are confirmed.
+pub struct Confirmation<'a> {
+    /// Draws, >= 2.
+    pub samples: u64,
+    /// Worker threads, on which the result does not depend.
+    pub threads: Option<usize>,
+    /// The file in which the state is kept, so that a run that was stopped goes on.
+    pub checkpoint: Option<PathBuf>,
+    /// Told of the steps before the first sample.
+    pub preparation: &'a dyn Progress,
+    /// Told of the evaluations.
+    pub evaluation: &'a dyn Progress,
+}
+
+/// Confirms the best of a ranking by a study of all scenes: the brake as it is, its other sets of constraints, the best single
+/// changes of each kind, and of each larger size the best set and the best symmetric one, all on the same draws.
+///
+/// # Errors
+/// Those of the study.
+pub fn confirm<B: UncertainBrake>(
+    brake: &B,
+    ranking: Ranking,
+    options: &ScreenOptions,
+    how: &Confirmation<'_>,
+) -> Result<Screen, Error> {
+    let mut sets = screened(brake, &ranking, options);
+    let to_confirm: Vec<usize> = (0..sets.len()).filter(|&at| sets[at].place.is_some()).collect();
+    let changes: Vec<ChangeSet> = to_confirm.iter().map(|&at| sets[at].changes.clone()).collect();
+    let modified = Modified::new(brake, &changes)?;
+    let solver = cea::BatchSolver;
+    let pool = crate::run::workers(how.threads)?;
+    let study = pool.install(|| Study::with_progress(&modified, &solver, how.preparation))?;
+    let plan = study.plan();
+    let mut sampling = Sampling::new(plan.seed, how.samples);
+    sampling.threads = how.threads;
+    sampling.block = block(how.samples);
+    let empty = || ScreenTally::empty(plan);
+    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint {
+        path: path.clone(),
+        every: CHECKPOINT_EVERY,
+        fingerprint: format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed),
+    });
+    let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation)?;
+    for (place, &at) in to_confirm.iter().enumerate() {
+        sets[at].confirmed = summary.tally.confirmed(plan, place);
+    }
+    let count = to_confirm.len();
+    let of_set = |set: usize| (0..count).map(|less| summary.tally.difference(plan, set, less)).collect();
+    let differences = (0..count).map(of_set).collect();
+    let failures =
+        summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();
+    Ok(Screen {
+        sets,
+        differences,
+        unchanged: ranking.unchanged,
+        failed: ranking.kinds.iter().flat_map(|of_kind| of_kind.failed.clone()).collect(),
+        predicted_sets: ranking.kinds.iter().map(|of_kind| of_kind.sets).sum(),
+        analyses_per_set: ranking.analyses_per_set,
+        prediction_draws: ranking.draws,
+        samples: how.samples,
+        scenes: plan.scenes.len() as u64,
+        failures,
+    })
+}
+
+/// All that a screening has in its tables: what is confirmed has its place there.
+fn screened<B: UncertainBrake>(brake: &B, ranking: &Ranking, options: &ScreenOptions) -> Vec<ScreenedSet> {
+    let (plan, mut sets) = (brake.plan(), Vec::new());
+    let names = &plan.labels.constraints;
+    let others = (0..names.len()).filter(|&set| set != options.constraints);
+    for (place, of) in [options.constraints].into_iter().chain(others).enumerate() {
+        sets.push(ScreenedSet {
+            kind: None,
+            places: names[of].clone(),
+            count: held(brake, of).saturating_sub(held(brake, options.constraints)),
+            sizes: Vec::new(),
+            prediction: (place == 0).then_some(ranking.unchanged),
+            changes: ChangeSet { name: names[of].clone(), of, changes: Vec::new() },
+            place: Some(place),
+            confirmed: None,
+        });
+    }
+    let mut confirmed = sets.len();
+    for KindRanking { candidates, singles, best, symmetric, .. } in &ranking.kinds {
+        let mut add = |ranked: &Ranked, is_confirmed: bool| {
+            let places = candidates.name(&ranked.singles);
+            let place = is_confirmed.then_some(confirmed);
+            confirmed += usize::from(is_confirmed);
+            sets.push(ScreenedSet {
+                kind: Some(candidates.kind),
+                count: ranked.singles.len(),
+                sizes: candidates.sizes(&ranked.singles),
+                prediction: Some(ranked.prediction),
+                changes: ChangeSet {
+                    name: format!("{} {places}", candidates.kind.name()),
+                    of: options.constraints,
+                    changes: candidates.changes(&ranked.singles),
+                },
+                places,
+                place,
+                confirmed: None,
+            });
+        };
+        for (best, symmetric) in best.iter().zip(symmetric).skip(1).rev() {
+            add(best, true);
+            symmetric.iter().filter(|other| other.singles != best.singles).for_each(|other| add(other, true));
+        }
+        singles.iter().enumerate().for_each(|(rank, ranked)| add(ranked, rank < options.confirmed));
+    }
+    sets
+}
+
+/// Degrees of freedom that a set of constraints of a brake holds.
+fn held<B: UncertainBrake>(brake: &B, constraints: usize) -> usize {
+    let plan = brake.plan();
+    let dofs =
+        plan.scenes.iter().find(|scene| scene.key.constraints == constraints).map(|scene| &plan.brake(scene).dofs);
+    dofs.map_or(0, |dofs| dofs.total() - dofs.free().len())
+}

@@ -1,0 +1,122 @@
+//! The ranking of changes by prediction, and the greedy building of sets.
+
+use std::collections::HashMap;
+
+use montecarlo::Progress;
+
+use super::candidates::Candidates;
+use super::predict::{Prediction, Probes};
+
+/// Some changes of one kind with their prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranked {
+    /// Places in [`Candidates::singles`], ascending.
+    pub singles: Vec<usize>,
+    /// What the probes have with them.
+    pub prediction: Prediction,
+}
+
+/// What was found of one kind of changes.
+#[derive(Debug, Clone)]
+pub struct KindRanking {
+    /// All that could be changed.
+    pub candidates: Candidates,
+    /// Changes at one place, the best first; of those that a symmetry makes of each other one.
+    pub singles: Vec<Ranked>,
+    /// The best set found of each size, from 1; it ends where no set of a size could be analysed.
+    pub best: Vec<Ranked>,
+    /// The best found of each size among those that every symmetry of the brake leaves as they are.
+    pub symmetric: Vec<Option<Ranked>>,
+    /// Sets that could not be analysed, and why.
+    pub failed: Vec<(String, String)>,
+    /// Sets of changes analysed.
+    pub sets: u64,
+}
+
+/// How many sets a search has at most, for its progress.
+pub(super) fn most_sets(candidates: &Candidates, up_to: usize) -> u64 {
+    let groups = candidates.groups.iter().filter(|group| group.len() <= up_to);
+    groups.map(|group| 1 + 2 * (up_to - group.len()) as u64).sum()
+}
+
+/// Ranks single changes and builds the best set of each size up to `up_to`: each group of changes is added to the best set that leaves
+/// room for it, and to the best symmetric one. Greedy: a set of which no part is the best of its size is not found, unless it is one
+/// group.
+pub(super) fn search(
+    candidates: Candidates,
+    probes: &Probes<'_>,
+    up_to: usize,
+    progress: &dyn Progress,
+) -> KindRanking {
+    let mut known: HashMap<Vec<usize>, Option<Prediction>> = HashMap::new();
+    let mut ranking = KindRanking {
+        candidates,
+        singles: Vec::new(),
+        best: Vec::new(),
+        symmetric: Vec::new(),
+        failed: Vec::new(),
+        sets: 0,
+    };
+    for size in 1..=up_to {
+        let sets = ranking.sets_of(size);
+        let new: Vec<Vec<usize>> = sets.iter().filter(|set| !known.contains_key(*set)).cloned().collect();
+        let changes: Vec<_> = new.iter().map(|set| ranking.candidates.changes(set)).collect();
+        ranking.sets += new.len() as u64;
+        for (set, found) in new.into_iter().zip(probes.predictions(&changes, progress)) {
+            let prediction = match found {
+                Ok(prediction) => Some(prediction),
+                Err(error) => {
+                    ranking.failed.push((ranking.candidates.name(&set), error.to_string()));
+                    None
+                }
+            };
+            known.insert(set, prediction);
+        }
+        let analysed = sets.into_iter().filter_map(|singles| {
+            let prediction = known.get(&singles).copied().flatten()?;
+            Some(Ranked { singles, prediction })
+        });
+        let mut analysed: Vec<Ranked> = analysed.collect();
+        analysed.sort_by(by_prediction);
+        let Some(best) = analysed.first().cloned() else { break };
+        ranking.best.push(best);
+        let is_symmetric = |ranked: &&Ranked| ranking.candidates.is_symmetric(&ranked.singles);
+        ranking.symmetric.push(analysed.iter().find(is_symmetric).cloned());
+        if size == 1 {
+            ranking.singles = analysed;
+        }
+    }
+    ranking
+}
+
+/// The order of a ranking: fewest unstable modes first, of equally many the least growth.
+fn by_prediction(a: &Ranked, b: &Ranked) -> std::cmp::Ordering {
+    let of = |ranked: &Ranked| (ranked.prediction.unstable, ranked.prediction.growth);
+    let ((a, a_growth), (b, b_growth)) = (of(a), of(b));
+    a.total_cmp(&b).then(a_growth.total_cmp(&b_growth))
+}
+
+impl KindRanking {
+    /// The sets of a size that are looked at: each group with the best set of what is missing.
+    fn sets_of(&self, size: usize) -> Vec<Vec<usize>> {
+        let mut sets: Vec<Vec<usize>> = Vec::new();
+        for group in self.candidates.groups.iter().filter(|group| group.len() <= size) {
+            let of_chains = |missing: usize| {
+                let any = self.best.get(missing - 1).map(|best| best.singles.as_slice());
+                let symmetric = self.symmetric.get(missing - 1).and_then(Option::as_ref);
+                any.into_iter().chain(symmetric.map(|best| best.singles.as_slice()))
+            };
+            let rests: Vec<&[usize]> = match size - group.len() {
+                0 => vec![&[]],
+                missing => of_chains(missing).collect(),
+            };
+            for rest in rests.into_iter().filter(|rest| rest.iter().all(|single| !group.contains(single))) {
+                let set = self.candidates.representative(&[group, rest].concat());
+                if !sets.contains(&set) {
+                    sets.push(set);
+                }
+            }
+        }
+        sets
+    }
+}

@@ -1,0 +1,115 @@
+//! `squeal screen`: its files, its words, and what it refuses.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::{SMALL, assert_same, refusal, results, squeal};
+use crate::tables::columns;
+
+fn hoffmann() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
+}
+
+fn screen(case: &Path, options: &[&str]) -> Output {
+    squeal().arg("screen").arg(case).args(options).output().unwrap()
+}
+
+fn done(case: &Path, options: &[&str]) -> String {
+    let output = screen(case, options);
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    let dir = |threads: &str| folder.path().join(threads);
+    // The third run finds the checkpoint of the first and evaluates nothing anew.
+    for threads in ["1", "2", "1"] {
+        done(&case, &["--draws", "2", "--threads", threads, "--out", dir(threads).to_str().unwrap()]);
+    }
+    let first = results(&dir("1"));
+    let files = [
+        "checkpoint.json",
+        "report.html",
+        "screen.csv",
+        "screen.png",
+        "screen.svg",
+        "screen_differences.csv",
+        "study.txt",
+    ];
+    assert_eq!(first.keys().collect::<Vec<_>>(), files);
+    assert_same(&first, &results(&dir("2")));
+    roxmltree::Document::parse(&String::from_utf8(first["screen.svg"].clone()).unwrap()).unwrap();
+    // The brake as it is, the case's other set, and of each kind the best pair, the best symmetric one and the best single change.
+    let rows = columns(&dir("1").join("screen.csv"), &["kind", "count", "samples", "drop", "drop_lower", "drop_upper"]);
+    let confirmed: Vec<&Vec<String>> = rows.iter().filter(|row| !row[2].is_empty()).collect();
+    assert!(confirmed.iter().all(|row| row[2] == "40"), "{confirmed:?}");
+    for kind in ["constraint", "mass", "spring", "dashpot", "contact"] {
+        let counts: Vec<&str> = confirmed.iter().filter(|row| row[0] == kind).map(|row| row[1].as_str()).collect();
+        let (last, pairs) = counts.split_last().unwrap();
+        assert!(
+            *last == "1" && (1..=2).contains(&pairs.len()) && pairs.iter().all(|count| *count == "2"),
+            "{kind} {counts:?}"
+        );
+    }
+    for row in &confirmed[1..] {
+        let [drop, lower, upper] = [3, 4, 5].map(|at| row[at].parse::<f64>().unwrap());
+        assert!(lower <= drop && drop <= upper, "{row:?}");
+    }
+}
+
+#[test]
+fn json_has_what_the_words_say() {
+    let options = ["--kinds", "constraint,contact", "--up-to", "1", "--samples", "200"];
+    let words = done(&hoffmann(), &options);
+    assert!(words.contains("take out contact") && words.contains("belt"), "{words}");
+    let json: Value = serde_json::from_str(&done(&hoffmann(), &[&options[..], &["--json"]].concat())).unwrap();
+    let sets = json["sets"].as_array().unwrap();
+    let of = |kind: &str| sets.iter().find(|set| set["kind"] == kind).unwrap();
+    // Held or without friction the oscillator is stable: all there is drops.
+    for kind in ["constraint", "contact"] {
+        assert_eq!(of(kind)["confirmed"]["unstable"]["value"], 0.0);
+        assert_eq!(of(kind)["confirmed"]["drop"], sets[0]["confirmed"]["unstable"]);
+    }
+    assert_eq!(json["counts"]["samples"], 200);
+}
+
+#[test]
+fn a_folder_of_another_screening_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let options = ["--kinds", "contact", "--samples", "20", "--out", out.to_str().unwrap()];
+    done(&hoffmann(), &options);
+    let before = results(&out);
+    refusal(&screen(&hoffmann(), &[&options[..], &["--up-to", "1"]].concat()), &["screen", "allowed: a new"]);
+    assert_same(&before, &results(&out));
+}
+
+#[test]
+fn screenings_that_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    for (options, expected) in [
+        (&["--kinds", "glue"][..], &["--kinds = glue", "allowed: constraint, mass, spring, dashpot, contact"][..]),
+        (&["--constraints", "third"], &["--constraints = third", "none, first"]),
+        (&["--up-to", "0"], &["--up-to = 0", "1 to 20"]),
+        (&["--up-to", "-1"], &["-1", "a whole number"]),
+        (&["--draws", "0"], &["--draws = 0", "1 to 10000"]),
+        (&["--samples", "1"], &["--samples = 1", "2 or more"]),
+        (&["--mass", "0"], &["--mass = 0", "a number > 0, kg"]),
+        (&["--spring", "nan"], &["--spring = NaN", "a number > 0, N/m"]),
+        (&["--dashpot=-1"], &["--dashpot = -1", "a number > 0, Ns/m"]),
+        (&["--dashpot", "much"], &["much", "allowed: a number"]),
+        (&["--threads", "0"], &["--threads = 0", "1 to 1024"]),
+    ] {
+        let line = refusal(&screen(&case, options), expected);
+        println!("{}", line.trim_end());
+    }
+    refusal(&screen(&folder.path().join("none.toml"), &[]), &["none.toml"]);
+}

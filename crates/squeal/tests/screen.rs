@@ -1,0 +1,205 @@
+//! Screening: what changes do is what closed forms and the lattice itself say.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::{Path, PathBuf};
+
+use squeal::brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
+use squeal::case::{LatticeCase, MatricesCase};
+use squeal::cea::{EigenSolver, QrSolver, Workspace};
+use squeal::linsys::SecondOrder;
+use squeal::montecarlo::{Experiment as _, stream};
+use squeal::osc_model::ContactArrangement;
+use squeal::screen::{
+    Attached, Change, ChangeKind, ChangeSet, Confirmation, Modified, Screen, ScreenOptions, ScreenedSet, Sizes,
+    confirm, rank,
+};
+use squeal::study::UncertainBrake;
+
+fn case(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
+}
+
+fn options(kinds: &[ChangeKind], up_to: usize) -> ScreenOptions {
+    let sizes = Sizes { mass: Some(1.0), spring: Some(0.8), dashpot: Some(1.0) };
+    ScreenOptions { constraints: 0, kinds: kinds.to_vec(), sizes, up_to, draws: 400, confirmed: 2 }
+}
+
+fn screened<B: UncertainBrake>(brake: &B, options: &ScreenOptions, samples: u64) -> Screen {
+    let how = Confirmation { samples, threads: Some(2), checkpoint: None, preparation: &(), evaluation: &() };
+    confirm(brake, rank(brake, options, &()).unwrap(), options, &how).unwrap()
+}
+
+fn found<'a>(screen: &'a Screen, kind: ChangeKind, places: &str) -> &'a ScreenedSet {
+    screen.sets.iter().find(|set| set.kind == Some(kind) && set.places == places).unwrap()
+}
+
+/// With dashpots c_x and c_y and a spring k in x, `(s^2 + c_x s + 2 + k) (s^2 + c_y s + 2) = 1 - D` at `D = mu k_3`. On the axis
+/// - without the spring `s^2 = -2` and `D = 1 + 2 c_x c_y`;
+/// - with equal dashpots `u (u + k) = 1 - D` with `u = s^2 + c s + 2`, so that `D = 1 + k^2 / 4 + c^2 (2 + k / 2)`;
+/// - with masses 1 + m in both directions `D = 1 + 2 c^2 / (1 + m)`.
+///
+/// The case's comments derive the first for equal dashpots.
+#[test]
+fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
+    let path = case("hoffmann.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let brake = MatricesBrake::new(MatricesCase::parse(&path, text).unwrap()).unwrap();
+    let screen = screened(&brake, &options(&ChangeKind::ALL, 2), 4000);
+    let occurrence = |d: f64| ((1.1 - d * 0.75) / 0.6).clamp(0.0, 1.0);
+    let c = 0.05_f64;
+    let now = occurrence(1.0 + 2.0 * c * c);
+    for (kind, places, d) in [
+        (ChangeKind::Dashpot, "x", 1.0 + 2.0 * (c + 1.0) * c),
+        (ChangeKind::Dashpot, "y", 1.0 + 2.0 * (c + 1.0) * c),
+        (ChangeKind::Dashpot, "x y", 1.0 + 2.0 * (c + 1.0).powi(2)),
+        (ChangeKind::Spring, "x", 1.0 + 0.16 + c * c * 2.4),
+        (ChangeKind::Spring, "y", 1.0 + 0.16 + c * c * 2.4),
+        (ChangeKind::Mass, "mass", 1.0 + c * c),
+        (ChangeKind::Constraint, "x", f64::INFINITY),
+        (ChangeKind::Constraint, "y", f64::INFINITY),
+        (ChangeKind::Contact, "belt", f64::INFINITY),
+    ] {
+        let (set, left) = (found(&screen, kind, places), occurrence(d));
+        let confirmed = set.confirmed.as_ref().unwrap();
+        let drop = confirmed.drop;
+        // Five times the 95 % interval, or some samples next to the onset where none may be between the two.
+        let slack = 2.0 * (drop.upper - drop.lower) + 2e-3;
+        assert!((drop.value - (now - left)).abs() < slack, "{kind:?} {places}: {drop:?} {}", now - left);
+        assert!((confirmed.unstable.value - left).abs() < 0.04, "{kind:?} {places}: {confirmed:?} {left}");
+        assert_eq!(confirmed.unstable, confirmed.squealing);
+        let predicted = set.predicted_drop(&screen.unchanged).unwrap();
+        assert!((predicted - (now - left)).abs() < 0.1, "{kind:?} {places}: {predicted} {}", now - left);
+    }
+    // Two degrees of freedom cannot both be held.
+    assert!(
+        screen.failed.iter().any(|(places, why)| places == "x y" && why.contains("constrained")),
+        "{:?}",
+        screen.failed
+    );
+    assert!(screen.difference(&screen.sets[0], found(&screen, ChangeKind::Constraint, "x")).unwrap().lower > 0.5);
+}
+
+fn two_by_two() -> LatticeBrake {
+    let mut case = LatticeCase::read(&case("two-by-two.toml")).unwrap();
+    case.samples = 40;
+    LatticeBrake::new(case).unwrap()
+}
+
+#[test]
+fn a_constraint_of_the_screening_is_a_constraint_of_the_case() {
+    // The case's own set is laid out by the lattice, with its smaller symmetry; the screening divides the scenes of the brake as it is.
+    let brake = two_by_two();
+    let screen =
+        screened(&brake, &ScreenOptions { draws: 3, confirmed: 8, ..options(&[ChangeKind::Constraint], 2) }, 40);
+    let own = &screen.sets[1];
+    assert_eq!((own.places.as_str(), own.count), ("first-row", 2));
+    let hold = |dofs: &[usize]| ChangeSet {
+        name: "first row".into(),
+        of: 0,
+        changes: dofs.iter().map(|&dof| Change::Hold { dof }).collect(),
+    };
+    let none = ChangeSet { name: "none".into(), of: 1, changes: Vec::new() };
+    let modified = Modified::new(&brake, &[hold(&[0, 3]), none]).unwrap();
+    let solver = squeal::cea::BatchSolver;
+    let study = squeal::study::Study::new(&modified, &solver).unwrap();
+    let mut scratch = squeal::study::Scratch::default();
+    let (mut counts, mut unstable) = ([Vec::new(), Vec::new()], 0);
+    for index in 0..20 {
+        let sample = study.draw(&mut stream(7, index)).unwrap();
+        let mut sums = [0, 0];
+        for (at, scene) in study.plan().scenes.iter().enumerate() {
+            let modes = study.evaluate(at, &sample, &mut scratch).unwrap().unstable.len() * scene.members.len();
+            sums[scene.key.constraints] += modes;
+            unstable += modes;
+        }
+        (0..2).for_each(|set| counts[set].push(sums[set]));
+    }
+    assert_eq!(counts[0], counts[1]);
+    assert!(unstable > 100, "{unstable}");
+}
+
+/// The system of each member of each scene with some changes, as the study of the modified brake computes it at its medians.
+fn systems(brake: &LatticeBrake, changes: Vec<Change>) -> Vec<(String, SecondOrder)> {
+    let set = ChangeSet { name: "changed".into(), of: 0, changes };
+    let modified = Modified::new(brake, &[set]).unwrap();
+    let plan = modified.plan();
+    let mut all = Vec::new();
+    for scene in &plan.scenes {
+        let system = modified.system(scene, &modified.median()).unwrap();
+        let panel = &plan.labels.panels[scene.key.panel];
+        for &member in &scene.members {
+            let [_, law, speed] = plan.labels.key_columns(scene.key);
+            all.push((format!("{law} {speed} {}", panel.arrangements[member]), system.clone()));
+        }
+    }
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+fn spectrum(system: &SecondOrder) -> Vec<(f64, f64)> {
+    let found = QrSolver.eigenvalues(system, &mut Workspace::default()).unwrap();
+    let mut all: Vec<(f64, f64)> = found.eigenvalues.iter().map(|lambda| (lambda.im, lambda.re)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    all
+}
+
+/// Each eigenvalue of one list is one of the other, to a part of the largest.
+fn assert_equal(a: &[(f64, f64)], b: &[(f64, f64)], what: &str) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    let mut left = b.to_vec();
+    for &(im, re) in a {
+        let distance = |other: &(f64, f64)| (im - other.0).hypot(re - other.1);
+        let nearest = (0..left.len()).min_by(|&i, &j| distance(&left[i]).total_cmp(&distance(&left[j]))).unwrap();
+        assert!(distance(&left[nearest]) < 1e-7 * 1e5, "{what}: {re} {im} {:?}", left[nearest]);
+        left.swap_remove(nearest);
+    }
+}
+
+/// What the lattice itself makes of an arrangement at the medians, under the laws of the case.
+fn directly(brake: &LatticeBrake, case: &LatticeCase, arrangement: &[usize], law: usize) -> SecondOrder {
+    let arrangement = ContactArrangement::from_numbers(4, arrangement).unwrap();
+    let lattice = lattice(case, 0, &arrangement).unwrap();
+    let speed = case.speeds[0].quantile(0.5);
+    let state = sliding(case, &lattice, case.laws[law], speed, &brake.median()).unwrap();
+    lattice.linearised(&state).unwrap()
+}
+
+#[test]
+fn members_of_a_scene_have_the_changes_of_their_own_arrangement() {
+    let brake = two_by_two();
+    let mut heavier = brake.case.clone();
+    heavier.lattice.oscillator_mass[0] += 0.05;
+    let along = (0..3).map(|dof| vec![(dof, 1.0)]).collect();
+    let mass = Change::Attach { what: Attached::Mass, size: 0.05, along };
+    let found = systems(&brake, vec![mass]);
+    assert_eq!(found.len(), 10);
+    for (name, system) in &found {
+        let contacts: Vec<usize> = name.split(' ').skip(2).map(|number| number.parse().unwrap()).collect();
+        let law = usize::from(name.starts_with("lugre"));
+        assert_equal(&spectrum(system), &spectrum(&directly(&brake, &heavier, &contacts, law)), name);
+    }
+    // Without contact 1 every arrangement is the one without it.
+    for (name, system) in &systems(&brake, vec![Change::TakeOut { contact: 0 }]) {
+        let contacts = name.split(' ').skip(2).map(|number| number.parse().unwrap()).filter(|&number| number != 1);
+        let law = usize::from(name.starts_with("lugre"));
+        let direct = directly(&brake, &brake.case, &contacts.collect::<Vec<_>>(), law);
+        assert_equal(&spectrum(system), &spectrum(&direct), name);
+    }
+}
+
+#[test]
+fn symmetric_changes_keep_sectors_and_others_do_not() {
+    let brake = two_by_two();
+    for (dofs, keeps) in [(vec![0, 3, 6, 9], true), (vec![0], false)] {
+        let changes = dofs.iter().map(|&dof| Change::Hold { dof }).collect();
+        let modified = Modified::new(&brake, &[ChangeSet { name: "held".into(), of: 0, changes }]).unwrap();
+        let plan = modified.plan();
+        let scene = plan.scenes.iter().find(|scene| plan.configuration(scene).contacts == "1 2 3 4").unwrap();
+        let sectors = &plan.brake(scene).sectors;
+        assert_eq!(sectors.iter().len() > 1, keeps, "{dofs:?}");
+        let whole = modified.system(scene, &modified.median()).unwrap();
+        let parts = sectors.iter().flat_map(|sector| spectrum(&sector.reduced(&whole).unwrap())).collect::<Vec<_>>();
+        assert_equal(&parts, &spectrum(&whole), "sectors");
+    }
+}
