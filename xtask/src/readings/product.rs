@@ -40,7 +40,7 @@ const fn axis(name: &'static str, choices: &'static [Choice]) -> Axis {
 }
 
 /// All questions.
-pub const AXES: [Axis; 10] = [
+pub const AXES: [Axis; 9] = [
     axis("R1 mass", &[choice("0.39", &[]), choice("0.39/9", &[("lattice.oscillator_mass", "0.043333333333333335")])]),
     axis("R2 lean", &[choice("against", &[]), choice("along", &[("readings.lean", "\"along\"")])]),
     Axis {
@@ -79,7 +79,6 @@ pub const AXES: [Axis; 10] = [
             ),
         ],
     ),
-    axis("identity", &[choice("continuation", &[]), choice("MAC", &[("readings.identity", "\"mac\"")])]),
     Axis {
         weight: 2,
         ..axis(
@@ -170,6 +169,27 @@ pub fn product() -> Vec<Combination> {
     let own = Combination::own();
     all.sort_by_key(|combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>());
     all
+}
+
+/// Questions whose answers change friction alone, as places in [`AXES`]: the preload and LuGre's bristle damping.
+const OF_FRICTION: [usize; 2] = [3, 7];
+
+/// Some combinations in groups that differ in answers that change friction alone, in the order of the first of each.
+pub fn by_what_is_shared(combinations: &[Combination]) -> Vec<Vec<Combination>> {
+    let shared = |combination: &Combination| {
+        let mut answers = combination.0;
+        OF_FRICTION.iter().for_each(|&axis| answers[axis] = 0);
+        answers
+    };
+    let (mut places, mut groups) = (std::collections::HashMap::new(), Vec::<Vec<Combination>>::new());
+    for combination in combinations {
+        let place = *places.entry(shared(combination)).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[place].push(*combination);
+    }
+    groups
 }
 
 /// The paper's case as tables.

@@ -123,7 +123,7 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             .zip(&right)
             .map(|(system, modes)| Path { start: PathStart::System(system), start_modes: modes, end })
             .collect();
-        let names = reference.names_of_all(&BatchSolver, &paths, &mut self.work);
+        let names = reference.names_of_all(&BatchSolver, &paths, self.study.plan().mode_identity, &mut self.work);
         for (modes, names) in found.iter_mut().zip(names) {
             for (mode, names) in modes.iter_mut().filter(|mode| mode.lambda.re > 0.0).zip(names?) {
                 mode.names = names;
