@@ -11,6 +11,7 @@ mod row;
 mod run;
 mod store;
 mod table;
+mod thin;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,7 @@ use row::Row;
 use run::Stage;
 use store::Store;
 use table::Entry;
+use thin::thin;
 
 /// By how many claims fewer than the better of the case and the paper's words a combination may hold that is run with more draws:
 /// after the few draws that all get, and after those of the second stage. Written before the product was run.
@@ -85,7 +87,12 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
     let all = product();
     let paper = product::mode_numbers(&path, &case)?;
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let coarse = run_all(&store, &all, Stage::Coarse, workers, |c| of(c, args.samples), deadline)?;
+    let coarse = |combination: &Combination| {
+        let mut case = of(combination, args.samples)?;
+        thin(&mut case)?;
+        Ok(case)
+    };
+    let coarse = run_all(&store, &all, Stage::Coarse, workers, coarse, deadline)?;
     let better = selected(&coarse, COARSE_SLACK, args.better);
     let second = run_all(&store, &better, Stage::Second, workers, |c| of(c, args.second), deadline)?;
     let best = selected(&second, SECOND_SLACK, args.best);

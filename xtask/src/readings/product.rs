@@ -30,8 +30,7 @@ pub struct Axis {
     pub choices: &'static [Choice],
     /// The place of the answer that the paper's words give.
     pub literal: usize,
-    /// What a departure here counts in the order of the run: more where the answer acts on one law alone, or where a study takes
-    /// four times as long.
+    /// What a departure here counts in the order of the run: more where the answer acts on one law alone.
     weight: usize,
 }
 
@@ -90,7 +89,7 @@ pub const AXES: [Axis; 9] = [
             ],
         )
     },
-    Axis { weight: 2, ..axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]) },
+    axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]),
 ];
 
 /// One answer to each question, by place.
@@ -153,7 +152,8 @@ impl Combination {
     }
 }
 
-/// All combinations, those with the fewest departures from the case first, by their weights.
+/// All combinations: first those with one draw for all contacts, which together are a product of their own, then those with the
+/// fewest departures from the case, by their weights.
 pub fn product() -> Vec<Combination> {
     let mut all = vec![Combination::own()];
     for (i, axis) in AXES.iter().enumerate() {
@@ -167,10 +167,13 @@ pub fn product() -> Vec<Combination> {
         all = all.iter().flat_map(with).collect();
     }
     let own = Combination::own();
-    all.sort_by_key(|combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>());
+    let weight = |combination: &Combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>();
+    all.sort_by_key(|combination| (combination.0[DRAWS] != 0, weight(combination)));
     all
 }
 
+/// The place of the question whether all contacts have one draw.
+const DRAWS: usize = 8;
 /// Questions whose answers change friction alone, as places in [`AXES`]: the preload and LuGre's bristle damping.
 const OF_FRICTION: [usize; 2] = [3, 7];
 

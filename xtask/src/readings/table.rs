@@ -197,7 +197,7 @@ Rules, written before the run (docs/readings.md):
 - The literal text, and the case's own where it says nothing, stands unless another reading holds strictly more of the
   twelve claims, each at its simultaneous 95 % limits with all draws. Of several, the one with the most; among equals the
   one with the fewest departures from the text.
-- Every combination is run with few draws and judged by the values. The literal text, the case's own, and those that hold
+- Every combination is run with few draws, in a part of the arrangements, and judged by the values. The literal text, the case's own, and those that hold
   at least as many claims as the better of these two less two, under any way of naming modes, get more draws: the best
   first, the fewest departures from the text first among equals, up to a number. Of these, in the same way, those that
   hold as many as the better of the two less one get all draws.
