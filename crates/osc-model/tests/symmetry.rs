@@ -4,9 +4,9 @@
 
 mod common;
 
-use common::{coulomb, lugre, model, set_distance, shared, spectrum, table_1};
+use common::{contact, coulomb, lugre, model, set_distance, shared, spectrum, table_1};
 use nalgebra::DMatrix;
-use osc_model::{ContactArrangement, Lateral, LatticeModel, Reversal, Sign};
+use osc_model::{ContactArrangement, ContactPoint, Lateral, LatticeModel, Reversal, Sign, Sliding};
 
 fn nine_to_six() -> Vec<ContactArrangement> {
     [9, 8, 7, 6].into_iter().flat_map(|k| ContactArrangement::all(9, k).unwrap()).collect()
@@ -64,6 +64,31 @@ fn the_reversal_of_a_member_carries_the_matrices() {
             let carried =
                 DMatrix::from_fn(n, n, |i, j| to.k[(member.reversal.dof(grid, i), member.reversal.dof(grid, j))]);
             assert!((carried - &from.k).amax() <= 1e-12 * from.k.amax());
+        }
+    }
+}
+
+/// So with independent draws of one distribution all members of a class have one distribution of eigenvalues.
+#[test]
+fn draws_of_single_contacts_that_move_with_the_labels_give_the_same_spectrum() {
+    let model = model(Lateral::Coupled { sign: Sign::Minus }, "x1 x3 x7 x9");
+    let (arrangements, grid) = (nine_to_six(), model.parameters().grid);
+    let drawn = |oscillator: usize| {
+        let part = 0.05 * oscillator as f64;
+        ContactPoint { lateral_mu: 0.6 - part, normal_load: 500.0 + 400.0 * part, ..contact(lugre(0.2 + part)) }
+    };
+    for class in model.symmetry_classes(&arrangements).unwrap() {
+        let of = |place: usize, reversal: Reversal| {
+            let arrangement = &arrangements[place];
+            let contacts = arrangement.in_contact().iter().map(|&i| drawn(reversal.oscillator(grid, i))).collect();
+            spectrum(&model, arrangement, &Sliding { speed: 0.7, contacts })
+        };
+        let representative = of(class.representative, Reversal::None);
+        for member in &class.members[1..] {
+            let distance = set_distance(&representative, &of(member.arrangement, member.reversal));
+            assert!(distance < 1e-10, "{}: {distance:e}", arrangements[member.arrangement]);
+            let unmoved = set_distance(&representative, &of(member.arrangement, Reversal::None));
+            assert!(unmoved > 1e-6, "{}: {unmoved:e}", arrangements[member.arrangement]);
         }
     }
 }

@@ -1,24 +1,39 @@
 //! The product of all readings of what the paper leaves open, as a table with every claim.
 //!
-//! Every combination is run with few draws; the best by the values, the case and the paper's words with many. The rule of
-//! this selection, and that by which a reading becomes the default, stand in docs/readings.md and in the table's head.
+//! Every combination is run with few draws; the best by the values, the case and the paper's words with more, and the best of
+//! these with all. The rule of this selection, and that by which a reading becomes the default, stand in docs/readings.md and in
+//! the table's head.
 
+mod family;
 mod onsets;
 mod product;
 mod row;
+mod run;
+mod store;
 mod table;
+mod thin;
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use squeal::case::LatticeCase;
-use squeal::output::{make_folder, write};
+use squeal::output::{make_folder, note, say, write};
 use toml::Table;
 
 use crate::error::TaskError;
-use product::{Combination, product, read_tables};
-use row::{Row, Store};
+use product::{Combination, by_what_is_shared, product, read_tables};
+use row::Row;
+use run::Stage;
+use store::Store;
 use table::Entry;
+use thin::thin;
+
+/// By how many claims fewer than the better of the case and the paper's words a combination may hold that is run with more draws:
+/// after the few draws that all get, and after those of the second stage. Written before the product was run.
+const COARSE_SLACK: usize = 2;
+const SECOND_SLACK: usize = 1;
 
 /// Every reading of what the paper leaves open, in all combinations, with a scorecard each
 ///
@@ -26,9 +41,15 @@ use table::Entry;
 #[derive(Debug, clap::Args)]
 pub struct ReadingsArgs {
     /// Draws of each combination
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
-    /// Draws of the best, and of the case and the paper's words
+    /// Draws of the better ones, and of the case and the paper's words
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u64).range(1..))]
+    second: u64,
+    /// Most combinations that are run with as many
+    #[arg(long, value_name = "M", default_value_t = 60)]
+    better: usize,
+    /// Draws of the best of these, and of the case and the paper's words
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     full: u64,
     /// Most combinations that are run with as many
@@ -65,79 +86,106 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
 
     let all = product();
     let paper = product::mode_numbers(&path, &case)?;
-    let coarse = run_all(&store, &all, |combination| of(combination, args.samples), deadline)?;
-    let best = selected(&coarse, args.best);
-    eprintln!("{} combinations with {} draws", best.len(), args.full);
-    let full = run_all(&store, &best, |combination| of(combination, args.full), None)?;
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let coarse = |combination: &Combination| {
+        let mut case = of(combination, args.samples)?;
+        thin(&mut case)?;
+        Ok(case)
+    };
+    let coarse = run_all(&store, &all, Stage::Coarse, workers, coarse, deadline)?;
+    let better = selected(&coarse, COARSE_SLACK, args.better);
+    let second = run_all(&store, &better, Stage::Second, workers, |c| of(c, args.second), deadline)?;
+    let best = selected(&second, SECOND_SLACK, args.best);
+    let full = run_all(&store, &best, Stage::Full, 1, |c| of(c, args.full), deadline)?;
     save_cases(&out, &full, &case)?;
 
-    let coarse = entries(&coarse);
-    let full = entries(&full);
-    table::write_all(&out.join("readings.csv"), &coarse, &full, paper)?;
-    let text = table::markdown(&coarse, &full, all.len(), paper);
+    let [coarse, second, full] = [&coarse, &second, &full].map(|rows| entries(rows));
+    let stages = table::Stages { coarse: &coarse, second: &second, full: &full, product: all.len(), paper };
+    table::write_all(&out.join("readings.csv"), &stages)?;
+    let text = table::markdown(&stages);
     write(&out.join("readings.md"), text.as_bytes())?;
-    println!("{text}\nThe whole table: {}", out.join("readings.csv").display());
+    say(&format!("{text}\nThe whole table: {}\n", out.join("readings.csv").display()))?;
     Ok(())
 }
 
-/// The rows of some combinations, those that are not known run, as many as the deadline allows.
+/// The rows of some combinations, those that are not known run, as many as the deadline allows. `workers` groups of combinations,
+/// of those that have much in common, are run at once.
 fn run_all(
     store: &Store,
     combinations: &[Combination],
+    stage: Stage,
+    workers: usize,
     case: impl Fn(&Combination) -> Result<LatticeCase, TaskError>,
     deadline: Option<Instant>,
 ) -> Result<Vec<(Combination, Row)>, TaskError> {
-    let mut rows = Vec::with_capacity(combinations.len());
-    let mut open = Vec::new();
-    for combination in combinations {
-        let case = case(combination)?;
-        match store.known(&case) {
-            Some(row) => rows.push((*combination, row)),
-            None => open.push((*combination, case)),
-        }
-    }
-    let mean = |rows: &[(Combination, Row)]| {
-        let seconds: f64 = rows.iter().map(|(_, row)| row.seconds).sum();
-        (!rows.is_empty()).then(|| seconds / rows.len() as f64)
+    let groups = match stage {
+        Stage::Coarse | Stage::Second => by_what_is_shared(combinations),
+        Stage::Full => combinations.iter().map(|combination| vec![*combination]).collect(),
     };
-    let count = open.len();
-    match mean(&rows) {
-        Some(seconds) => eprintln!(
-            "{} combinations, {count} to be run: roughly {:.0} minutes at {seconds:.1} s each",
-            combinations.len(),
-            seconds * count as f64 / 60.0
-        ),
-        None => eprintln!("{} combinations to be run; the first tells how long each takes", combinations.len()),
-    }
-    for (number, (combination, case)) in open.into_iter().enumerate() {
-        if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-            eprintln!("stopped: {} combinations are left; the same command goes on", count - number);
-            break;
+    let (mut rows, mut open) = (Vec::with_capacity(combinations.len()), VecDeque::new());
+    for group in groups {
+        let cases = group.iter().map(&case).collect::<Result<Vec<_>, _>>()?;
+        match store.known(&cases) {
+            Some(known) => rows.extend(group.into_iter().zip(known)),
+            None => open.push_back((group, cases)),
         }
-        let row = store.row(case)?;
-        rows.push((combination, row));
-        let left = mean(&rows).unwrap_or(0.0) * (count - number - 1) as f64 / 60.0;
-        let (_, row) = &rows[rows.len() - 1];
-        eprintln!(
-            "{} of {count}, {:.1} s, {left:.0} minutes left: {}",
-            number + 1,
-            row.seconds,
-            combination.describe()
-        );
     }
+    let left = |open: &VecDeque<(Vec<Combination>, _)>| open.iter().map(|(group, _)| group.len()).sum::<usize>();
+    let (count, start) = (left(&open), Instant::now());
+    note(&format!("{} combinations, {count} to be run", combinations.len()));
+    let (open, rows, failed) = (Mutex::new(open), Mutex::new(rows), Mutex::new(None));
+    let next = || {
+        let is_over = deadline.is_some_and(|deadline| Instant::now() >= deadline) || locked(&failed).is_some();
+        if is_over { None } else { locked(&open).pop_front() }
+    };
+    let work = || {
+        while let Some((group, cases)) = next() {
+            match store.rows(cases, stage) {
+                Ok(found) => locked(&rows).extend(group.iter().copied().zip(found)),
+                Err(error) => *locked(&failed) = Some(error),
+            }
+            let (still, minutes) = (left(&locked(&open)), start.elapsed().as_secs_f64() / 60.0);
+            let done = count - still;
+            let words = group.first().map_or(String::new(), Combination::describe);
+            note(&format!(
+                "{done} of {count} begun, {minutes:.1} minutes, {:.0} left: {words}",
+                minutes * still as f64 / done.max(1) as f64
+            ));
+        }
+    };
+    std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
+    if let Some(error) = into_inner(failed) {
+        return Err(error);
+    }
+    let still = left(&into_inner(open));
+    if still > 0 {
+        note(&format!("stopped: {still} combinations are left; the same command goes on"));
+    }
+    let mut rows = into_inner(rows);
+    let order: std::collections::HashMap<_, _> = combinations.iter().zip(0..).map(|(c, at)| (c.0, at)).collect();
+    rows.sort_by_key(|(combination, _)| order.get(&combination.0).copied());
     Ok(rows)
 }
 
-/// The combinations worth all draws: the paper's words, the case, and of the others those that hold by value, under any way of
-/// naming modes, at least as many claims as the better of these two less one; the best of them, the fewest departures first
-/// among equals.
-fn selected(coarse: &[(Combination, Row)], most: usize) -> Vec<Combination> {
+/// What a lock holds: a worker that panicked ends the program, so that nothing is half done.
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn into_inner<T>(of: Mutex<T>) -> T {
+    of.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The combinations worth more draws: the paper's words, the case, and of the others those that hold by value, under any way of
+/// naming modes, at least as many claims as the better of these two less the `slack`; the `most` best of them, the fewest
+/// departures first among equals.
+fn selected(rows: &[(Combination, Row)], slack: usize, most: usize) -> Vec<Combination> {
     let score = |row: &Row| row.cards.iter().map(|card| card.held_by_value()).max().unwrap_or(0);
     let mut selected = vec![Combination::literal(), Combination::own()];
-    let of_selected = coarse.iter().filter(|(combination, _)| selected.contains(combination));
-    let least = of_selected.map(|(_, row)| score(row)).max().unwrap_or(0).saturating_sub(1);
+    let of_selected = rows.iter().filter(|(combination, _)| selected.contains(combination));
+    let least = of_selected.map(|(_, row)| score(row)).max().unwrap_or(0).saturating_sub(slack);
     let mut others: Vec<_> =
-        coarse.iter().filter(|(c, row)| !selected.contains(c) && score(row) >= least.max(1)).collect();
+        rows.iter().filter(|(c, row)| !selected.contains(c) && score(row) >= least.max(1)).collect();
     others.sort_by_key(|(combination, row)| (std::cmp::Reverse(score(row)), combination.departures()));
     selected.extend(others.iter().take(most).map(|(combination, _)| *combination));
     selected
@@ -184,7 +232,8 @@ mod tests {
         let others: Vec<_> = product().into_iter().filter(|c| ![own, literal].contains(c)).take(4).collect();
         let held = [7, 5, 5, 6, 8, 7];
         let all: Vec<_> = [own, literal].iter().chain(&others).zip(held).map(|(c, held)| (*c, row(held))).collect();
-        assert_eq!(selected(&all, 12), [literal, own, others[2], others[3], others[1]]);
-        assert_eq!(selected(&all, 1), [literal, own, others[2]]);
+        assert_eq!(selected(&all, 1, 12), [literal, own, others[2], others[3], others[1]]);
+        assert_eq!(selected(&all, 2, 12), [literal, own, others[2], others[3], others[1], others[0]]);
+        assert_eq!(selected(&all, 1, 1), [literal, own, others[2]]);
     }
 }

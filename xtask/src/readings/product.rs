@@ -30,8 +30,7 @@ pub struct Axis {
     pub choices: &'static [Choice],
     /// The place of the answer that the paper's words give.
     pub literal: usize,
-    /// What a departure here counts in the order of the run: more where the answer acts on one law alone, or where a study takes
-    /// four times as long.
+    /// What a departure here counts in the order of the run: more where the answer acts on one law alone.
     weight: usize,
 }
 
@@ -40,7 +39,7 @@ const fn axis(name: &'static str, choices: &'static [Choice]) -> Axis {
 }
 
 /// All questions.
-pub const AXES: [Axis; 10] = [
+pub const AXES: [Axis; 9] = [
     axis("R1 mass", &[choice("0.39", &[]), choice("0.39/9", &[("lattice.oscillator_mass", "0.043333333333333335")])]),
     axis("R2 lean", &[choice("against", &[]), choice("along", &[("readings.lean", "\"along\"")])]),
     Axis {
@@ -79,7 +78,6 @@ pub const AXES: [Axis; 10] = [
             ),
         ],
     ),
-    axis("identity", &[choice("continuation", &[]), choice("MAC", &[("readings.identity", "\"mac\"")])]),
     Axis {
         weight: 2,
         ..axis(
@@ -91,7 +89,7 @@ pub const AXES: [Axis; 10] = [
             ],
         )
     },
-    Axis { weight: 2, ..axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]) },
+    axis("R4 draws", &[choice("shared", &[]), choice("each", &[("readings.draws", "\"each\"")])]),
 ];
 
 /// One answer to each question, by place.
@@ -154,7 +152,8 @@ impl Combination {
     }
 }
 
-/// All combinations, those with the fewest departures from the case first, by their weights.
+/// All combinations: first those with one draw for all contacts, which together are a product of their own, then those with the
+/// fewest departures from the case, by their weights.
 pub fn product() -> Vec<Combination> {
     let mut all = vec![Combination::own()];
     for (i, axis) in AXES.iter().enumerate() {
@@ -168,8 +167,32 @@ pub fn product() -> Vec<Combination> {
         all = all.iter().flat_map(with).collect();
     }
     let own = Combination::own();
-    all.sort_by_key(|combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>());
+    let weight = |combination: &Combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>();
+    all.sort_by_key(|combination| (combination.0[DRAWS] != 0, weight(combination)));
     all
+}
+
+/// The place of the question whether all contacts have one draw.
+const DRAWS: usize = 8;
+/// Questions whose answers change friction alone, as places in [`AXES`]: the preload and LuGre's bristle damping.
+const OF_FRICTION: [usize; 2] = [3, 7];
+
+/// Some combinations in groups that differ in answers that change friction alone, in the order of the first of each.
+pub fn by_what_is_shared(combinations: &[Combination]) -> Vec<Vec<Combination>> {
+    let shared = |combination: &Combination| {
+        let mut answers = combination.0;
+        OF_FRICTION.iter().for_each(|&axis| answers[axis] = 0);
+        answers
+    };
+    let (mut places, mut groups) = (std::collections::HashMap::new(), Vec::<Vec<Combination>>::new());
+    for combination in combinations {
+        let place = *places.entry(shared(combination)).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[place].push(*combination);
+    }
+    groups
 }
 
 /// The paper's case as tables.

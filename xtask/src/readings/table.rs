@@ -68,16 +68,31 @@ impl<'a> Entry<'a> {
     }
 }
 
+/// The scorecards of all stages.
+pub struct Stages<'a> {
+    /// With the draws that every combination gets.
+    pub coarse: &'a [Entry<'a>],
+    /// With those of the better ones.
+    pub second: &'a [Entry<'a>],
+    /// With all draws.
+    pub full: &'a [Entry<'a>],
+    /// How many combinations there are.
+    pub product: usize,
+    /// The paper's mode numbers of C4, C8 and C10.
+    pub paper: [usize; 3],
+}
+
 /// Writes everything, one scorecard a line.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [usize; 3]) -> Result<(), TaskError> {
+pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), TaskError> {
+    let &Stages { coarse, second, full, paper, .. } = stages;
     let mut header: Vec<String> = AXES.iter().map(|axis| axis.name.to_string()).collect();
     header.extend(["R7 naming", "departures", "samples", "failures", "refused"].map(String::from));
     header.extend(["held", "not held", "held by value"].map(String::from));
     header.extend(["mode C4", "mode C8", "mode C10", "numbers by rank", "numbers by pair"].map(String::from));
-    let claims = full.iter().chain(coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
+    let claims = full.iter().chain(second).chain(coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     for cell in claims {
         header.extend(["holds", "by value", "value", "lower", "upper"].map(|column| format!("{} {column}", cell.id)));
     }
@@ -105,31 +120,72 @@ pub fn write_all(path: &Path, coarse: &[Entry<'_>], full: &[Entry<'_>], paper: [
         row
     };
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    Ok(write_csv(path, &header, full.iter().chain(coarse).map(row))?)
+    Ok(write_csv(path, &header, full.iter().chain(second).chain(coarse).map(row))?)
 }
 
 /// The rule, the combinations with all draws, and a digest of the others.
-pub fn markdown(coarse: &[Entry<'_>], full: &[Entry<'_>], product: usize, paper: [usize; 3]) -> String {
+pub fn markdown(stages: &Stages<'_>) -> String {
+    let &Stages { coarse, second, full, product, paper } = stages;
     let mut text = String::from(HEAD);
     text += &verdict(full);
     text += "\n## With all draws\n\n";
     text += &rows(full, paper, |cell| &cell.holds);
-    let run = coarse.iter().map(|entry| entry.combination.0).collect::<std::collections::BTreeSet<_>>().len();
-    let samples = coarse.first().map_or(0, |entry| entry.row.samples);
+    let samples = |entries: &[Entry<'_>]| entries.first().map_or(0, |entry| entry.row.samples);
     let _ = writeln!(
         text,
-        "\n## The product\n\n{run} of {product} combinations run, {samples} draws each, judged by their values. {} are \
-         refused by the model. The best, of {} scorecards:\n",
+        "\n## The second stage\n\n{} combinations, {} draws each, judged by their values. The best, of {} scorecards:\n",
+        combinations(second),
+        samples(second),
+        second.len()
+    );
+    text += &rows(&best(second), paper, |cell| &cell.by_value);
+    let _ = writeln!(
+        text,
+        "\n## The product\n\n{} of {product} combinations run, {} draws each, judged by their values. {} are refused by \
+         the model. The best, of {} scorecards:\n",
+        combinations(coarse),
+        samples(coarse),
         coarse.iter().filter(|entry| entry.card.is_none()).count(),
         coarse.len()
     );
-    let mut best = coarse.to_vec();
-    best.sort_by_key(|entry| (std::cmp::Reverse(entry.held_by_value()), entry.departures()));
-    best.truncate(SHOWN);
-    text += &rows(&best, paper, |cell| &cell.by_value);
+    text += &rows(&best(coarse), paper, |cell| &cell.by_value);
+    text += &counts(coarse);
     text += &tried(coarse);
     text += &discrimination(coarse);
     text += &mode_numbers(coarse, paper);
+    text
+}
+
+fn combinations(entries: &[Entry<'_>]) -> usize {
+    entries.iter().map(|entry| entry.combination.0).collect::<std::collections::BTreeSet<_>>().len()
+}
+
+/// The scorecards with the most claims, the fewest departures first among equals.
+fn best<'a>(entries: &[Entry<'a>]) -> Vec<Entry<'a>> {
+    let mut best = entries.to_vec();
+    best.sort_by_key(|entry| (std::cmp::Reverse(entry.held_by_value()), entry.departures()));
+    best.truncate(SHOWN);
+    best
+}
+
+/// How many scorecards hold how many claims, by the way modes are named.
+fn counts(coarse: &[Entry<'_>]) -> String {
+    let mut by_naming: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for entry in coarse.iter().filter(|entry| entry.card.is_some()) {
+        by_naming.entry(entry.naming()).or_default().push(entry.held_by_value());
+    }
+    let most = by_naming.values().flatten().max().copied().unwrap_or(0);
+    let numbers: Vec<String> = (0..=most).map(|held| held.to_string()).collect();
+    let mut text = format!(
+        "\n## How many claims hold\n\nScorecards by the number of claims that hold by value, without C12.\n\n\
+         | modes | {} |\n| --- |{}\n",
+        numbers.join(" | "),
+        " --- |".repeat(most + 1)
+    );
+    for (naming, held) in by_naming {
+        let of = |number: usize| held.iter().filter(|held| **held == number).count().to_string();
+        let _ = writeln!(text, "| {naming} | {} |", (0..=most).map(of).collect::<Vec<_>>().join(" | "));
+    }
     text
 }
 
@@ -141,9 +197,10 @@ Rules, written before the run (docs/readings.md):
 - The literal text, and the case's own where it says nothing, stands unless another reading holds strictly more of the
   twelve claims, each at its simultaneous 95 % limits with all draws. Of several, the one with the most; among equals the
   one with the fewest departures from the text.
-- With all draws are run: the literal text, the case's own, and those combinations that hold by value, with few draws and
-  under any way of naming modes, at least as many claims as the better of these two less one, the best first, the fewest
-  departures from the text first among equals, up to the number that is asked for.
+- Every combination is run with few draws, in a part of the arrangements, and judged by the values. The literal text, the case's own, and those that hold
+  at least as many claims as the better of these two less two, under any way of naming modes, get more draws: the best
+  first, the fewest departures from the text first among equals, up to a number. Of these, in the same way, those that
+  hold as many as the better of the two less one get all draws.
 - Modes: the frequency ranks of the mode of C4 (the paper's 29, of 30 degrees of freedom), of C8 (26, of 26) and of C10
   (18, of 24). Numbers agree if the rank is the number, or if the rank's pair of all eigenvalues has it: 15, 13 and 9.
 

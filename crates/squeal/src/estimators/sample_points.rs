@@ -124,7 +124,7 @@ impl<'a, B: UncertainBrake> SamplePoints<'a, B> {
             .zip(&right)
             .map(|(system, modes)| Path { start: PathStart::System(system), start_modes: modes, end })
             .collect();
-        let names = reference.names_of_all(&BatchSolver, &paths, &mut self.work);
+        let names = reference.names_of_all(&BatchSolver, &paths, self.study.plan().mode_identity, &mut self.work);
         for (modes, names) in found.iter_mut().zip(names) {
             let grows = |mode: &&mut SampledMode| self.study.plan().threshold.margin(mode.lambda) > 0.0;
             for (mode, names) in modes.iter_mut().filter(grows).zip(names?) {

@@ -56,7 +56,17 @@ pub struct Results<'a> {
 impl<'a> Results<'a> {
     /// The results of a finished run.
     pub fn new<B: UncertainBrake>(study: &'a Study<'a, B>, summary: Summary<StudyTally>) -> Self {
-        let (plan, origins, references) = (study.plan(), study.origin_references(), study.references());
+        Self::with_references(study, study.references(), summary)
+    }
+
+    /// [`Results::new`], with the reference modes of the scenes named in another way: those of
+    /// [`Study::references_by_likeness`].
+    pub fn with_references<B: UncertainBrake>(
+        study: &'a Study<'a, B>,
+        references: &'a [Reference],
+        summary: Summary<StudyTally>,
+    ) -> Self {
+        let (plan, origins) = (study.plan(), study.origin_references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
         Self { labels: plan.mode_labels, plan, origins, references, summary, panels, comparisons }
@@ -71,6 +81,24 @@ impl<'a> Results<'a> {
             comparisons: self.comparisons.clone(),
             ..*self
         }
+    }
+
+    /// The same counts, of some laws alone: what a study of these laws would have counted. `laws` are places in the plan's list,
+    /// which stays as it is.
+    pub fn of_laws(&self, laws: &[usize]) -> Self {
+        let is_of = |at: usize| laws.contains(&self.panels[at].key.law);
+        let kept: Vec<usize> = (0..self.panels.len()).filter(|&at| is_of(at)).collect();
+        let mut summary = self.summary.clone();
+        summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at].clone()).collect();
+        let place = |panel: usize| kept.binary_search(&panel).ok();
+        let compared = |(comparison, mean): (&Comparison, &IntegerMean)| {
+            let (more, fewer) = (place(comparison.more)?, place(comparison.fewer)?);
+            Some((Comparison { more, fewer, ..*comparison }, *mean))
+        };
+        let compared = self.comparisons.iter().zip(&self.summary.tally.comparisons).filter_map(compared);
+        let comparisons;
+        (comparisons, summary.tally.comparisons) = compared.unzip();
+        Self { summary, panels: kept.iter().map(|&at| self.panels[at].clone()).collect(), comparisons, ..*self }
     }
 
     /// The plan.

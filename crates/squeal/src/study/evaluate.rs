@@ -14,7 +14,7 @@ use super::net_work::WorkSystems;
 use super::reference::{Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
-use super::{ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
+use super::{ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// The result of one complex eigenvalue analysis (CEA) of a study.
@@ -41,10 +41,28 @@ pub struct UnstableMode {
     pub growth: f64,
     /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<ModeLabel>,
+    /// Names by likeness beside these; in a study with [`StudyOptions::likeness_too`].
+    pub names_by_likeness: Option<Vec<ModeLabel>>,
     /// Work in one period on each body; in scenes that want it.
     pub work: Option<ModeWork>,
     /// Its residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
+}
+
+/// How a study is prepared. Neither changes a verdict or a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StudyOptions {
+    /// Whether regions of friction are certified to be stable before anything is sampled. That takes as long as some hundred
+    /// samples; with fewer a study is cheaper without.
+    pub certificates: bool,
+    /// Whether modes that are known by continuation are named by likeness too ([`ModeIdentity::Mac`]).
+    pub likeness_too: bool,
+}
+
+impl Default for StudyOptions {
+    fn default() -> Self {
+        Self { certificates: true, likeness_too: false }
+    }
 }
 
 /// A brake, ready to be sampled.
@@ -62,6 +80,7 @@ pub struct Study<'a, B: UncertainBrake> {
     anchors: Vec<Vec<Option<Anchors>>>,
     /// By scene: the gain at which its reference modes were computed.
     reference_gains: Vec<Option<Gain>>,
+    options: StudyOptions,
 }
 
 impl<'a, B: UncertainBrake> Study<'a, B> {
@@ -74,6 +93,14 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         Self::with_progress(brake, solver, &())
     }
 
+    /// As [`Study::new`], prepared in another way.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn with_options(brake: &'a B, solver: &'a dyn EigenSolver, options: StudyOptions) -> Result<Self, Error> {
+        Self::prepared(brake, solver, options, &())
+    }
+
     /// As [`Study::new`], and tells how far it has come.
     ///
     /// # Errors
@@ -82,22 +109,32 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let plan = brake.plan();
         // One step for each configuration, two for each scene: its reference and its anchors.
         progress.begin((plan.configurations.len() + 2 * plan.scenes.len()) as u64, 0);
-        let study = Self::prepared(brake, solver, progress);
+        let study = Self::prepared(brake, solver, StudyOptions::default(), progress);
         progress.end();
         study
     }
 
-    fn prepared(brake: &'a B, solver: &'a dyn EigenSolver, progress: &dyn Progress) -> Result<Self, Error> {
+    fn prepared(
+        brake: &'a B,
+        solver: &'a dyn EigenSolver,
+        options: StudyOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
         let plan = brake.plan();
         Cost::of(plan).check(&plan.source())?;
         let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
         let median = brake.median();
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
-        let References { origins, scenes } = references(plan, &points, solver, progress).map_err(failed)?;
+        let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
+        let References { origins, scenes } = references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
-        let (certificates, equations) = (certificates(brake)?, equations(&plan.configurations)?);
+        let certificates = match options.certificates {
+            true => certificates(brake)?,
+            false => vec![Certificate::default(); plan.configurations.len()],
+        };
+        let equations = equations(&plan.configurations)?;
         let anchors = anchors(brake, &equations, &certificates, solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
@@ -109,6 +146,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             equations,
             anchors,
             reference_gains,
+            options,
             brake,
             solver,
         })
@@ -132,6 +170,11 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// The reference of each scene.
     pub fn references(&self) -> &[Reference] {
         &self.references
+    }
+
+    /// The reference of each scene with its modes named by likeness; `None` of a study that does not ask for these names.
+    pub fn references_by_likeness(&self) -> Option<Vec<Reference>> {
+        self.references.iter().map(Reference::named_by_likeness).collect()
     }
 
     /// The reference of each sector of each scene, in the order of its configuration's sectors.
@@ -158,6 +201,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             eigen_solver: self.solver,
             reference,
             plan: self.plan(),
+            likeness_too: self.options.likeness_too,
             equation: secular
                 .as_ref()
                 .zip(anchors.as_ref())
@@ -255,7 +299,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
-            for UnstableSectorMode { index, mode, names } in &of_sector.unstable {
+            for UnstableSectorMode { index, mode, names, names_by_likeness } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
                 outcome.growth = outcome.growth.max(mode.lambda.re);
@@ -263,6 +307,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                     rank: ModeLabel::of_rank(ranks[*index]),
                     growth: mode.lambda.re,
                     names: names.clone(),
+                    names_by_likeness: names_by_likeness.clone(),
                     work,
                     residual: self.brake.mode_residual(scene, at, mode.lambda, &mode.shape)?,
                 });

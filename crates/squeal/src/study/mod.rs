@@ -30,7 +30,7 @@ pub use brake::{
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use cost::Cost;
-pub use evaluate::{Outcome, Study, UnstableMode};
+pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
 pub use memory::{Scratch, Spent, timed};
 pub use mode_label::ModeLabel;
 pub(crate) use near_axis::NearAxis;
@@ -43,4 +43,4 @@ pub use reference::Reference;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
 pub(crate) use tally::unstable_names;
-pub use tally::{SceneTally, StudyTally};
+pub use tally::{SceneTally, StudyTally, TwiceNamedTally};

@@ -55,7 +55,7 @@ impl<B: UncertainBrake> Study<'_, B> {
                     continue;
                 };
                 let asked: Vec<(Gain, Complex<f64>)> = near.iter().map(|&lambda| (*gain, lambda)).collect();
-                let mut names = named?.into_iter().map(|(_, names)| names);
+                let mut names = named?.into_iter().map(|mode| mode.names);
                 for (lambda, [by_mu, by_slope]) in near.into_iter().zip(secular.rates(&asked, &mut memory.work)) {
                     let names = if grows(lambda) { names.next().unwrap_or_default() } else { Vec::new() };
                     of_point.push(NearAxis { lambda, by_mu, by_slope, names });

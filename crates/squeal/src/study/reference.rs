@@ -42,7 +42,7 @@ pub struct Reference {
     /// The names of each: one; several where a coalescence on the path leaves open which mode is which, or where modes of one
     /// sector have equal eigenvalues; none where a mode was no oscillation at the beginning of the path, or is like none.
     pub names: Vec<Vec<ModeLabel>>,
-    /// The modes of the origin, where all others are named by their likeness to these.
+    /// The modes of the origin, where others are named by their likeness to these.
     shapes: Option<NamedShapes>,
 }
 
@@ -76,18 +76,30 @@ impl Reference {
         self
     }
 
-    /// The names of the modes at the beginning of each path, which ends at this reference.
+    /// The names of the modes at the beginning of each path, which ends at this reference, by an identity.
     pub(crate) fn names_of_all(
         &self,
         solver: &dyn EigenSolver,
         paths: &[Path<'_>],
+        identity: ModeIdentity,
         work: &mut Workspace,
     ) -> Vec<Result<Vec<Vec<ModeLabel>>, CeaError>> {
-        if let Some(shapes) = &self.shapes {
-            return paths.iter().map(|path| Ok(shapes.names_of(path.start_modes, &self.system.m))).collect();
+        if identity == ModeIdentity::Mac {
+            return paths.iter().map(|path| Ok(self.names_by_likeness(path.start_modes).unwrap_or_default())).collect();
         }
         let names = |links: Links| links.into_iter().map(|link| self.names_of(link)).collect();
         identify_all(solver, paths, work).into_iter().map(|links| links.map(names)).collect()
+    }
+
+    /// The names of some modes of a system with this mass matrix, by likeness to the shapes of the origin; `None` where these are
+    /// not kept.
+    pub(super) fn names_by_likeness(&self, modes: &[Mode]) -> Option<Vec<Vec<ModeLabel>>> {
+        Some(self.shapes.as_ref()?.names_of(modes, &self.system.m))
+    }
+
+    /// This reference with its modes named by likeness; `None` where the shapes for that are not kept.
+    pub(super) fn named_by_likeness(&self) -> Option<Self> {
+        Some(Self { names: self.names_by_likeness(&self.modes)?, ..self.clone() })
     }
 
     /// The names of a mode that becomes one of the modes of `link`, ascending, each once.
@@ -149,8 +161,8 @@ impl Reference {
         Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference: by likeness to the shapes that it has. Where it has none, a `near`
-    /// system is compared by MAC, with continuation where that leaves a doubt; to any other every mode is continued.
+    /// The modes of `system`, with names from this reference: by likeness to the shapes of the origin, or by continuation. For
+    /// this a `near` system is compared by MAC first; to any other every mode is continued.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
@@ -160,9 +172,9 @@ impl Reference {
         work: &mut Workspace,
     ) -> Result<Self, Error> {
         let (mut next, _) = Self::unnamed(solver, system, plan, work)?;
-        if let Some(shapes) = &self.shapes {
-            next.names = shapes.names_of(&next.modes, &next.system.m);
-            next.shapes = Some(shapes.clone());
+        next.shapes = self.shapes.clone();
+        if plan.mode_identity == ModeIdentity::Mac {
+            next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
             return Ok(next);
         }
         let link = if near { identify } else { follow };
@@ -185,23 +197,21 @@ pub(super) struct References {
     pub scenes: Vec<SectoredReference>,
 }
 
-/// The references of `plan`; `points` are the operating points of its scenes at median parameters. Progress
-/// advances by one for each configuration and each scene.
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters. Shapes of the origins are kept
+/// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
 /// Those of the model and of the solver; [`Error::Scene`] names the scene.
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
+    by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
 ) -> Result<References, Error> {
     let origin = |origin: &Origin| {
         let named = of_origin(origin, plan, solver)?;
-        Ok(match plan.mode_identity {
-            ModeIdentity::Continuation => named,
-            ModeIdentity::Mac => named.naming_by_likeness(),
-        })
+        Ok(if by_likeness { named.naming_by_likeness() } else { named })
     };
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |configuration: &Configuration| {

@@ -31,14 +31,20 @@ pub(super) struct UnstableSectorMode {
     pub mode: Mode,
     /// Names it may have as a tracked mode.
     pub names: Vec<ModeLabel>,
+    /// Names by likeness, where the study asks for these too.
+    pub names_by_likeness: Option<Vec<ModeLabel>>,
 }
 
 /// The growing modes of a sector in one sample, with the gain they were found at; `None` where the secular equation leaves a
 /// doubt and a spectrum has to decide.
 pub(super) type SecularAnswer = Option<(Gain, Growing)>;
 
-/// Modes with the names each may have.
-type NamedModes = Vec<(Mode, Vec<ModeLabel>)>;
+/// A mode with the names that it may have.
+pub(super) struct NamedMode {
+    pub mode: Mode,
+    pub names: Vec<ModeLabel>,
+    pub names_by_likeness: Option<Vec<ModeLabel>>,
+}
 
 /// What the modes of one sector of a scene are computed with.
 pub(super) struct SectorSolver<'a> {
@@ -50,6 +56,8 @@ pub(super) struct SectorSolver<'a> {
     pub plan: &'a Plan,
     /// `None` where spectra are computed instead, see [`Secular::new`].
     pub equation: Option<SectorEquation<'a>>,
+    /// Whether modes are named by likeness too.
+    pub likeness_too: bool,
 }
 
 /// The secular equation of one sector of a scene, and what it is used with.
@@ -102,7 +110,11 @@ impl SectorSolver<'_> {
     }
 
     /// The modes at given eigenvalues of some gains, with their names; empty for a sector without a secular equation.
-    pub fn named_at(&self, of: &[(Gain, Vec<Complex<f64>>)], memory: &mut Memory) -> Vec<Result<NamedModes, CeaError>> {
+    pub fn named_at(
+        &self,
+        of: &[(Gain, Vec<Complex<f64>>)],
+        memory: &mut Memory,
+    ) -> Vec<Result<Vec<NamedMode>, CeaError>> {
         let Some(SectorEquation { secular, reference, .. }) = self.equation else { return Vec::new() };
         let Memory { work, spent, .. } = memory;
         let shaped = timed(&mut spent.shapes, || {
@@ -126,14 +138,24 @@ impl SectorSolver<'_> {
         starts: &[PathStart<'_>],
         shaped: Vec<Result<Vec<Mode>, CeaError>>,
         memory: &mut Memory,
-    ) -> Vec<Result<NamedModes, CeaError>> {
+    ) -> Vec<Result<Vec<NamedMode>, CeaError>> {
         let Memory { work, spent, .. } = memory;
         let end = PathEnd { system: &self.reference.system, modes: &self.reference.modes };
         let modes = shaped.iter().map(|modes| modes.as_deref().unwrap_or_default());
         let paths: Vec<Path<'_>> =
             starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
-        let names = timed(&mut spent.names, || self.reference.names_of_all(self.eigen_solver, &paths, work));
-        shaped.into_iter().zip(names).map(|(modes, names)| Ok(modes?.into_iter().zip(names?).collect())).collect()
+        let identity = self.plan.mode_identity;
+        let names = timed(&mut spent.names, || self.reference.names_of_all(self.eigen_solver, &paths, identity, work));
+        let with_names = |(modes, names): (Result<Vec<Mode>, CeaError>, Result<Vec<Vec<ModeLabel>>, CeaError>)| {
+            let modes = modes?;
+            let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
+            let mut by_likeness = by_likeness.into_iter().flatten();
+            let named = modes.into_iter().zip(names?);
+            Ok(named
+                .map(|(mode, names)| NamedMode { mode, names, names_by_likeness: by_likeness.next() })
+                .collect())
+        };
+        shaped.into_iter().zip(names).map(with_names).collect()
     }
 }
 
@@ -175,8 +197,13 @@ impl ModesWithVerdicts {
         self.unstable.iter().map(|&index| self.modes.oscillatory[index]).collect()
     }
 
-    fn with_names(self, named: NamedModes) -> SectorModes {
-        let mode = |(index, (mode, names))| UnstableSectorMode { index, mode, names };
+    fn with_names(self, named: Vec<NamedMode>) -> SectorModes {
+        let mode = |(index, NamedMode { mode, names, names_by_likeness })| UnstableSectorMode {
+            index,
+            mode,
+            names,
+            names_by_likeness,
+        };
         let unstable = self.unstable.into_iter().zip(named).map(mode).collect();
         SectorModes { modes: self.modes, unstable, undecided: self.undecided }
     }

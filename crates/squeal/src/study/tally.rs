@@ -182,6 +182,35 @@ fn candidate_names(modes: &[UnstableMode]) -> Vec<&[ModeLabel]> {
     modes.iter().map(|mode| mode.names.as_slice()).collect()
 }
 
+impl StudyTally {
+    /// Enters one sample: its outcome in each scene, where it has one.
+    fn enter(&mut self, outcomes: &[Option<&Outcome>]) {
+        for (tally, outcome) in self.scenes.iter_mut().zip(outcomes) {
+            if let Some(outcome) = outcome {
+                tally.record(outcome);
+            }
+        }
+        let PanelLayout { panels, comparisons, weights } = &self.layout;
+        let sum_of = |panel: &Panel| {
+            let of_scene =
+                |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * outcome.unstable.len() as i32);
+            panel.scenes.iter().map(of_scene).sum::<Option<i32>>()
+        };
+        let sums: Vec<Option<i32>> = panels.iter().map(sum_of).collect();
+        for (mean, sum) in self.panels.iter_mut().zip(&sums) {
+            if let Some(sum) = *sum {
+                mean.record(sum);
+            }
+        }
+        for (mean, pair) in self.comparisons.iter_mut().zip(comparisons) {
+            if let (Some(more), Some(fewer)) = (sums[pair.more], sums[pair.fewer]) {
+                let (n, m) = (panels[pair.more].arrangements as i32, panels[pair.fewer].arrangements as i32);
+                mean.record(more * m - fewer * n);
+            }
+        }
+    }
+}
+
 impl Merge for StudyTally {
     fn merge(&mut self, later: Self) {
         for (mine, more) in self.scenes.iter_mut().zip(later.scenes) {
@@ -198,30 +227,7 @@ impl Merge for StudyTally {
 
 impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
     fn record(&mut self, runs: &Runs<'_, Study<'_, B>>) {
-        for (tally, result) in self.scenes.iter_mut().zip(runs.results) {
-            if let Ok(outcome) = result {
-                tally.record(outcome);
-            }
-        }
-        let PanelLayout { panels, comparisons, weights } = &self.layout;
-        let sum_of = |panel: &Panel| {
-            let of_scene = |&scene: &usize| {
-                runs.results[scene].as_ref().ok().map(|outcome| weights[scene] * outcome.unstable.len() as i32)
-            };
-            panel.scenes.iter().map(of_scene).sum::<Option<i32>>()
-        };
-        let sums: Vec<Option<i32>> = panels.iter().map(sum_of).collect();
-        for (mean, sum) in self.panels.iter_mut().zip(&sums) {
-            if let Some(sum) = *sum {
-                mean.record(sum);
-            }
-        }
-        for (mean, pair) in self.comparisons.iter_mut().zip(comparisons) {
-            if let (Some(more), Some(fewer)) = (sums[pair.more], sums[pair.fewer]) {
-                let (n, m) = (panels[pair.more].arrangements as i32, panels[pair.fewer].arrangements as i32);
-                mean.record(more * m - fewer * n);
-            }
-        }
+        self.enter(&runs.results.iter().map(|result| result.as_ref().ok()).collect::<Vec<_>>());
     }
 
     fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
@@ -229,6 +235,46 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
             tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
         };
         self.scenes.len() == failures.by_scene().len() && self.scenes.iter().zip(failures.by_scene()).all(counted)
+    }
+}
+
+/// The counts of a study with [`StudyOptions::likeness_too`](super::StudyOptions): with modes known by continuation, and the same
+/// samples with modes known by likeness.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TwiceNamedTally {
+    /// By the names of the plan.
+    pub by_plan: StudyTally,
+    /// By likeness.
+    pub by_likeness: StudyTally,
+}
+
+impl TwiceNamedTally {
+    /// An empty tally of a plan.
+    pub fn empty(plan: &Plan) -> Self {
+        Self { by_plan: StudyTally::empty(plan), by_likeness: StudyTally::empty(plan) }
+    }
+}
+
+impl Merge for TwiceNamedTally {
+    fn merge(&mut self, later: Self) {
+        self.by_plan.merge(later.by_plan);
+        self.by_likeness.merge(later.by_likeness);
+    }
+}
+
+impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for TwiceNamedTally {
+    fn record(&mut self, runs: &Runs<'_, Study<'_, B>>) {
+        self.by_plan.record(runs);
+        let alike = |outcome: &Outcome| {
+            let mut outcome = outcome.clone();
+            for mode in &mut outcome.unstable {
+                mode.names = mode.names_by_likeness.take().unwrap_or_default();
+            }
+            outcome
+        };
+        let outcomes: Vec<Option<Outcome>> =
+            runs.results.iter().map(|result| result.as_ref().ok().map(alike)).collect();
+        self.by_likeness.enter(&outcomes.iter().map(Option::as_ref).collect::<Vec<_>>());
     }
 }
 
@@ -245,6 +291,7 @@ mod tests {
             rank: ModeLabel::new(rank),
             growth: 1.0,
             names: labels(names),
+            names_by_likeness: None,
             work: None,
             residual: None,
         };

@@ -10,8 +10,8 @@ pub(in crate::brakes) use sobol::{DrawnFriction, OF_CONTACT};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Member, Preload, PreparedLattice,
-    Reversal, Sliding, SymmetryClass,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice, Reversal,
+    Sliding,
 };
 
 use crate::Error;
@@ -43,8 +43,9 @@ pub struct LatticeBrake {
 impl LatticeBrake {
     /// Lays out the scenes of a case.
     ///
-    /// Where the draws keep the symmetry, arrangements of one symmetry class share a scene, which is solved by sectors. A law
-    /// that does not depend on speed has one scene for all speed ranges.
+    /// Arrangements of one symmetry class share a scene: with one draw for all contacts their eigenvalues are equal, with a draw
+    /// for each the distributions of these are. With one draw for all a scene is solved by sectors. A law that does not depend on
+    /// speed has one scene for all speed ranges.
     ///
     /// # Errors
     /// What the model refuses; [`Error::Median`] where median parameters have no operating point; [`Error::TooLarge`].
@@ -82,7 +83,7 @@ impl LatticeBrake {
         self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
         self.symmetries.push(if case.readings.draws == Draws::Shared { model.symmetries() } else { Vec::new() });
         for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
-            for class in classes(case, &model, arrangements)? {
+            for class in model.symmetry_classes(arrangements)? {
                 let arrangement = &arrangements[class.representative];
                 let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
                 let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
@@ -319,29 +320,9 @@ fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<Operati
 /// most.
 fn least_cost(case: &LatticeCase) -> Cost {
     let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
-    let of_class = match case.readings.draws {
-        Draws::Shared => Reversal::ALL.len(),
-        Draws::Each => 1,
-    };
-    let configurations = case.constraints.len() * arrangements.div_ceil(of_class);
+    let configurations = case.constraints.len() * arrangements.div_ceil(Reversal::ALL.len());
     let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
     Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
-}
-
-fn classes(
-    case: &LatticeCase,
-    model: &LatticeModel,
-    arrangements: &[ContactArrangement],
-) -> Result<Vec<SymmetryClass>, Error> {
-    Ok(match case.readings.draws {
-        Draws::Shared => model.symmetry_classes(arrangements)?,
-        Draws::Each => (0..arrangements.len())
-            .map(|arrangement| SymmetryClass {
-                representative: arrangement,
-                members: vec![Member { arrangement, reversal: Reversal::None }],
-            })
-            .collect(),
-    })
 }
 
 fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use super::options::{override_run, whole_number};
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
-use crate::case::{CaseFile, Draws, FiniteElementCase};
+use crate::case::{CaseFile, FiniteElementCase};
 use crate::output::{bytes_in_words, in_words, note, printable};
 use crate::run::bar;
 use crate::study::{Cost, Plan, UncertainBrake};
@@ -69,10 +69,7 @@ impl CheckArgs {
         text += &line("speeds", &listed(speeds));
         text += &line("samples", &format!("{} per arrangement, law and speed range, seed {}", plan.samples, plan.seed));
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        let classes = match case.readings.draws {
-            Draws::Shared => "one per symmetry class; laws without speed in them once for all speeds",
-            Draws::Each => "every arrangement; laws without speed in them once for all speeds",
-        };
+        let classes = "one per symmetry class; laws without speed in them once for all speeds";
         text += &line("to be solved", &format!("{} ({classes})", plan.scenes.len() as u64 * plan.samples));
         Ok(text + &cost(brake)?)
     }

@@ -27,13 +27,16 @@ pub(super) fn law_of(results: &Results<'_>, scene: &Scene) -> String {
     results.plan().labels.laws[scene.key.law].name.clone()
 }
 
-/// The scenes of a constraint set with every oscillator in contact, each with its index and its reference modes.
+/// The scenes of a constraint set with every oscillator in contact, each with its index and its reference modes; of the laws
+/// that the results are of.
 pub(super) fn full_contact<'a>(
     results: &'a Results<'_>,
     constraints: usize,
 ) -> impl Iterator<Item = (usize, &'a Scene, &'a Reference)> {
     let scenes = results.plan().scenes.iter().zip(results.references()).enumerate();
+    let is_meant = move |scene: &Scene| scene.wants_work && scene.key.constraints == constraints;
+    let has_panel = |scene: &Scene| results.panels().iter().any(|panel| panel.key == scene.key);
     scenes
-        .filter(move |(_, (scene, _))| scene.wants_work && scene.key.constraints == constraints)
+        .filter(move |(_, (scene, _))| is_meant(scene) && has_panel(scene))
         .map(|(at, (scene, reference))| (at, scene, reference))
 }
