@@ -179,9 +179,10 @@ impl Reading {
                     }
                 };
                 // Numbers without a node are passed over, as the programs do; nodes are fewer than a range may be long.
-                let is_member = |label: &i64| (first..=last).contains(label) && (label - first) % step == 0;
+                let is_multiple = |label: i64| (i128::from(label) - i128::from(first)) % i128::from(step) == 0;
+                let is_member = |label: &i64| (first..=last).contains(label) && is_multiple(*label);
                 let members: Vec<i64> = places.keys().copied().filter(is_member).collect();
-                deck.sets.entry(name.clone()).or_default().extend(members);
+                add_members(deck.sets.entry(name.clone()).or_default(), members, places.len());
                 Ok(())
             }
             Block::Set { name, is_generated: false } => {
@@ -193,7 +194,7 @@ impl Reading {
                             Problem::field("node set", crate::shortened::cut(field), "a set that is defined above")
                         })?,
                     };
-                    deck.sets.entry(name.clone()).or_default().extend(members);
+                    add_members(deck.sets.entry(name.clone()).or_default(), members, places.len());
                 }
                 Ok(())
             }
@@ -228,6 +229,16 @@ fn element_kind(name: &str) -> (Option<CellKind>, usize) {
     }
 }
 
+/// Adds members to a set. One with more members than there are nodes has some twice; they go, so that a set that is added to itself
+/// again and again does not grow.
+fn add_members(set: &mut Vec<i64>, members: Vec<i64>, nodes: usize) {
+    set.extend(members);
+    if set.len() > nodes {
+        set.sort_unstable();
+        set.dedup();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,6 +262,16 @@ mod tests {
         assert_eq!(found.sets["BOTTOM"], [1, 2, 3, 4]);
         assert_eq!(found.sets["TWO"], [1, 2, 3, 4, 7]);
         assert_eq!(found.sets["ALL"].len(), 8);
+    }
+
+    #[test]
+    fn ranges_and_sets_of_any_size_take_no_more_than_the_nodes() {
+        let nodes = "*NODE\n1, 0\n9223372036854775807, 1\n-9223372036854775808, 2\n";
+        let range = "*NSET, NSET=R, GENERATE\n-9223372036854775808, 9223372036854775807, 3\n";
+        assert_eq!(deck(&format!("{nodes}{range}")).unwrap().sets["R"], [i64::MIN, 1, i64::MAX]);
+        // Each line would double the set.
+        let again = "*NSET, NSET=A\nA, A\n".repeat(60);
+        assert_eq!(deck(&format!("{nodes}*NSET, NSET=A\n1\n{again}")).unwrap().sets["A"], [1]);
     }
 
     #[test]

@@ -5,15 +5,18 @@
 //! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
 //! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
 //! | [`eigenpairs_in`] | all eigenvalues of such a system in a rectangle, with right and left vectors |
+//! | [`health`] | what the matrices of a model are, which rows make them singular, and how well it can be solved with |
 //! | [`reduction`] | a large brake projected on a few columns, with the residual of each mode in the large one |
 //!
 //! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
 
 mod affine;
 mod error;
+pub mod health;
 mod product;
 pub mod reduction;
 mod solver;
+mod symmetric;
 mod system;
 
 pub use nalgebra_sparse;

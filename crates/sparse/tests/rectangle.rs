@@ -210,3 +210,32 @@ proptest! {
         agrees(&sparse, &dense, Rectangle { re: [-width, 0.7 * width], im: [low, low + height] });
     }
 }
+
+/// A rectangle far larger than the spectrum: nothing is searched where no eigenvalue can be.
+#[test]
+fn a_rectangle_without_end_holds_the_whole_spectrum() {
+    let n = 30;
+    let (mut m, mut c, mut k) = (CooMatrix::new(n, n), CooMatrix::new(n, n), CooMatrix::new(n, n));
+    for i in 0..n {
+        m.push(i, i, 0.5 + (i % 3) as f64);
+        k.push(i, i, 4.0);
+        c.push(i, i, 0.01);
+        if i + 1 < n {
+            [(i, i + 1), (i + 1, i)].iter().for_each(|&(a, b)| k.push(a, b, -1.5));
+            m.push(i, i + 1, 0.1);
+            m.push(i + 1, i, 0.1);
+        }
+    }
+    let system = SparseSecondOrder::new((&m).into(), (&c).into(), (&k).into()).unwrap();
+    for end in [1e1, 1e4, 1e7, 1e12] {
+        let everywhere = Rectangle { re: [-end, end], im: [-end, end] };
+        let found = eigenpairs_in(&system, &everywhere, &Options::default(), &mut |_| {}).unwrap();
+        assert_eq!(found.pairs.len(), 2 * n, "{end}");
+        let largest = found.pairs.iter().map(|pair| pair.lambda.norm()).fold(0.0, f64::max);
+        let reach = found.reach.unwrap();
+        assert!(largest <= reach && reach < 3.0 * largest, "{largest} {reach}");
+    }
+    let beyond = Rectangle { re: [-1.0, 1.0], im: [1e3, 1e9] };
+    let found = eigenpairs_in(&system, &beyond, &Options::default(), &mut |_| {}).unwrap();
+    assert_eq!((found.pairs.len(), found.discs.len(), found.counters.factorisations), (0, 0, 0));
+}

@@ -4,8 +4,8 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::disc::Problem;
-use super::factor::Symbolic;
 use super::pencil::Pencil;
+use super::reach::{least_reach, reach};
 use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
@@ -24,7 +24,8 @@ const REAL: f64 = 1e-6;
 
 /// All eigenvalues in `rectangle`, its border included, with their vectors.
 ///
-/// Discs around shifts cover the rectangle. In each, all eigenvalues are known as far as a block Krylov space of the shifted and
+/// Where M is positive definite nothing is searched beyond the largest |lambda| that the norms of the matrices allow
+/// ([`Found::reach`]). Discs around shifts cover the rest. In each, all eigenvalues are known as far as a block Krylov space of the shifted and
 /// inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and multiple eigenvalues up to
 /// the size of a block. Every pair returned has a backward error of at most `options.tolerance`.
 ///
@@ -38,9 +39,7 @@ pub fn eigenpairs_in(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Found, SparseError> {
     rectangle.check()?;
-    let pencil = Pencil::new(system);
-    let symbolic = Symbolic::new(&pencil)?;
-    let problem = Problem { pencil, symbolic };
+    let problem = Problem::new(system)?;
     let mut search = Search {
         problem: &problem,
         options,
@@ -49,12 +48,14 @@ pub fn eigenpairs_in(
         discs: Vec::new(),
         pairs: Vec::new(),
     };
-    let upper = upper_part(rectangle);
-    search.cover(upper, progress)?;
+    let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
+    if let Some(part) = within(upper_part(rectangle), reach) {
+        search.cover(part, progress)?;
+    }
     let Search { counters, discs, pairs, .. } = search;
     let mut pairs = both_halves(&problem.pencil, without_duplicates(pairs), rectangle);
     pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
-    Ok(Found { pairs, discs, counters })
+    Ok(Found { pairs, discs, reach, counters })
 }
 
 /// What has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
@@ -68,6 +69,14 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
         [0.0, to.max(-from)]
     };
     Rectangle { re: rectangle.re, im }
+}
+
+/// The part of a rectangle in which |lambda| can be that of an eigenvalue; `None` where there is none.
+fn within(rectangle: Rectangle, reach: Option<f64>) -> Option<Rectangle> {
+    let Some(reach) = reach else { return Some(rectangle) };
+    let side = |[from, to]: [f64; 2]| [from.max(-reach), to.min(reach)];
+    let part = Rectangle { re: side(rectangle.re), im: side(rectangle.im) };
+    part.check().is_ok().then_some(part)
 }
 
 struct Search<'a> {

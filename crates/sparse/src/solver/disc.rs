@@ -8,7 +8,7 @@ use super::krylov::Krylov;
 use super::pencil::{Pencil, Side};
 use super::ritz::Ritz;
 use super::types::{Counters, Disc, Options, Rectangle};
-use crate::SparseError;
+use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
 const SEEN: f64 = 1e-6;
@@ -44,6 +44,27 @@ pub(crate) struct Candidate {
 }
 
 impl Problem {
+    /// # Errors
+    /// An elimination order that does not fit into memory.
+    pub(crate) fn new(system: &SparseSecondOrder) -> Result<Self, SparseError> {
+        let pencil = Pencil::new(system);
+        let symbolic = Symbolic::new(&pencil)?;
+        Ok(Self { pencil, symbolic })
+    }
+
+    /// The backward and the relative forward error of a solution with Q(lambda), infinite where there is none.
+    ///
+    /// # Errors
+    /// A factorisation that does not fit into memory.
+    pub(crate) fn solution_errors(&self, lambda: Complex<f64>) -> Result<(f64, f64), SparseError> {
+        let known = starting_block(self.pencil.order(), 1);
+        match Factor::new(&self.symbolic, &self.pencil, lambda) {
+            Ok(factor) => factor.errors(&known),
+            Err(SparseError::Singular { .. }) => Ok((f64::INFINITY, f64::INFINITY)),
+            Err(other) => Err(other),
+        }
+    }
+
     /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target.
     pub(crate) fn near_centre(
         &self,

@@ -84,15 +84,25 @@ impl<'a> Factor<'a> {
     /// Whether a solution known beforehand is found again. A small residual says nothing of it where Q(sigma) is singular.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve), but for a solution that is not finite.
+    /// As [`solve`](Self::solve), but for a solution that is not accurate.
     pub(crate) fn is_regular(&self, known: &Mat<Complex<f64>>) -> Result<bool, SparseError> {
+        self.errors(known).map(|(_, forward)| forward <= REGULAR)
+    }
+
+    /// The backward and the relative forward error of the solution for `Q(sigma) x`, for a block x that is known. The latter is
+    /// infinite where refinement does not make the former small.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve), but for a solution that is not accurate.
+    pub(crate) fn errors(&self, known: &Mat<Complex<f64>>) -> Result<(f64, f64), SparseError> {
         let b = self.pencil.gathered([(&self.right, known.as_ref())]);
         match self.solve(Side::Right, &b) {
             Ok(x) => {
-                let error = length((x - known).col_as_slice(0));
-                Ok(error <= REGULAR * length(known.col_as_slice(0)))
+                let residual = &b - self.pencil.gathered([(&self.right, x.as_ref())]);
+                let forward = length((&x - known).col_as_slice(0)) / length(known.col_as_slice(0));
+                Ok((self.backward_error(&b, &x, &residual), forward))
             }
-            Err(SparseError::Solve { .. }) => Ok(false),
+            Err(SparseError::Solve { residual, .. }) => Ok((residual, f64::INFINITY)),
             Err(other) => Err(other),
         }
     }

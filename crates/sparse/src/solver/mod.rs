@@ -6,8 +6,11 @@ mod factor;
 mod krylov;
 mod pencil;
 mod polish;
+mod reach;
 mod ritz;
 mod types;
 
 pub use cover::eigenpairs_in;
+pub(crate) use disc::Problem;
+pub(crate) use factor::PAR;
 pub use types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};

@@ -133,6 +133,9 @@ pub struct Found {
     /// Discs whose union covers the rectangle, or of a rectangle on both sides of the real axis its larger half: the matrices
     /// are real.
     pub discs: Vec<Disc>,
+    /// The largest |lambda| that any eigenvalue of the system can have, rad/s, where the rectangle is larger and M positive
+    /// definite: what is beyond has no discs.
+    pub reach: Option<f64>,
     /// The work done.
     pub counters: Counters,
 }

@@ -29,14 +29,21 @@ pub(super) fn bar(canvas: &mut Canvas, top: f64, axis: AxisScale, [from, to]: [f
     let name_width = canvas.fonts.width(name, SMALL_TEXT, false) + 10.0;
     let area = Area { x: PAGE_MARGIN + name_width, y: top, width: 200.0, height: 8.0 };
     canvas.text(Label::new(PAGE_MARGIN, area.bottom(), name).color(Color::DARK_GREY));
-    let [left, right] = [axis.at(from), axis.at(to)].map(|part| area.x + part * area.width);
+    let ends = [axis.at(from), axis.at(to)];
+    let [left, right] = ends.map(|part| area.x + part * area.width);
     let width = (right - left) / STEPS as f64;
     for step in 0..STEPS {
         // Half a point of overlap: no seams.
         let piece = Area { x: left + step as f64 * width, width: width + 0.5, ..area };
         canvas.rect(piece, Paint::fill(color((step as f64 + 0.5) / STEPS as f64)));
     }
-    x_axis(canvas, area, &axis.ticks(8), true, false);
+    // Marks beyond the colours only where there are not two beside them, as of a part of a decade.
+    let (beside, beyond): (Vec<_>, Vec<_>) =
+        axis.ticks(8).into_iter().partition(|tick| (ends[0] - 1e-9..=ends[1] + 1e-9).contains(&tick.at));
+    x_axis(canvas, area, &beside, true, false);
+    if beside.len() < 2 {
+        x_axis(canvas, area, &beyond, true, false);
+    }
     area.bottom() + SMALL_TEXT + LINE_SPACING
 }
 

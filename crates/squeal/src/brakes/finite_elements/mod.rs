@@ -4,6 +4,7 @@ mod layout;
 mod points;
 mod reduce;
 
+pub use points::frictionless;
 pub use reduce::ReducedSet;
 
 use linsys::OperatingPoint;

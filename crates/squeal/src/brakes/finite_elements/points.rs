@@ -1,7 +1,8 @@
 //! Samples and operating points of a finite element brake.
 
-use linsys::{ChannelGain, Lag, OperatingPoint};
+use linsys::{ChannelGain, DofMap, Lag, OperatingPoint};
 use montecarlo::StreamRng;
+use sparse::SparseSecondOrder;
 
 use super::FiniteElementSample;
 use crate::Error;
@@ -92,6 +93,19 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
         channels[channel] = *gain;
     }
     OperatingPoint { coefficients, channels }
+}
+
+/// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.
+///
+/// # Errors
+/// [`Error::Median`] where the medians have no operating point; matrices that make no system.
+pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
+    let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+    let mut at = of_brake(case, &all, &naming_point(case, &all)?);
+    at.channels.fill(ChannelGain::default());
+    let dofs = DofMap::new(case.dofs.len(), fixed)?;
+    let system = case.system.on(&dofs)?.assemble(&at)?;
+    Ok((dofs, system))
 }
 
 /// The channels of closed patches, as places in the system.

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use formats::{Limits, read_deck};
+use montecarlo::Distribution;
 use sparse::SparseAffineSystem;
 
 use super::contact::Patches;
 use super::nodes::Model;
-use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, ReductionTable};
+use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
 use super::terms::{holders_term, read_terms, terms_with_coefficients};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
 use crate::case::arrangements::arrangements_by_number;
@@ -116,20 +117,21 @@ fn patch_contact(
     check: &Check<'_>,
     table: ContactTable,
     patches: Vec<super::Patch>,
-    (laws, speeds, friction): (Vec<Law>, Vec<schema::SpeedsTable>, FrictionDistributions),
+    (laws, speeds, friction): (Vec<Law>, Vec<schema::SpeedsTable>, FrictionTable),
 ) -> Result<PatchContact, CaseError> {
     if laws.is_empty() {
         return Err(check.value("study.laws", "[]", "one law or more"));
     }
     check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
+    let depends_on_speed = laws.iter().any(|&law| law != Law::AmontonsCoulomb);
     let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
     let of_patches = schema::ContactTable { in_contact, arrangements };
     Ok(PatchContact {
         panels: arrangements_by_number(check, &of_patches, patches.len())?,
         patches,
+        friction: distributions(check, of_laws(check, &laws, friction)?)?,
         laws,
-        friction: distributions(check, friction)?,
-        speeds: speed_ranges(check, speeds)?,
+        speeds: if depends_on_speed || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
         draws,
         bristle_damping: bristle_damping.into(),
     })
@@ -146,6 +148,31 @@ fn draw_places(model: &Model<'_>, contact: &PatchContact) -> Result<Vec<[f64; 3]
         Draws::Shared => Ok(vec![[0.0; 3]]),
         Draws::Each => contact.patches.iter().map(middle).collect(),
     }
+}
+
+/// The distributions of the parameters that some law has; one that none has does not matter, and is 1 where it is left out.
+fn of_laws(check: &Check<'_>, laws: &[Law], given: FrictionTable) -> Result<FrictionDistributions, CaseError> {
+    let FrictionTable { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = given;
+    let take =
+        |name: &str, given: Option<Distribution>, of: &[Law]| match (given, laws.iter().find(|law| of.contains(law))) {
+            (Some(given), _) => Ok(given),
+            (None, None) => Ok(Distribution::Constant { value: 1.0 }),
+            (None, Some(law)) => {
+                let allowed = format!("a distribution, as {law} friction has it");
+                Err(check.value(&format!("friction.{name}"), "missing", &allowed))
+            }
+        };
+    let (falling, stribeck) = ([Law::VelocityDependent, Law::Stribeck, Law::LuGre], [Law::Stribeck, Law::LuGre]);
+    Ok(FrictionDistributions {
+        mu,
+        mu_s: take("mu_s", mu_s, &falling)?,
+        mu_k: take("mu_k", mu_k, &falling)?,
+        alpha: take("alpha", alpha, &[Law::VelocityDependent])?,
+        v_s: take("v_s", v_s, &stribeck)?,
+        sigma0: take("sigma0", sigma0, &[Law::LuGre])?,
+        sigma1: take("sigma1", sigma1, &[Law::LuGre])?,
+        sigma2: take("sigma2", sigma2, &stribeck)?,
+    })
 }
 
 fn constraint_sets(model: &Model<'_>, given: Vec<ConstraintsTable>) -> Result<Vec<FixedDofs>, CaseError> {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use montecarlo::Distribution;
 use serde::Deserialize;
 
 use crate::case::check::Accuracy;
@@ -10,7 +11,7 @@ use crate::case::correlation::CorrelationTable;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
 use crate::case::squeal::SquealTable;
-use crate::case::{Draws, FrictionDistributions, Law};
+use crate::case::{Draws, Law};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,7 +28,7 @@ pub(super) struct FiniteElementsFile {
     pub constraints: Vec<ConstraintsTable>,
     #[serde(default)]
     pub speeds: Vec<SpeedsTable>,
-    pub friction: Option<FrictionDistributions>,
+    pub friction: Option<FrictionTable>,
     pub reduction: ReductionTable,
     pub accuracy: Option<Accuracy>,
     pub squeal: Option<SquealTable>,
@@ -116,6 +117,21 @@ fn shared() -> Draws {
 
 fn constant() -> BristleDampingEntry {
     BristleDampingEntry::Constant
+}
+
+/// Distributions of the friction parameters: that of Amontons-Coulomb friction, at whose median modes are named, and those of the
+/// study's laws.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrictionTable {
+    pub mu: Distribution,
+    pub mu_s: Option<Distribution>,
+    pub mu_k: Option<Distribution>,
+    pub alpha: Option<Distribution>,
+    pub v_s: Option<Distribution>,
+    pub sigma0: Option<Distribution>,
+    pub sigma1: Option<Distribution>,
+    pub sigma2: Option<Distribution>,
 }
 
 /// The velocity of the disc under the pad: one direction, or around an axis.

@@ -62,6 +62,18 @@ fn friction_of_a_pair_is_the_matrix_of_the_textbook() {
 }
 
 #[test]
+fn what_only_other_laws_depend_on_may_be_left_out() {
+    let (before, rest) = text().split_once("[friction]").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    let mu = rest.lines().find(|line| line.starts_with("mu =")).unwrap();
+    let laws = before.lines().find(|line| line.starts_with("laws =")).unwrap();
+    let before = before.replace(laws, "laws = [\"amontons-coulomb\"]");
+    let before = &before[..before.find("[[speeds]]").unwrap()];
+    let after = &rest[rest.find("[reduction]").unwrap()..];
+    let case = parse(format!("{before}[friction]\n{mu}\n{after}")).unwrap();
+    assert_eq!(case.contact.unwrap().friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
+}
+
+#[test]
 fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
     let faults = [
         (
@@ -99,6 +111,11 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
         ("growth = [-500.0, 3000.0]", "growth = [10.0, 3000.0]", "reduction.growth"),
         ("residual = 1e-8", "residual = 1.0", "reduction.residual = 1; allowed: 1e-12 to 1e-3"),
         ("in_contact = [9, 8]", "in_contact = [10]", "contact.in_contact = 10; allowed: 1 to 9"),
+        (
+            "alpha = { distribution",
+            "# alpha = { distribution",
+            "friction.alpha = missing; allowed: a distribution, as velocity-dependent friction has it",
+        ),
         ("load = 468.0", "load = nan", "contact.load = NaN; allowed: a force in N, > 0"),
     ];
     for (given, changed, expected) in faults {

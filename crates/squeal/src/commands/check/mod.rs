@@ -1,5 +1,7 @@
 //! `squeal check`: is the case valid, what would run, and how long would it take?
 
+mod health;
+
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -43,7 +45,10 @@ impl CheckArgs {
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                self.finite_elements(*case)?
+                // Said first, because a reduction of an unsound model may fail or take long.
+                let model = self.model(&case)?;
+                out.write_all(model.as_bytes()).map_err(Error::StandardOutput)?;
+                finite_elements(*case)?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -52,7 +57,7 @@ impl CheckArgs {
     fn lattice(&self, brake: &LatticeBrake) -> Result<String, Error> {
         let (case, plan) = (&brake.case, &brake.plan);
         let grid = case.lattice.grid;
-        let mut text = self.heading(plan);
+        let mut text = self.heading(&plan.name);
         text += &line("lattice", &format!("{} x {} oscillators and the plate", grid.rows(), grid.columns()));
         text += &line("laws", &listed(case.laws.iter().map(ToString::to_string)));
         text += &line(
@@ -74,7 +79,7 @@ impl CheckArgs {
 
     fn matrices(&self, brake: &MatricesBrake) -> Result<String, Error> {
         let (case, plan) = (&brake.case, &brake.plan);
-        let mut text = self.heading(plan);
+        let mut text = self.heading(&plan.name);
         text += &line("dofs", &case.dofs.len().to_string());
         let named = |name: &str, family: &str| if name == family { name.into() } else { format!("{name} ({family})") };
         text += &line("terms", &listed(case.system.terms().iter().map(|term| named(&term.name, &term.family))));
@@ -89,40 +94,50 @@ impl CheckArgs {
         Ok(text + &cost(brake)?)
     }
 
-    fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
-        let (dofs, reduction) = (case.dofs.len(), case.reduction);
+    /// What a finite element case is made of, and whether its matrices are sound.
+    fn model(&self, case: &FiniteElementCase) -> Result<String, Error> {
         let terms = listed(case.system.terms().iter().take(case.coefficients.len()).map(|term| term.name.clone()));
         let patches = case.contact.as_ref().map_or("none".into(), |contact| {
             listed(contact.patches.iter().map(|patch| format!("{} ({} pairs)", patch.name, patch.pairs.len())))
         });
-        let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
-        let plan = &brake.plan;
-        let mut text = self.heading(plan);
-        text += &line("dofs", &dofs.to_string());
+        let mut text = self.heading(&case.name);
+        text += &line("dofs", &case.dofs.len().to_string());
         text += &line("terms", &terms);
         text += &line("patches", &patches);
-        text += &line("constraints", &plan.labels.constraints.join(", "));
-        for (set, name) in brake.sets.iter().zip(&plan.labels.constraints) {
-            let report = &set.reduction.report;
-            let residual = report.stages.last().map_or(f64::NAN, |stage| stage.largest_residual);
-            let reached = if report.is_reached { "" } else { ", NOT reached" };
-            let columns = set.reduction.reduced.basis().ncols();
-            let found = format!(
-                "{name}: {columns} columns from {} full problems, largest residual {residual:.1e} (asked: {:.0e}{reached}), {} modes found missing on the way",
-                report.full_problems,
-                reduction.residual,
-                report.missed.len()
-            );
-            text += &line("reduction", &found);
+        text += &line("constraints", &listed(case.constraints.iter().map(|set| set.name.clone())));
+        for set in &case.constraints {
+            text += &health::lines(case, set)?;
         }
-        text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
-        text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        Ok(text + &cost(&brake)?)
+        Ok(text)
     }
 
-    fn heading(&self, plan: &Plan) -> String {
-        format!("{}: valid\n\n{}", printable(&self.case.display().to_string()), line("study", &plan.name))
+    fn heading(&self, study: &str) -> String {
+        format!("{}: valid\n\n{}", printable(&self.case.display().to_string()), line("study", study))
     }
+}
+
+/// What the reduction of a finite element brake took, and its study takes.
+fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
+    let reduction = case.reduction;
+    let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
+    let plan = &brake.plan;
+    let mut text = String::new();
+    for (set, name) in brake.sets.iter().zip(&plan.labels.constraints) {
+        let report = &set.reduction.report;
+        let residual = report.stages.last().map_or(f64::NAN, |stage| stage.largest_residual);
+        let reached = if report.is_reached { "" } else { ", NOT reached" };
+        let columns = set.reduction.reduced.basis().ncols();
+        let found = format!(
+            "{name}: {columns} columns from {} full problems, largest residual {residual:.1e} (asked: {:.0e}{reached}), {} modes found missing on the way",
+            report.full_problems,
+            reduction.residual,
+            report.missed.len()
+        );
+        text += &line("reduction", &found);
+    }
+    text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
+    text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
+    Ok(text + &cost(&brake)?)
 }
 
 fn line(name: &str, value: &str) -> String {

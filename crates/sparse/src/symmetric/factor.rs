@@ -1,0 +1,186 @@
+//! Signs of the eigenvalues of a sparse symmetric matrix, and a solver with it, from one factorisation.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Mat, Side, Spec};
+use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
+
+use super::norm;
+use crate::SparseError;
+use crate::product::times;
+use crate::solver::PAR;
+
+/// `A = P L B L^T P^T` of a symmetric matrix: L lower triangular with a unit diagonal, B of blocks of order 1 and 2, pivoted within
+/// the supernodes. Pivots of a saddle point, such as that of a multiplier, may lie in another one: such a factorisation is unsound.
+pub(crate) struct Factor {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+    /// Of B.
+    subdiagonal: Vec<f64>,
+    forward: Vec<usize>,
+    inverse: Vec<usize>,
+    is_sound: bool,
+}
+
+/// Backward error of a solution above which a factorisation is unsound; chosen, between rounding and a pivot that was none.
+const SOUND: f64 = 1e-11;
+
+impl Factor {
+    /// # Errors
+    /// A factorisation that does not fit into memory.
+    pub(crate) fn new(a: &CscMatrix<f64>) -> Result<Self, SparseError> {
+        let n = a.nrows();
+        let memory = || SparseError::Memory { order: n };
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, a.col_offsets(), None, a.row_indices());
+        // Only the supernodal factorisation has pivots.
+        let parameters = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..CholeskySymbolicParams::default()
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
+            .map_err(|_| memory())?;
+        let request = symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(PAR, Spec::default());
+        let mut buffer = MemBuffer::try_new(request).map_err(|_| memory())?;
+        let (mut values, mut subdiagonal) = (vec![0.0; symbolic.len_val()], vec![0.0; n]);
+        let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
+        symbolic.factorize_numeric_intranode_lblt(
+            &mut values,
+            &mut subdiagonal,
+            &mut forward,
+            &mut inverse,
+            SparseColMatRef::new(pattern, a.values()),
+            Side::Lower,
+            PAR,
+            MemStack::new(&mut buffer),
+            Spec::default(),
+        );
+        let mut factor = Self { symbolic, values, subdiagonal, forward, inverse, is_sound: false };
+        factor.is_sound = factor.backward_error(a) <= SOUND;
+        Ok(factor)
+    }
+
+    /// Of the solution for a right-hand side without pattern.
+    fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
+        let golden = 0.618_033_988_749_894_9;
+        let b = DMatrix::from_fn(a.nrows(), 1, |i, _| ((i + 1) as f64 * golden).fract() - 0.3);
+        let x = self.solve(&b);
+        (times(a, &x) - &b).norm() / (norm(a) * x.norm() + b.norm())
+    }
+
+    /// How many eigenvalues are negative, by Sylvester's law of inertia: as many as B has. `None` where the factorisation is unsound.
+    pub(crate) fn negative(&self) -> Option<usize> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return None };
+        if !self.is_sound {
+            return None;
+        }
+        let factor = SupernodalIntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, self.permutation());
+        let mut negative = 0;
+        for supernode in (0..symbolic.n_supernodes()).map(|s| factor.supernode(s)) {
+            let (b, order) = (supernode.val(), supernode.val().ncols());
+            let mut at = 0;
+            while at < order {
+                let below = self.subdiagonal[supernode.start() + at];
+                if below == 0.0 {
+                    negative += usize::from(b[(at, at)] < 0.0);
+                    at += 1;
+                } else {
+                    // A block of order 2 is pivoted on because its determinant is negative or its entries are large; both
+                    // eigenvalues have the sign of the trace where the determinant is positive.
+                    let (first, second) = (b[(at, at)], b[(at + 1, at + 1)]);
+                    negative += match first * second - below * below {
+                        determinant if determinant < 0.0 => 1,
+                        _ if first + second < 0.0 => 2,
+                        _ => 0,
+                    };
+                    at += 2;
+                }
+            }
+        }
+        Some(negative)
+    }
+
+    /// `A^-1 X`. The permutations are applied here: the library's own solver for this factorisation (0.24.4) takes B for diagonal.
+    pub(crate) fn solve(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else { return x.clone() };
+        let factor = SupernodalIntranodeLbltRef::new(symbolic, &self.values, &self.subdiagonal, self.permutation());
+        let order: Vec<usize> = match self.symbolic.perm() {
+            Some(elimination) => self.forward.iter().map(|&i| elimination.arrays().0[i]).collect(),
+            None => self.forward.clone(),
+        };
+        let mut permuted = Mat::from_fn(x.nrows(), x.ncols(), |i, j| x[(order[i], j)]);
+        let mut buffer = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(x.ncols(), PAR));
+        let stack = MemStack::new(&mut buffer);
+        factor.solve_in_place_no_numeric_permute_with_conj(Conj::No, permuted.as_mut(), PAR, stack);
+        let mut solution = DMatrix::zeros(x.nrows(), x.ncols());
+        for (i, &row) in order.iter().enumerate() {
+            (0..x.ncols()).for_each(|j| solution[(row, j)] = permuted[(i, j)]);
+        }
+        solution
+    }
+
+    fn permutation(&self) -> PermRef<'_, usize> {
+        PermRef::new_checked(&self.forward, &self.inverse, self.forward.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::SymmetricEigen;
+    use proptest::prelude::*;
+
+    /// A symmetric matrix of order n with a few entries in each row, some diagonals zero: it needs pivots of order 2.
+    fn symmetric(n: usize, entries: &[(usize, usize, f64)]) -> DMatrix<f64> {
+        let mut a = DMatrix::zeros(n, n);
+        for &(row, column, value) in entries {
+            let (row, column) = (row % n, column % n);
+            a[(row, column)] = value;
+            a[(column, row)] = value;
+        }
+        a
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn signs_and_solutions_are_those_of_the_full_matrix(
+            n in 2_usize..40,
+            entries in prop::collection::vec((0_usize..40, 0_usize..40, -4.0..4.0_f64), 10..120),
+        ) {
+            let a = symmetric(n, &entries);
+            let spectrum = SymmetricEigen::new(a.clone()).eigenvalues;
+            let gap = spectrum.iter().fold(f64::INFINITY, |least: f64, l| least.min(l.abs()));
+            prop_assume!(gap > 1e-6 * spectrum.amax());
+            let factor = Factor::new(&CscMatrix::from(&a)).unwrap();
+            let Some(negative) = factor.negative() else { return Ok(()) };
+            prop_assert_eq!(negative, spectrum.iter().filter(|l| **l < 0.0).count());
+            let x = DMatrix::from_fn(n, 2, |i, j| (1 + i + 3 * j) as f64);
+            let error = (factor.solve(&(&a * &x)) - &x).norm() / x.norm();
+            prop_assert!(error < 1e2 * SOUND * spectrum.amax() / gap, "{}", error);
+        }
+
+        /// A diagonal as large as the rest of its row, as after scaling: a factorisation that is always sound.
+        #[test]
+        fn matrices_with_a_strong_diagonal_are_sound(
+            n in 2_usize..40,
+            entries in prop::collection::vec((0_usize..40, 0_usize..40, -4.0..4.0_f64), 10..120),
+            signs in prop::collection::vec(prop::bool::weighted(0.1), 40),
+        ) {
+            let mut a = symmetric(n, &entries);
+            for i in 0..n {
+                let rest: f64 = a.row(i).iter().map(|value| value.abs()).sum();
+                a[(i, i)] = if signs[i] { -1.0 } else { 1.0 } * (1e-3 + rest);
+            }
+            let negative = Factor::new(&CscMatrix::from(&a)).unwrap().negative();
+            prop_assert_eq!(negative, Some(signs[..n].iter().filter(|sign| **sign).count()));
+        }
+    }
+}

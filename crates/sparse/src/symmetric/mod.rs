@@ -1,0 +1,83 @@
+//! Symmetric parts of sparse matrices: scaled, the signs of their eigenvalues, and those nearest to zero.
+
+mod factor;
+
+use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra_sparse::{CooMatrix, CscMatrix};
+
+use crate::SparseError;
+use crate::product::times;
+pub(crate) use factor::Factor;
+
+/// A diagonal entry below this part of the largest of its row does not scale it; chosen: below that of a rotation in metres.
+const SMALL_DIAGONAL: f64 = 1e-8;
+/// Steps of inverse iteration; chosen.
+const STEPS: usize = 4;
+
+/// The factor of each row in `A_ij / (s_i s_j)` that makes the diagonal 1, or nearly all rows alike where it is zero; 0 for a row
+/// that is empty, and its column too.
+pub(crate) fn scales(a: &CscMatrix<f64>) -> Vec<f64> {
+    let (mut diagonal, mut largest) = (vec![0.0; a.nrows()], vec![0.0_f64; a.nrows()]);
+    for (row, column, &value) in a.triplet_iter() {
+        largest[row] = largest[row].max(value.abs());
+        largest[column] = largest[column].max(value.abs());
+        if row == column {
+            diagonal[row] = value.abs();
+        }
+    }
+    diagonal.iter().zip(largest).map(|(&diagonal, largest)| diagonal.max(SMALL_DIAGONAL * largest).sqrt()).collect()
+}
+
+/// The rows that are not empty, and the symmetric part on these, scaled.
+pub(crate) fn scaled_part(a: &CscMatrix<f64>) -> (Vec<usize>, CscMatrix<f64>) {
+    let scales = scales(a);
+    let rows: Vec<usize> = (0..a.nrows()).filter(|&row| scales[row] > 0.0).collect();
+    let mut place = vec![0; a.nrows()];
+    rows.iter().enumerate().for_each(|(at, &row)| place[row] = at);
+    let mut sum = CooMatrix::new(rows.len(), rows.len());
+    for (row, column, &value) in a.triplet_iter().filter(|(_, _, value)| **value != 0.0) {
+        let half = 0.5 * value / scales[row] / scales[column];
+        sum.push(place[row], place[column], half);
+        sum.push(place[column], place[row], half);
+    }
+    (rows, CscMatrix::from(&sum))
+}
+
+/// The largest sum of a row's absolute values, which no eigenvalue exceeds.
+pub(crate) fn norm(a: &CscMatrix<f64>) -> f64 {
+    let sums = a.col_iter().map(|column| column.values().iter().map(|value| value.abs()).sum());
+    sums.fold(0.0, f64::max)
+}
+
+pub(crate) fn largest_entry(a: &CscMatrix<f64>) -> f64 {
+    a.values().iter().fold(0.0_f64, |largest, value| largest.max(value.abs()))
+}
+
+/// `A + shift I`.
+pub(crate) fn shifted(a: &CscMatrix<f64>, shift: f64) -> CscMatrix<f64> {
+    a + CscMatrix::identity(a.nrows()) * shift
+}
+
+/// Eigenvalues of a symmetric matrix nearest to zero with orthonormal vectors, the nearest first, by inverse iteration with a block
+/// and the Rayleigh quotients of it.
+pub(crate) fn nearest_to_zero(
+    a: &CscMatrix<f64>,
+    factor: &Factor,
+    count: usize,
+) -> Result<(Vec<f64>, DMatrix<f64>), SparseError> {
+    let failed = || SparseError::Decomposition { what: "null vectors of a matrix" };
+    // Any start will do that no vector is orthogonal to.
+    let golden = 0.618_033_988_749_894_9;
+    let mut x = DMatrix::from_fn(a.nrows(), count, |i, j| ((i * count + j + 1) as f64 * golden).fract() - 0.5);
+    for _ in 0..STEPS {
+        x = factor.solve(&x).qr().q();
+        if x.iter().any(|value| !value.is_finite()) {
+            return Err(failed());
+        }
+    }
+    let quotients = SymmetricEigen::try_new(x.tr_mul(&times(a, &x)), f64::EPSILON, 1000).ok_or_else(failed)?;
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&i, &j| quotients.eigenvalues[i].abs().total_cmp(&quotients.eigenvalues[j].abs()));
+    let values = order.iter().map(|&j| quotients.eigenvalues[j]).collect();
+    Ok((values, x * quotients.eigenvectors.select_columns(&order)))
+}

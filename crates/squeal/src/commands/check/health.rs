@@ -1,0 +1,131 @@
+//! Whether the model of a finite element case is sound: its matrices, what makes them singular, and how well it is solved with.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+use nalgebra_sparse::CscMatrix;
+use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
+
+use super::line;
+use crate::Error;
+use crate::brakes::frictionless;
+use crate::case::{FiniteElementCase, FixedDofs};
+
+/// An asymmetry that is rounding of an export; chosen.
+const ROUNDING: f64 = 1e-12;
+/// From this relative error of a known solution on a model is called singular at a point; chosen.
+const SINGULAR: f64 = 1e-3;
+/// Rows that are listed of null vectors.
+const ROWS_LISTED: usize = 5;
+/// A row that a null vector moves less than this, squared, is not listed; chosen.
+const LEAST_MOVED: f64 = 1e-6;
+/// Where in the rectangle of growth and frequency the model is solved with, as parts of its sides: chosen to be irregular.
+const POINTS: [[f64; 2]; 5] = [[0.21, 0.08], [0.67, 0.31], [0.43, 0.52], [0.88, 0.74], [0.13, 0.93]];
+
+/// The lines of a check on the model with a set of constraints.
+///
+/// # Errors
+/// An operating point that cannot be computed, a factorisation that does not fit into memory.
+pub(super) fn lines(case: &FiniteElementCase, set: &FixedDofs) -> Result<String, Error> {
+    let (dofs, system) = frictionless(case, &set.fixed)?;
+    let name = |row: &usize| case.dof_name(dofs.free()[*row]);
+    let mut text = String::new();
+    for (letter, matrix) in [("M", &system.m), ("C", &system.c), ("K", &system.k)] {
+        let health = MatrixHealth::of(matrix)?;
+        text += &line(&format!("{letter} {}", set.name), &what_it_is(&health, matrix.nrows()));
+        let rows = health.empty_rows.iter().map(name);
+        if letter == "M" {
+            text += &moved_mass(case, dofs.free(), matrix);
+        }
+        // Damping may act on a few rows alone.
+        if letter != "C" && !health.empty_rows.is_empty() {
+            text += &line("", &format!("WARNING: empty rows: {}", first(rows, health.empty_rows.len())));
+        }
+        let null = health.signs.map_or(0, |signs| signs.null);
+        if letter != "C" && null > 0 {
+            text += &line("", &format!("WARNING: singular, by {}", null_rows(&health, null, name)));
+        }
+    }
+    let [re, im] = [case.reduction.growth, case.reduction.frequencies.map(|hz| TAU * hz)];
+    let within = |[from, to]: [f64; 2], part: f64| from + part * (to - from);
+    let points = POINTS.map(|[x, y]| Complex::new(within(re, x), within(im, y)));
+    Ok(text + &solutions(&solution_errors(&system, &points)?))
+}
+
+fn what_it_is(health: &MatrixHealth, order: usize) -> String {
+    let symmetry = match health.asymmetry {
+        0.0 => "symmetric".to_owned(),
+        2.0 => "antisymmetric".to_owned(),
+        small if small <= ROUNDING => format!("symmetric to {small:.0e} of its largest entry"),
+        large => format!("unsymmetric by {large:.1e} of its largest entry"),
+    };
+    if health.entries == 0 {
+        return "zero".to_owned();
+    }
+    let of = if health.asymmetry <= ROUNDING { "" } else { "symmetric part " };
+    let signs = match health.signs {
+        None => {
+            return format!("{} entries, {symmetry}; signs unknown: a saddle point, as of multipliers", health.entries);
+        }
+        Some(Signs { negative: 0, positive, .. }) if positive == order => "positive definite".to_owned(),
+        Some(Signs { negative: 0, positive, .. }) => format!("positive semidefinite, rank {positive} of {order}"),
+        Some(Signs { negative, positive, .. }) => {
+            format!("indefinite: {negative} negative, {positive} positive eigenvalues of {order}")
+        }
+    };
+    format!("{} entries, {symmetry}, {of}{signs}; nearest to zero {:.1e} of its norm", health.entries, health.smallest)
+}
+
+/// What a translation of all free rows in x, y or z moves, for matrices with names of their rows.
+fn moved_mass(case: &FiniteElementCase, free: &[usize], mass: &CscMatrix<f64>) -> String {
+    let direction = |row: usize| case.dofs[free[row]].direction;
+    let mut sums = [0.0; 3];
+    for (row, _, value) in mass.triplet_iter().filter(|(row, column, _)| direction(*row) == direction(*column)) {
+        if let Some(sum) = (direction(row) as usize).checked_sub(1).and_then(|axis| sums.get_mut(axis)) {
+            *sum += value;
+        }
+    }
+    if sums == [0.0; 3] {
+        return String::new();
+    }
+    let [x, y, z] = sums;
+    line("", &format!("moved by a translation in x, y and z: {x:.4}, {y:.4} and {z:.4} kg"))
+}
+
+/// The first of many names.
+fn first(names: impl Iterator<Item = String>, count: usize) -> String {
+    let listed = names.take(ROWS_LISTED).collect::<Vec<_>>().join(", ");
+    if count > ROWS_LISTED { format!("{listed} and {} more", count - ROWS_LISTED) } else { listed }
+}
+
+fn null_rows(health: &MatrixHealth, null: usize, name: impl Fn(&usize) -> String) -> String {
+    if health.null_vectors == 0 {
+        return format!("{} eigenvalues that are zero, whose vectors were not found", null);
+    }
+    let moved: Vec<_> = health.null_rows.iter().filter(|(_, part)| *part > LEAST_MOVED).collect();
+    let squares: f64 = moved.iter().map(|(_, part)| part * part).sum();
+    let spread = (health.null_vectors as f64).powi(2) / squares;
+    let listed = first(moved.iter().map(|(row, _)| name(row)), moved.len());
+    let found = if health.null_vectors < null { format!(", {} looked at", health.null_vectors) } else { String::new() };
+    format!(
+        "{} independent motions that it does not resist{found}, spread over some {spread:.0} rows, most of all {listed}",
+        null
+    )
+}
+
+fn solutions(errors: &[SolutionErrors]) -> String {
+    let largest = |of: fn(&SolutionErrors) -> f64| {
+        errors.iter().map(of).fold(0.0, |largest: f64, e| if e <= largest { largest } else { e })
+    };
+    let (backward, forward) = (largest(|e| e.backward), largest(|e| e.forward));
+    let found = format!(
+        "at {} points of the band: backward error up to {backward:.1e}, a known solution to {forward:.1e}",
+        errors.len()
+    );
+    let text = line("solutions", &found);
+    if forward <= SINGULAR {
+        return text;
+    }
+    let at = errors.iter().max_by(|a, b| a.forward.total_cmp(&b.forward)).map_or(f64::NAN, |e| e.lambda.im / TAU);
+    text + &line("", &format!("WARNING: lambda^2 M + lambda C + K is singular to rounding near {at:.0} Hz"))
+}
