@@ -117,7 +117,7 @@ pub fn drops(data: &DropsFigure) -> Result<Figure, FigureError> {
 fn draw(canvas: &mut Canvas, bar: &DropBar, y: f64, x: &dyn Fn(f64) -> f64) {
     let [lower, upper] = bar.limits;
     let words = format!("{}: {:.4} ({lower:.4} to {upper:.4})", bar.name, bar.value);
-    canvas.group("bar", words, |canvas| {
+    canvas.group("mark", words, |canvas| {
         let (from, to) = (x(bar.value.min(0.0)), x(bar.value.max(0.0)));
         let fill = if bar.value < 0.0 { VERMILLION } else { BLUE };
         canvas.rect(Area { x: from, y: y - 0.5 * THICKNESS, width: to - from, height: THICKNESS }, Paint::fill(fill));

@@ -73,9 +73,8 @@ impl Merge for ScreenTally {
 
 impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
     fn record(&mut self, runs: &Runs<'_, Study<'_, Modified<'_, B>>>) {
-        let sets = self.unstable.len();
         // Of a set in which a scene failed nothing is known of this sample.
-        let mut sums: Vec<Option<[i32; 2]>> = vec![Some([0; 2]); sets];
+        let mut sums: Vec<Option<[i32; 2]>> = vec![Some([0; 2]); self.unstable.len()];
         for (&(set, weight), result) in self.layout.scenes.iter().zip(runs.results) {
             match (result, &mut sums[set]) {
                 (Ok(outcome), Some([unstable, squealing])) => {
@@ -88,12 +87,12 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
                 (Ok(_), None) => {}
             }
         }
-        for set in 0..sets {
-            let Some([unstable, squealing]) = sums[set] else { continue };
+        for (set, sum) in sums.iter().enumerate() {
+            let Some([unstable, squealing]) = *sum else { continue };
             self.unstable[set].record(unstable);
             self.squealing[set].record(squealing);
-            for other in 0..sets {
-                if let Some([less, less_squealing]) = sums[other] {
+            for (other, less) in sums.iter().enumerate() {
+                if let Some([less, less_squealing]) = *less {
                     self.drops[set][other].record(unstable - less);
                     self.squeal_drops[set][other].record(squealing - less_squealing);
                 }

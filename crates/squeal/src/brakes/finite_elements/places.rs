@@ -3,7 +3,7 @@
 use formats::Dof;
 use nalgebra::{DMatrix, DVector};
 
-use super::points::naming_point;
+use super::points::{naming_point, of_brake};
 use super::{FiniteElementBrake, ReducedSet};
 use crate::Error;
 use crate::case::FiniteElementCase;
@@ -30,13 +30,9 @@ pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeCo
 /// A direction's own mass and stiffness are what the reduced brake without friction has there: `1 / (p^T A^-1 p)` with the mean
 /// motion p of the nodes, the static stiffness for K.
 pub(super) fn places(case: &FiniteElementCase, set: &ReducedSet) -> Result<Vec<Place>, Error> {
-    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
-    let point = naming_point(case, &(0..patches).collect::<Vec<_>>())?;
-    let reduced = set.reduction.reduced.system();
-    // Of the whole reduced system: the case's own terms as at the medians, holders and closed patches once.
-    let mut coefficients = point.coefficients[..case.coefficients.len()].to_vec();
-    coefficients.resize(reduced.terms().len(), 1.0);
-    let structure = reduced.structure(&coefficients)?;
+    let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+    let at = of_brake(case, &all, &naming_point(case, &all)?);
+    let structure = set.reduction.reduced.system().structure(&at.coefficients)?;
     let (mass, stiffness) = (structure.m.lu(), structure.k.lu());
     let disc: Vec<i64> =
         case.contact.iter().flat_map(|c| &c.patches).flat_map(|p| &p.pairs).map(|pair| pair[1]).collect();
