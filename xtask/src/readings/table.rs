@@ -92,7 +92,8 @@ pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), TaskError> {
     header.extend(["R7 naming", "departures", "samples", "failures", "refused"].map(String::from));
     header.extend(["held", "not held", "held by value"].map(String::from));
     header.extend(["mode C4", "mode C8", "mode C10", "numbers by rank", "numbers by pair"].map(String::from));
-    let claims = full.iter().chain(second).chain(coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
+    let claims =
+        full.iter().chain(second).chain(coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     for cell in claims {
         header.extend(["holds", "by value", "value", "lower", "upper"].map(|column| format!("{} {column}", cell.id)));
     }

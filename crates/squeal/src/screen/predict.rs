@@ -129,7 +129,8 @@ impl Probe<'_> {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
             for spectrum in spectra {
-                let is_counted = |lambda: &Complex<f64>| plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda);
+                let is_counted =
+                    |lambda: &Complex<f64>| plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda);
                 for lambda in spectrum?.oscillatory().filter(is_counted) {
                     unstable += 1;
                     growth += lambda.re;

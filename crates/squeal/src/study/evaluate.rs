@@ -127,7 +127,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
-        let References { origins, scenes } = references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
+        let References { origins, scenes } =
+            references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates {

@@ -10,8 +10,8 @@ pub(in crate::brakes) use sobol::{DrawnFriction, OF_CONTACT};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice, Reversal,
-    Sliding,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
+    Reversal, Sliding,
 };
 
 use crate::Error;
