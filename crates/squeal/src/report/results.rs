@@ -89,7 +89,7 @@ impl<'a> Results<'a> {
         let is_of = |at: usize| laws.contains(&self.panels[at].key.law);
         let kept: Vec<usize> = (0..self.panels.len()).filter(|&at| is_of(at)).collect();
         let mut summary = self.summary.clone();
-        summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at].clone()).collect();
+        summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at]).collect();
         let place = |panel: usize| kept.binary_search(&panel).ok();
         let compared = |(comparison, mean): (&Comparison, &IntegerMean)| {
             let (more, fewer) = (place(comparison.more)?, place(comparison.fewer)?);

@@ -146,7 +146,7 @@ impl SectorSolver<'_> {
             starts.iter().zip(modes).map(|(&start, start_modes)| Path { start, start_modes, end }).collect();
         let identity = self.plan.mode_identity;
         let names = timed(&mut spent.names, || self.reference.names_of_all(self.eigen_solver, &paths, identity, work));
-        let with_names = |(modes, names): (Result<Vec<Mode>, CeaError>, Result<Vec<Vec<ModeLabel>>, CeaError>)| {
+        let with_names = |(modes, names): (Result<Vec<Mode>, CeaError>, Result<Names, CeaError>)| {
             let modes = modes?;
             let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
             let mut by_likeness = by_likeness.into_iter().flatten();
@@ -156,6 +156,9 @@ impl SectorSolver<'_> {
         shaped.into_iter().zip(names).map(with_names).collect()
     }
 }
+
+/// The names that each of some modes may have.
+type Names = Vec<Vec<ModeLabel>>;
 
 /// The modes of one system, with verdicts.
 struct ModesWithVerdicts {
