@@ -89,7 +89,8 @@ impl Threshold {
         normal.re * rate.re + normal.im * rate.im
     }
 
-    /// The point of the boundary that is nearest to an eigenvalue with Im >= 0, rad/s.
+    /// The point of the boundary that is nearest to an eigenvalue with Im >= 0, rad/s. Of one that is not beyond the threshold it is
+    /// the point of the straight line that it is farthest behind, which is on the boundary unless a corner is nearer.
     #[must_use]
     pub fn nearest(&self, lambda: Complex<f64>) -> Complex<f64> {
         let (normal, distance) = self.boundary(lambda);
@@ -161,7 +162,9 @@ mod tests {
             // The nearest point is on the boundary, as far away as the margin says.
             let nearest = threshold.nearest(lambda);
             prop_assert!(((nearest - lambda).norm() - margin.abs()).abs() <= 1e-9 * (1.0 + margin.abs()));
-            prop_assert!(threshold.margin(nearest).abs() <= 1e-9 * lambda.norm().max(1.0));
+            if margin > 0.0 {
+                prop_assert!(threshold.margin(nearest).abs() <= 1e-9 * lambda.norm().max(1.0));
+            }
             let rate = Complex::from_polar(1.0, angle);
             let by_difference = (threshold.margin(lambda + rate * 1e-5) - margin) / 1e-5;
             let near_edge = (threshold.margin(lambda) - (re - growth)).abs() < 1e-3 && ratio != 0.0;
