@@ -48,8 +48,8 @@ pub struct UnstableMode {
 /// How a study is prepared. Neither changes a verdict or a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StudyOptions {
-    /// Whether regions of friction are certified to be stable before anything is sampled. That takes as long as some hundred
-    /// samples; with fewer a study is cheaper without.
+    /// Whether regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
+    /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
     pub certificates: bool,
     /// Whether modes that are known by continuation are named by likeness too ([`ModeIdentity::Mac`]).
     pub likeness_too: bool,
@@ -123,7 +123,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
-        let References { origins, scenes } = references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
+        let References { origins, scenes } =
+            references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates {

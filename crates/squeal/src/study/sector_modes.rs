@@ -151,9 +151,7 @@ impl SectorSolver<'_> {
             let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
             let mut by_likeness = by_likeness.into_iter().flatten();
             let named = modes.into_iter().zip(names?);
-            Ok(named
-                .map(|(mode, names)| NamedMode { mode, names, names_by_likeness: by_likeness.next() })
-                .collect())
+            Ok(named.map(|(mode, names)| NamedMode { mode, names, names_by_likeness: by_likeness.next() }).collect())
         };
         shaped.into_iter().zip(names).map(with_names).collect()
     }

@@ -9,8 +9,8 @@ pub use draw::{FrictionDraw, LatticeSample};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use osc_model::{
-    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice, Reversal,
-    Sliding,
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
+    Reversal, Sliding,
 };
 
 use crate::Error;
