@@ -38,8 +38,9 @@ impl Family {
             return Err(brake);
         }
         let (member, mut places) = (self.members.len(), Vec::new());
-        for law in 0..brake.case.laws.len() {
-            let place = self.law_like(&brake, law).unwrap_or(self.laws.len());
+        let known: Vec<Option<usize>> = (0..brake.case.laws.len()).map(|law| self.law_like(&brake, law)).collect();
+        for (law, known) in known.into_iter().enumerate() {
+            let place = known.unwrap_or(self.laws.len());
             if place == self.laws.len() {
                 self.laws.push((member, law));
                 self.plan.labels.laws.push(brake.plan.labels.laws[law].clone());

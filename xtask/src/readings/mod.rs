@@ -20,6 +20,7 @@ use std::time::{Duration, Instant};
 
 use squeal::case::LatticeCase;
 use squeal::output::{make_folder, note, say, write};
+use squeal::study::ModeIdentity;
 use toml::Table;
 
 use crate::error::TaskError;
@@ -89,6 +90,8 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     let coarse = |combination: &Combination| {
         let mut case = of(combination, args.samples)?;
+        // To follow modes takes several times as long as all else.
+        case.readings.identity = ModeIdentity::Mac;
         thin(&mut case)?;
         Ok(case)
     };
@@ -176,17 +179,16 @@ fn into_inner<T>(of: Mutex<T>) -> T {
     of.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The combinations worth more draws: the paper's words, the case, and of the others those that hold by value, under any way of
-/// naming modes, at least as many claims as the better of these two less the `slack`; the `most` best of them, the fewest
-/// departures first among equals.
+/// The combinations worth more draws: the paper's words, the case, and of the others those that hold at least as many claims as
+/// the better of these two less the `slack`, each by value and under some way of naming modes; the `most` best of them, the
+/// fewest departures first among equals.
 fn selected(rows: &[(Combination, Row)], slack: usize, most: usize) -> Vec<Combination> {
-    let score = |row: &Row| row.cards.iter().map(|card| card.held_by_value()).max().unwrap_or(0);
     let mut selected = vec![Combination::literal(), Combination::own()];
     let of_selected = rows.iter().filter(|(combination, _)| selected.contains(combination));
-    let least = of_selected.map(|(_, row)| score(row)).max().unwrap_or(0).saturating_sub(slack);
+    let least = of_selected.map(|(_, row)| row.held_by_value()).max().unwrap_or(0).saturating_sub(slack);
     let mut others: Vec<_> =
-        rows.iter().filter(|(c, row)| !selected.contains(c) && score(row) >= least.max(1)).collect();
-    others.sort_by_key(|(combination, row)| (std::cmp::Reverse(score(row)), combination.departures()));
+        rows.iter().filter(|(c, row)| !selected.contains(c) && row.held_by_value() >= least.max(1)).collect();
+    others.sort_by_key(|(combination, row)| (std::cmp::Reverse(row.held_by_value()), combination.departures()));
     selected.extend(others.iter().take(most).map(|(combination, _)| *combination));
     selected
 }
@@ -222,7 +224,7 @@ mod tests {
             limits: None,
             mode: None,
         };
-        let cards = vec![Card { naming: "tracked".into(), claims: (0..12).map(cell).collect() }];
+        let cards = vec![Card { naming: row::TRACKED.into(), claims: (0..12).map(cell).collect() }];
         Row { samples: 64, failures: 0, seconds: 1.0, refused: None, cards }
     }
 

@@ -4,6 +4,11 @@ use serde::{Deserialize, Serialize};
 use squeal::Error;
 use squeal::report::Claim;
 
+/// How modes are named that are known by continuation.
+pub const TRACKED: &str = "tracked";
+/// How modes are named that are known by likeness.
+pub const BY_MAC: &str = "MAC";
+
 /// A study of one combination, with a scorecard for each way of naming its modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -45,7 +50,19 @@ pub struct Cell {
     pub mode: Option<usize>,
 }
 
+impl Cell {
+    fn holds_by_value(&self) -> bool {
+        self.id != "C12" && self.by_value == "yes"
+    }
+}
+
 impl Row {
+    /// Claims that hold by the values under some way of naming modes, without C12.
+    pub fn held_by_value(&self) -> usize {
+        let claims = self.cards.first().map_or(0, |card| card.claims.len());
+        (0..claims).filter(|&place| self.cards.iter().any(|card| card.claims[place].holds_by_value())).count()
+    }
+
     /// The row of a study that the model refuses.
     pub fn refused(samples: u64, why: &Error) -> Self {
         Self { samples, failures: 0, seconds: 0.0, refused: Some(why.to_string()), cards: Vec::new() }
@@ -76,7 +93,7 @@ impl Card {
 
     /// Claims that hold by the values, without C12, which is the number of draws.
     pub fn held_by_value(&self) -> usize {
-        self.claims.iter().filter(|cell| cell.id != "C12" && cell.by_value == "yes").count()
+        self.claims.iter().filter(|cell| cell.holds_by_value()).count()
     }
 
     /// Frequency rank of the mode that a claim is about.

@@ -7,7 +7,7 @@ use std::path::Path;
 use squeal::output::write_csv;
 
 use super::product::{AXES, Combination};
-use super::row::{Card, Row};
+use super::row::{BY_MAC, Card, Row, TRACKED};
 use crate::error::TaskError;
 
 /// The claims whose modes the paper numbers.
@@ -47,7 +47,7 @@ impl<'a> Entry<'a> {
 
     /// In how many answers it departs from the paper's words.
     fn departures(&self) -> usize {
-        self.combination.departures() + usize::from(self.card.is_some_and(|card| card.naming != "tracked"))
+        self.combination.departures() + usize::from(self.card.is_some_and(|card| card.naming != TRACKED))
     }
 
     /// Ranks of the modes of C4, C8 and C10.
@@ -198,10 +198,11 @@ Rules, written before the run (docs/readings.md):
 - The literal text, and the case's own where it says nothing, stands unless another reading holds strictly more of the
   twelve claims, each at its simultaneous 95 % limits with all draws. Of several, the one with the most; among equals the
   one with the fewest departures from the text.
-- Every combination is run with few draws, in a part of the arrangements, and judged by the values. The literal text, the case's own, and those that hold
-  at least as many claims as the better of these two less two, under any way of naming modes, get more draws: the best
-  first, the fewest departures from the text first among equals, up to a number. Of these, in the same way, those that
-  hold as many as the better of the two less one get all draws.
+- Every combination is run with few draws, in a part of the arrangements, and judged by the values. Modes
+  are named by MAC, by rank and by place among all eigenvalues; a claim counts that holds under any of these. The literal
+  text, the case's own, and those that hold at least as many claims as the better of these two less two get more draws, in
+  all arrangements and with continuation too: the best first, the fewest departures from the text first among equals, up to a
+  number. Of these, in the same way, those that hold as many as the better of the two less one get all draws.
 - Modes: the frequency ranks of the mode of C4 (the paper's 29, of 30 degrees of freedom), of C8 (26, of 26) and of C10
   (18, of 24). Numbers agree if the rank is the number, or if the rank's pair of all eigenvalues has it: 15, 13 and 9.
 
@@ -211,7 +212,7 @@ Rules, written before the run (docs/readings.md):
 fn verdict(full: &[Entry<'_>]) -> String {
     let of = |combination: Combination| {
         full.iter()
-            .filter(|entry| *entry.combination == combination && entry.naming() == "tracked")
+            .filter(|entry| *entry.combination == combination && entry.naming() == TRACKED)
             .map(Entry::held)
             .max()
     };
@@ -248,12 +249,12 @@ fn rows(entries: &[Entry<'_>], paper: [usize; 3], verdict: impl Fn(&super::row::
 /// What each answer does: the most claims that hold by value with it, and their mean.
 fn tried(coarse: &[Entry<'_>]) -> String {
     let mut text = String::from(
-        "\n## What each answer does\n\nClaims held by value under tracked names, over all combinations run with the answer.\n\n\
+        "\n## What each answer does\n\nClaims held by value under names by MAC, over all combinations run with the answer.\n\n\
          | question | answer | combinations | most | mean |\n| --- | --- | --- | --- | --- |\n",
     );
     for (i, axis) in AXES.iter().enumerate() {
         for (answer, choice) in axis.choices.iter().enumerate() {
-            let with = coarse.iter().filter(|entry| entry.combination.0[i] == answer && entry.naming() == "tracked");
+            let with = coarse.iter().filter(|entry| entry.combination.0[i] == answer && entry.naming() == BY_MAC);
             let held: Vec<usize> = with.map(Entry::held_by_value).collect();
             if let Some(most) = held.iter().max() {
                 let mean = held.iter().sum::<usize>() as f64 / held.len() as f64;
@@ -267,10 +268,10 @@ fn tried(coarse: &[Entry<'_>]) -> String {
 /// Which claims tell readings apart.
 fn discrimination(coarse: &[Entry<'_>]) -> String {
     let mut text = String::from(
-        "\n## Which claims tell readings apart\n\nParts of the combinations, under tracked names, by value.\n\n\
+        "\n## Which claims tell readings apart\n\nParts of the combinations, under names by MAC, by value.\n\n\
          | claim | yes | no |\n| --- | --- | --- |\n",
     );
-    let cards: Vec<&Card> = coarse.iter().filter(|entry| entry.naming() == "tracked").filter_map(|e| e.card).collect();
+    let cards: Vec<&Card> = coarse.iter().filter(|entry| entry.naming() == BY_MAC).filter_map(|e| e.card).collect();
     let mut counts: BTreeMap<usize, (String, [usize; 2])> = BTreeMap::new();
     for card in &cards {
         for (place, cell) in card.claims.iter().enumerate() {

@@ -52,8 +52,8 @@ pub struct UnstableMode {
 /// How a study is prepared. Neither changes a verdict or a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StudyOptions {
-    /// Whether regions of friction are certified to be stable before anything is sampled. That takes as long as some hundred
-    /// samples; with fewer a study is cheaper without.
+    /// Whether regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
+    /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
     pub certificates: bool,
     /// Whether modes that are known by continuation are named by likeness too ([`ModeIdentity::Mac`]).
     pub likeness_too: bool,
