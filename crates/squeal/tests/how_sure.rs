@@ -214,7 +214,7 @@ fn a_field_over_contacts_falls_with_their_distance() {
         assert!(of_plain.iter().zip(&of_far).all(|(a, b)| a.contact(other).mu == b.contact(other).mu));
     }
     let names: Vec<String> = far.inputs(far.plan.scenes.last().unwrap()).into_iter().map(|input| input.name).collect();
-    assert!(names.contains(&"mu_k@2".to_owned()), "{names:?}");
+    assert!(names.contains(&"mu_k@4".to_owned()), "{names:?}");
 }
 
 #[test]

@@ -34,7 +34,7 @@ pub struct LatticeBrake {
     pub plan: Plan,
     /// The lattice of each configuration of the plan.
     lattices: Vec<PreparedLattice>,
-    /// The symmetries of each set of constraints, where the draws keep them.
+    /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution.
     symmetries: Vec<Vec<Reversal>>,
     /// By configuration: the reversal that maps it onto each member of its scenes.
     members: Vec<Vec<Reversal>>,
@@ -81,7 +81,7 @@ impl LatticeBrake {
         let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
         let named_at = naming_point(case, &full)?;
         self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
-        self.symmetries.push(if case.readings.draws == Draws::Shared { model.symmetries() } else { Vec::new() });
+        self.symmetries.push(model.symmetries());
         for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
             for class in model.symmetry_classes(arrangements)? {
                 let arrangement = &arrangements[class.representative];
