@@ -31,7 +31,8 @@ fn run(command: &str, folder: &Path) -> String {
 
 /// The words of each line, but of those with a time, a size of memory or an error by rounding, which differ from machine to machine.
 fn comparable(text: &str) -> Vec<Vec<&str>> {
-    let is_of_machine = |line: &&str| ["roughly", "solutions", "reduction", "..."].iter().any(|word| line.contains(word));
+    let is_of_machine =
+        |line: &&str| ["roughly", "solutions", "reduction", "..."].iter().any(|word| line.contains(word));
     text.lines()
         .filter(|line| !line.trim().is_empty() && !is_of_machine(line))
         .map(|line| line.split_whitespace().collect())
