@@ -42,10 +42,10 @@ const SECOND_SLACK: usize = 1;
 #[derive(Debug, clap::Args)]
 pub struct ReadingsArgs {
     /// Draws of each combination
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
     /// Draws of the better ones, and of the case and the paper's words
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     second: u64,
     /// Most combinations that are run with as many
     #[arg(long, value_name = "M", default_value_t = 60)]
@@ -54,8 +54,12 @@ pub struct ReadingsArgs {
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     full: u64,
     /// Most combinations that are run with as many
-    #[arg(long, value_name = "M", default_value_t = 12)]
+    #[arg(long, value_name = "M", default_value_t = 8)]
     best: usize,
+    /// Groups of combinations run at once [default: one per core]; the results do not depend on it, nor on RAYON_NUM_THREADS,
+    /// which bounds the threads within one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    threads: Option<u64>,
     /// Begin no combination after so many minutes, and make the table of what there is
     #[arg(long, value_name = "MINUTES")]
     minutes: Option<f64>,
@@ -87,7 +91,8 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
 
     let all = product();
     let paper = product::mode_numbers(&path, &case)?;
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = args.threads.map_or_else(cores, |threads| usize::try_from(threads).unwrap_or(usize::MAX));
     let coarse = |combination: &Combination| {
         let mut case = of(combination, args.samples)?;
         // To follow modes takes several times as long as all else.
