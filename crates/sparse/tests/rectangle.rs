@@ -235,6 +235,11 @@ fn a_rectangle_without_end_holds_the_whole_spectrum() {
         let reach = found.reach.unwrap();
         assert!(largest <= reach && reach < 3.0 * largest, "{largest} {reach}");
     }
+    // The same where M is diagonal, as lumped masses are.
+    let lumped = SparseSecondOrder::new(CscMatrix::identity(n), system.c.clone(), system.k.clone()).unwrap();
+    let everywhere = Rectangle { re: [-1e9, 1e9], im: [-1e9, 1e9] };
+    let found = eigenpairs_in(&lumped, &everywhere, &Options::default(), &mut |_| {}).unwrap();
+    assert!(found.pairs.len() == 2 * n && found.reach.unwrap() < 10.0, "{} {:?}", found.pairs.len(), found.reach);
     let beyond = Rectangle { re: [-1.0, 1.0], im: [1e3, 1e9] };
     let found = eigenpairs_in(&system, &beyond, &Options::default(), &mut |_| {}).unwrap();
     assert_eq!((found.pairs.len(), found.discs.len(), found.counters.factorisations), (0, 0, 0));

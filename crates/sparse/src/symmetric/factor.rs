@@ -69,11 +69,14 @@ impl Factor {
         Ok(factor)
     }
 
-    /// Of the solution for a right-hand side without pattern.
+    /// Of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
     fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
         let golden = 0.618_033_988_749_894_9;
         let b = DMatrix::from_fn(a.nrows(), 1, |i, _| ((i + 1) as f64 * golden).fract() - 0.3);
         let x = self.solve(&b);
+        if x.iter().any(|value| !value.is_finite()) {
+            return f64::INFINITY;
+        }
         (times(a, &x) - &b).norm() / (norm(a) * x.norm() + b.norm())
     }
 
@@ -152,7 +155,9 @@ mod tests {
 
     #[test]
     fn a_diagonal_matrix_is_its_own_factor() {
-        for (diagonal, negative) in [(vec![3.0], 0), (vec![1.0; 5], 0), (vec![2.0, -1e-9, 4.0, -8.0], 2), (vec![-1.0; 3], 3)] {
+        for (diagonal, negative) in
+            [(vec![3.0], 0), (vec![1.0; 5], 0), (vec![2.0, -1e-9, 4.0, -8.0], 2), (vec![-1.0; 3], 3)]
+        {
             let factor = Factor::new(&CscMatrix::from(&DMatrix::from_diagonal(&diagonal.clone().into()))).unwrap();
             assert_eq!(factor.negative(), Some(negative), "{diagonal:?}");
             let x = DMatrix::from_fn(diagonal.len(), 2, |i, j| (1 + i + 3 * j) as f64);
