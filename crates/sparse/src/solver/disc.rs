@@ -105,6 +105,8 @@ impl Problem {
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
             Vec::new()
+        } else if self.pencil.is_symmetric() {
+            (0..lambdas.len()).map(|j| Some(right.col_as_slice(j).to_vec())).collect()
         } else {
             left_vectors(&factor, scale, &lambdas, &right, options, counters)?
         };
