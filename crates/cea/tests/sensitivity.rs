@@ -102,6 +102,17 @@ fn a_double_eigenvalue_is_not_simple_and_one_without_a_neighbour_is() {
     assert!(separation.nearest.is_infinite() && separation.is_simple());
 }
 
+#[test]
+fn one_degree_of_freedom_has_derivatives_although_its_dynamic_stiffness_vanishes() {
+    // M = 1, C = 0, K = 4 at lambda = 2 i: Q is exactly 0. d lambda / d K = i / (2 omega), d^2 lambda / d K^2 = -i / (4 omega^3).
+    let one = |m, c, k| SecondOrder::new(dmatrix![m], dmatrix![c], dmatrix![k]).unwrap();
+    let (system, spring, mut work) = (one(1.0, 0.0, 4.0), one(0.0, 0.0, 1.0), Workspace::default());
+    let triple = Eigentriple::new(&system, Complex::new(0.0, 2.0), &mut work).unwrap();
+    let rates = Expansion::new(&system, &triple, &mut work).unwrap().rates(&Perturbation::linear(&triple, &spring)).unwrap();
+    assert!((rates.first - Complex::new(0.0, 0.25)).norm() < 1e-15, "{}", rates.first);
+    assert!((rates.second - Complex::new(0.0, -1.0 / 32.0)).norm() < 1e-15, "{}", rates.second);
+}
+
 /// A system of `n` degrees of freedom and `s` internal states with entries from a list of numbers in -1..1.
 fn made_of(n: usize, s: usize, numbers: &[f64]) -> SecondOrder {
     let mut next = numbers.iter().copied().cycle();

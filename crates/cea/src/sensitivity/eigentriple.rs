@@ -40,7 +40,7 @@ pub struct Eigentriple {
     /// `y^H Q'(lambda) x`: 0 where lambda is defective.
     pub slope: Complex<f64>,
     /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of internal states.
-    size: f64,
+    pub(super) size: f64,
 }
 
 impl Eigentriple {

@@ -76,8 +76,9 @@ impl<'a> Expansion<'a> {
         let q = system.dynamic_stiffness(lambda);
         let slope = system.dynamic_stiffness_derivative(lambda);
         let (slope_on_right, slope_on_left) = (&slope * &triple.right, slope.ad_mul(&triple.left));
-        // The border is scaled to the size of Q, so that the pivots lose no digits. Its unknown is 0 and needs no scale.
-        let size = q.norm();
+        // The border is scaled to the size of the terms of Q, so that the pivots lose no digits; Q itself may vanish at lambda, that of
+        // one degree of freedom does. Its unknown is 0 and needs no scale.
+        let size = triple.size;
         let mut bordered = DMatrix::zeros(n + 1, n + 1);
         bordered.view_mut((0, 0), (n, n)).copy_from(&q);
         let column = slope_on_right.scale(size / slope_on_right.norm());
