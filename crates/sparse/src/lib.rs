@@ -13,11 +13,14 @@
 mod affine;
 mod error;
 pub mod health;
+#[cfg(test)]
+mod of_entries;
 mod product;
 pub mod reduction;
 mod solver;
 mod symmetric;
 mod system;
+mod unpatterned;
 
 pub use nalgebra_sparse;
 

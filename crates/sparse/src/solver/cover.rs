@@ -10,7 +10,7 @@ use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangl
 use crate::{SparseError, SparseSecondOrder};
 
 /// Distance of the same eigenvalue found twice, relative.
-const SAME: f64 = 1e-9;
+const FOUND_TWICE: f64 = 1e-9;
 /// Part of a unit vector outside the span of others below which it is none of its own.
 const INDEPENDENT: f64 = 1e-4;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
@@ -168,7 +168,7 @@ fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
     let mut kept: Vec<(usize, Eigenpair)> = Vec::with_capacity(found.len());
     for (disc, pair) in found {
         let near = |other: &(usize, Eigenpair)| {
-            let reach = (SAME * pair.lambda.norm()).max(pair.bound()).max(other.1.bound());
+            let reach = (FOUND_TWICE * pair.lambda.norm()).max(pair.bound()).max(other.1.bound());
             other.0 != disc && (other.1.lambda - pair.lambda).norm() <= reach
         };
         let mut outside = pair.right.clone();

@@ -16,6 +16,7 @@ use super::norm;
 use crate::SparseError;
 use crate::product::times;
 use crate::solver::PAR;
+use crate::unpatterned::unpatterned;
 
 /// `A = P L B L^T P^T` of a symmetric matrix: L lower triangular with a unit diagonal, B of blocks of order 1 and 2, pivoted within
 /// the supernodes. Pivots of a saddle point, such as that of a multiplier, may lie in another one: such a factorisation is unsound.
@@ -71,8 +72,7 @@ impl Factor {
 
     /// Of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
     fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
-        let golden = 0.618_033_988_749_894_9;
-        let b = DMatrix::from_fn(a.nrows(), 1, |i, _| ((i + 1) as f64 * golden).fract() - 0.3);
+        let b = DMatrix::from_fn(a.nrows(), 1, |i, _| unpatterned((i + 1) as f64) - 0.3);
         let x = self.solve(&b);
         if x.iter().any(|value| !value.is_finite()) {
             return f64::INFINITY;
