@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::options::{check_threads, threads};
 use super::results_folder;
-use super::scene::SceneArgs;
+use super::scene::{SceneArgs, bare_sign};
 use crate::Error;
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
@@ -96,7 +96,9 @@ impl SweepArgs {
             })
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        let scene = format!("{}: {}; other parameters at their medians", plan.name, plan.describe(&plan.scenes[0]));
+        let axis = bare_sign(&plan.threshold, "modes that cross the imaginary axis");
+        let scene =
+            format!("{}: {}; other parameters at their medians{axis}", plan.name, plan.describe(&plan.scenes[0]));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| {
