@@ -7,6 +7,7 @@ mod influence;
 mod options;
 mod reasons;
 mod refuse;
+mod results_folder;
 mod run;
 mod scene;
 mod screen;
