@@ -108,7 +108,8 @@ fn one_degree_of_freedom_has_derivatives_although_its_dynamic_stiffness_vanishes
     let one = |m, c, k| SecondOrder::new(dmatrix![m], dmatrix![c], dmatrix![k]).unwrap();
     let (system, spring, mut work) = (one(1.0, 0.0, 4.0), one(0.0, 0.0, 1.0), Workspace::default());
     let triple = Eigentriple::new(&system, Complex::new(0.0, 2.0), &mut work).unwrap();
-    let rates = Expansion::new(&system, &triple, &mut work).unwrap().rates(&Perturbation::linear(&triple, &spring)).unwrap();
+    let rates =
+        Expansion::new(&system, &triple, &mut work).unwrap().rates(&Perturbation::linear(&triple, &spring)).unwrap();
     assert!((rates.first - Complex::new(0.0, 0.25)).norm() < 1e-15, "{}", rates.first);
     assert!((rates.second - Complex::new(0.0, -1.0 / 32.0)).norm() < 1e-15, "{}", rates.second);
 }

@@ -71,6 +71,14 @@ pub(super) fn eigen_complex(a: &DMatrix<Complex<f64>>) -> Result<Eigen, SparseEr
     Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
 }
 
+/// `A^-1 B` of real matrices.
+pub(super) fn solve_real(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
+    use faer::prelude::Solve;
+    let solution = owned(view(a).partial_piv_lu().solve(view(b)).as_ref());
+    check(&solution, "mass matrix of a reduced system, inverted,")?;
+    Ok(solution)
+}
+
 /// `A^-1 B`.
 pub(super) fn solve(
     a: &DMatrix<Complex<f64>>,

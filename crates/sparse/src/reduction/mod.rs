@@ -26,7 +26,9 @@ mod options;
 mod reduced;
 mod report;
 mod residual;
+mod responses;
 mod split;
+mod within;
 
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
@@ -35,3 +37,5 @@ pub use modal::real_modes;
 pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
+pub use responses::{ResponseBasis, ResponseGoal, response_basis};
+pub use within::{Within, within};
