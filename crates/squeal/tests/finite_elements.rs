@@ -61,7 +61,7 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
     assert_equal_sets(&found.pairs.iter().map(|pair| pair.lambda).collect::<Vec<_>>(), 1e-11);
     assert!(found.pairs.iter().all(|pair| pair.backward_error < 1e-14));
 
-    let modes = set.reduction.reduced.modes(&full).unwrap();
+    let modes = brake.part(scene).reduced.modes(&full).unwrap();
     assert_equal_sets(&modes.lambdas, 1e-6);
     assert!(modes.largest_residual() <= 1e-8);
     // Friction alone can make it unstable: one mode of twelve.

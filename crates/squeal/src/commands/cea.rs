@@ -108,8 +108,7 @@ impl CeaArgs {
                 allowed: names.join(", "),
             });
         };
-        let (at, reduced) =
-            (brake.operating_point(scene, &brake.median())?, &brake.sets[constraints].reduction.reduced);
+        let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
         let heading = format!("{}; median parameters", brake.plan.describe(scene));
         let rows = modes.lambdas.iter().zip(&modes.residuals);

@@ -2,7 +2,7 @@
 
 use linsys::{Channel, OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::{Plan, Scene};
@@ -96,6 +96,20 @@ pub struct OwnSize {
     pub stiffness: f64,
 }
 
+/// A larger brake of which an origin and a configuration are reductions, in coordinates that they have in common: there the modes of
+/// the origin are followed to those of the configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bridge {
+    /// The larger brake at the operating point of the origin.
+    pub from: SecondOrder,
+    /// The larger brake at the naming point of the configuration.
+    pub to: SecondOrder,
+    /// The coordinates of the origin in terms of those in common, as columns.
+    pub origin: DMatrix<f64>,
+    /// Those of the configuration.
+    pub own: DMatrix<f64>,
+}
+
 /// A brake with everything that is uncertain in it.
 ///
 /// The equations are data, in the [`Plan`]; this trait is what a brake computes: draws, and the numbers that a draw puts
@@ -156,6 +170,15 @@ pub trait UncertainBrake: Sync {
     /// The sample in which that parameter has a value and all others their medians.
     fn with_parameter(&self, _scene: &Scene, _value: f64) -> Self::Sample {
         self.median()
+    }
+
+    /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
+    /// freedom of both are not the same. Such a brake has one sector.
+    ///
+    /// # Errors
+    /// Medians that have no operating point.
+    fn bridge(&self, _configuration: usize) -> Result<Option<Bridge>, Error> {
+        Ok(None)
     }
 
     /// The residual of a mode in a larger system that the scene's brake is a reduction of; `None` of a brake that is none.

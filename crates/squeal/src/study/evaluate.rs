@@ -128,7 +128,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
         let References { origins, scenes } =
-            references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
+            references(plan, &points, &|configuration| brake.bridge(configuration), by_likeness, solver, progress)
+                .map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates {

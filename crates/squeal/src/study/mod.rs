@@ -25,7 +25,7 @@ mod set_links;
 mod tally;
 
 pub use brake::{
-    Direction, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact,
+    Bridge, Direction, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact,
 };
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
