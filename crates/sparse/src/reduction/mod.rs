@@ -3,8 +3,11 @@
 //! | to | use |
 //! | --- | --- |
 //! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
+//! | hold all friction and all open and closed contacts | [`response_basis`] |
+//! | find a smaller basis within that for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
+//! | find those that may grow, with bounds of their errors | [`Reduced::bounded_modes`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -35,7 +38,7 @@ pub use build::{Reduction, Wanted};
 pub use follow::Doubt;
 pub use modal::real_modes;
 pub use options::Options;
-pub use reduced::{Reduced, ReducedModes, Route};
+pub use reduced::{BoundedMode, Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
 pub use within::{Within, within};

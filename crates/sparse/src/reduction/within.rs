@@ -17,6 +17,10 @@ use crate::{SparseAffineSystem, SparseError};
 
 /// Part of the tolerance that the modes at points where the larger system was solved may use.
 const AT_KNOWN_POINTS: f64 = 0.5;
+/// Frequencies at which an inverse is kept for corrections; chosen: about as many as there are modes, each a factorisation.
+const INVERSES: usize = 8;
+/// Corrections at one point after which all modes are found there; chosen.
+const MOST_CORRECTIONS: usize = 4;
 /// Distance, relative to |lambda|, up to which two eigenvalues are of the same mode.
 const SAME_MODE: f64 = 1e-3;
 
@@ -25,8 +29,8 @@ const SAME_MODE: f64 = 1e-3;
 pub struct Within {
     /// W, k x m, orthonormal: columns of the smaller basis in terms of the larger one.
     pub basis: DMatrix<f64>,
-    /// How often all modes of the larger system were found.
-    pub solved: usize,
+    /// The points at which all modes of the larger system were found.
+    pub solved: Vec<OperatingPoint>,
     /// Modes of the larger system that were not held by a smaller basis whose residuals were all small.
     pub missed: Vec<Complex<f64>>,
     /// Whether every training point was within the tolerance, and the last complete solutions showed no missed mode.
@@ -36,9 +40,10 @@ pub struct Within {
 /// The fewest directions within a larger basis that hold the modes in the rectangle at all given and training points. `reduced` is
 /// `system` on that basis, with the same terms and channels.
 ///
-/// All modes of the larger system are found at the given points, then at one training point after another at which a residual in the
-/// larger system is above the tolerance; then, until `options.probes` in a row show no missed mode, at the training point whose system
-/// differs most from those known.
+/// All modes of the larger system are found at the given points, of which there is at least one. At a training point where a residual in
+/// the larger system is above the tolerance the modes are corrected, and what they become enters the basis, until none is. Then,
+/// until `options.probes` in a row show no missed mode, all modes are found at the point whose system differs most from those where they
+/// have been.
 ///
 /// # Errors
 /// A point of another system, no mode in the rectangle at any given point, a singular reduced mass matrix.
@@ -54,42 +59,36 @@ pub fn within(
         let system = reduced.assemble(at)?;
         Ok(Point { at: at.clone(), middle: system.dynamic_stiffness(middle), system, norms: norms.at(at) })
     };
-    let mut search = Search { reduced, wanted, options, known: Vec::new(), missed: Vec::new() };
-    for at in wanted.points {
-        search.solve(point(at)?)?;
-    }
-    let mut training = wanted.training.iter().map(point).collect::<Result<Vec<_>, SparseError>>()?;
-    let mut basis = search.basis()?;
-    let (mut next, mut passed, mut quiet) = (0, 0, 0);
+    let points = wanted.points.iter().chain(wanted.training).map(point).collect::<Result<Vec<_>, SparseError>>()?;
+    let mut search = Search { wanted, options, points, known: Vec::new(), missed: Vec::new(), inverses: Vec::new() };
+    (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
+    let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
+    let (mut basis, mut next, mut passed, mut quiet) = (search.basis()?, 0, 0, 0);
     let mut small = projected(reduced, &basis)?;
     while !training.is_empty() && !search.is_exhausted(&basis) {
         if passed < training.len() {
-            let at = next % training.len();
-            let residual = search.residual(&small, &basis, &training[at])?;
-            if residual <= options.tolerance {
-                (next, passed) = (next + 1, passed + 1);
+            let at = training[next];
+            if search.residual(&small, &basis, at)? <= options.tolerance {
+                (next, passed) = ((next + 1) % training.len(), passed + 1);
                 continue;
             }
-            search.solve(training.swap_remove(at))?;
-            (next, passed, quiet) = (at, 0, 0);
-        } else if quiet < options.probes {
-            let point = training.swap_remove(search.farthest(&training));
-            let before = search.missed.len();
-            search.probe(&small, point)?;
-            quiet = if search.missed.len() == before { quiet + 1 } else { 0 };
-            if quiet > 0 {
-                passed = training.len();
-                continue;
-            }
+            search.improve(&small, &basis, at)?;
             passed = 0;
         } else {
-            break;
+            let Some(at) = search.farthest().filter(|_| quiet < options.probes) else { break };
+            if search.probe(&small, at)? {
+                quiet += 1;
+                continue;
+            }
+            (passed, quiet) = (0, 0);
         }
         basis = search.basis()?;
         small = projected(reduced, &basis)?;
     }
-    let is_reached = passed >= training.len() && quiet >= options.probes.min(wanted.training.len());
-    Ok(Within { basis, solved: search.known.len(), missed: search.missed, is_reached })
+    let is_reached = passed == training.len() && !search.is_exhausted(&basis);
+    let solved = search.known.iter().filter(|known| known.is_complete());
+    let solved = solved.map(|known| search.points[known.point].at.clone()).collect();
+    Ok(Within { basis, solved, missed: search.missed, is_reached })
 }
 
 /// The larger system at one point.
@@ -101,20 +100,32 @@ struct Point {
     middle: DMatrix<Complex<f64>>,
 }
 
-/// A point with the modes of the larger system in and next to the rectangle.
+/// Modes of the larger system in and next to the rectangle at a point.
 struct Known {
-    point: Point,
+    /// Its place.
+    point: usize,
     lambdas: Vec<Complex<f64>>,
     /// Of unit length, split, k x 2 p.
     shapes: DMatrix<f64>,
+    /// How often they were corrected; 0 where all modes were found.
+    corrections: usize,
+}
+
+impl Known {
+    fn is_complete(&self) -> bool {
+        self.corrections == 0
+    }
 }
 
 struct Search<'a> {
-    reduced: &'a AffineSystem,
     wanted: &'a Wanted<'a>,
     options: &'a Options,
+    /// The given points, then the training points.
+    points: Vec<Point>,
     known: Vec<Known>,
     missed: Vec<Complex<f64>>,
+    /// `Q(i omega)^-1` at the first point, at some frequencies; made when they are first needed.
+    inverses: Vec<(f64, dense::Factored)>,
 }
 
 impl Search<'_> {
@@ -123,20 +134,62 @@ impl Search<'_> {
     }
 
     fn is_exhausted(&self, basis: &DMatrix<f64>) -> bool {
-        basis.ncols() >= self.options.most_columns || self.known.len() > self.options.most_enrichments
+        let complete = self.known.iter().filter(|known| known.is_complete()).count();
+        basis.ncols() >= self.options.most_columns || complete > self.options.most_enrichments
     }
 
     /// Finds all modes of the larger system at a point.
-    fn solve(&mut self, point: Point) -> Result<(), SparseError> {
-        let (lambdas, shapes) = self.modes(&point.system)?;
-        self.known.push(Known { point, lambdas, shapes });
+    fn solve(&mut self, point: usize) -> Result<(), SparseError> {
+        let (lambdas, shapes) = self.modes(&self.points[point].system)?;
+        self.known.retain(|known| known.point != point);
+        self.known.push(Known { point, lambdas, shapes, corrections: 0 });
         Ok(())
     }
 
-    /// The same at a point whose residuals are small; modes that the smaller system does not have are missed ones.
-    fn probe(&mut self, small: &AffineSystem, point: Point) -> Result<(), SparseError> {
-        let (mut held, _) = self.modes(&small.assemble(&point.at)?)?;
+    /// Makes the modes of the smaller system at a point better ones of the larger system: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of
+    /// the first point at the nearest of some frequencies, leaves of an error what lies along x, and what both Q differ in. Where that
+    /// does not help often enough all modes are found.
+    fn improve(&mut self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<(), SparseError> {
+        let before = self.known.iter().position(|known| known.point == point);
+        let corrections = 1 + before.map_or(0, |at| self.known[at].corrections);
+        if corrections > MOST_CORRECTIONS {
+            return self.solve(point);
+        }
+        if self.inverses.is_empty() {
+            let [from, to] = self.wanted.rectangle.im;
+            let step = (to - from) / INVERSES as f64;
+            for at in 0..INVERSES {
+                let omega = from + (at as f64 + 0.5) * step;
+                let q = self.points[0].system.dynamic_stiffness(Complex::new(0.0, omega));
+                self.inverses.push((omega, dense::Factored::new(&q)));
+            }
+        }
+        let Point { at, system, .. } = &self.points[point];
+        let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
+        let mut shapes = basis * shapes;
+        let residual = reduced_residual(system, &lambdas, &shapes);
+        for (at, lambda) in lambdas.iter().enumerate() {
+            let distance = |(omega, _): &&(f64, dense::Factored)| (lambda.im - omega).abs();
+            let Some((_, inverse)) = self.inverses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+                continue;
+            };
+            let better = split::vector(&shapes, at) - inverse.solve(&split::vector(&residual, at))?;
+            split::set(&mut shapes, at, better.normalize().iter().copied());
+        }
+        let known = Known { point, lambdas, shapes, corrections };
+        match before {
+            Some(at) => self.known[at] = known,
+            None => self.known.push(known),
+        }
+        Ok(())
+    }
+
+    /// Finds all modes of the larger system at a point whose residuals are small; those that the smaller system does not have are missed
+    /// ones. Whether there is none.
+    fn probe(&mut self, small: &AffineSystem, point: usize) -> Result<bool, SparseError> {
+        let (mut held, _) = self.modes(&small.assemble(&self.points[point].at)?)?;
         self.solve(point)?;
+        let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
         for &lambda in found.iter().filter(|&&lambda| self.wanted.rectangle.contains(lambda, 0.0)) {
             let distance = |other: &Complex<f64>| (other - lambda).norm();
@@ -146,7 +199,7 @@ impl Search<'_> {
                 None => self.missed.push(lambda),
             }
         }
-        Ok(())
+        Ok(self.missed.len() == before)
     }
 
     /// The eigenvalues in and next to the rectangle, with their shapes.
@@ -172,7 +225,7 @@ impl Search<'_> {
                 allowed: "1 or more",
             });
         }
-        let empty = DMatrix::zeros(self.reduced.order(), 0);
+        let empty = DMatrix::zeros(columns[0].len(), 0);
         let found = directions(&empty, DMatrix::from_columns(&columns), ROUNDING)?;
         let wanted = AT_KNOWN_POINTS * self.options.tolerance;
         Ok(fewest(&empty, &found, self.options.most_columns, wanted, |basis| self.projection_error(basis)))
@@ -183,34 +236,35 @@ impl Search<'_> {
         let transposed = basis.transpose();
         let of_point = |known: &Known| {
             let missing = &known.shapes - basis * (&transposed * &known.shapes);
-            let residual = reduced_residual(&known.point.system, &known.lambdas, &missing);
-            largest_residual(&known.point.norms, &known.lambdas, &residual, &known.shapes)
+            let Point { system, norms, .. } = &self.points[known.point];
+            let residual = reduced_residual(system, &known.lambdas, &missing);
+            largest_residual(norms, &known.lambdas, &residual, &known.shapes)
         };
         self.known.iter().map(of_point).fold(0.0, f64::max)
     }
 
     /// The largest residual, in the larger system, of a mode of the smaller one in the rectangle.
-    fn residual(&self, small: &AffineSystem, basis: &DMatrix<f64>, point: &Point) -> Result<f64, SparseError> {
-        let (lambdas, shapes) = self.modes(&small.assemble(&point.at)?)?;
+    fn residual(&self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<f64, SparseError> {
+        let Point { at, system, norms, .. } = &self.points[point];
+        let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
         let is_wanted = |at: &usize| self.wanted.rectangle.contains(lambdas[*at], 0.0);
         let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
-        let mut y = split::zeros(small.order(), wanted.len());
-        for (to, &from) in wanted.iter().enumerate() {
-            split::set(&mut y, to, split::vector(&shapes, from).iter().copied());
-        }
-        let (lambdas, shapes): (Vec<_>, _) = (wanted.iter().map(|&at| lambdas[at]).collect(), basis * y);
-        let residual = reduced_residual(&point.system, &lambdas, &shapes);
-        Ok(largest_residual(&point.norms, &lambdas, &residual, &shapes))
+        let (lambdas, shapes): (Vec<_>, _) =
+            (wanted.iter().map(|&at| lambdas[at]).collect(), basis * split::selected(&shapes, &wanted));
+        let residual = reduced_residual(system, &lambdas, &shapes);
+        Ok(largest_residual(norms, &lambdas, &residual, &shapes))
     }
 
-    /// The training point whose Q differs most from those of all known points.
-    fn farthest(&self, training: &[Point]) -> usize {
-        let distance = |point: &Point| {
-            let from = |known: &Known| (&known.point.middle - &point.middle).norm();
-            self.known.iter().map(from).fold(f64::INFINITY, f64::min)
+    /// The point whose Q differs most from those at which all modes were found; `None` where they were at every point.
+    fn farthest(&self) -> Option<usize> {
+        let complete = || self.known.iter().filter(|known| known.is_complete()).map(|known| &self.points[known.point]);
+        let is_open = |&at: &usize| !self.known.iter().any(|known| known.point == at && known.is_complete());
+        let distance = |at: usize| {
+            let from = |other: &Point| (&other.middle - &self.points[at].middle).norm();
+            (complete().map(from).fold(f64::INFINITY, f64::min), at)
         };
-        let distances = training.iter().map(distance).enumerate();
-        distances.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(at, _)| at)
+        let distances = (0..self.points.len()).filter(is_open).map(distance);
+        distances.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
     }
 }
 

@@ -41,6 +41,19 @@ pub struct ModeResidual {
     pub is_above: bool,
 }
 
+/// A mode that a brake finds itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandMode {
+    /// The eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+    /// The shape over the free degrees of freedom of the configuration.
+    pub shape: DVector<Complex<f64>>,
+    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
+    pub bound: f64,
+    /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    pub residual: Option<ModeResidual>,
+}
+
 /// A relabelling of degrees of freedom and contacts that maps a brake onto itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symmetry {
@@ -181,18 +194,18 @@ pub trait UncertainBrake: Sync {
         Ok(None)
     }
 
-    /// The residual of a mode in a larger system that the scene's brake is a reduction of; `None` of a brake that is none.
+    /// Whether the brake finds the modes of a sample itself: those in the band of the plan, which it must have.
+    fn has_band_modes(&self) -> bool {
+        false
+    }
+
+    /// The modes of a sample in the band of the plan, of a brake that finds them itself; those that are surely stable may be missing. Such a
+    /// brake has one sector.
     ///
     /// # Errors
-    /// A point or shape of another system.
-    fn mode_residual(
-        &self,
-        _scene: &Scene,
-        _at: &OperatingPoint,
-        _lambda: Complex<f64>,
-        _shape: &DVector<Complex<f64>>,
-    ) -> Result<Option<ModeResidual>, Error> {
-        Ok(None)
+    /// An operating point of another scene, a system that is not supported.
+    fn band_modes(&self, _scene: &Scene, _at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
+        Ok(Vec::new())
     }
 
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; its plan has with each

@@ -308,7 +308,7 @@ fn across(
         let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
         let end = PathEnd { system: &bridge.to, modes: &end_modes };
         let path = Path { start: PathStart::System(&bridge.from), start_modes: &start_modes, end };
-        next.name(&origin.names, follow(solver, path, &mut work)?);
+        next.name(&origin.names, identify(solver, path, &mut work)?);
     }
     Ok(SectoredReference { whole: next.clone(), sectors: vec![next] })
 }

@@ -23,6 +23,8 @@ const OF_RESPONSES: f64 = 1.0 / 6.0;
 const WITHIN: f64 = 0.8;
 /// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
+/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen.
+const MOST_ANCHORS: usize = 12;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
 
@@ -183,7 +185,9 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Par
     let options =
         Options { tolerance, most_enrichments: MOST_SOLUTIONS, most_columns: set.basis.ncols(), ..Options::default() };
     let within = within(&set.system, &set.reduced, &wanted, &options)?;
-    let reduced = Reduced::new(&set.system, &set.basis * &within.basis, wanted.rectangle, &[], &options)?;
+    let known = within.solved.iter().chain(&training);
+    let anchors: Vec<OperatingPoint> = known.take(MOST_ANCHORS.max(within.solved.len())).cloned().collect();
+    let reduced = Reduced::new(&set.system, &set.basis * &within.basis, wanted.rectangle, &anchors, &options)?;
     Ok(Part { set: asked.set, within, reduced })
 }
 

@@ -132,7 +132,7 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
             parts.len(),
             columns.clone().min().unwrap_or(0),
             columns.max().unwrap_or(0),
-            sum(&|part| part.within.solved),
+            sum(&|part| part.within.solved.len()),
             reduction.residual,
             sum(&|part| part.within.missed.len())
         );
