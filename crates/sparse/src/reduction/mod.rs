@@ -7,7 +7,7 @@
 //! | find a smaller basis within that for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
-//! | find those that may grow, with bounds of their errors | [`Reduced::bounded_modes`] |
+//! | find some of them, and how far an eigenvalue may be off | [`Reduced::modes_among`], [`Reduced::error_bound`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -38,7 +38,7 @@ pub use build::{Reduction, Wanted};
 pub use follow::Doubt;
 pub use modal::real_modes;
 pub use options::Options;
-pub use reduced::{BoundedMode, Reduced, ReducedModes, Route};
+pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
 pub use within::{Within, within};

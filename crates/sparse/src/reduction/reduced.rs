@@ -2,7 +2,7 @@
 
 use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::anchor::Anchor;
@@ -50,19 +50,6 @@ pub struct ReducedModes {
     pub route: Route,
     /// Multiplications with addition that finding the modes and their residuals took; an estimate by leading terms.
     pub multiply_adds: u64,
-}
-
-/// A mode of a reduced system, with what its eigenvalue is good to.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BoundedMode {
-    /// The eigenvalue, rad/s.
-    pub lambda: Complex<f64>,
-    /// The shape in the columns of the basis, of unit length.
-    pub shape: DVector<Complex<f64>>,
-    /// As [`ReducedModes::residuals`].
-    pub residual: f64,
-    /// `|Q(lambda) V y| / |v^H Q'(lambda) y|` with the left vector v of the reduced system, rad/s: the error of lambda to first order.
-    pub bound: f64,
 }
 
 impl Reduced {
@@ -141,26 +128,33 @@ impl Reduced {
         self.modes_where(point, &self.system.assemble(point)?, &|_| true)
     }
 
-    /// Those of the modes in the rectangle at a point whose eigenvalues are asked for, with bounds of their errors.
+    /// Those of the modes in the rectangle at a point whose eigenvalues are asked for: residuals of others cost nothing.
     ///
     /// # Errors
     /// As [`Reduced::modes`].
-    pub fn bounded_modes(
+    pub fn modes_among(
         &self,
         point: &OperatingPoint,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<Vec<BoundedMode>, SparseError> {
+    ) -> Result<ReducedModes, SparseError> {
+        self.modes_where(point, &self.system.assemble(point)?, is_wanted)
+    }
+
+    /// `|Q(lambda) V y| / |v^H Q'(lambda) y|`, rad/s: the error of an eigenvalue of shape y, of unit length, with this residual, to first
+    /// order. The left vector v is that of the reduced system.
+    ///
+    /// # Errors
+    /// A point of another system, a pair that is none.
+    pub fn error_bound(
+        &self,
+        point: &OperatingPoint,
+        (lambda, y): (Complex<f64>, &DVector<Complex<f64>>),
+        residual: f64,
+    ) -> Result<f64, SparseError> {
         let system = self.system.assemble(point)?;
-        let modes = self.modes_where(point, &system, is_wanted)?;
-        let (norms, mut work) = (self.form.at(point).norms, Workspace::default());
-        let each = modes.lambdas.iter().zip(modes.shapes.column_iter()).zip(&modes.residuals);
-        let bounded = |((&lambda, shape), &residual): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
-            let left = cea::left_vector(&system, lambda, &mut work)?;
-            let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * shape));
-            let bound = residual * norms.size(lambda) / slope.norm();
-            Ok(BoundedMode { lambda, shape: shape.into_owned(), residual, bound })
-        };
-        each.map(bounded).collect()
+        let left = cea::left_vector(&system, lambda, &mut Workspace::default())?;
+        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * y));
+        Ok(residual * self.form.at(point).norms.size(lambda) / slope.norm())
     }
 
     fn modes_where(

@@ -12,7 +12,7 @@ use crate::report::{
     Claim, Estimates, Geometry, Results, Stopped, claims, claims_markdown, draw_occurrence, write_page,
 };
 use crate::run::bar;
-use crate::study::UncertainBrake;
+use crate::study::{FullChecks, UncertainBrake};
 use crate::{Error, run_study_until};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
@@ -121,10 +121,11 @@ impl RunArgs {
         if !scorecard.is_empty() {
             writeln!(out, "{}", claims_markdown(&scorecard)).map_err(Error::StandardOutput)?;
         }
+        let checked = manifest.full_checks.as_ref().map_or_else(String::new, checks_in_words);
         let stopped = manifest.stopped.as_ref().map_or_else(String::new, |stopped| in_words(stopped, manifest.samples));
         writeln!(
             out,
-            "{summary}{estimates}{stopped}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
+            "{summary}{estimates}{checked}{stopped}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
             manifest.analyses,
             manifest.solved,
             manifest.certified,
@@ -135,6 +136,15 @@ impl RunArgs {
         .map_err(Error::StandardOutput)?;
         most_failed.map_or(Ok(()), Err)
     }
+}
+
+/// What samples against the whole brake found, in a line.
+fn checks_in_words(found: &FullChecks) -> String {
+    let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance } = *found;
+    format!(
+        "{samples} samples with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
+         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}\n"
+    )
 }
 
 /// Where a run stopped, in a line.

@@ -4,6 +4,7 @@ use linsys::{Channel, OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use serde::Serialize;
 
 use super::{Plan, Scene};
 use crate::Error;
@@ -41,6 +42,23 @@ pub struct ModeResidual {
     pub is_above: bool,
 }
 
+/// What samples of a reduced brake are in the whole one: the modes in the band, whether they grow or not.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct FullChecks {
+    /// Samples of a scene whose whole brake was solved.
+    pub samples: u64,
+    /// Its modes.
+    pub modes: u64,
+    /// Those of them that the reduced brake does not have.
+    pub missing: u64,
+    /// Modes that only the reduced brake has.
+    pub invented: u64,
+    /// Modes on the other side of the threshold.
+    pub other_verdicts: u64,
+    /// The largest distance of an eigenvalue from that of the reduced brake, relative to its size.
+    pub largest_distance: f64,
+}
+
 /// A mode that a brake finds itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandMode {
@@ -48,7 +66,7 @@ pub struct BandMode {
     pub lambda: Complex<f64>,
     /// The shape over the free degrees of freedom of the configuration.
     pub shape: DVector<Complex<f64>>,
-    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
+    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided. 0 where it is far from it.
     pub bound: f64,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
@@ -206,6 +224,14 @@ pub trait UncertainBrake: Sync {
     /// An operating point of another scene, a system that is not supported.
     fn band_modes(&self, _scene: &Scene, _at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
         Ok(Vec::new())
+    }
+
+    /// Some of the first `samples` samples of a reduced brake against the whole one; `None` of a brake that is none.
+    ///
+    /// # Errors
+    /// A sample whose whole brake cannot be solved.
+    fn full_checks(&self, _samples: u64) -> Result<Option<FullChecks>, Error> {
+        Ok(None)
     }
 
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; its plan has with each

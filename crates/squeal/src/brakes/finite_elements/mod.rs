@@ -1,6 +1,7 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod bridge;
+mod full_checks;
 mod layout;
 mod parameters;
 mod places;
@@ -12,20 +13,20 @@ pub use reduce::{Bases, Part, ReducedSet};
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
+use nalgebra::{DVector, DVectorView};
 use num_complex::Complex;
-use sparse::reduction::BoundedMode;
 
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::study::{
-    BandMode, Bridge, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact,
+    BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact,
 };
 
-/// Part of |lambda| that a mode must be short of the threshold to be stable without a bound of its error; chosen, a thousand times what
+/// Part of |lambda| that a mode must be away from the threshold for its verdict to need no bound of its error; chosen, a thousand times what
 /// a residual of 1e-8 leaves of a mode of condition 100.
-const SURELY_STABLE: f64 = 1e-3;
+const SURE: f64 = 1e-3;
 
 /// The brake of a case in all its configurations, reduced.
 ///
@@ -222,15 +223,23 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn band_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
-        let threshold = self.plan.threshold;
-        let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) > -SURELY_STABLE * lambda.norm();
-        let found = self.part(scene).reduced.bounded_modes(&self.full_point(scene, at), &may_grow)?;
-        let mode = |BoundedMode { lambda, shape, residual, bound }| {
+        let margin = |lambda: Complex<f64>| self.plan.threshold.margin(lambda) / lambda.norm();
+        let (reduced, point) = (&self.part(scene).reduced, self.full_point(scene, at));
+        let found = reduced.modes_among(&point, &|lambda| margin(lambda) > -SURE)?;
+        let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
+            let shape: DVector<Complex<f64>> = shape.into_owned();
+            let is_sure = margin(lambda) > SURE;
+            let bound = if is_sure { 0.0 } else { reduced.error_bound(&point, (lambda, &shape), value)? };
             // One that is no number is above too.
-            let is_within = residual <= self.case.reduction.residual;
-            BandMode { lambda, shape, bound, residual: Some(ModeResidual { value: residual, is_above: !is_within }) }
+            let is_within = value <= self.case.reduction.residual;
+            Ok(BandMode { lambda, shape, bound, residual: Some(ModeResidual { value, is_above: !is_within }) })
         };
-        Ok(found.into_iter().map(mode).collect())
+        found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect()
+    }
+
+    fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {
+        let count = self.case.reduction.full_checks;
+        if count == 0 { Ok(None) } else { full_checks::full_checks(self, count, samples).map(Some) }
     }
 
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {

@@ -21,6 +21,9 @@ const MOST_SOLUTIONS: usize = 60;
 const OF_RESPONSES: f64 = 1.0 / 6.0;
 /// Part of it that modes may have in the brake on the larger basis: 0.5^2 + 0.8^2 < 1.
 const WITHIN: f64 = 0.8;
+/// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
+/// when a study has ended ([`crate::study::FullChecks`]).
+const PROBES: usize = 1;
 /// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
 /// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen.
@@ -181,9 +184,13 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Par
     let at_median = of_brake(case, first, &naming_point(case, first)?);
     let training = training(case, &asked.arrangements, case.reduction.training as u64)?;
     let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
-    let tolerance = WITHIN * case.reduction.residual;
-    let options =
-        Options { tolerance, most_enrichments: MOST_SOLUTIONS, most_columns: set.basis.ncols(), ..Options::default() };
+    let options = Options {
+        tolerance: WITHIN * case.reduction.residual,
+        most_enrichments: MOST_SOLUTIONS,
+        most_columns: set.basis.ncols(),
+        probes: PROBES,
+        ..Options::default()
+    };
     let within = within(&set.system, &set.reduced, &wanted, &options)?;
     let known = within.solved.iter().chain(&training);
     let anchors: Vec<OperatingPoint> = known.take(MOST_ANCHORS.max(within.solved.len())).cloned().collect();
