@@ -7,7 +7,8 @@
 //! | find a smaller basis within that for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
-//! | find some of them, and how far an eigenvalue may be off | [`Reduced::modes_among`], [`Reduced::error_bound`] |
+//! | find some of them | [`Reduced::modes_among`] |
+//! | compare eigenvalues of two systems | [`compared`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -41,4 +42,4 @@ pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
-pub use within::{Within, within};
+pub use within::{Compared, Within, compared, within};

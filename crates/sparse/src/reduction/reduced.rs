@@ -140,23 +140,6 @@ impl Reduced {
         self.modes_where(point, &self.system.assemble(point)?, is_wanted)
     }
 
-    /// `|Q(lambda) V y| / |v^H Q'(lambda) y|`, rad/s: the error of an eigenvalue of shape y, of unit length, with this residual, to first
-    /// order. The left vector v is that of the reduced system.
-    ///
-    /// # Errors
-    /// A point of another system, a pair that is none.
-    pub fn error_bound(
-        &self,
-        point: &OperatingPoint,
-        (lambda, y): (Complex<f64>, &DVector<Complex<f64>>),
-        residual: f64,
-    ) -> Result<f64, SparseError> {
-        let system = self.system.assemble(point)?;
-        let left = cea::left_vector(&system, lambda, &mut Workspace::default())?;
-        let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * y));
-        Ok(residual * self.form.at(point).norms.size(lambda) / slope.norm())
-    }
-
     fn modes_where(
         &self,
         point: &OperatingPoint,

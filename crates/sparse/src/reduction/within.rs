@@ -33,6 +33,11 @@ pub struct Within {
     pub solved: Vec<OperatingPoint>,
     /// Modes of the larger system that were not held by a smaller basis whose residuals were all small.
     pub missed: Vec<Complex<f64>>,
+    /// The modes of the larger system in the rectangle at the first given point.
+    pub first: Vec<Complex<f64>>,
+    /// The largest distance, relative to |lambda|, of a mode of the smaller basis from that of the larger system, where all modes were
+    /// found although every residual was small.
+    pub distance: f64,
     /// Whether every training point was within the tolerance, and the last complete solutions showed no missed mode.
     pub is_reached: bool,
 }
@@ -60,8 +65,20 @@ pub fn within(
         Ok(Point { at: at.clone(), middle: system.dynamic_stiffness(middle), system, norms: norms.at(at) })
     };
     let points = wanted.points.iter().chain(wanted.training).map(point).collect::<Result<Vec<_>, SparseError>>()?;
-    let mut search = Search { wanted, options, points, known: Vec::new(), missed: Vec::new(), inverses: Vec::new() };
+    let mut search = Search {
+        wanted,
+        options,
+        points,
+        known: Vec::new(),
+        missed: Vec::new(),
+        first: Vec::new(),
+        distance: 0.0,
+        inverses: Vec::new(),
+    };
     (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
+    let in_rectangle = |lambda: &Complex<f64>| wanted.rectangle.contains(*lambda, 0.0);
+    search.first =
+        search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
     let (mut basis, mut next, mut passed, mut quiet) = (search.basis()?, 0, 0, 0);
     let mut small = projected(reduced, &basis)?;
@@ -88,7 +105,39 @@ pub fn within(
     let is_reached = passed == training.len() && !search.is_exhausted(&basis);
     let solved = search.known.iter().filter(|known| known.is_complete());
     let solved = solved.map(|known| search.points[known.point].at.clone()).collect();
-    Ok(Within { basis, solved, missed: search.missed, is_reached })
+    Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
+}
+
+/// Eigenvalues of one system beside those of another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// The largest distance of an eigenvalue from its counterpart, relative to its size.
+    pub distance: f64,
+    /// Those without a counterpart within a thousandth of their size.
+    pub missed: Vec<Complex<f64>>,
+    /// Those of the other that are nobody's counterpart.
+    pub left: Vec<Complex<f64>>,
+    /// Pairs of counterparts.
+    pub pairs: Vec<[Complex<f64>; 2]>,
+}
+
+/// Gives each of some eigenvalues the nearest of others that is free.
+#[must_use]
+pub fn compared(of: &[Complex<f64>], mut others: Vec<Complex<f64>>) -> Compared {
+    let mut found = Compared { distance: 0.0, missed: Vec::new(), left: Vec::new(), pairs: Vec::new() };
+    for &lambda in of {
+        let distance = |other: &Complex<f64>| (other - lambda).norm() / lambda.norm();
+        let nearest = (0..others.len()).min_by(|&a, &b| distance(&others[a]).total_cmp(&distance(&others[b])));
+        match nearest.filter(|&at| distance(&others[at]) <= SAME_MODE) {
+            Some(at) => {
+                let other = others.swap_remove(at);
+                found.distance = found.distance.max(distance(&other));
+                found.pairs.push([lambda, other]);
+            }
+            None => found.missed.push(lambda),
+        }
+    }
+    Compared { left: others, ..found }
 }
 
 /// The larger system at one point.
@@ -124,6 +173,8 @@ struct Search<'a> {
     points: Vec<Point>,
     known: Vec<Known>,
     missed: Vec<Complex<f64>>,
+    first: Vec<Complex<f64>>,
+    distance: f64,
     /// `Q(i omega)^-1` at the first point, at some frequencies; made when they are first needed.
     inverses: Vec<(f64, dense::Factored)>,
 }
@@ -187,18 +238,14 @@ impl Search<'_> {
     /// Finds all modes of the larger system at a point whose residuals are small; those that the smaller system does not have are missed
     /// ones. Whether there is none.
     fn probe(&mut self, small: &AffineSystem, point: usize) -> Result<bool, SparseError> {
-        let (mut held, _) = self.modes(&small.assemble(&self.points[point].at)?)?;
+        let (held, _) = self.modes(&small.assemble(&self.points[point].at)?)?;
         self.solve(point)?;
         let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
-        for &lambda in found.iter().filter(|&&lambda| self.wanted.rectangle.contains(lambda, 0.0)) {
-            let distance = |other: &Complex<f64>| (other - lambda).norm();
-            let nearest = (0..held.len()).min_by(|&a, &b| distance(&held[a]).total_cmp(&distance(&held[b])));
-            match nearest.filter(|&at| distance(&held[at]) <= SAME_MODE * lambda.norm()) {
-                Some(at) => drop(held.swap_remove(at)),
-                None => self.missed.push(lambda),
-            }
-        }
+        let found = found.iter().copied().filter(|&lambda| self.wanted.rectangle.contains(lambda, 0.0));
+        let Compared { distance, missed, .. } = compared(&found.collect::<Vec<_>>(), held);
+        self.missed.extend(missed);
+        self.distance = self.distance.max(distance);
         Ok(self.missed.len() == before)
     }
 

@@ -66,7 +66,7 @@ pub struct BandMode {
     pub lambda: Complex<f64>,
     /// The shape over the free degrees of freedom of the configuration.
     pub shape: DVector<Complex<f64>>,
-    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided. 0 where it is far from it.
+    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
     pub bound: f64,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,

@@ -4,6 +4,7 @@ use montecarlo::{rand::RngExt, stream};
 use num_complex::Complex;
 
 use rayon::prelude::*;
+use sparse::reduction::{Compared, compared};
 use sparse::{Rectangle, eigenpairs_in};
 
 use super::FiniteElementBrake;
@@ -11,9 +12,9 @@ use super::reduce::rectangle;
 use crate::Error;
 use crate::study::{FullChecks, UncertainBrake};
 
-/// Distance, relative to |lambda|, up to which two eigenvalues are of the same mode; also of one from the border of the rectangle, at which
-/// it may be inside in one system and outside in the other.
-const SAME_MODE: f64 = 1e-3;
+/// Distance, relative to |lambda|, of a mode from the border of the rectangle up to which it may be inside in one system and outside in
+/// the other.
+const AT_BORDER: f64 = 1e-3;
 /// The first stream from which samples are chosen, far from those of samples and from those of training points.
 const FIRST_STREAM: u64 = u64::MAX / 2;
 
@@ -40,25 +41,21 @@ fn full_check(brake: &FiniteElementBrake, number: u64, samples: u64) -> Result<F
     let (part, rectangle) = (brake.part(scene), rectangle(&brake.case));
     let whole = brake.sets[part.set].system.assemble(&at)?;
     let whole = eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {})?;
-    let mut reduced = part.reduced.modes(&at)?.lambdas;
+    let lambdas: Vec<Complex<f64>> = whole.pairs.iter().map(|pair| pair.lambda).collect();
+    let Compared { distance, missed, left, pairs } = compared(&lambdas, part.reduced.modes(&at)?.lambdas);
     let grows = |lambda: Complex<f64>| brake.plan.threshold.margin(lambda) > 0.0;
-    let mut found = FullChecks { samples: 1, modes: whole.pairs.len() as u64, ..FullChecks::default() };
-    for lambda in whole.pairs.iter().map(|pair| pair.lambda) {
-        let distance = |other: &Complex<f64>| (other - lambda).norm() / lambda.norm();
-        let nearest = (0..reduced.len()).min_by(|&a, &b| distance(&reduced[a]).total_cmp(&distance(&reduced[b])));
-        match nearest.filter(|&at| distance(&reduced[at]) <= SAME_MODE) {
-            Some(at) => {
-                let other = reduced.swap_remove(at);
-                found.largest_distance = found.largest_distance.max(distance(&other));
-                found.other_verdicts += u64::from(grows(other) != grows(lambda));
-            }
-            None => found.missing += u64::from(is_well_inside(&rectangle, lambda)),
-        }
-    }
-    found.invented = reduced.into_iter().filter(|&lambda| is_well_inside(&rectangle, lambda)).count() as u64;
-    Ok(found)
+    let count =
+        |of: Vec<Complex<f64>>| of.into_iter().filter(|&lambda| is_well_inside(&rectangle, lambda)).count() as u64;
+    Ok(FullChecks {
+        samples: 1,
+        modes: lambdas.len() as u64,
+        missing: count(missed),
+        invented: count(left),
+        other_verdicts: pairs.iter().filter(|[whole, reduced]| grows(*whole) != grows(*reduced)).count() as u64,
+        largest_distance: distance,
+    })
 }
 
 fn is_well_inside(rectangle: &Rectangle, lambda: Complex<f64>) -> bool {
-    rectangle.contains(lambda, -SAME_MODE * lambda.norm())
+    rectangle.contains(lambda, -AT_BORDER * lambda.norm())
 }

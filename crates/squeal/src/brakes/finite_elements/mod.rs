@@ -13,7 +13,7 @@ pub use reduce::{Bases, Part, ReducedSet};
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
-use nalgebra::{DVector, DVectorView};
+use nalgebra::DVectorView;
 use num_complex::Complex;
 
 use super::LatticeSample;
@@ -24,9 +24,9 @@ use crate::study::{
     BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact,
 };
 
-/// Part of |lambda| that a mode must be away from the threshold for its verdict to need no bound of its error; chosen, a thousand times what
-/// a residual of 1e-8 leaves of a mode of condition 100.
-const SURE: f64 = 1e-3;
+/// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
+/// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
+const ALLOWANCE: f64 = 100.0;
 
 /// The brake of a case in all its configurations, reduced.
 ///
@@ -84,6 +84,11 @@ impl FiniteElementBrake {
     /// The part of the reduction that a scene is on.
     pub fn part(&self, scene: &Scene) -> &Part {
         &self.parts[self.of_configurations[scene.configuration]]
+    }
+
+    /// The part of a set of constraints in which its modes have their names: with all patches closed.
+    pub fn origin(&self, constraints: usize) -> &Part {
+        &self.parts[self.of_origins[constraints]]
     }
 
     /// The closed patches of a scene, from 0.
@@ -223,18 +228,17 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn band_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
-        let margin = |lambda: Complex<f64>| self.plan.threshold.margin(lambda) / lambda.norm();
-        let (reduced, point) = (&self.part(scene).reduced, self.full_point(scene, at));
-        let found = reduced.modes_among(&point, &|lambda| margin(lambda) > -SURE)?;
+        let (part, threshold) = (self.part(scene), self.plan.threshold);
+        let error = ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance);
+        let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
+        let found = part.reduced.modes_among(&self.full_point(scene, at), &may_grow)?;
         let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
-            let shape: DVector<Complex<f64>> = shape.into_owned();
-            let is_sure = margin(lambda) > SURE;
-            let bound = if is_sure { 0.0 } else { reduced.error_bound(&point, (lambda, &shape), value)? };
             // One that is no number is above too.
             let is_within = value <= self.case.reduction.residual;
-            Ok(BandMode { lambda, shape, bound, residual: Some(ModeResidual { value, is_above: !is_within }) })
+            let residual = Some(ModeResidual { value, is_above: !is_within });
+            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
         };
-        found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect()
+        Ok(found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect())
     }
 
     fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {

@@ -5,10 +5,13 @@ use std::f64::consts::TAU;
 use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::{Progress, stream};
 use nalgebra::DMatrix;
+use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
-use sparse::reduction::{Options, Reduced, Reduction, ResponseGoal, Wanted, Within, response_basis, within};
-use sparse::{Rectangle, SparseAffineSystem};
+use sparse::reduction::{
+    Compared, Options, Reduced, Reduction, ResponseGoal, Wanted, Within, compared, response_basis, within,
+};
+use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
 use super::points::{draw, naming_point, of_brake, scene_point, speed, speeds_of};
 use crate::Error;
@@ -42,6 +45,8 @@ pub struct ReducedSet {
     pub basis: DMatrix<f64>,
     /// The brake on it.
     pub reduced: AffineSystem,
+    /// Its modes beside those of the whole brake, at the medians with all patches closed.
+    pub compared: Compared,
 }
 
 /// The brake with one set of constraints in some arrangements, on a basis of its own.
@@ -121,6 +126,11 @@ pub(super) fn all_bases(case: &FiniteElementCase, bases: Bases, progress: &dyn P
         found
     };
     let parts = asked.par_iter().map(part).collect::<Result<Vec<_>, Error>>()?;
+    let whole = |(set, &origin): (&ReducedSet, &usize)| whole_modes(case, set, &asked[origin]);
+    let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
+    for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
+        set.compared = compared(&whole, parts[origin].within.first.clone());
+    }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
 }
@@ -175,7 +185,15 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize]) -> Result<ReducedSet, 
         }
     };
     let reduced = system.project(&basis)?;
-    Ok(ReducedSet { dofs, system, basis, reduced })
+    Ok(ReducedSet { dofs, system, basis, reduced, compared: compared(&[], Vec::new()) })
+}
+
+/// The modes of the whole brake at the point where those of a part were found first.
+fn whole_modes(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Vec<Complex<f64>>, Error> {
+    let first = &asked.arrangements[0];
+    let at = of_brake(case, first, &naming_point(case, first)?);
+    let found = eigenpairs_in(&set.system.assemble(&at)?, &rectangle(case), &sparse::Options::default(), &mut |_| {})?;
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
 }
 
 /// A part on the fewest directions that hold it.

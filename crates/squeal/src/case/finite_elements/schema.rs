@@ -199,7 +199,7 @@ fn residual() -> f64 {
 }
 
 fn training() -> usize {
-    16
+    24
 }
 
 fn full_checks() -> u64 {

@@ -127,14 +127,17 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
         let reached = if not_reached == 0 { String::new() } else { format!(", NOT reached by {not_reached}") };
         let found = format!(
             "{name}: {} columns for all arrangements, within them {} bases of {} to {} columns from {} complete solutions (residual asked: \
-             {:.0e}{reached}), {} modes found missing on the way",
+             {:.0e}{reached}), {} modes found missing on the way; at the medians {} of {} modes of the whole brake, within {:.1e}",
             set.basis.ncols(),
             parts.len(),
             columns.clone().min().unwrap_or(0),
             columns.max().unwrap_or(0),
             sum(&|part| part.within.solved.len()),
             reduction.residual,
-            sum(&|part| part.within.missed.len())
+            sum(&|part| part.within.missed.len()),
+            set.compared.pairs.len(),
+            set.compared.pairs.len() + set.compared.missed.len(),
+            set.compared.distance
         );
         text += &line("reduction", &found);
     }
