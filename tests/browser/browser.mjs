@@ -97,6 +97,18 @@ class Page {
     await this.send('Emulation.setEmulatedMedia', { features });
   }
 
+  // As on paper, or on a screen again.
+  async printed(isPrinted) {
+    await this.send('Emulation.setEmulatedMedia', { media: isPrinted ? 'print' : '' });
+    await this.value(`window.dispatchEvent(new Event('${isPrinted ? 'beforeprint' : 'afterprint'}'))`);
+  }
+
+  // The bytes of a PDF of A4 pages.
+  async pdf() {
+    const { data } = await this.send('Page.printToPDF', { paperWidth: 8.27, paperHeight: 11.69, printBackground: false });
+    return Buffer.from(data, 'base64');
+  }
+
   async picture() {
     const { cssContentSize: { width, height } } = await this.send('Page.getLayoutMetrics');
     const clip = { x: 0, y: 0, width, height: Math.min(height, 12000), scale: 1 };

@@ -1,5 +1,5 @@
 // Opens pages that `squeal run` or `squeal sweep` wrote in headless Chromium: do controls work, is nothing complained of or asked
-// from a network, and does the picture show the numbers of the tables beside the page?
+// from a network, does the picture show the numbers of the tables beside the page, and is it whole on paper?
 //
 // node tests/browser/report.mjs FOLDER... [--pictures DIR]
 import assert from 'node:assert/strict';
@@ -175,6 +175,34 @@ const semantics = async page => {
   assert.deepEqual(await page.value("[...document.querySelectorAll('[hidden]')].filter(part => part.getClientRects().length > 0).map(part => part.outerHTML)"), []);
 };
 
+// On paper: no controls, every row and every heading of a table, nothing wider than the paper, black on white.
+const paper = async (page, folder, pictures) => {
+  const rows = "document.querySelectorAll('#table tbody tr').length";
+  const [before, said] = await page.value(`[${rows}, document.getElementById('table-rows').textContent]`);
+  const all = Math.min(2000, Number(said.match(/of (\d+)$/)[1]));
+  await page.view(718, 1000, 'dark', 'reduce'); // 19 cm
+  await page.printed(true);
+  const visible = selector => `[...document.querySelectorAll('${selector}')].filter(part => part.checkVisibility()).length`;
+  assert.equal(await page.value(visible('nav, input, main button:not(thead button), #theme')), 0, 'controls on paper');
+  assert.equal(await page.value(rows), all, 'rows on paper');
+  const heads = await page.value("[...document.querySelectorAll('#table thead th')].map(head => head.innerText.trim())");
+  assert.deepEqual(heads, await page.value("JSON.parse(document.getElementById('data').textContent).tables[0].header"), 'headings on paper');
+  const wide = await page.value(`[...document.querySelectorAll('main *')].filter(part => part.checkVisibility() && !part.closest('svg'))
+    .filter(part => part.getBoundingClientRect().right > 719 || (part.clientHeight && part.scrollHeight > part.clientHeight + 2
+      && getComputedStyle(part).overflowY !== 'visible')).map(part => part.outerHTML.slice(0, 80))`);
+  assert.deepEqual(wide, [], 'cut by the paper');
+  const tall = await page.value("[...document.querySelectorAll('figure, #shape-view')].map(figure => figure.getBoundingClientRect().height)");
+  assert.ok(tall.every(height => height < 1000), `figures of ${tall} pixels`);
+  const colours = await page.value("['p', 'td', 'th'].map(name => getComputedStyle(document.querySelector(`main ${name}`)).color)");
+  assert.deepEqual([...new Set(colours)], ['rgb(0, 0, 0)']);
+  await page.printed(false);
+  const pdf = await page.pdf();
+  assert.equal(pdf.subarray(0, 5).toString(), '%PDF-');
+  if (pictures) writeFileSync(join(pictures, `${basename(resolve(folder))}.pdf`), pdf);
+  assert.equal(await page.value(rows), before, 'rows after printing');
+  assert.equal(await page.value("document.getElementById('table-rows').textContent"), said);
+};
+
 const check = async (browser, folder, pictures) => {
   const url = pathToFileURL(resolve(folder, 'report.html')).href;
   const page = await browser.open(url);
@@ -204,6 +232,7 @@ const check = async (browser, folder, pictures) => {
       if (pictures) writeFileSync(join(pictures, `${basename(resolve(folder))}-${width}-${scheme}.png`), await calm.picture());
     }
   }
+  await paper(calm, folder, pictures);
   assert.deepEqual([...page.complaints, ...calm.complaints], []);
   assert.deepEqual([...page.requests, ...calm.requests].filter(request => request !== url && !request.startsWith('blob:')), []);
   console.log(`${folder}: the page shows what its tables say`);

@@ -63,6 +63,10 @@ impl<'a> Bytes<'a> {
         Ok(self.u32(what)? as i32)
     }
 
+    pub fn i64(&mut self, what: &'static str) -> Result<i64, Problem> {
+        Ok(self.endian.u64(self.array(what)?) as i64)
+    }
+
     pub fn f64(&mut self, what: &'static str) -> Result<f64, Problem> {
         Ok(f64::from_bits(self.endian.u64(self.array(what)?)))
     }

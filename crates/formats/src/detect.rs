@@ -58,9 +58,6 @@ pub(crate) fn detect(head: &[u8]) -> Result<(Format, Endian), FormatsError> {
     if let Some((format, Some(endian))) = binary.into_iter().find(|(_, endian)| endian.is_some()) {
         return Ok((format, endian));
     }
-    if op4::binary::has_long_words(head) {
-        return refused("OUTPUT4 with 8-byte words", "write it with 4-byte words or as text");
-    }
     Ok((text(head)?, Endian::Little))
 }
 

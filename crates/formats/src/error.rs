@@ -132,9 +132,9 @@ impl fmt::Display for Place {
 
 fn listed(names: &[String]) -> String {
     /// Most names that a message lists; chosen.
-    const MOST: usize = 10;
-    let mut list: Vec<_> = names.iter().take(MOST).map(|name| cut(name)).collect();
-    if names.len() > MOST {
+    const MOST_NAMES: usize = 10;
+    let mut list: Vec<_> = names.iter().take(MOST_NAMES).map(|name| cut(name)).collect();
+    if names.len() > MOST_NAMES {
         list.push("...".to_owned());
     }
     list.join(", ")
@@ -142,9 +142,10 @@ fn listed(names: &[String]) -> String {
 
 fn what_else(left_out: &[(String, String)]) -> String {
     /// Most matrices left out that a message explains; chosen.
-    const MOST: usize = 3;
-    let mut each: Vec<_> = left_out.iter().take(MOST).map(|(name, why)| format!("{}: {why}", cut(name))).collect();
-    if left_out.len() > MOST {
+    const MOST_REASONS: usize = 3;
+    let mut each: Vec<_> =
+        left_out.iter().take(MOST_REASONS).map(|(name, why)| format!("{}: {why}", cut(name))).collect();
+    if left_out.len() > MOST_REASONS {
         each.push("...".to_owned());
     }
     if each.is_empty() { String::new() } else { format!(" ({})", each.join("; ")) }

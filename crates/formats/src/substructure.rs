@@ -127,7 +127,7 @@ impl Element {
     /// The name of each row, where nodes and directions are given and no name comes twice.
     fn labels(&self) -> Option<Vec<Dof>> {
         /// Most labels that are worth having; chosen: a full matrix of as many rows has 2^32 entries.
-        const MOST: usize = 1 << 16;
+        const MOST_LABELS: usize = 1 << 16;
         let mut labels = Vec::new();
         let mut lists = self.directions.iter().peekable();
         let mut directions: &[u32] = &[];
@@ -136,7 +136,7 @@ impl Element {
                 directions = list;
             }
             labels.extend(directions.iter().map(|&direction| Dof { node, direction }));
-            if labels.len() > MOST {
+            if labels.len() > MOST_LABELS {
                 return None;
             }
         }

@@ -42,7 +42,7 @@
 //! | what is the result of a run? | [`Summary`], [`Failures`] |
 //! | how is a parameter distributed? | [`Distribution`], [`GaussianCopula`], [`redraw_until_at_least`] |
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
-//! | when may a run stop? | [`looks`](looks()), [`distance`] |
+//! | when may a run stop? | [`interim_looks`], [`distance`] |
 //! | how often does each of several labels occur? | [`LabelTally`], [`occurring_labels`] |
 //! | how large is a quantity? | [`IntegerMean`], [`ReplicateMean`], [`QuantileSketch`], [`quantile`], [`BoxStatistics`] |
 //! | which input makes an output vary? | [`first_order_by_ranks`], [`PickFreeze`], [`SobolIndex`] |
@@ -66,8 +66,8 @@ mod experiment;
 mod failures;
 mod gaussian_copula;
 mod integer_mean;
+mod interim_looks;
 mod label_tally;
-mod looks;
 mod merge;
 mod progress;
 mod proportion;
@@ -92,8 +92,8 @@ pub use experiment::{Experiment, Runs, Tally};
 pub use failures::{Failure, Failures};
 pub use gaussian_copula::GaussianCopula;
 pub use integer_mean::IntegerMean;
+pub use interim_looks::{InterimLook, distance, interim_looks};
 pub use label_tally::{LabelTally, occurring_labels};
-pub use looks::{Look, distance, looks};
 pub use merge::Merge;
 pub use progress::Progress;
 pub use proportion::{Proportion, Trial, trials_for_half_width, wilson};

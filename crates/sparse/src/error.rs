@@ -99,6 +99,14 @@ pub enum SparseError {
         /// The eigenvalues allowed: their vectors take memory.
         most_pairs: usize,
     },
+    /// A rectangle around all eigenvalues of a system that has more of them than is allowed.
+    #[error("the rectangle holds all {eigenvalues} eigenvalues; allowed: {most}, in a smaller rectangle")]
+    WholeSpectrum {
+        /// How many there are.
+        eigenvalues: usize,
+        /// The eigenvalues allowed: their vectors take memory.
+        most: usize,
+    },
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]
     Decomposition {

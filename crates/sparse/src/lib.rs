@@ -13,17 +13,20 @@
 mod affine;
 mod error;
 pub mod health;
+#[cfg(test)]
+mod of_entries;
 mod product;
 pub mod reduction;
 mod solver;
 mod symmetric;
 mod system;
+mod unpatterned;
 
 pub use nalgebra_sparse;
 
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
-pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle, eigenpairs_in};
+pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpairs_in};
 pub use system::{SparseSecondOrder, State};
 
 /// The README's example, compiled and run as a doctest.

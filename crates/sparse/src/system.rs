@@ -71,13 +71,7 @@ fn check(name: Matrix, matrix: &CscMatrix<f64>, order: usize) -> Result<(), Spar
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra_sparse::CooMatrix;
-
-    fn diagonal(values: &[f64]) -> CscMatrix<f64> {
-        let mut triplets = CooMatrix::new(values.len(), values.len());
-        values.iter().enumerate().for_each(|(i, &value)| triplets.push(i, i, value));
-        CscMatrix::from(&triplets)
-    }
+    use crate::of_entries::diagonal;
 
     #[test]
     fn shapes_and_numbers_are_checked() {

@@ -211,6 +211,40 @@ proptest! {
     }
 }
 
+/// Rectangles far larger than the spectrum: the bounds that limit the search hold every eigenvalue, and all are found.
+#[test]
+fn bounds_of_the_spectrum_hold_all_eigenvalues() {
+    let everywhere = Rectangle { re: [-1e6, 1e6], im: [-1e6, 1e6] };
+    let rings = [
+        Ring { gyroscopic: 4.0, ..RING },
+        Ring { friction: 0.8, ..RING },
+        Ring { friction: 0.5, gyroscopic: 1.0, ..RING },
+        Ring { states: 2, friction: 0.3, masses: 10, ..RING },
+    ];
+    for ring in rings {
+        let (sparse, dense) = ring.build();
+        let found = agrees(&sparse, &dense, everywhere);
+        let reach = found.reach.unwrap();
+        assert_eq!(found.pairs.len(), 4 * ring.masses + ring.states);
+        assert!(
+            found.pairs.iter().all(|pair| pair.lambda.norm() <= reach.modulus && pair.lambda.re.abs() <= reach.real)
+        );
+        assert!(reach.real < 0.8 * reach.modulus || ring.states > 0, "{reach:?}");
+    }
+    // Without damping and friction all are on the axis, and so is what is searched.
+    let (mut sparse, _) = RING.build();
+    sparse.c = CscMatrix::zeros(2 * RING.masses, 2 * RING.masses);
+    let found = find(&sparse, everywhere);
+    let reach = found.reach.unwrap();
+    assert!(reach.real < 1e-6 * reach.modulus && found.pairs.len() == 4 * RING.masses, "{reach:?}");
+    assert!(found.discs.len() <= 3, "{} discs", found.discs.len());
+    // What is too much is known before anything is searched.
+    let little = Options { bytes: 150_000, ..Options::default() };
+    let refused = eigenpairs_in(&sparse, &everywhere, &little, &mut |_| panic!("a search"));
+    let Err(SparseError::WholeSpectrum { eigenvalues: 160, most }) = refused else { panic!("{refused:?}") };
+    assert_eq!(most, 2 * (150_000 / (64 * 80)));
+}
+
 /// A rectangle far larger than the spectrum: nothing is searched where no eigenvalue can be.
 #[test]
 fn a_rectangle_without_end_holds_the_whole_spectrum() {
@@ -232,9 +266,19 @@ fn a_rectangle_without_end_holds_the_whole_spectrum() {
         let found = eigenpairs_in(&system, &everywhere, &Options::default(), &mut |_| {}).unwrap();
         assert_eq!(found.pairs.len(), 2 * n, "{end}");
         let largest = found.pairs.iter().map(|pair| pair.lambda.norm()).fold(0.0, f64::max);
-        let reach = found.reach.unwrap();
+        let reach = found.reach.unwrap().modulus;
         assert!(largest <= reach && reach < 3.0 * largest, "{largest} {reach}");
     }
+    // The same where M is diagonal, as lumped masses are.
+    let lumped = SparseSecondOrder::new(CscMatrix::identity(n), system.c.clone(), system.k.clone()).unwrap();
+    let everywhere = Rectangle { re: [-1e9, 1e9], im: [-1e9, 1e9] };
+    let found = eigenpairs_in(&lumped, &everywhere, &Options::default(), &mut |_| {}).unwrap();
+    assert!(
+        found.pairs.len() == 2 * n && found.reach.unwrap().modulus < 10.0,
+        "{} {:?}",
+        found.pairs.len(),
+        found.reach
+    );
     let beyond = Rectangle { re: [-1.0, 1.0], im: [1e3, 1e9] };
     let found = eigenpairs_in(&system, &beyond, &Options::default(), &mut |_| {}).unwrap();
     assert_eq!((found.pairs.len(), found.discs.len(), found.counters.factorisations), (0, 0, 0));

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::{Checkpoint, MonteCarloError, Summary, looks, run_with};
+use montecarlo::{Checkpoint, MonteCarloError, Summary, interim_looks, run_with};
 
 use crate::Error;
 use crate::folder::RunFolder;
@@ -50,7 +50,7 @@ pub fn run_study<B: UncertainBrake>(
 }
 
 /// As [`run_study`]; with a half width not the samples of the plan, but as many as it takes until every occurrence is known to it, see
-/// [`montecarlo::looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
+/// [`montecarlo::interim_looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
 ///
 /// # Errors
 /// As [`run_study`].
@@ -111,7 +111,7 @@ fn sampled_until(
     plan: &Plan,
     sampled: impl Fn(u64) -> Result<Summary<StudyTally>, MonteCarloError>,
 ) -> Result<(Summary<StudyTally>, Stopped), Error> {
-    let all = looks(half_width);
+    let all = interim_looks(half_width);
     let last = all.len() - 1;
     for (at, look) in all.iter().enumerate() {
         let summary = match sampled(look.samples) {

@@ -8,7 +8,7 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use crate::TrackingError;
-use crate::branch::{BranchPoint, Branches, RefinedPoint};
+use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 
 /// Spectra after which branches count as unresolvable; chosen.
 const MOST_SPECTRA: usize = 20_000;
@@ -58,24 +58,6 @@ struct KeptSpectrum {
     at: SystemAt,
     lambdas: Vec<Complex<f64>>,
     rates: Vec<Option<Complex<f64>>>,
-}
-
-/// Parameters, which are never NaN, in their order.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct OrderedParameter(f64);
-
-impl Eq for OrderedParameter {}
-
-impl PartialOrd for OrderedParameter {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for OrderedParameter {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 impl<'a, F> KeptSpectra<'a, F> {

@@ -49,9 +49,19 @@ impl Eigentriple {
     /// # Errors
     /// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
     pub fn new(system: &SecondOrder, lambda: Complex<f64>, work: &mut Workspace) -> Result<Self, CeaError> {
-        let (right, left) = (right_vector(system, lambda, work)?, left_vector(system, lambda, work)?);
+        Ok(Self::of_vectors(system, lambda, right_vector(system, lambda, work)?, left_vector(system, lambda, work)?))
+    }
+
+    /// Of vectors that are known, length n, unit 2-norm.
+    #[must_use]
+    pub fn of_vectors(
+        system: &SecondOrder,
+        lambda: Complex<f64>,
+        right: DVector<Complex<f64>>,
+        left: DVector<Complex<f64>>,
+    ) -> Self {
         let slope = left.dotc(&(system.dynamic_stiffness_derivative(lambda) * &right));
-        Ok(Self { lambda, right, left, slope, size: size(system, lambda) })
+        Self { lambda, right, left, slope, size: size(system, lambda) }
     }
 
     /// `d lambda / d p = -y^H Q_p x / y^H Q' x` for a given `Q_p = d Q / d p` at lambda, n x n.
@@ -59,7 +69,13 @@ impl Eigentriple {
     /// Not finite where lambda is defective; [`Eigentriple::separation`] tells whether it can be believed.
     #[must_use]
     pub fn rate(&self, derivative: &DMatrix<Complex<f64>>) -> Complex<f64> {
-        -self.left.dotc(&(derivative * &self.right)) / self.slope
+        self.rate_over(derivative, 1.0)
+    }
+
+    /// The same for the difference of Q(lambda), n x n, of two systems whose parameters are `distance` apart.
+    #[must_use]
+    pub fn rate_over(&self, difference: &DMatrix<Complex<f64>>, distance: f64) -> Complex<f64> {
+        -self.left.dotc(&(difference * &self.right)) / (self.slope * distance)
     }
 
     /// The eigenvalue after one Newton step with these vectors, the generalised Rayleigh quotient, rad/s.

@@ -1,10 +1,12 @@
-//! Nastran's `OUTPUT4` files (`.op4`): text and binary of either byte order, dense, sparse and `BIGMAT`.
+//! Nastran's `OUTPUT4` files (`.op4`): text and binary of either byte order with words of 4 or 8 bytes, dense, sparse and
+//! `BIGMAT`.
 //!
 //! A file holds matrices one after the other. Each has a header (columns, rows, form, type, name), its columns in growing order,
 //! and a column beyond the last that ends it. A column is one stretch of rows, or strings of rows, each with a header of its own:
 //! `L * 65536 + row` in one word, or `L` and `row` in two where the number of rows is negative (`BIGMAT`) or above 65535; L - 1
 //! is the number of words of the string. Types: 1, 2 real in single and double precision; 3, 4 complex, left out. Forms read:
-//! 1 square, 2 rectangular, 6 symmetric; a symmetric matrix is stored whole.
+//! 1 square, 2 rectangular, 6 symmetric; a symmetric matrix is stored whole. Where words have 8 bytes every real number is one word,
+//! whatever the type.
 
 pub(crate) mod binary;
 pub(crate) mod text;
@@ -99,7 +101,7 @@ impl Open {
 
     /// The numbers in a string of a length that its header gives with 1 added.
     fn numbers_of(&self, length: i64) -> Result<usize, Problem> {
-        let words = usize::try_from(length - 1).unwrap_or(0);
+        let words = usize::try_from(length.saturating_sub(1)).unwrap_or(0);
         if words == 0 || words % self.words != 0 {
             let allowed = format!("1 more than a positive multiple of {}", self.words);
             return Err(Problem::field("length of a string", length, allowed));

@@ -111,13 +111,17 @@ fn the_four_ways_to_write_op4_hold_the_same_matrices() {
 }
 
 #[test]
-fn big_endian_and_bigmat_are_read() {
+fn big_endian_bigmat_and_long_words_are_read() {
     for name in ["big_endian", "bigmat"] {
         let file = read(&fixture(&format!("nastran_op4/{name}.op4"))).unwrap();
         assert_eq!(file.matrix("KGG").unwrap().to_dense(), k(), "{name}");
         assert_eq!(file.of_kind(Kind::Stiffness).unwrap().name(), "KGG");
         assert_eq!(file.matrix("D").unwrap().to_dense(), d(), "{name}");
     }
+    // Words of 8 bytes: pyYeti 1.4.7 reads the same from this file. The type of DAMPING is that of single precision.
+    let file = read(&fixture("nastran_op4/long_words.op4")).unwrap();
+    assert_eq!((file.format, file.matrix("KGG").unwrap().to_dense()), (Format::Op4Binary, k()));
+    assert_eq!([file.matrix("DAMPING").unwrap().to_dense(), file.matrix("D").unwrap().to_dense()], [d(), d()]);
     let text = "       3      -2       2       2D       1P,2E23.16\n       1       0       4\n       3       1\n 1.5000000000000000E+00\n\
                 \x20      2       0       4\n       3       2\n 3.0000000000000000D+00\n       3       0       6\n       5       1\n\
                 -2.0000000000000000E+00 4.0000000000000000E+00\n       4       1       1\n 1.0000000000000000E+00\n";

@@ -116,13 +116,7 @@ fn moved_rows(rows: &[usize], vectors: &DMatrix<f64>, count: usize) -> Vec<(usiz
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra_sparse::CooMatrix;
-
-    fn sparse(n: usize, entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
-        let mut sum = CooMatrix::new(n, n);
-        entries.iter().for_each(|&(row, column, value)| sum.push(row, column, value));
-        CscMatrix::from(&sum)
-    }
+    use crate::of_entries::of_entries;
 
     /// Springs of stiffness 1e8 between neighbours of a chain of n masses.
     fn chain(n: usize) -> Vec<(usize, usize, f64)> {
@@ -132,7 +126,7 @@ mod tests {
 
     #[test]
     fn a_free_chain_has_one_null_vector_that_moves_all_rows_alike() {
-        let health = MatrixHealth::of(&sparse(50, &chain(50))).unwrap();
+        let health = MatrixHealth::of(&of_entries(50, &chain(50))).unwrap();
         assert_eq!((health.signs, health.rank()), (signs(0, 1, 49), Some(49)));
         assert_eq!((health.asymmetry, health.empty_rows.len(), health.null_vectors), (0.0, 0, 1));
         // Scaled to a unit diagonal the two ends move by 1 where the rest moves by the square root of 2.
@@ -146,7 +140,7 @@ mod tests {
         let mut entries = chain(20);
         entries.push((0, 0, 1e8));
         entries.extend([(20, 20, 1e-3), (20, 21, -1e-3), (21, 20, -1e-3), (21, 21, 1e-3)]);
-        let health = MatrixHealth::of(&sparse(23, &entries)).unwrap();
+        let health = MatrixHealth::of(&of_entries(23, &entries)).unwrap();
         assert_eq!(health.signs, signs(0, 1, 21));
         assert_eq!(health.empty_rows, [22]);
         let mut rows: Vec<usize> = health.null_rows.iter().take(2).map(|&(row, _)| row).collect();
@@ -158,13 +152,13 @@ mod tests {
     #[test]
     fn signs_asymmetry_and_the_smallest_eigenvalue_are_said() {
         let entries = [(0, 0, 4.0), (1, 1, -2.0), (2, 2, 1.0), (0, 1, 1.0), (1, 0, -1.0), (0, 2, 1.8), (2, 0, 1.8)];
-        let health = MatrixHealth::of(&sparse(3, &entries)).unwrap();
+        let health = MatrixHealth::of(&of_entries(3, &entries)).unwrap();
         assert_eq!((health.signs, health.asymmetry), (signs(1, 0, 2), 0.5));
         // Scaled: 1 and 0.9 beside it, eigenvalues 0.1 and 1.9, and -1; the norm is 1.9.
         assert!((health.smallest - 0.1 / 1.9).abs() < 1e-6, "{}", health.smallest);
         assert!(health.null_rows.is_empty());
 
-        let zero = MatrixHealth::of(&sparse(2, &[])).unwrap();
+        let zero = MatrixHealth::of(&of_entries(2, &[])).unwrap();
         assert_eq!((zero.entries, zero.rank(), zero.empty_rows), (0, Some(0), vec![0, 1]));
     }
 
@@ -172,7 +166,7 @@ mod tests {
     fn a_multiplier_has_its_sign_or_none() {
         // Its diagonal is zero, and its matrix is indefinite without being singular.
         let entries = [(0, 0, 1.0), (1, 1, 1.0), (0, 2, 1.0), (2, 0, 1.0)];
-        let health = MatrixHealth::of(&sparse(3, &entries)).unwrap();
+        let health = MatrixHealth::of(&of_entries(3, &entries)).unwrap();
         assert!(health.signs.is_none() || health.signs == signs(1, 0, 2), "{health:?}");
     }
 

@@ -35,13 +35,7 @@ pub fn solution_errors(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra_sparse::{CooMatrix, CscMatrix};
-
-    fn diagonal(values: &[f64]) -> CscMatrix<f64> {
-        let mut triplets = CooMatrix::new(values.len(), values.len());
-        values.iter().enumerate().for_each(|(i, &value)| triplets.push(i, i, value));
-        CscMatrix::from(&triplets)
-    }
+    use crate::of_entries::diagonal;
 
     #[test]
     fn a_sound_model_is_solved_to_rounding_and_a_singular_one_is_not() {

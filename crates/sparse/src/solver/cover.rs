@@ -10,7 +10,7 @@ use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangl
 use crate::{SparseError, SparseSecondOrder};
 
 /// Distance of the same eigenvalue found twice, relative.
-const SAME: f64 = 1e-9;
+const FOUND_TWICE: f64 = 1e-9;
 /// Part of a unit vector outside the span of others below which it is none of its own.
 const INDEPENDENT: f64 = 1e-4;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
@@ -24,14 +24,14 @@ const REAL: f64 = 1e-6;
 
 /// All eigenvalues in `rectangle`, its border included, with their vectors.
 ///
-/// Where M is positive definite nothing is searched beyond the largest |lambda| that the norms of the matrices allow
+/// Where M is positive definite nothing is searched beyond the largest |lambda| and |Re lambda| that the norms of the matrices allow
 /// ([`Found::reach`]). Discs around shifts cover the rest. In each, all eigenvalues are known as far as a block Krylov space of the shifted and
 /// inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and multiple eigenvalues up to
 /// the size of a block. Every pair returned has a backward error of at most `options.tolerance`.
 ///
 /// # Errors
 /// A rectangle that is none, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
-/// refinement does not make accurate, a pair that does not converge, more shifts than allowed.
+/// refinement does not make accurate, a pair that does not converge, more shifts or eigenvalues than allowed.
 pub fn eigenpairs_in(
     system: &SparseSecondOrder,
     rectangle: &Rectangle,
@@ -48,8 +48,12 @@ pub fn eigenpairs_in(
         discs: Vec::new(),
         pairs: Vec::new(),
     };
+    let upper = upper_part(rectangle);
     let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
-    if let Some(part) = within(upper_part(rectangle), reach) {
+    if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper)) {
+        if reach.is_some_and(|reach| reach.is_within(&upper)) {
+            search.check_whole(2 * system.order() + system.states.len())?;
+        }
         search.cover(part, progress)?;
     }
     let Search { counters, discs, pairs, .. } = search;
@@ -69,14 +73,6 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
         [0.0, to.max(-from)]
     };
     Rectangle { re: rectangle.re, im }
-}
-
-/// The part of a rectangle in which |lambda| can be that of an eigenvalue; `None` where there is none.
-fn within(rectangle: Rectangle, reach: Option<f64>) -> Option<Rectangle> {
-    let Some(reach) = reach else { return Some(rectangle) };
-    let side = |[from, to]: [f64; 2]| [from.max(-reach), to.min(reach)];
-    let part = Rectangle { re: side(rectangle.re), im: side(rectangle.im) };
-    part.check().is_ok().then_some(part)
 }
 
 struct Search<'a> {
@@ -115,11 +111,23 @@ impl Search<'_> {
 }
 
 impl Search<'_> {
+    /// Pairs whose vectors are no larger than allowed: right and left, and those of the conjugate.
+    fn most_pairs(&self) -> usize {
+        self.options.bytes / (4 * size_of::<Complex<f64>>() * self.problem.pencil.order())
+    }
+
+    /// Refuses a rectangle around the whole spectrum, whose size is known before anything is searched; half of it is.
+    fn check_whole(&self, eigenvalues: usize) -> Result<(), SparseError> {
+        match self.most_pairs() {
+            most if eigenvalues / 2 > most => Err(SparseError::WholeSpectrum { eigenvalues, most: 2 * most }),
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses a rectangle that needs more shifts or holds more eigenvalues than allowed, or will by what is known of it.
     fn check_size(&self, covered: f64) -> Result<(), SparseError> {
         let (shifts, found, most_shifts) = (self.tried, self.pairs.len(), self.options.shifts);
-        // Right and left, and those of the conjugate.
-        let most_pairs = self.options.bytes / (4 * size_of::<Complex<f64>>() * self.problem.pencil.order());
+        let most_pairs = self.most_pairs();
         let margin = if shifts < ESTIMATED { f64::INFINITY } else { ESTIMATE_MARGIN };
         let will_exceed = |so_far: usize, most: usize| so_far as f64 > margin * covered * most as f64;
         let is_too_large = shifts >= most_shifts
@@ -160,7 +168,7 @@ fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
     let mut kept: Vec<(usize, Eigenpair)> = Vec::with_capacity(found.len());
     for (disc, pair) in found {
         let near = |other: &(usize, Eigenpair)| {
-            let reach = (SAME * pair.lambda.norm()).max(pair.bound()).max(other.1.bound());
+            let reach = (FOUND_TWICE * pair.lambda.norm()).max(pair.bound()).max(other.1.bound());
             other.0 != disc && (other.1.lambda - pair.lambda).norm() <= reach
         };
         let mut outside = pair.right.clone();

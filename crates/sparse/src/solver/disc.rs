@@ -9,6 +9,7 @@ use super::krylov::Krylov;
 use super::pencil::{Pencil, Side};
 use super::ritz::Ritz;
 use super::types::{Counters, Disc, Options, Rectangle};
+use crate::unpatterned::unpatterned;
 use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
@@ -25,7 +26,7 @@ const GROWTH: f64 = 1.25;
 /// How often another shift is tried where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
 /// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.
-const SAME: f64 = 1e-5;
+const SAME_AS_RIGHT: f64 = 1e-5;
 
 type Block = Mat<Complex<f64>>;
 
@@ -120,6 +121,8 @@ impl Problem {
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
             Vec::new()
+        } else if self.pencil.is_symmetric() {
+            (0..lambdas.len()).map(|j| Some(right.col_as_slice(j).to_vec())).collect()
         } else {
             left_vectors(&factor, scale, &lambdas, &right, options, counters)?
         };
@@ -224,7 +227,8 @@ fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<O
         let distance = |&j: &usize| (left.lambdas[j] - lambda).norm();
         let free = (0..is_free.len()).filter(|&j| is_free[j]);
         let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        let is_same = distance(&nearest) <= SAME * (lambda - sigma).norm() && left.residuals[nearest] <= CONVERGED_LEFT;
+        let is_same =
+            distance(&nearest) <= SAME_AS_RIGHT * (lambda - sigma).norm() && left.residuals[nearest] <= CONVERGED_LEFT;
         is_same.then(|| {
             is_free[nearest] = false;
             nearest
@@ -235,9 +239,8 @@ fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<O
 
 /// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
 fn starting_block(rows: usize, columns: usize) -> Block {
-    let golden = 0.618_033_988_749_894_9;
     Mat::from_fn(rows, columns, |i, j| {
         let k = (i * columns + j + 1) as f64;
-        Complex::from((k * golden).fract() * 2.0 - 1.0 + ((k % 97.0) * (k % 89.0) * golden).fract() - 0.5)
+        Complex::from(unpatterned(k) * 2.0 - 1.0 + unpatterned((k % 97.0) * (k % 89.0)) - 0.5)
     })
 }

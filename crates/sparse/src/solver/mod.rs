@@ -13,4 +13,4 @@ mod types;
 pub use cover::eigenpairs_in;
 pub(crate) use disc::Problem;
 pub(crate) use factor::PAR;
-pub use types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
+pub use types::{Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

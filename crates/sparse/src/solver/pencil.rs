@@ -133,6 +133,12 @@ impl Pencil {
         &self.states
     }
 
+    /// Whether M, C and K are symmetric to the last bit, and there are no states: then conjugates of left vectors are right ones.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        let is_symmetric = |values: &[f64]| values.iter().zip(&self.mirror).all(|(value, &at)| *value == values[at]);
+        self.states.is_empty() && [&self.mass, &self.damping, &self.stiffness].into_iter().all(|m| is_symmetric(m))
+    }
+
     /// Starts of the columns and rows of the entries, ascending in each column.
     pub(crate) fn pattern(&self) -> (&[usize], &[usize]) {
         (&self.column_starts, &self.rows)

@@ -2,11 +2,14 @@
 
 use nalgebra_sparse::CscMatrix;
 
-use crate::symmetric::{Factor, nearest_to_zero, scaled_part, scales, shifted};
+use super::types::{Reach, Rectangle};
+use crate::symmetric::{Factor, largest_entry, nearest_to_zero, norm, scaled_part, scales, shifted};
 use crate::{SparseError, SparseSecondOrder};
 
 /// Parts of the smallest eigenvalue found that are tried as lower bounds; chosen.
 const PARTS: [f64; 4] = [0.9, 0.5, 0.1, 0.01];
+/// Shifts, as parts of the norm, with which a stiffness may have no negative eigenvalue: of rounding, and of small faults; chosen.
+const SHIFTS: [f64; 4] = [1e-13, 1e-10, 1e-7, 1e-4];
 /// For the rounding of norms.
 const MARGIN: f64 = 1.0 + 1e-9;
 
@@ -21,7 +24,7 @@ pub(super) fn least_reach(system: &SparseSecondOrder) -> f64 {
     ratios.filter(|ratio| ratio.is_finite()).fold(0.0, f64::max).sqrt()
 }
 
-/// R with |lambda| <= R for every eigenvalue, rad/s; `None` where the symmetric part of M is not positive definite.
+/// How far eigenvalues can be from zero and from the imaginary axis; `None` where the symmetric part of M is not positive definite.
 ///
 /// With the diagonal D of M and `x^H D x = 1`, `lambda^2 x^H M x + lambda x^H C x + x^H K x = 0` for an eigenvector x, and
 /// `Re x^H M x >= tau` where the symmetric part of `M - tau D` has no negative eigenvalue, by its factorisation. So
@@ -30,7 +33,7 @@ pub(super) fn least_reach(system: &SparseSecondOrder) -> f64 {
 ///
 /// # Errors
 /// A factorisation that does not fit into memory.
-pub(super) fn reach(system: &SparseSecondOrder) -> Result<Option<f64>, SparseError> {
+pub(super) fn reach(system: &SparseSecondOrder) -> Result<Option<Reach>, SparseError> {
     let scale = scales(&system.m);
     let (rows, mass) = scaled_part(&system.m);
     if rows.len() < system.order() {
@@ -51,8 +54,58 @@ pub(super) fn reach(system: &SparseSecondOrder) -> Result<Option<f64>, SparseErr
     let states: f64 = system.states.iter().map(|state| 2.0 * side(&state.drive) * side(&state.force)).sum();
     let slowest = system.states.iter().map(|state| 2.0 * state.decay.abs()).fold(0.0, f64::max);
     let (c, k) = (form_bound(&system.c, &scale), form_bound(&system.k, &scale) + states);
-    let reach = (c + (c * c + 4.0 * tau * k).sqrt()) / (2.0 * tau) * MARGIN;
-    Ok(Some(reach.max(slowest)).filter(|reach| reach.is_finite()))
+    let modulus = ((c + (c * c + 4.0 * tau * k).sqrt()) / (2.0 * tau) * MARGIN).max(slowest);
+    if !modulus.is_finite() {
+        return Ok(None);
+    }
+    let real = real_reach(system, &scale, tau)?.filter(|real| *real < modulus).unwrap_or(modulus);
+    Ok(Some(Reach { modulus, real }))
+}
+
+/// The largest |Re lambda|; `None` where M is not symmetric, or there are internal states.
+///
+/// With `c + i c' = x^H C x / x^H M x` and `k + i k'` likewise, `lambda = -(c + i c') / 2 +- sqrt(w)`, `w = (c + i c')^2 / 4 - k - i k'`,
+/// and `(Re sqrt(w))^2 = (|w| + Re w) / 2 <= max(Re w, 0) + |Im w| / 2`. The symmetric parts of C and K make c and k, the
+/// antisymmetric ones c' and k'; that K has no negative form but for rounding is read off a factorisation. Without damping and
+/// friction nothing of it is left: all eigenvalues are on the axis.
+fn real_reach(system: &SparseSecondOrder, scale: &[f64], tau: f64) -> Result<Option<f64>, SparseError> {
+    let parts = |a: &CscMatrix<f64>| {
+        let transposed = a.transpose();
+        [(a + &transposed) * 0.5, (a - &transposed) * 0.5]
+    };
+    if !system.states.is_empty() || largest_entry(&(&system.m - system.m.transpose())) > 0.0 {
+        return Ok(None);
+    }
+    let ([c, gyroscopic], [k, circulatory]) = (parts(&system.c), parts(&system.k));
+    let [c, gyroscopic, circulatory] = [c, gyroscopic, circulatory].map(|part| form_bound(&part, scale) / tau);
+    let inverse: Vec<f64> = scale.iter().map(|scale| 1.0 / scale).collect();
+    let mut scaled = k;
+    scaled.triplet_iter_mut().for_each(|(row, column, value)| *value *= inverse[row] * inverse[column]);
+    let size = norm(&scaled);
+    let mut negative = size;
+    for part in SHIFTS {
+        if Factor::new(&shifted(&scaled, part * size))?.negative() == Some(0) {
+            negative = part * size;
+            break;
+        }
+    }
+    let square = 0.25 * c * c + negative / tau + 0.25 * c * gyroscopic + 0.5 * circulatory;
+    Ok(Some((0.5 * c + square.sqrt()) * MARGIN))
+}
+
+impl Reach {
+    /// The part of a rectangle in which eigenvalues can be; `None` where there is none.
+    pub(super) fn within(&self, rectangle: &Rectangle) -> Option<Rectangle> {
+        let side = |[from, to]: [f64; 2], most: f64| [from.max(-most), to.min(most)];
+        let part = Rectangle { re: side(rectangle.re, self.real), im: side(rectangle.im, self.modulus) };
+        part.check().is_ok().then_some(part)
+    }
+
+    /// Whether the upper half of the spectrum is in a rectangle.
+    pub(super) fn is_within(&self, rectangle: &Rectangle) -> bool {
+        let [low, high] = rectangle.re;
+        low <= -self.real && high >= self.real && rectangle.im[0] <= 0.0 && rectangle.im[1] >= self.modulus
+    }
 }
 
 /// A bound of `|x^H A x|` for all x with `sum_i |s_i x_i|^2 = 1`: the geometric mean of the largest sums of rows and columns.

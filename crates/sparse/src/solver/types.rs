@@ -133,11 +133,19 @@ pub struct Found {
     /// Discs whose union covers the rectangle, or of a rectangle on both sides of the real axis its larger half: the matrices
     /// are real.
     pub discs: Vec<Disc>,
-    /// The largest |lambda| that any eigenvalue of the system can have, rad/s, where the rectangle is larger and M positive
-    /// definite: what is beyond has no discs.
-    pub reach: Option<f64>,
+    /// Where eigenvalues can be at all, where the rectangle is larger and M positive definite: what is beyond has no discs.
+    pub reach: Option<Reach>,
     /// The work done.
     pub counters: Counters,
+}
+
+/// How far any eigenvalue of a system can be from zero and from the imaginary axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// The largest |lambda|, rad/s.
+    pub modulus: f64,
+    /// The largest |Re lambda|, rad/s, at most the modulus.
+    pub real: f64,
 }
 
 /// What was computed.

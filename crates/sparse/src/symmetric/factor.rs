@@ -16,6 +16,7 @@ use super::norm;
 use crate::SparseError;
 use crate::product::times;
 use crate::solver::PAR;
+use crate::unpatterned::unpatterned;
 
 /// `A = P L B L^T P^T` of a symmetric matrix: L lower triangular with a unit diagonal, B of blocks of order 1 and 2, pivoted within
 /// the supernodes. Pivots of a saddle point, such as that of a multiplier, may lie in another one: such a factorisation is unsound.
@@ -32,6 +33,10 @@ pub(crate) struct Factor {
 /// Backward error of a solution above which a factorisation is unsound; chosen, between rounding and a pivot that was none.
 const SOUND: f64 = 1e-11;
 
+/// Only the supernodal factorisation has pivots, and it is taken where operations by entry exceed this. The library's own
+/// constant for it is zero, which a diagonal matrix, without operations, does not exceed.
+const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+
 impl Factor {
     /// # Errors
     /// A factorisation that does not fit into memory.
@@ -39,9 +44,8 @@ impl Factor {
         let n = a.nrows();
         let memory = || SparseError::Memory { order: n };
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, a.col_offsets(), None, a.row_indices());
-        // Only the supernodal factorisation has pivots.
         let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
             ..CholeskySymbolicParams::default()
         };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters)
@@ -66,11 +70,13 @@ impl Factor {
         Ok(factor)
     }
 
-    /// Of the solution for a right-hand side without pattern.
+    /// Of the solution for a right-hand side without pattern; infinite where there is none, as with a pivot that is zero.
     fn backward_error(&self, a: &CscMatrix<f64>) -> f64 {
-        let golden = 0.618_033_988_749_894_9;
-        let b = DMatrix::from_fn(a.nrows(), 1, |i, _| ((i + 1) as f64 * golden).fract() - 0.3);
+        let b = DMatrix::from_fn(a.nrows(), 1, |i, _| unpatterned((i + 1) as f64) - 0.3);
         let x = self.solve(&b);
+        if x.iter().any(|value| !value.is_finite()) {
+            return f64::INFINITY;
+        }
         (times(a, &x) - &b).norm() / (norm(a) * x.norm() + b.norm())
     }
 
@@ -145,6 +151,25 @@ mod tests {
             a[(column, row)] = value;
         }
         a
+    }
+
+    #[test]
+    fn a_diagonal_matrix_is_its_own_factor() {
+        for (diagonal, negative) in
+            [(vec![3.0], 0), (vec![1.0; 5], 0), (vec![2.0, -1e-9, 4.0, -8.0], 2), (vec![-1.0; 3], 3)]
+        {
+            let factor = Factor::new(&CscMatrix::from(&DMatrix::from_diagonal(&diagonal.clone().into()))).unwrap();
+            assert_eq!(factor.negative(), Some(negative), "{diagonal:?}");
+            let x = DMatrix::from_fn(diagonal.len(), 2, |i, j| (1 + i + 3 * j) as f64);
+            let expected = DMatrix::from_fn(diagonal.len(), 2, |i, j| x[(i, j)] / diagonal[i]);
+            assert!((factor.solve(&x) - &expected).norm() <= 1e-15 * expected.norm());
+        }
+        // Semidefinite: nothing can be solved, so nothing is said of the signs; shifted off zero it has them.
+        let singular = CscMatrix::from(&DMatrix::from_diagonal(&vec![1.0, 0.0, 2.0].into()));
+        assert_eq!(Factor::new(&singular).unwrap().negative(), None);
+        for (shift, negative) in [(1e-13, 0), (-1e-13, 1)] {
+            assert_eq!(Factor::new(&crate::symmetric::shifted(&singular, shift)).unwrap().negative(), Some(negative));
+        }
     }
 
     proptest! {

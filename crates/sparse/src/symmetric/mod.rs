@@ -7,6 +7,7 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 
 use crate::SparseError;
 use crate::product::times;
+use crate::unpatterned::unpatterned;
 pub(crate) use factor::Factor;
 
 /// A diagonal entry below this part of the largest of its row does not scale it; chosen: below that of a rotation in metres.
@@ -67,8 +68,7 @@ pub(crate) fn nearest_to_zero(
 ) -> Result<(Vec<f64>, DMatrix<f64>), SparseError> {
     let failed = || SparseError::Decomposition { what: "null vectors of a matrix" };
     // Any start will do that no vector is orthogonal to.
-    let golden = 0.618_033_988_749_894_9;
-    let mut x = DMatrix::from_fn(a.nrows(), count, |i, j| ((i * count + j + 1) as f64 * golden).fract() - 0.5);
+    let mut x = DMatrix::from_fn(a.nrows(), count, |i, j| unpatterned((i * count + j + 1) as f64) - 0.5);
     for _ in 0..STEPS {
         x = factor.solve(&x).qr().q();
         if x.iter().any(|value| !value.is_finite()) {

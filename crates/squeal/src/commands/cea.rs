@@ -12,7 +12,7 @@ use work::ModeWork;
 
 use super::eig::announce;
 use super::reasons::{first_scene, is_of, reasons, whys};
-use super::scene::{LatticeScene, SceneArgs, chosen};
+use super::scene::{LatticeScene, SceneArgs, bare_sign, chosen};
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
@@ -20,6 +20,9 @@ use crate::report::hertz;
 use crate::run::bar;
 use crate::study::{Scene, UncertainBrake, mode_work};
 use crate::why::Why;
+
+/// What is said of verdicts where a case has a threshold.
+const VERDICTS: &str = "verdicts are of the bare sign of the growth rate";
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -73,7 +76,8 @@ impl CeaArgs {
             "contact": contacts.in_contact().iter().map(|i| i + 1).collect::<Vec<_>>(),
             "speed": speed,
         });
-        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters");
+        let sign = bare_sign(&case.threshold, VERDICTS);
+        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters{sign}");
         let whys =
             if self.why { first_scene(&LatticeBrake::new(self.scene.only_lattice(case, None)?)?)? } else { Vec::new() };
         self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene, &whys)
@@ -84,7 +88,8 @@ impl CeaArgs {
         let medians = case.medians();
         let values =
             case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
-        let heading = format!("median parameters: {}", values.collect::<Vec<_>>().join(", "));
+        let sign = bare_sign(&case.threshold, VERDICTS);
+        let heading = format!("median parameters: {}{sign}", values.collect::<Vec<_>>().join(", "));
         let named: serde_json::Map<String, Value> =
             case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
         let scene = json!({ "constraints": set.name, "parameters": named });
@@ -110,7 +115,8 @@ impl CeaArgs {
         };
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
-        let heading = format!("{}; median parameters", brake.plan.describe(scene));
+        let sign = bare_sign(&brake.plan.threshold, VERDICTS);
+        let heading = format!("{}; median parameters{sign}", brake.plan.describe(scene));
         let rows = modes.lambdas.iter().zip(&modes.residuals);
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         if self.json {

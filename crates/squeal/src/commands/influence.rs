@@ -7,15 +7,16 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::options::{check_threads, override_run, threads, whole_number};
+use super::results_folder;
 use super::scene::{SceneArgs, chosen};
+use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, SpeedRange};
 use crate::folder::RunFolder;
-use crate::influence::{Influence, influence};
+use crate::influence::influence;
 use crate::output::{printable, write};
 use crate::run::{bar, workers};
-use crate::study::{Plan, Study, UncertainBrake};
-use crate::{Error, fingerprint};
+use crate::study::{Study, UncertainBrake};
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
 const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
@@ -123,32 +124,19 @@ impl InfluenceArgs {
                     None => Ok(()),
                 }
             })?;
-            let manifest = self.manifest(plan, &found, draws, seconds);
-            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+            let own = json!({
+                "scene": plan.describe(scene),
+                "seed": plan.seed,
+                "samples": draws,
+                "failures": found.failures,
+                "total": self.total,
+                "evaluations": found.evaluations,
+            });
+            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
         }
-        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
-        let place = place.unwrap_or_default();
+        let place = results_folder::place(self.out.as_deref());
         let evaluations = found.evaluations;
         Ok(format!("{}\n\n{answer}{evaluations} CEAs in {seconds:.2} s{place}\n", printable(&heading)))
-    }
-
-    /// Enough to ask again, and what it took.
-    fn manifest(&self, plan: &Plan, found: &Influence, draws: u64, seconds: f64) -> serde_json::Value {
-        json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-            "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
-            "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
-            "study": plan.name,
-            "scene": plan.describe(&plan.scenes[0]),
-            "seed": plan.seed,
-            "samples": draws,
-            "failures": found.failures,
-            "total": self.total,
-            "threads": self.threads,
-            "evaluations": found.evaluations,
-            "seconds": seconds,
-        })
     }
 }
 

@@ -8,6 +8,7 @@ mod mesh_shapes;
 mod options;
 mod reasons;
 mod refuse;
+mod results_folder;
 mod run;
 mod scene;
 mod screen;

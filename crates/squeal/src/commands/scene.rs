@@ -1,5 +1,6 @@
 //! Which scene of a case a command is about.
 
+use cea::Threshold;
 use osc_model::ContactArrangement;
 
 use super::options::number;
@@ -21,6 +22,14 @@ pub struct SceneArgs {
     /// Sliding speed of a lattice, m/s [default: the median of the case's first range]
     #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     pub speed: Option<f64>,
+}
+
+/// That a command knows the bare sign of Re lambda alone, to end a heading with, where a case counts from a threshold on.
+pub(super) fn bare_sign(threshold: &Threshold, what: &str) -> String {
+    if threshold.is_axis() {
+        return String::new();
+    }
+    format!("; {what}: the case's threshold, {threshold}, is not applied")
 }
 
 /// One scene of a case with a lattice.

@@ -4,9 +4,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::options::{number, override_run, threads, whole_number};
+use super::results_folder;
 use super::scene::chosen;
 use crate::brakes::{Bases, FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
@@ -14,8 +15,8 @@ use crate::folder::RunFolder;
 use crate::output::printable;
 use crate::report::write_screen_page;
 use crate::run::{bar, workers};
-use crate::screen::{ChangeKind, Confirmation, Screen, ScreenOptions, Sizes, confirm, rank};
-use crate::study::{Plan, UncertainBrake};
+use crate::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use crate::study::UncertainBrake;
 use crate::{Error, fingerprint};
 
 /// Draws of the prediction where no option says otherwise; chosen: it ranks.
@@ -175,14 +176,24 @@ impl ScreenArgs {
                 figure.save_pictures(stage, "screen")?;
                 write_screen_page(plan, &screen, &figure, &what, stage)
             })?;
-            let manifest = manifest(plan, &options, &screen, self.threads, [predicted, seconds]);
-            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+            let own = json!({
+                "constraints": sets[options.constraints],
+                "kinds": options.kinds,
+                "up_to": options.up_to,
+                "confirmed_singles": options.confirmed,
+                "mass": options.sizes.mass,
+                "spring": options.sizes.spring,
+                "dashpot": options.sizes.dashpot,
+                "seed": plan.seed,
+                "counts": screen.counts(),
+                "seconds_of_prediction": predicted,
+            });
+            results_folder::write_manifest(folder, plan, self.threads, seconds, own)?;
         }
         if self.json {
             return Ok(format!("{:#}\n", screen.json()));
         }
-        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
-        let place = place.unwrap_or_default();
+        let place = results_folder::place(self.out.as_deref());
         Ok(format!(
             "{}\n\n{}{}\n{seconds:.2} s, {predicted:.2} s of it for the prediction{place}\n",
             printable(&what),
@@ -190,33 +201,4 @@ impl ScreenArgs {
             Sizes::in_proportion()
         ))
     }
-}
-
-/// Enough to make the screening again, and what it took.
-fn manifest(
-    plan: &Plan,
-    options: &ScreenOptions,
-    screen: &Screen,
-    threads: Option<usize>,
-    [predicted, seconds]: [f64; 2],
-) -> Value {
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-        "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
-        "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
-        "study": plan.name,
-        "constraints": plan.labels.constraints[options.constraints],
-        "kinds": options.kinds,
-        "up_to": options.up_to,
-        "confirmed_singles": options.confirmed,
-        "mass": options.sizes.mass,
-        "spring": options.sizes.spring,
-        "dashpot": options.sizes.dashpot,
-        "seed": plan.seed,
-        "counts": screen.counts(),
-        "threads": threads,
-        "seconds_of_prediction": predicted,
-        "seconds": seconds,
-    })
 }

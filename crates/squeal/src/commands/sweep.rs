@@ -5,19 +5,20 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use cea::QrSolver;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::options::{check_threads, threads};
-use super::scene::SceneArgs;
+use super::results_folder;
+use super::scene::{SceneArgs, bare_sign};
+use crate::Error;
 use crate::brakes::{LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
 use crate::report::write_sweep_page;
 use crate::run::{bar, workers};
-use crate::study::{Plan, Study, UncertainBrake};
+use crate::study::{Study, UncertainBrake};
 use crate::sweep::{Found, Over, stability_map, sweep};
-use crate::{Error, fingerprint};
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
@@ -95,7 +96,9 @@ impl SweepArgs {
             })
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        let scene = format!("{}: {}; other parameters at their medians", plan.name, plan.describe(&plan.scenes[0]));
+        let axis = bare_sign(&plan.threshold, "modes that cross the imaginary axis");
+        let scene =
+            format!("{}: {}; other parameters at their medians{axis}", plan.name, plan.describe(&plan.scenes[0]));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| {
@@ -105,34 +108,21 @@ impl SweepArgs {
                 figure.save_pictures(stage, "sweep")?;
                 write_sweep_page(plan, &found, &figure, &scene, stage)
             })?;
-            let manifest = manifest(plan, &named, &found, self.threads, seconds);
-            folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?;
+            let own = json!({
+                "scene": plan.describe(&plan.scenes[0]),
+                "over": named,
+                "parameters": found.parameters(),
+                "evaluations": found.evaluations(),
+                "fine_grid": found.fine_grid(),
+            });
+            results_folder::write_manifest(&folder, plan, self.threads, seconds, own)?;
         }
         if self.json {
             let mut all = found.json();
             all["scene"] = json!(scene);
             return Ok(format!("{all:#}\n"));
         }
-        let place = self.out.as_ref().map(|dir| format!("; results in {}", printable(&dir.display().to_string())));
-        let place = place.unwrap_or_default();
+        let place = results_folder::place(self.out.as_deref());
         Ok(format!("{}\n\n{}{seconds:.2} s{place}\n", printable(&scene), found.text()))
     }
-}
-
-/// Enough to make the sweep again, and what it took.
-fn manifest(plan: &Plan, over: &[String], found: &Found, threads: Option<usize>, seconds: f64) -> Value {
-    json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "commit": option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-        "case": plan.source_file.as_ref().map(|file| file.path.display().to_string()),
-        "case_sha256": plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
-        "study": plan.name,
-        "scene": plan.describe(&plan.scenes[0]),
-        "over": over,
-        "parameters": found.parameters(),
-        "threads": threads,
-        "evaluations": found.evaluations(),
-        "fine_grid": found.fine_grid(),
-        "seconds": seconds,
-    })
 }

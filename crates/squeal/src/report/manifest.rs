@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Results;
 use crate::fingerprint;
-use crate::study::FullChecks;
+use crate::study::{FullChecks, Plan};
 
 /// Wall-clock times of the stages, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -30,9 +30,9 @@ pub struct Stopped {
     pub looks: usize,
 }
 
-/// The manifest of a study.
+/// The program, the case file and the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Manifest {
+pub struct Source {
     /// Version of this program.
     pub version: &'static str,
     /// Commit that it was built from, where git was there to tell.
@@ -43,6 +43,28 @@ pub struct Manifest {
     pub case_sha256: Option<String>,
     /// The study's name.
     pub study: String,
+}
+
+impl Source {
+    /// Of a plan, by this program.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+            case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
+            case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
+            study: plan.name.clone(),
+        }
+    }
+}
+
+/// The manifest of a study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manifest {
+    /// What made the results, and of what.
+    #[serde(flatten)]
+    pub source: Source,
     /// Seed of the random streams.
     pub seed: u64,
     /// Samples drawn.
@@ -95,11 +117,7 @@ impl Manifest {
         let panels = plan.labels.panels.iter().map(|panel| (panel.in_contact, panel.arrangements.len()));
         let sum = |of: fn(&crate::study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();
         Self {
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
-            case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
-            case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
-            study: plan.name.clone(),
+            source: Source::of(plan),
             seed: summary.seed,
             samples: summary.samples,
             threads,

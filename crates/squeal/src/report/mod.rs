@@ -27,7 +27,7 @@ pub use estimates::Estimates;
 pub use html::{Geometry, write_page};
 #[cfg(feature = "program")]
 pub(crate) use html::{write_screen_page, write_sweep_page};
-pub use manifest::{Manifest, Stopped, Times};
+pub use manifest::{Manifest, Source, Stopped, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]
 pub use paper::{Judgement, claims, claims_judged};

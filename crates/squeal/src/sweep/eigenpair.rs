@@ -1,6 +1,6 @@
 //! One eigenvalue with its vectors, found from that of a neighbouring system: no spectrum is needed.
 
-use cea::{CeaError, Workspace, left_vector, right_vector};
+use cea::{CeaError, Eigentriple, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -66,11 +66,10 @@ impl Eigenpair {
         (system.dynamic_stiffness(self.lambda), system.dynamic_stiffness_derivative(self.lambda))
     }
 
-    /// d lambda / d p of `system` from two systems whose parameters are `distance` apart: `-y^H (d Q / d p) x / y^H Q' x`.
+    /// d lambda / d p of `system` from two systems whose parameters are `distance` apart.
     pub fn rate(&self, system: &SecondOrder, [below, above]: [&SecondOrder; 2], distance: f64) -> Complex<f64> {
-        let slope = self.left.dotc(&(system.dynamic_stiffness_derivative(self.lambda) * &self.right));
         let change = above.dynamic_stiffness(self.lambda) - below.dynamic_stiffness(self.lambda);
-        -self.left.dotc(&(change * &self.right)) / (slope * distance)
+        Eigentriple::of_vectors(system, self.lambda, self.right.clone(), self.left.clone()).rate_over(&change, distance)
     }
 
     /// How alike two shapes are: 1 for parallel ones.

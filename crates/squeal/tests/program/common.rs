@@ -1,7 +1,7 @@
 //! A small case, the program, and what every refusal must look like.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Two oscillators, three laws, two constraint sets: a few milliseconds per sample.
@@ -82,6 +82,23 @@ pub fn squeal() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_squeal"));
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
+}
+
+/// Hoffmann's oscillator on a belt.
+pub fn hoffmann() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
+}
+
+/// What a command says of a case.
+pub fn asked(command: &str, case: &Path, options: &[&str]) -> Output {
+    squeal().arg(command).arg(case).args(options).output().unwrap()
+}
+
+/// What a command answers that succeeds without a note.
+pub fn answer(command: &str, case: &Path, options: &[&str]) -> String {
+    let output = asked(command, case, options);
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// Runs the study of `case` in `dir` to its end.

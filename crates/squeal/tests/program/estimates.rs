@@ -1,17 +1,11 @@
 //! `--half-width`: every occurrence by the cheapest estimator, against a closed form, and what is refused.
 
-use std::path::{Path, PathBuf};
-
-use crate::common::{assert_same, refusal, results, run, squeal};
+use crate::common::{assert_same, hoffmann, refusal, results, run, squeal};
 use crate::tables::columns;
 
 /// (1.1 - 0.75375) / (1.1 - 0.5), as the case derives it.
 const EXACT: f64 = 0.346_25 / 0.6;
 const HALF_WIDTH: f64 = 1e-3;
-
-fn hoffmann() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
-}
 
 #[test]
 fn the_closed_form_in_the_mode_that_the_study_names() {

@@ -1,15 +1,11 @@
 //! `squeal influence`, `run --until-half-width` and a threshold on squeal, as a user sees them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, assert_same, refusal, results, run, squeal};
+use crate::common::{SMALL, answer, assert_same, hoffmann, refusal, results, run, squeal};
 use crate::tables::columns;
-
-fn hoffmann() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
-}
 
 fn manifest(dir: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(dir.join("manifest.json")).unwrap()).unwrap()
@@ -127,5 +123,19 @@ fn a_threshold_is_said_wherever_results_are() {
         std::fs::write(&case, format!("{SMALL}\n[squeal]\n{text}\n")).unwrap();
         let out = folder.path().join("out");
         refusal(&squeal().arg("run").arg(&case).arg("--out").arg(&out).output().unwrap(), &parts);
+    }
+}
+
+#[test]
+fn a_sweep_and_one_analysis_say_that_they_do_not_apply_a_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case.toml");
+    let text = std::fs::read_to_string(hoffmann()).unwrap();
+    std::fs::write(&case, format!("{text}\n[squeal]\ndamping_ratio_below = -0.001\n")).unwrap();
+    let note = "the case's threshold, a damping ratio below -0.001, is not applied";
+    for (command, options) in [("cea", &[][..]), ("sweep", &["--over", "mu=0:1"])] {
+        let said = answer(command, &case, options);
+        assert!(said.lines().next().unwrap().ends_with(note), "{said}");
+        assert!(!answer(command, &hoffmann(), options).contains("threshold"));
     }
 }

@@ -112,6 +112,12 @@ fn files_of_other_programs_with_names_of_their_rows() {
     for (found, expected) in found.iter().zip(&expected) {
         assert!((found[1] / expected[1] - 1.0).abs() < 1e-8, "{found:?} {expected:?}");
     }
+    // A rectangle without end, and a diagonal mass: nothing is searched beyond the spectrum, some 4.7 rad/s.
+    let mut command = squeal();
+    command.arg("eig").arg("--mass").arg(fixture("tiny.mas")).arg("--stiffness").arg(fixture("tiny.sti"));
+    let wide = command.args(["--json", "--box=-1:1,1:1e7"]).output().unwrap();
+    let wide: Value = serde_json::from_slice(&wide.stdout).unwrap();
+    assert_eq!(lambdas(&wide).len(), expected.len());
     let swapped =
         squeal().arg("eig").arg("--mass").arg(fixture("tiny.sti")).arg("--stiffness").arg(fixture("tiny.mas")).output();
     refusal(&swapped.unwrap(), &["--mass = ", "tiny.sti", "allowed: a mass matrix", "one of stiffness"]);

@@ -1,11 +1,10 @@
 //! `report.html`: what its data are, whatever a study is called. What a browser makes of it is tested in `tests/browser`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, replaced, results, run, squeal};
+use crate::common::{SMALL, hoffmann, replaced, results, run, squeal};
 
 /// The JSON element of a page: all between its tag and the first end of a script after it, as a browser has it.
 fn data(page: &str) -> Value {
@@ -145,8 +144,7 @@ fn a_page_asks_for_nothing() {
 #[test]
 fn degrees_of_freedom_without_a_place_move_beside_each_other() {
     let folder = tempfile::tempdir().unwrap();
-    let (case, dir) =
-        (Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml"), folder.path().join("out"));
+    let (case, dir) = (hoffmann(), folder.path().join("out"));
     run(&case, &dir, &["--samples", "50"]);
     let data = data(&String::from_utf8(results(&dir)["report.html"].clone()).unwrap());
     let geometry = &data["geometry"];
@@ -158,7 +156,7 @@ fn degrees_of_freedom_without_a_place_move_beside_each_other() {
 #[test]
 fn a_sweep_has_a_page_with_its_tables() {
     let folder = tempfile::tempdir().unwrap();
-    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml");
+    let case = hoffmann();
     let pages = ["1", "2"].map(|threads| {
         let dir = folder.path().join(threads);
         let output = squeal()

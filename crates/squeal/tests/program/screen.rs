@@ -1,26 +1,9 @@
 //! `squeal screen`: its files, its words, and what it refuses.
 
-use std::path::{Path, PathBuf};
-use std::process::Output;
-
 use serde_json::Value;
 
-use crate::common::{SMALL, assert_same, refusal, results, squeal};
+use crate::common::{SMALL, answer, asked, assert_same, hoffmann, refusal, results};
 use crate::tables::columns;
-
-fn hoffmann() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
-}
-
-fn screen(case: &Path, options: &[&str]) -> Output {
-    squeal().arg("screen").arg(case).args(options).output().unwrap()
-}
-
-fn done(case: &Path, options: &[&str]) -> String {
-    let output = screen(case, options);
-    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 #[test]
 fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
@@ -30,7 +13,7 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
     let dir = |threads: &str| folder.path().join(threads);
     // The third run finds the checkpoint of the first and evaluates nothing anew.
     for threads in ["1", "2", "1"] {
-        done(&case, &["--draws", "2", "--threads", threads, "--out", dir(threads).to_str().unwrap()]);
+        answer("screen", &case, &["--draws", "2", "--threads", threads, "--out", dir(threads).to_str().unwrap()]);
     }
     let first = results(&dir("1"));
     let files = [
@@ -66,9 +49,10 @@ fn tables_figure_and_page_are_the_same_bytes_with_any_number_of_threads() {
 #[test]
 fn json_has_what_the_words_say() {
     let options = ["--kinds", "constraint,contact", "--up-to", "1", "--samples", "200"];
-    let words = done(&hoffmann(), &options);
+    let words = answer("screen", &hoffmann(), &options);
     assert!(words.contains("take out contact") && words.contains("belt"), "{words}");
-    let json: Value = serde_json::from_str(&done(&hoffmann(), &[&options[..], &["--json"]].concat())).unwrap();
+    let json: Value =
+        serde_json::from_str(&answer("screen", &hoffmann(), &[&options[..], &["--json"]].concat())).unwrap();
     let sets = json["sets"].as_array().unwrap();
     let of = |kind: &str| sets.iter().find(|set| set["kind"] == kind).unwrap();
     // Held or without friction the oscillator is stable: all there is drops.
@@ -84,9 +68,9 @@ fn a_folder_of_another_screening_stays_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let options = ["--kinds", "contact", "--samples", "20", "--out", out.to_str().unwrap()];
-    done(&hoffmann(), &options);
+    answer("screen", &hoffmann(), &options);
     let before = results(&out);
-    refusal(&screen(&hoffmann(), &[&options[..], &["--up-to", "1"]].concat()), &["screen", "allowed: a new"]);
+    refusal(&asked("screen", &hoffmann(), &[&options[..], &["--up-to", "1"]].concat()), &["screen", "allowed: a new"]);
     assert_same(&before, &results(&out));
 }
 
@@ -108,8 +92,8 @@ fn screenings_that_are_refused() {
         (&["--dashpot", "much"], &["much", "allowed: a number"]),
         (&["--threads", "0"], &["--threads = 0", "1 to 1024"]),
     ] {
-        let line = refusal(&screen(&case, options), expected);
+        let line = refusal(&asked("screen", &case, options), expected);
         println!("{}", line.trim_end());
     }
-    refusal(&screen(&folder.path().join("none.toml"), &[]), &["none.toml"]);
+    refusal(&asked("screen", &folder.path().join("none.toml"), &[]), &["none.toml"]);
 }

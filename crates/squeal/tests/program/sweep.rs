@@ -1,25 +1,8 @@
 //! `squeal sweep`: its files, its words, and what it refuses.
 
-use std::path::{Path, PathBuf};
-use std::process::Output;
-
 use serde_json::Value;
 
-use crate::common::{SMALL, assert_same, refusal, results, squeal};
-
-fn hoffmann() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/hoffmann.toml")
-}
-
-fn sweep(case: &Path, options: &[&str]) -> Output {
-    squeal().arg("sweep").arg(case).args(options).output().unwrap()
-}
-
-fn done(case: &Path, options: &[&str]) -> String {
-    let output = sweep(case, options);
-    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::common::{SMALL, answer, asked, assert_same, hoffmann, refusal, results};
 
 #[test]
 fn tables_and_figures_are_the_same_bytes_with_any_number_of_threads() {
@@ -35,7 +18,7 @@ fn tables_and_figures_are_the_same_bytes_with_any_number_of_threads() {
         let dir = |threads: &str| folder.path().join(format!("{}-{threads}", files[0]));
         for threads in ["1", "2", "1"] {
             let out = dir(threads);
-            done(&case, &[options, &["--threads", threads, "--out", out.to_str().unwrap()]].concat());
+            answer("sweep", &case, &[options, &["--threads", threads, "--out", out.to_str().unwrap()]].concat());
             assert!(out.join("manifest.json").exists());
         }
         let first = results(&dir("1"));
@@ -51,27 +34,33 @@ fn a_folder_of_another_sweep_stays_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let place = out.to_str().unwrap();
-    done(&hoffmann(), &["--over", "mu=0:1", "--out", place]);
+    answer("sweep", &hoffmann(), &["--over", "mu=0:1", "--out", place]);
     let before = results(&out);
-    refusal(&sweep(&hoffmann(), &["--over", "mu=0:2", "--out", place]), &["mu=0:1", "mu=0:2", "allowed: a new"]);
+    refusal(
+        &asked("sweep", &hoffmann(), &["--over", "mu=0:2", "--out", place]),
+        &["mu=0:1", "mu=0:2", "allowed: a new"],
+    );
     let lock = std::fs::File::open(out.join("run.lock")).unwrap();
     lock.try_lock().unwrap();
-    refusal(&sweep(&hoffmann(), &["--over", "mu=0:1", "--out", place]), &["another run", "allowed: another folder"]);
+    refusal(
+        &asked("sweep", &hoffmann(), &["--over", "mu=0:1", "--out", place]),
+        &["another run", "allowed: another folder"],
+    );
     assert_same(&before, &results(&out));
 }
 
 #[test]
 fn json_has_what_the_words_say() {
-    let words = done(&hoffmann(), &["--over", "mu=0:1"]);
+    let words = answer("sweep", &hoffmann(), &["--over", "mu=0:1"]);
     assert!(words.contains("starts to grow") && words.contains("0.75375"), "{words}");
-    let json: Value = serde_json::from_str(&done(&hoffmann(), &["--over", "mu=0:1", "--json"])).unwrap();
+    let json: Value = serde_json::from_str(&answer("sweep", &hoffmann(), &["--over", "mu=0:1", "--json"])).unwrap();
     let onset = &json["onsets"][0];
     assert!((onset["at"].as_f64().unwrap() - 0.75375).abs() < 1e-12, "{onset}");
     assert_eq!((onset["mode"].as_str(), onset["starts"].as_bool()), (Some("2"), Some(true)));
     assert_eq!(json["parameter"]["median"].as_f64(), Some(0.8));
     let disc = hoffmann().with_file_name("wobbling-disc.toml");
     let both = ["--over", "mu=0.1:0.9", "--over", "Omega=5:100", "--json"];
-    let json: Value = serde_json::from_str(&done(&disc, &both)).unwrap();
+    let json: Value = serde_json::from_str(&answer("sweep", &disc, &both)).unwrap();
     assert_eq!(json["boundary"].as_array().unwrap().len(), 1);
     assert_eq!(json["contradicted"].as_u64(), Some(0));
 }
@@ -105,7 +94,7 @@ fn sweeps_that_are_refused() {
         (lattice, &["--over", "mu=0:1", "--threads", "0"], &["--threads = 0", "1 to 1024"]),
         (lattice, &[], &["--over", "required"]),
     ] {
-        let line = refusal(&sweep(case, options), expected);
+        let line = refusal(&asked("sweep", case, options), expected);
         println!("{}", line.trim_end());
     }
 }

@@ -1,7 +1,7 @@
 //! The whole certified spectrum, by dense matrices.
 
+use cea::Workspace;
 use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
-use cea::{Workspace, damping_ratio, frequency_hz};
 use formats::Dof;
 use linsys::SecondOrder;
 use montecarlo::{Bar, Progress};
@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{heading, list, number, row, rows_json, vector_json, vector_rows};
+use super::text::{finite_json, heading, list, number, row, rows_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::input::LARGEST_MATRIX;
 use crate::output::{bytes_in_words, in_words, note};
@@ -75,32 +75,16 @@ fn kind(kind: ClusterKind) -> &'static str {
     }
 }
 
-fn finite_json(e: &CertifiedEigenvalue, vectors: bool) -> String {
-    let l = e.lambda;
-    let mut text = format!(
-        "    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
-         \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{}\"",
-        number(l.re),
-        number(l.im),
-        number(frequency_hz(l)),
-        number(damping_ratio(l)),
-        number(e.backward_error),
-        number(e.condition),
-        number(e.bound),
-        e.verdict
-    );
-    if vectors {
-        text += &format!(", \"right\": [{}], \"left\": [{}]", vector_json(&e.right), vector_json(&e.left));
-    }
-    text + "}"
-}
-
 fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool, labels: Option<&[Dof]>) -> String {
     // A constraint or a massless joint grows nothing: infinite eigenvalues are no threat to stability.
     let infinite = "    {\"kind\": \"infinite\", \"re\": null, \"im\": null, \"frequency_hz\": null, \
                     \"damping_ratio\": null, \"backward_error\": 0, \"condition\": null, \"bound\": null, \
                     \"verdict\": \"stable\"}";
-    let eigenvalues = certified.eigenvalues.iter().map(|e| finite_json(e, vectors));
+    let finite = |e: &CertifiedEigenvalue| {
+        let shapes = if vectors { vectors_json(&e.right, &e.left) } else { String::new() };
+        format!("    {{{}{shapes}}}", finite_json(e.lambda, [e.backward_error, e.condition, e.bound], e.verdict))
+    };
+    let eigenvalues = certified.eigenvalues.iter().map(finite);
     let eigenvalues: Vec<_> = eigenvalues.chain((0..spectrum.infinite).map(|_| infinite.to_owned())).collect();
     let clusters = list(&certified.clusters, |c| {
         format!(

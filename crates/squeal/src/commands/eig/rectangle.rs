@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use cea::{Verdict, damping_ratio, frequency_hz};
+use cea::Verdict;
 use formats::Dof;
 use montecarlo::{Bar, Progress};
 use nalgebra_sparse::CscMatrix;
@@ -10,7 +10,7 @@ use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{heading, list, number, row, rows_json, vector_json, vector_rows};
+use super::text::{finite_json, heading, list, number, row, rows_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::output::{bytes_in_words, in_words, note};
 
@@ -101,25 +101,10 @@ fn verdict(pair: &Eigenpair) -> Verdict {
 
 fn json(found: &Found, rectangle: &Rectangle, vectors: bool, labels: Option<&[Dof]>) -> String {
     let eigenvalue = |pair: &Eigenpair| {
-        let l = pair.lambda;
-        let shapes = if vectors {
-            format!(", \"right\": [{}], \"left\": [{}]", vector_json(&pair.right), vector_json(&pair.left))
-        } else {
-            String::new()
-        };
-        format!(
-            "\n    {{\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
-             \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{}\", \"on_border\": {}{shapes}}}",
-            number(l.re),
-            number(l.im),
-            number(frequency_hz(l)),
-            number(damping_ratio(l)),
-            number(pair.backward_error),
-            number(pair.condition),
-            number(pair.bound()),
-            verdict(pair),
-            pair.on_border
-        )
+        let shapes = if vectors { vectors_json(&pair.right, &pair.left) } else { String::new() };
+        let errors = [pair.backward_error, pair.condition, pair.bound()];
+        let known = finite_json(pair.lambda, errors, verdict(pair));
+        format!("\n    {{{known}, \"on_border\": {}{shapes}}}", pair.on_border)
     };
     let side = |[from, to]: [f64; 2]| format!("[{}, {}]", number(from), number(to));
     let discs = list(&found.discs, |disc| {

@@ -1,6 +1,6 @@
 //! Numbers, vectors and names as both routes write them.
 
-use cea::{damping_ratio, frequency_hz};
+use cea::{Verdict, damping_ratio, frequency_hz};
 use formats::Dof;
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -14,7 +14,27 @@ pub(super) fn list<T>(items: impl IntoIterator<Item = T>, item: impl Fn(T) -> St
     items.into_iter().map(item).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn vector_json(v: &DVector<Complex<f64>>) -> String {
+/// The members of a finite eigenvalue in JSON, as far as both routes have them, without braces.
+pub(super) fn finite_json(l: Complex<f64>, [backward_error, condition, bound]: [f64; 3], verdict: Verdict) -> String {
+    format!(
+        "\"kind\": \"finite\", \"re\": {}, \"im\": {}, \"frequency_hz\": {}, \"damping_ratio\": {}, \
+         \"backward_error\": {}, \"condition\": {}, \"bound\": {}, \"verdict\": \"{verdict}\"",
+        number(l.re),
+        number(l.im),
+        number(frequency_hz(l)),
+        number(damping_ratio(l)),
+        number(backward_error),
+        number(condition),
+        number(bound)
+    )
+}
+
+/// Both vectors in JSON, to follow other members.
+pub(super) fn vectors_json(right: &DVector<Complex<f64>>, left: &DVector<Complex<f64>>) -> String {
+    format!(", \"right\": [{}], \"left\": [{}]", vector_json(right), vector_json(left))
+}
+
+fn vector_json(v: &DVector<Complex<f64>>) -> String {
     list(v.iter(), |z| format!("[{}, {}]", number(z.re), number(z.im)))
 }
 

@@ -6,7 +6,7 @@ use num_complex::Complex;
 use serde_json::{Value, json};
 
 use super::Geometry;
-use super::tables::Table;
+use super::tables::{Table, with_rows};
 use crate::Error;
 use crate::report::Results;
 use crate::report::summary::hertz;
@@ -41,11 +41,7 @@ pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry, dir: &Path) -
         let grouped = table.grouped_json("occurrence.csv", about, key);
         tables.push(grouped.unwrap_or_else(|| table.json("occurrence.csv", about)));
     }
-    for (name, about) in TABLES {
-        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
-            tables.push(table.json(name, about));
-        }
-    }
+    tables.extend(with_rows(dir, &TABLES)?);
     let titles: Vec<&str> = labels.laws.iter().map(|law| law.title.as_str()).collect();
     let speeds: Vec<[&str; 2]> = labels.speeds.iter().map(|speed| [&*speed.name, &*speed.description]).collect();
     Ok(json!({

@@ -54,7 +54,10 @@ pub(super) fn of_study(results: &Results<'_>) -> String {
     if !plan.threshold.is_axis() {
         facts.insert(0, ("Counts as unstable", format!("a mode with {}", plan.threshold)));
     }
-    assumptions() + &described(&facts) + &program() + &case(plan.source_file.as_ref(), manifest.case_sha256.as_deref())
+    assumptions()
+        + &described(&facts)
+        + &program()
+        + &case(plan.source_file.as_ref(), manifest.source.case_sha256.as_deref())
 }
 
 fn assumptions() -> String {

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::FILE;
 use super::facts::{case, described, program};
 use super::page::Page;
-use super::tables::Table;
+use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
 use crate::screen::{Screen, ScreenedSet};
@@ -34,12 +34,7 @@ pub(crate) fn write_screen_page(
     title: &str,
     dir: &Path,
 ) -> Result<(), Error> {
-    let mut tables = Vec::new();
-    for (name, about) in TABLES {
-        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
-            tables.push(table.json(name, about));
-        }
-    }
+    let tables = with_rows(dir, &TABLES)?;
     let counts = [
         ("Sets of changes predicted", screen.predicted_sets.to_string()),
         ("Spectra for each of them", screen.analyses_per_set.to_string()),

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::FILE;
 use super::facts::{case, described, program};
 use super::page::Page;
-use super::tables::Table;
+use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
 use crate::study::Plan;
@@ -34,12 +34,7 @@ pub(crate) fn write_sweep_page(
     scene: &str,
     dir: &Path,
 ) -> Result<(), Error> {
-    let mut tables = Vec::new();
-    for (name, about) in TABLES {
-        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
-            tables.push(table.json(name, about));
-        }
-    }
+    let tables = with_rows(dir, &TABLES)?;
     let names: Vec<&str> = found.parameters().iter().map(|parameter| parameter.name.as_str()).collect();
     let what = match found {
         Found::Branches(_) => "root locus",

@@ -1,5 +1,9 @@
 // Tables: rows that can be sorted, searched and saved as the CSV file that they came from.
 const ROWS_SHOWN = 50;
+// On paper all rows that are chosen, up to some forty pages, a longer table says that it is cut, and of numbers so many digits: those
+// of the file have no place there.
+const ROWS_PRINTED = 2000;
+const DIGITS_PRINTED = 5;
 
 // The rows of a table; neighbours that are alike are stored once.
 const rowsOf = table => {
@@ -54,15 +58,17 @@ const makeSortable = table => {
 
 const startTables = () => {
   const [choice, filter, shown] = [byId('table-choice'), byId('table-filter'), byId('table')];
-  let [table, rows, first] = [data.tables[0], [], 0];
+  let [table, rows, first, most] = [data.tables[0], [], 0, ROWS_SHOWN];
   fill(choice, data.tables.map((one, i) => [i, one.name]));
 
   const show = () => {
-    const page = rows.slice(first, first + ROWS_SHOWN);
-    const cell = text => make('td', isNumber(text) ? { class: 'number' } : {}, text);
+    const page = rows.slice(first, first + most);
+    const number = text => (most === ROWS_PRINTED ? String(Number(Number(text).toPrecision(DIGITS_PRINTED))) : text);
+    const cell = text => (isNumber(text) ? make('td', { class: 'number' }, number(text)) : make('td', {}, text));
     shown.tBodies[0].replaceChildren(...page.map(row => make('tr', {}, ...row.map(cell))));
     const last = first + page.length;
-    byId('table-rows').textContent = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
+    const where = rows.length ? `Rows ${first + 1} to ${last} of ${rows.length}` : 'No row';
+    byId('table-rows').textContent = most === ROWS_PRINTED ? `${where}; ${table.name} has all digits` : where;
     byId('table-back').disabled = first === 0;
     byId('table-on').disabled = last >= rows.length;
   };
@@ -97,5 +103,14 @@ const startTables = () => {
   byId('table-save').addEventListener('click', () => save(table.name, csvOf(table)));
   byId('table-back').addEventListener('click', () => { first -= ROWS_SHOWN; show(); });
   byId('table-on').addEventListener('click', () => { first += ROWS_SHOWN; show(); });
+  let kept = 0;
+  window.addEventListener('beforeprint', () => {
+    [kept, first, most] = [first, 0, ROWS_PRINTED];
+    show();
+  });
+  window.addEventListener('afterprint', () => {
+    [first, most] = [kept, ROWS_SHOWN];
+    show();
+  });
   begin();
 };

@@ -7,6 +7,20 @@ use serde_json::{Value, json};
 
 use crate::Error;
 
+/// Those tables of a folder that have rows, for the page; each by its name, with what it is about.
+///
+/// # Errors
+/// A table that cannot be read.
+pub(super) fn with_rows(dir: &Path, tables: &[(&str, &str)]) -> Result<Vec<Value>, Error> {
+    let mut found = Vec::new();
+    for (name, about) in tables {
+        if let Some(table) = Table::read(dir, name)?.filter(|table| !table.rows.is_empty()) {
+            found.push(table.json(name, about));
+        }
+    }
+    Ok(found)
+}
+
 /// A table as it stands in a file: header, then rows.
 pub(super) struct Table {
     pub header: Vec<String>,

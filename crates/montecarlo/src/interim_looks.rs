@@ -9,7 +9,7 @@ const LOOKS: [(f64, f64); 5] = [(0.0625, 0.002), (0.125, 0.003), (0.25, 0.005), 
 
 /// A number of samples at which a run may stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Look {
+pub struct InterimLook {
     /// Samples.
     pub samples: u64,
     /// The level of the intervals that have to be narrow enough here.
@@ -24,14 +24,14 @@ pub struct Look {
 /// width, whichever look that was. At the last one this is so for any proportion, as far as all samples were solved.
 ///
 /// ```
-/// let looks = montecarlo::looks(0.01);
+/// let looks = montecarlo::interim_looks(0.01);
 /// assert_eq!((looks[0].samples, looks.last().unwrap().samples), (737, 11_778));
 /// ```
 #[must_use]
-pub fn looks(half_width: f64) -> Vec<Look> {
+pub fn interim_looks(half_width: f64) -> Vec<InterimLook> {
     let look = |(part, tail): (f64, f64)| {
         let confidence = Confidence::new(1.0 - tail).unwrap_or(Confidence::P95);
-        Look { samples: (part * last_samples(half_width)).ceil() as u64, confidence }
+        InterimLook { samples: (part * last_samples(half_width)).ceil() as u64, confidence }
     };
     LOOKS.map(look).to_vec()
 }
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn the_last_look_is_narrow_enough_whatever_is_counted() {
         for half_width in [0.25, 0.1, 0.03, 0.011] {
-            let last = looks(half_width)[4];
+            let last = interim_looks(half_width)[4];
             let of = |hits| distance(&Proportion::of_counts(hits, 0, last.samples), last.confidence);
             let widest = (0..=last.samples).map(of).fold(0.0, f64::max);
             assert!(widest <= half_width && widest > 0.85 * half_width, "{half_width}: {widest}");
@@ -73,7 +73,7 @@ mod tests {
 
     /// The probability that the estimate is within the half width of the truth when the run stops, exactly: the distribution of the hits of the
     /// runs that are still going, look by look.
-    fn probability_to_be_right(p: f64, half_width: f64, looks: &[Look]) -> f64 {
+    fn probability_to_be_right(p: f64, half_width: f64, looks: &[InterimLook]) -> f64 {
         let mut going = vec![1.0];
         let (mut samples, mut right) = (0_u64, 0.0);
         for (at, look) in looks.iter().enumerate() {
@@ -100,13 +100,13 @@ mod tests {
     #[test]
     fn the_estimate_is_within_the_half_width_as_often_as_promised() {
         let half_width = 0.05;
-        let ours = looks(half_width);
+        let ours = interim_looks(half_width);
         // The same looks with intervals of 95 % at each, and as many samples at the last as these need.
         let z = Confidence::P95.z();
-        let naive: Vec<Look> = LOOKS
+        let naive: Vec<InterimLook> = LOOKS
             .iter()
             .map(|(part, _)| ((part * ((0.5 * z / half_width).powi(2) + z * z)).ceil() as u64, Confidence::P95))
-            .map(|(samples, confidence)| Look { samples, confidence })
+            .map(|(samples, confidence)| InterimLook { samples, confidence })
             .collect();
         let probabilities = (0..=50).map(|k| f64::from(k) * 0.01).chain([0.002, 0.005, 0.025, 0.035]);
         let mut least = [1.0_f64; 2];

@@ -1,0 +1,37 @@
+//! What commands that leave results in a folder say alike: where these come from, and where they are.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::Error;
+use crate::folder::RunFolder;
+use crate::output::printable;
+use crate::report::Source;
+use crate::study::Plan;
+
+/// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds: enough
+/// to make its results again.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write_manifest(
+    folder: &RunFolder,
+    plan: &Plan,
+    threads: Option<usize>,
+    seconds: f64,
+    own: Value,
+) -> Result<(), Error> {
+    let mut manifest = json!(Source::of(plan));
+    manifest["threads"] = json!(threads);
+    manifest["seconds"] = json!(seconds);
+    if let (Value::Object(all), Value::Object(own)) = (&mut manifest, own) {
+        all.extend(own);
+    }
+    folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())
+}
+
+/// Where the results are, to end a line with; nothing where there is no folder.
+pub(super) fn place(dir: Option<&Path>) -> String {
+    dir.map_or_else(String::new, |dir| format!("; results in {}", printable(&dir.display().to_string())))
+}
