@@ -17,8 +17,7 @@ fn folder() -> PathBuf {
 /// The case with all patches in contact, one set of constraints, mu = 0.5 at its median, and modes up to 10 kHz.
 fn nine_in_contact() -> FiniteElementCase {
     let text = std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap();
-    let text =
-        text.replace("in_contact = [9, 8, 7, 6]", "in_contact = [9]").replace("[500.0, 8000.0]", "[500.0, 10000.0]");
+    let text = text.replace("in_contact = [9, 8]", "in_contact = [9]").replace("[500.0, 8000.0]", "[500.0, 10000.0]");
     let text = text.replace("residual = 1e-8", "residual = 1e-8\ntraining = 3").replace(", \"lugre\"]", "]");
     let held = text.find("[[constraints]]\nname = \"ends").unwrap();
     let text = format!("{}{}", &text[..held], &text[text.find("[[speeds]]").unwrap()..]);

@@ -59,13 +59,10 @@ pub fn within(
     options: &Options,
 ) -> Result<Within, SparseError> {
     let norms = Norms::new(system);
-    let middle = Complex::new(0.0, 0.5 * (wanted.rectangle.im[0] + wanted.rectangle.im[1]));
-    let point = |at: &OperatingPoint| {
-        let system = reduced.assemble(at)?;
-        Ok(Point { at: at.clone(), middle: system.dynamic_stiffness(middle), system, norms: norms.at(at) })
-    };
-    let points = wanted.points.iter().chain(wanted.training).map(point).collect::<Result<Vec<_>, SparseError>>()?;
+    wanted.points.iter().chain(wanted.training).try_for_each(|at| reduced.check(at))?;
+    let points = wanted.points.iter().chain(wanted.training).map(|at| Point { at, norms: norms.at(at) }).collect();
     let mut search = Search {
+        reduced,
         wanted,
         options,
         points,
@@ -92,7 +89,10 @@ pub fn within(
             search.improve(&small, &basis, at)?;
             passed = 0;
         } else {
-            let Some(at) = search.farthest().filter(|_| quiet < options.probes) else { break };
+            if quiet >= options.probes {
+                break;
+            }
+            let Some(at) = search.farthest()? else { break };
             if search.probe(&small, at)? {
                 quiet += 1;
                 continue;
@@ -104,7 +104,7 @@ pub fn within(
     }
     let is_reached = passed == training.len() && !search.is_exhausted(&basis);
     let solved = search.known.iter().filter(|known| known.is_complete());
-    let solved = solved.map(|known| search.points[known.point].at.clone()).collect();
+    let solved = solved.map(|known| (*search.points[known.point].at).clone()).collect();
     Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
 }
 
@@ -140,19 +140,18 @@ pub fn compared(of: &[Complex<f64>], mut others: Vec<Complex<f64>>) -> Compared 
     Compared { left: others, ..found }
 }
 
-/// The larger system at one point.
-struct Point {
-    at: OperatingPoint,
-    system: SecondOrder,
+/// A point, with the norms of the full system there.
+struct Point<'a> {
+    at: &'a OperatingPoint,
     norms: NormsAt,
-    /// Q in the middle of the band.
-    middle: DMatrix<Complex<f64>>,
 }
 
 /// Modes of the larger system in and next to the rectangle at a point.
 struct Known {
     /// Its place.
     point: usize,
+    /// The larger system there.
+    system: SecondOrder,
     lambdas: Vec<Complex<f64>>,
     /// Of unit length, split, k x 2 p.
     shapes: DMatrix<f64>,
@@ -167,10 +166,11 @@ impl Known {
 }
 
 struct Search<'a> {
+    reduced: &'a AffineSystem,
     wanted: &'a Wanted<'a>,
     options: &'a Options,
     /// The given points, then the training points.
-    points: Vec<Point>,
+    points: Vec<Point<'a>>,
     known: Vec<Known>,
     missed: Vec<Complex<f64>>,
     first: Vec<Complex<f64>>,
@@ -191,9 +191,10 @@ impl Search<'_> {
 
     /// Finds all modes of the larger system at a point.
     fn solve(&mut self, point: usize) -> Result<(), SparseError> {
-        let (lambdas, shapes) = self.modes(&self.points[point].system)?;
+        let system = self.reduced.assemble(self.points[point].at)?;
+        let (lambdas, shapes) = self.modes(&system)?;
         self.known.retain(|known| known.point != point);
-        self.known.push(Known { point, lambdas, shapes, corrections: 0 });
+        self.known.push(Known { point, system, lambdas, shapes, corrections: 0 });
         Ok(())
     }
 
@@ -208,17 +209,17 @@ impl Search<'_> {
         }
         if self.inverses.is_empty() {
             let [from, to] = self.wanted.rectangle.im;
-            let step = (to - from) / INVERSES as f64;
+            let (step, first) = ((to - from) / INVERSES as f64, self.reduced.assemble(self.points[0].at)?);
             for at in 0..INVERSES {
                 let omega = from + (at as f64 + 0.5) * step;
-                let q = self.points[0].system.dynamic_stiffness(Complex::new(0.0, omega));
+                let q = first.dynamic_stiffness(Complex::new(0.0, omega));
                 self.inverses.push((omega, dense::Factored::new(&q)));
             }
         }
-        let Point { at, system, .. } = &self.points[point];
-        let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
+        let at = self.points[point].at;
+        let (system, (lambdas, shapes)) = (self.reduced.assemble(at)?, self.modes(&small.assemble(at)?)?);
         let mut shapes = basis * shapes;
-        let residual = reduced_residual(system, &lambdas, &shapes);
+        let residual = reduced_residual(&system, &lambdas, &shapes);
         for (at, lambda) in lambdas.iter().enumerate() {
             let distance = |(omega, _): &&(f64, dense::Factored)| (lambda.im - omega).abs();
             let Some((_, inverse)) = self.inverses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
@@ -227,7 +228,7 @@ impl Search<'_> {
             let better = split::vector(&shapes, at) - inverse.solve(&split::vector(&residual, at))?;
             split::set(&mut shapes, at, better.normalize().iter().copied());
         }
-        let known = Known { point, lambdas, shapes, corrections };
+        let known = Known { point, system, lambdas, shapes, corrections };
         match before {
             Some(at) => self.known[at] = known,
             None => self.known.push(known),
@@ -238,7 +239,7 @@ impl Search<'_> {
     /// Finds all modes of the larger system at a point whose residuals are small; those that the smaller system does not have are missed
     /// ones. Whether there is none.
     fn probe(&mut self, small: &AffineSystem, point: usize) -> Result<bool, SparseError> {
-        let (held, _) = self.modes(&small.assemble(&self.points[point].at)?)?;
+        let (held, _) = self.modes(&small.assemble(self.points[point].at)?)?;
         self.solve(point)?;
         let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
@@ -283,35 +284,43 @@ impl Search<'_> {
         let transposed = basis.transpose();
         let of_point = |known: &Known| {
             let missing = &known.shapes - basis * (&transposed * &known.shapes);
-            let Point { system, norms, .. } = &self.points[known.point];
-            let residual = reduced_residual(system, &known.lambdas, &missing);
-            largest_residual(norms, &known.lambdas, &residual, &known.shapes)
+            let residual = reduced_residual(&known.system, &known.lambdas, &missing);
+            largest_residual(&self.points[known.point].norms, &known.lambdas, &residual, &known.shapes)
         };
         self.known.iter().map(of_point).fold(0.0, f64::max)
     }
 
     /// The largest residual, in the larger system, of a mode of the smaller one in the rectangle.
     fn residual(&self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<f64, SparseError> {
-        let Point { at, system, norms, .. } = &self.points[point];
+        let Point { at, norms } = &self.points[point];
         let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
         let is_wanted = |at: &usize| self.wanted.rectangle.contains(lambdas[*at], 0.0);
         let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
         let (lambdas, shapes): (Vec<_>, _) =
             (wanted.iter().map(|&at| lambdas[at]).collect(), basis * split::selected(&shapes, &wanted));
-        let residual = reduced_residual(system, &lambdas, &shapes);
+        let residual = reduced_residual(&self.reduced.assemble(at)?, &lambdas, &shapes);
         Ok(largest_residual(norms, &lambdas, &residual, &shapes))
     }
 
-    /// The point whose Q differs most from those at which all modes were found; `None` where they were at every point.
-    fn farthest(&self) -> Option<usize> {
-        let complete = || self.known.iter().filter(|known| known.is_complete()).map(|known| &self.points[known.point]);
-        let is_open = |&at: &usize| !self.known.iter().any(|known| known.point == at && known.is_complete());
-        let distance = |at: usize| {
-            let from = |other: &Point| (&other.middle - &self.points[at].middle).norm();
-            (complete().map(from).fold(f64::INFINITY, f64::min), at)
-        };
-        let distances = (0..self.points.len()).filter(is_open).map(distance);
-        distances.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
+    /// The point whose Q, in the middle of the band, differs most from those at which all modes were found; `None` where they were at
+    /// every point.
+    fn farthest(&self) -> Result<Option<usize>, SparseError> {
+        let [from, to] = self.wanted.rectangle.im;
+        let q = |system: &SecondOrder| system.dynamic_stiffness(Complex::new(0.0, 0.5 * (from + to)));
+        let complete = || self.known.iter().filter(|known| known.is_complete());
+        let known: Vec<_> = complete().map(|known| q(&known.system)).collect();
+        let mut farthest: Option<(f64, usize)> = None;
+        for (place, point) in self.points.iter().enumerate() {
+            if complete().any(|known| known.point == place) {
+                continue;
+            }
+            let here = q(&self.reduced.assemble(point.at)?);
+            let distance = known.iter().map(|other| (other - &here).norm()).fold(f64::INFINITY, f64::min);
+            if farthest.is_none_or(|(largest, _)| distance > largest) {
+                farthest = Some((distance, place));
+            }
+        }
+        Ok(farthest.map(|(_, place)| place))
     }
 }
 
