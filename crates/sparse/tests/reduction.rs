@@ -293,8 +293,9 @@ fn a_smaller_basis_within_holds_one_arrangement_with_the_residual_asked_for() {
     let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-11, most_columns: 200 };
     let responses = response_basis(&system, &[contact(1.0, 0.0, 0.0, 0.0)], &goal).unwrap();
     let reduced = system.project(&responses.basis).unwrap();
-    let draw =
-        |at: usize| contact(0.0, 0.1 * (at % 7) as f64, -0.2 * (at % 5) as f64, if at % 3 == 0 { -1.0 } else { 0.0 });
+    let draw = |at: usize| {
+        contact(0.0, 0.1 * (at % 7) as f64, -0.2 * (at % 5) as f64, if at.is_multiple_of(3) { -1.0 } else { 0.0 })
+    };
     let (points, training): (_, Vec<_>) = ([contact(0.0, 0.3, 0.0, 0.0)], (0..12).map(draw).collect());
     let wanted = Wanted { rectangle: RECTANGLE, points: &points, training: &training };
     let found = within(&system, &reduced, &wanted, &Options::default()).unwrap();

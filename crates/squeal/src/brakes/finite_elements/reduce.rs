@@ -82,6 +82,9 @@ pub(super) struct AllBases {
 /// Closed patches, from 0.
 type Closed = Vec<usize>;
 
+/// A law with the place of its range of speed, where it has one; `None` without a contact.
+type State = Option<(Law, Option<usize>)>;
+
 /// What a part is to hold.
 struct Asked {
     set: usize,
@@ -218,7 +221,7 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Par
 
 /// Draws, each in one arrangement, law and range of speed after another: `count`, or one for each of these where they are more.
 fn training(case: &FiniteElementCase, arrangements: &[Closed], count: u64) -> Result<Vec<OperatingPoint>, Error> {
-    let states: Vec<Option<(Law, Option<usize>)>> = match &case.contact {
+    let states: Vec<State> = match &case.contact {
         None => vec![None],
         Some(contact) => {
             let of_law = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| Some((law, range)));
@@ -228,7 +231,7 @@ fn training(case: &FiniteElementCase, arrangements: &[Closed], count: u64) -> Re
     let scenes: Vec<_> =
         arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
     let count = count.max(scenes.len() as u64);
-    let point = |(index, &(closed, state)): (u64, &(&Closed, Option<(Law, Option<usize>)>))| {
+    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
         let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
         let at = case.contact.as_ref().zip(state);
