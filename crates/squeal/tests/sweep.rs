@@ -8,17 +8,18 @@ use std::path::Path;
 use cea::{EigenSolver, QrSolver, Workspace};
 use montecarlo::Distribution;
 use squeal::Error;
-use squeal::brakes::{LatticeBrake, MatricesBrake};
-use squeal::case::{CaseFile, LatticeCase, Law, MatricesCase};
+use squeal::brakes::MatricesBrake;
+use squeal::case::{CaseFile, Law, MatricesCase};
 use squeal::study::{Study, UncertainBrake};
 use squeal::sweep::{CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
+#[path = "common/cases.rs"]
+mod cases;
+
+use cases::{cases, paper};
+
 fn over(name: &str, from: f64, to: f64) -> Over {
     Over { name: name.into(), from, to }
-}
-
-fn cases(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
 }
 
 fn matrices(path: &Path) -> MatricesCase {
@@ -40,16 +41,6 @@ fn swept<B: UncertainBrake>(brake: &B, asked: &Over) -> Sweep {
 
 fn mapped<B: UncertainBrake>(brake: &B, asked: &[Over; 2]) -> StabilityMap {
     stability_map(&Study::new(brake, &QrSolver).unwrap(), 0, asked, &QrSolver, &()).unwrap()
-}
-
-/// The paper's lattice with every oscillator in contact, under one law.
-fn paper(law: Law) -> LatticeBrake {
-    let mut case = LatticeCase::read(&cases("paper.toml")).unwrap();
-    case.laws = vec![law];
-    case.constraints.truncate(1);
-    case.panels.truncate(1);
-    case.speeds.truncate(1);
-    LatticeBrake::new(case).unwrap()
 }
 
 /// Hoffmann's oscillator with its equal dashpots c as a second parameter, and friction as an expression in p.
@@ -219,4 +210,26 @@ fn medians_give_the_median_system_and_laws_have_their_own_parameters() {
         assert_eq!(names.contains(&"sigma0"), law == Law::LuGre, "{law}: {names:?}");
         assert!(!names.contains(&"x_stiffness"), "its springs differ: {names:?}");
     }
+}
+
+/// Friction the other way round: det K = 4 - 1 - 4 mu / 3 vanishes at 2.25, where a real eigenvalue becomes positive.
+#[test]
+fn a_divergence_is_an_onset_at_zero_hertz() {
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let turned = text.replace("{ y = 1.3333333333333333 }", "{ y = -1.3333333333333333 }");
+    assert_ne!(text, turned);
+    let brake =
+        |text: &str| MatricesBrake::new(MatricesCase::parse(&cases("hoffmann.toml"), text.into()).unwrap()).unwrap();
+    let found = swept(&brake(&turned), &over("mu", 0.5, 3.0));
+    let [onset] = &found.onsets[..] else { panic!("{:?}", found.onsets) };
+    assert!((onset.at - 2.25).abs() <= onset.error && onset.error < 1e-13, "{onset:?}");
+    assert_eq!((onset.mode.as_str(), onset.omega, onset.starts), ("divergence", 0.0, true));
+    assert!(!found.diverges_at_start);
+    let beyond = swept(&brake(&turned), &over("mu", 2.5, 3.0));
+    assert!(beyond.diverges_at_start && beyond.onsets.is_empty());
+    // With friction that falls it ends.
+    let text = turned.replace("mu = \"mu\"", "mu = \"3 - mu\"");
+    let found = swept(&brake(&text), &over("mu", 0.0, 2.0));
+    assert!(found.diverges_at_start && found.onsets.len() == 1);
+    assert!((found.onsets[0].at - 0.75).abs() <= found.onsets[0].error && !found.onsets[0].starts);
 }

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
 
 use cea::{EigenSolver, Eigentriple, QrSolver, Workspace};
 use linsys::{OperatingPoint, SecondOrder};
@@ -14,19 +13,10 @@ use squeal::run_study;
 use squeal::study::UncertainBrake;
 use squeal::why::{Explainer, Influence, InfluenceKind, Why};
 
-fn cases(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name)
-}
+#[path = "common/cases.rs"]
+mod cases;
 
-/// The paper's lattice with every oscillator in contact, under one law.
-fn paper(law: Law) -> LatticeBrake {
-    let mut case = LatticeCase::read(&cases("paper.toml")).unwrap();
-    case.laws = vec![law];
-    case.constraints.truncate(1);
-    case.panels.truncate(1);
-    case.speeds.truncate(1);
-    LatticeBrake::new(case).unwrap()
-}
+use cases::{cases, paper};
 
 /// Hoffmann's oscillator with another median of mu.
 fn hoffmann(mu: f64) -> MatricesCase {

@@ -96,6 +96,9 @@ impl Found {
                 "contradicted": map.contradicted.len(),
             }),
         };
+        if matches!(self, Self::Branches(sweep) if sweep.diverges_at_start) {
+            all["diverges_at_start"] = json!(true);
+        }
         all["counts"] = counts;
         all
     }
@@ -161,6 +164,9 @@ fn count(number: usize, one: &str, more: &str) -> String {
 fn branch_text(sweep: &Sweep) -> String {
     let SweptParameter { name, from, .. } = &sweep.parameter;
     let mut text = format!("{} unstable at {name} = {from}\n", count(sweep.unstable_at_start, "mode", "modes"));
+    if sweep.diverges_at_start {
+        text += &format!("divergence at {name} = {from}: a real eigenvalue is above zero\n");
+    }
     if !sweep.onsets.is_empty() {
         text += &format!("\n{name:>22}  {:>8}  {:>8}  {:>12}\n", "error", "mode", "Hz");
     }

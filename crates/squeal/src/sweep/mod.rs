@@ -2,7 +2,7 @@
 //!
 //! | over | gives |
 //! | --- | --- |
-//! | one parameter | [`sweep`]: branches with the names of their modes, onsets to full accuracy, coalescences |
+//! | one parameter | [`sweep`]: branches with the names of their modes, onsets to full accuracy, of divergence too, coalescences |
 //! | two | [`stability_map`]: the curves on which a mode is neither growing nor decaying, followed and not sampled, and how many modes are unstable between them |
 //!
 //! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
@@ -10,6 +10,7 @@
 
 mod boundary;
 mod coalescence;
+mod divergence;
 mod eigenpair;
 mod family;
 mod found;

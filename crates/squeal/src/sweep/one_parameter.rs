@@ -8,6 +8,7 @@ use serde::Serialize;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
+use super::divergence::divergences;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
 use super::parameter::{Over, SweptParameter};
@@ -15,7 +16,7 @@ use crate::Error;
 use crate::study::{Reference, Study, UncertainBrake};
 
 /// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
-const SAME: f64 = 1e-6;
+const SAME_ONSET: f64 = 1e-6;
 
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,18 +27,18 @@ pub struct NamedBranch {
     pub points: Vec<(f64, BranchPoint)>,
 }
 
-/// An onset with the mode that crosses the axis.
+/// An onset with the mode that crosses the axis, or of divergence, where a real eigenvalue crosses zero.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepOnset {
     /// The parameter.
     pub at: f64,
     /// Bound of the error of `at` by rounding.
     pub error: f64,
-    /// Im lambda, rad/s.
+    /// Im lambda, rad/s; 0 of a divergence.
     pub omega: f64,
     /// Whether the mode starts to grow where the parameter grows, or stops.
     pub starts: bool,
-    /// Candidates for the name of the mode.
+    /// Candidates for the name of the mode, or `divergence`.
     pub mode: String,
 }
 
@@ -58,6 +59,8 @@ pub struct Sweep {
     pub coalescences: Vec<Coalescence>,
     /// Unstable modes at the lower end.
     pub unstable_at_start: usize,
+    /// Whether real eigenvalues are above zero there, as far as the sign of det K tells.
+    pub diverges_at_start: bool,
     /// What was computed.
     pub evaluations: Evaluations,
     /// The shortest step of a branch, as a part of the range.
@@ -110,6 +113,7 @@ impl Sweep {
             unresolved: Vec::new(),
             coalescences: Vec::new(),
             unstable_at_start: 0,
+            diverges_at_start: false,
             evaluations: Evaluations::default(),
             fine_grid: 0,
         }
@@ -129,6 +133,7 @@ impl Sweep {
         self.unresolved.extend(other.unresolved);
         self.coalescences.extend(other.coalescences);
         self.unstable_at_start += other.unstable_at_start;
+        self.diverges_at_start |= other.diverges_at_start;
         self.evaluations += other.evaluations;
         self.shortest_step = self.shortest_step.min(other.shortest_step);
         self
@@ -158,7 +163,8 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         starts: onset.destabilises,
         mode: in_words(&names_of_onset(&locus, &names, &onset)),
     };
-    let onsets = onsets.into_iter().map(onset).collect();
+    let divergences = divergences(part, parameter, &places)?;
+    let onsets = onsets.into_iter().map(onset).chain(divergences.onsets).collect();
     let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
@@ -173,6 +179,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start,
+        diverges_at_start: divergences.at_start,
         evaluations: Evaluations::of(branches.counters()),
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone())
@@ -274,7 +281,7 @@ fn coalescences<B: Branches<Error = Error>>(
         let Some(branch_point) = settle(branches, &candidate)? else { continue };
         let (at, lambda) = (branch_point.at, branch_point.lambda);
         let same = |other: &(Coalescence, Complex<f64>)| {
-            (other.1 - at).norm() <= SAME && (other.0.omega - lambda.im).abs() <= SAME * lambda.im.abs()
+            (other.1 - at).norm() <= SAME_ONSET && (other.0.omega - lambda.im).abs() <= SAME_ONSET * lambda.im.abs()
         };
         if found.iter().any(same) {
             continue;
