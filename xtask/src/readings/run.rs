@@ -111,7 +111,6 @@ fn rows(family: &Family, stage: Stage) -> Result<Vec<Row>, Error> {
 mod tests {
     use super::*;
     use crate::readings::product::{AXES, Combination, product, read_tables};
-    use crate::readings::thin::thin;
 
     /// Cases of the paper with some numbers in contact: all answers to some questions, the case's own to the others.
     fn cases(questions: &[&str], in_contact: [usize; 2]) -> Vec<LatticeCase> {
@@ -123,7 +122,6 @@ mod tests {
             let mut case = combination.case(&path, &tables).unwrap();
             case.samples = 6;
             case.panels.retain(|(number, _)| in_contact.contains(number));
-            thin(&mut case).unwrap();
             case
         };
         product().iter().filter(is_meant).map(case).collect()
