@@ -251,11 +251,9 @@ impl AffineSystem {
     }
 
     fn add_structure(&self, coefficients: &[f64], out: &mut SecondOrder) {
-        for (term, &coefficient) in self.terms.iter().zip(coefficients) {
-            let SecondOrder { m, c, k, .. } = term.matrices();
-            add_scaled(&mut out.m, m, coefficient);
-            add_scaled(&mut out.c, c, coefficient);
-            add_scaled(&mut out.k, k, coefficient);
+        for (term, &coefficient) in self.terms.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0)
+        {
+            term.add(coefficient, out);
         }
     }
 

@@ -14,12 +14,25 @@ pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVecto
     if rows == 0 {
         return product;
     }
+    // The vectors of real eigenvalues: half of the work, to the same bits.
+    if x.iter().all(|value| value.im == 0.0) {
+        return real_times_real(a, x).map(Complex::from);
+    }
     for (j, (column, &value)) in a.as_slice().chunks_exact(rows).zip(x).enumerate() {
         let (above, below) = column.split_at(j.min(rows));
         match below.split_first() {
             Some((&diagonal, below)) if is_zero(above) && is_zero(below) => product[j] += value * diagonal,
             _ => product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += value * entry),
         }
+    }
+    product
+}
+
+/// [`real_times_complex`] of a vector without imaginary parts.
+fn real_times_real(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<f64> {
+    let mut product = DVector::zeros(a.nrows());
+    for (column, value) in a.as_slice().chunks_exact(a.nrows()).zip(x).filter(|(_, value)| value.re != 0.0) {
+        product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += value.re * entry);
     }
     product
 }
@@ -37,10 +50,12 @@ mod tests {
     #[test]
     fn diagonal_full_and_rectangular_matrices_give_the_complex_product() {
         let x = DVector::from_fn(4, |i, _| Complex::new(0.3 * i as f64 - 0.4, 1.0 / (i + 1) as f64));
+        let real = x.map(|value| Complex::from(value.re));
         let full = |rows: usize| DMatrix::from_fn(rows, 4, |i, j| (1 + i * i + 3 * j) as f64 / 7.0 - 0.9);
         let diagonal = DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 0.0, -0.5, 1e-9]));
         for a in [full(4), full(2), full(6), diagonal, DMatrix::zeros(0, 4)] {
             assert_eq!(real_times_complex(&a, &x), a.map(Complex::from) * &x);
+            assert_eq!(real_times_complex(&a, &real), a.map(Complex::from) * &real);
         }
     }
 }

@@ -88,6 +88,22 @@ impl SecondOrder {
         }
     }
 
+    /// `V^T Q(lambda) V`: the system on the columns of a real n x k matrix V, k degrees of freedom.
+    ///
+    /// # Errors
+    /// Another number of rows than degrees of freedom, entries that are not finite.
+    pub fn projected(&self, basis: &DMatrix<f64>) -> Result<Self, LinsysError> {
+        let (found, expected) = (basis.nrows(), self.order());
+        if found != expected {
+            return Err(LinsysError::Count { what: "rows of the basis", found, expected });
+        }
+        let transposed = basis.transpose();
+        let onto = |matrix: &DMatrix<f64>| &transposed * (matrix * basis);
+        let Internal { decay, drive, force } = &self.internal;
+        let internal = Internal { decay: decay.clone(), drive: drive * basis, force: &transposed * force };
+        Self::with_internal(onto(&self.m), onto(&self.c), onto(&self.k), internal)
+    }
+
     /// n, the number of degrees of freedom.
     #[must_use]
     pub fn order(&self) -> usize {

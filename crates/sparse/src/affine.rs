@@ -156,9 +156,17 @@ impl SparseAffineSystem {
     }
 }
 
-/// `V^T A V`, exactly symmetric where A is.
+/// `V^T A V`, exactly symmetric where A is. Rows of A that are zero, nearly all of those of a contact, take no part.
 fn projected(matrix: &CscMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
-    let reduced = basis.tr_mul(&times(matrix, basis));
+    let mut is_used = vec![false; matrix.nrows()];
+    matrix.triplet_iter().for_each(|(row, _, _)| is_used[row] = true);
+    let rows: Vec<usize> = (0..is_used.len()).filter(|&row| is_used[row]).collect();
+    let image = times(matrix, basis);
+    // nalgebra's `tr_mul` is not blocked; this product is.
+    let reduced = match rows.len() == matrix.nrows() {
+        true => basis.transpose() * image,
+        false => basis.select_rows(&rows).transpose() * image.select_rows(&rows),
+    };
     if *matrix == matrix.transpose() { (&reduced + reduced.transpose()) * 0.5 } else { reduced }
 }
 

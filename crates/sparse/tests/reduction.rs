@@ -7,7 +7,10 @@ use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
-use sparse::reduction::{Options, Reduced, Reduction, ResidualTally, Route, Vectors, Wanted, real_modes};
+use sparse::reduction::{
+    Options, Reduced, Reduction, ResidualTally, ResponseGoal, Route, Vectors, Wanted, real_modes, response_basis,
+    within,
+};
 use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm, eigenpairs_in};
 
 const ROWS: usize = 12;
@@ -237,4 +240,74 @@ fn what_is_wrong_is_said() {
     assert!(reduced.modes(&OperatingPoint::default()).is_err());
     // Without an anchor the spectrum is taken.
     assert!(matches!(reduced.modes(&draws(1)[0]).unwrap().route, Route::Spectrum(Some(_))));
+}
+
+/// The plate with a spring in its contact, which a coefficient closes or opens.
+fn plate_with_a_spring() -> SparseAffineSystem {
+    let plate = plate();
+    let mut spring = CooMatrix::new(N, N);
+    let reading = &plate.channels()[0].reading;
+    add(&mut spring, reading, reading, 2e-3);
+    let zero = || CscMatrix::zeros(N, N);
+    let matrices = SparseSecondOrder::new(zero(), zero(), CscMatrix::from(&spring)).unwrap();
+    let mut terms = plate.terms().to_vec();
+    terms.push(SparseTerm { name: "spring".into(), family: "spring".into(), matrices });
+    SparseAffineSystem::new(terms, plate.channels().to_vec()).unwrap()
+}
+
+/// The plate at one speed: only friction and the spring of the contact differ.
+fn contact(spring: f64, mu: f64, slope: f64, lag: f64) -> OperatingPoint {
+    let lag = (lag != 0.0).then_some(Lag { decay: 40.0, drive: 3.0, force: lag });
+    OperatingPoint { coefficients: vec![1.0, 1.0, 0.5, 0.5, spring], channels: vec![ChannelGain { mu, slope, lag }] }
+}
+
+#[test]
+fn responses_to_forces_in_the_contact_hold_every_friction_whether_it_is_closed_or_open() {
+    let system = plate_with_a_spring();
+    let large = dense(&system);
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-10, most_columns: 200 };
+    let found = response_basis(&system, &[contact(1.0, 0.0, 0.0, 0.0)], &goal).unwrap();
+    assert!(found.residual <= 1e-10 && found.basis.ncols() < N / 2, "{} {:e}", found.basis.ncols(), found.residual);
+    let reduced = Reduced::new(&system, found.basis.clone(), RECTANGLE, &[], &Options::default()).unwrap();
+    // What friction and the spring do to the modes, from none to more than there ever is.
+    for at in [(0.0, 0.0, 0.0, 0.0), (1.0, 3.0, -2.0, 0.0), (7.0, -2.0, 4.0, -6.0)] {
+        let at = contact(at.0, at.1, at.2, at.3);
+        let (modes, expected) = (reduced.modes_by_spectrum(&at).unwrap(), truth(&large, &at));
+        // Modes that neither force nor reading touch are in no response, and none of them feels the contact.
+        let touched = expected.iter().filter(|&&lambda| distance(lambda, &modes.lambdas) < 1e-6).count();
+        assert_eq!(touched, modes.lambdas.len());
+        assert!(touched + 2 >= expected.len(), "{touched} of {}", expected.len());
+        assert!(modes.largest_residual() < 1e-8, "{:e}", modes.largest_residual());
+    }
+    // What no channel touches is not held.
+    let mut other = contact(1.0, 0.4, 0.0, 0.0);
+    other.coefficients[3] = 2.0;
+    assert!(reduced.modes_by_spectrum(&other).unwrap().largest_residual() > 1e-7);
+    assert!(response_basis(&system, &[], &goal).is_err());
+}
+
+#[test]
+fn a_smaller_basis_within_holds_one_arrangement_with_the_residual_asked_for() {
+    let system = plate_with_a_spring();
+    let large = dense(&system);
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-11, most_columns: 200 };
+    let responses = response_basis(&system, &[contact(1.0, 0.0, 0.0, 0.0)], &goal).unwrap();
+    let reduced = system.project(&responses.basis).unwrap();
+    let draw = |at: usize| {
+        contact(0.0, 0.1 * (at % 7) as f64, -0.2 * (at % 5) as f64, if at.is_multiple_of(3) { -1.0 } else { 0.0 })
+    };
+    let (points, training): (_, Vec<_>) = ([contact(0.0, 0.3, 0.0, 0.0)], (0..12).map(draw).collect());
+    let wanted = Wanted { rectangle: RECTANGLE, points: &points, training: &training };
+    let found = within(&system, &reduced, &wanted, &Options::default()).unwrap();
+    assert!(found.is_reached && found.missed.is_empty(), "{:?}", found.missed);
+    assert!(found.basis.ncols() < responses.basis.ncols(), "{}", found.basis.ncols());
+    assert!(
+        (found.basis.tr_mul(&found.basis) - DMatrix::identity(found.basis.ncols(), found.basis.ncols())).amax() < 1e-12
+    );
+    let small = Reduced::new(&system, &responses.basis * &found.basis, RECTANGLE, &[], &Options::default()).unwrap();
+    for at in 12..15 {
+        let (modes, expected) = (small.modes_by_spectrum(&draw(at)).unwrap(), truth(&large, &draw(at)));
+        assert!(modes.largest_residual() < 2e-8, "{:e}", modes.largest_residual());
+        assert!(modes.lambdas.iter().all(|&lambda| distance(lambda, &expected) < 1e-6));
+    }
 }

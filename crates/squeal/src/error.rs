@@ -80,6 +80,14 @@ pub enum Error {
         /// What is allowed.
         most: f64,
     },
+    /// A brake whose arrangements have bases of their own, where one basis is needed.
+    #[error(
+        "{study}: each arrangement has a basis of its own; what is attached needs one for all of a set of constraints"
+    )]
+    SeveralBases {
+        /// The case file, or the name of the study.
+        study: String,
+    },
     /// An estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<crate::estimators::EstimatorError>),

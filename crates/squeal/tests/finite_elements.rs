@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Complex;
 use squeal::brakes::FiniteElementBrake;
 use squeal::case::{CaseFile, FiniteElementCase};
-use squeal::study::UncertainBrake;
+use squeal::study::{Study, UncertainBrake};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad")
@@ -18,10 +18,27 @@ fn folder() -> PathBuf {
 fn nine_in_contact() -> FiniteElementCase {
     let text = std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap();
     let text = text.replace("in_contact = [9, 8]", "in_contact = [9]").replace("[500.0, 8000.0]", "[500.0, 10000.0]");
-    let text = text.replace("residual = 1e-8", "residual = 1e-8\ntraining = 3");
+    let text = text.replace("residual = 1e-8", "residual = 1e-8\ntraining = 3").replace(", \"lugre\"]", "]");
     let held = text.find("[[constraints]]\nname = \"ends").unwrap();
     let text = format!("{}{}", &text[..held], &text[text.find("[[speeds]]").unwrap()..]);
     match CaseFile::parse(&folder().join("nine.toml"), text).unwrap() {
+        CaseFile::FiniteElements(case) => *case,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The case with all patches in contact and without the first and the last, under two laws.
+fn two_arrangements() -> FiniteElementCase {
+    let text = std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap();
+    let contact = text.lines().find(|line| line.starts_with("in_contact")).unwrap();
+    let text = text.replace(contact, "arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [2, 3, 4, 5, 6, 7, 8]]");
+    let full_checks = text.lines().find(|line| line.starts_with("full_checks")).unwrap();
+    let text = text.replace(full_checks, "training = 6\nfull_checks = 4");
+    let laws = text.lines().find(|line| line.starts_with("laws")).unwrap();
+    let text = text.replace(laws, "laws = [\"amontons-coulomb\", \"lugre\"]");
+    let held = text.find("[[constraints]]\nname = \"ends").unwrap();
+    let text = format!("{}{}", &text[..held], &text[text.find("[[speeds]]").unwrap()..]);
+    match CaseFile::parse(&folder().join("two.toml"), text).unwrap() {
         CaseFile::FiniteElements(case) => *case,
         other => panic!("{other:?}"),
     }
@@ -61,7 +78,7 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
     assert_equal_sets(&found.pairs.iter().map(|pair| pair.lambda).collect::<Vec<_>>(), 1e-11);
     assert!(found.pairs.iter().all(|pair| pair.backward_error < 1e-14));
 
-    let modes = set.reduction.reduced.modes(&full).unwrap();
+    let modes = brake.part(scene).reduced.modes(&full).unwrap();
     assert_equal_sets(&modes.lambdas, 1e-6);
     assert!(modes.largest_residual() <= 1e-8);
     // Friction alone can make it unstable: one mode of twelve.
@@ -96,4 +113,27 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
     }
     let sum: f64 = why.balance.families.iter().map(|family| family.growth).sum();
     assert!((sum - unstable.re).abs() < 1e-6 * unstable.re, "{sum} {unstable}");
+}
+
+#[test]
+fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_under_their_names() {
+    let brake = FiniteElementBrake::new(two_arrangements(), &()).unwrap();
+    assert_eq!((brake.sets.len(), brake.parts.len()), (1, 2));
+    for part in &brake.parts {
+        assert!(part.within.is_reached && part.within.basis.ncols() < brake.sets[0].basis.ncols() / 2);
+    }
+    // Without two patches the brake has other modes, but the structure's are as many, and nearly all still look like themselves.
+    let study = Study::new(&brake, &cea::BatchSolver).unwrap();
+    let open = |scene: usize| study.references()[scene].names.iter().filter(|names| names.len() != 1).count();
+    for scene in 0..brake.plan.scenes.len() {
+        let reference = &study.references()[scene];
+        assert!(reference.modes.len() >= 12 && open(scene) <= 2, "{:?}", reference.names);
+    }
+    let found = brake.full_checks(50).unwrap().unwrap();
+    assert!(found.samples == 4 && found.modes >= 40, "{found:?}");
+    assert_eq!((found.missing, found.invented, found.other_verdicts), (0, 0, 0), "{found:?}");
+    assert!(found.largest_distance < 1e-5, "{found:?}");
+
+    // What is attached needs one basis for all.
+    assert!(matches!(brake.places(0), Err(squeal::Error::SeveralBases { .. })));
 }

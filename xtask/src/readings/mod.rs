@@ -1,8 +1,8 @@
 //! The product of all readings of what the paper leaves open, as a table with every claim.
 //!
-//! Every combination is run with few draws; the best by the values, the case and the paper's words with more, and the best of
-//! these with all. The rule of this selection, and that by which a reading becomes the default, stand in docs/readings.md and in
-//! the table's head.
+//! Every combination with one draw for all contacts is run with few draws, and of those with a draw for each contact the ones that are
+//! good with one for all; the best by the values, the case and the paper's words with more, and the best of these with all. The
+//! rule of this selection, and that by which a reading becomes the default, stand in docs/readings.md and in the table's head.
 
 mod family;
 mod onsets;
@@ -42,20 +42,27 @@ const SECOND_SLACK: usize = 1;
 #[derive(Debug, clap::Args)]
 pub struct ReadingsArgs {
     /// Draws of each combination
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
+    /// Most groups, of combinations that have much in common, that are run with a draw for each contact too
+    #[arg(long, value_name = "M", default_value_t = 40)]
+    each: usize,
     /// Draws of the better ones, and of the case and the paper's words
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
     second: u64,
     /// Most combinations that are run with as many
-    #[arg(long, value_name = "M", default_value_t = 60)]
+    #[arg(long, value_name = "M", default_value_t = 30)]
     better: usize,
     /// Draws of the best of these, and of the case and the paper's words
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     full: u64,
     /// Most combinations that are run with as many
-    #[arg(long, value_name = "M", default_value_t = 12)]
+    #[arg(long, value_name = "M", default_value_t = 5)]
     best: usize,
+    /// Groups of combinations run at once [default: one per core]; the results do not depend on it, nor on RAYON_NUM_THREADS,
+    /// which bounds the threads within one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    threads: Option<u64>,
     /// Begin no combination after so many minutes, and make the table of what there is
     #[arg(long, value_name = "MINUTES")]
     minutes: Option<f64>,
@@ -87,7 +94,8 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
 
     let all = product();
     let paper = product::mode_numbers(&path, &case)?;
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let workers = args.threads.map_or_else(cores, |threads| usize::try_from(threads).unwrap_or(usize::MAX));
     let coarse = |combination: &Combination| {
         let mut case = of(combination, args.samples)?;
         // To follow modes takes several times as long as all else.
@@ -95,7 +103,11 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
         thin(&mut case)?;
         Ok(case)
     };
-    let coarse = run_all(&store, &all, Stage::Coarse, workers, coarse, deadline)?;
+    let shared: Vec<Combination> = all.iter().copied().filter(Combination::shares_draws).collect();
+    let shared = run_all(&store, &shared, Stage::Coarse, workers, coarse, deadline)?;
+    let with_each = with_each_draw(&selected(&shared, COARSE_SLACK, shared.len()), args.each);
+    let each = run_all(&store, &with_each, Stage::Coarse, workers, coarse, deadline)?;
+    let coarse: Vec<_> = shared.into_iter().chain(each).collect();
     let better = selected(&coarse, COARSE_SLACK, args.better);
     let second = run_all(&store, &better, Stage::Second, workers, |c| of(c, args.second), deadline)?;
     let best = selected(&second, SECOND_SLACK, args.best);
@@ -179,6 +191,14 @@ fn into_inner<T>(of: Mutex<T>) -> T {
     of.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The groups of the combinations that differ from some, the best first, in that each contact has a draw of its own: the first so
+/// many groups.
+fn with_each_draw(of: &[Combination], most: usize) -> Vec<Combination> {
+    let best: Vec<_> = of.iter().map(Combination::with_draw_for_each).collect();
+    let groups: Vec<_> = by_what_is_shared(&best).iter().take(most).map(|group| group[0].what_is_shared()).collect();
+    product().into_iter().filter(|combination| groups.contains(&combination.what_is_shared())).collect()
+}
+
 /// The combinations worth more draws: the paper's words, the case, and of the others those that hold at least as many claims as
 /// the better of these two less the `slack`, each by value and under some way of naming modes; the `most` best of them, the
 /// fewest departures first among equals.
@@ -226,6 +246,19 @@ mod tests {
         };
         let cards = vec![Card { naming: row::TRACKED.into(), claims: (0..12).map(cell).collect() }];
         Row { samples: 64, failures: 0, seconds: 1.0, refused: None, cards }
+    }
+
+    #[test]
+    fn groups_with_a_draw_for_each_contact_are_those_of_the_best_with_one() {
+        let shared: Vec<_> = product().into_iter().filter(Combination::shares_draws).collect();
+        // The first two are of one group.
+        let best =
+            [Combination([0, 0, 1, 0, 0, 0, 0, 2, 0]), Combination([0, 0, 1, 2, 0, 0, 0, 0, 0]), Combination::own()];
+        let with_each = with_each_draw(&best, 1);
+        assert_eq!(with_each.len(), 9);
+        assert!(with_each.iter().all(|c| c.0[2] == 1 && !c.shares_draws() && !shared.contains(c)));
+        assert_eq!(with_each_draw(&best, 5).len(), 18);
+        assert_eq!(with_each_draw(&shared, usize::MAX).len(), shared.len());
     }
 
     #[test]

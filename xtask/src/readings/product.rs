@@ -107,6 +107,25 @@ impl Combination {
         Self([0; AXES.len()])
     }
 
+    /// Whether all contacts have one draw.
+    pub fn shares_draws(&self) -> bool {
+        self.0[DRAWS] == 0
+    }
+
+    /// The same with a draw for each contact.
+    pub fn with_draw_for_each(&self) -> Self {
+        let mut answers = self.0;
+        answers[DRAWS] = 1;
+        Self(answers)
+    }
+
+    /// The answers but for those that change friction alone: equal for combinations that have much in common.
+    pub fn what_is_shared(&self) -> [usize; AXES.len()] {
+        let mut answers = self.0;
+        OF_FRICTION.iter().for_each(|&axis| answers[axis] = 0);
+        answers
+    }
+
     /// The label of each answer.
     pub fn labels(&self) -> [&'static str; AXES.len()] {
         std::array::from_fn(|i| AXES[i].choices[self.0[i]].label)
@@ -168,7 +187,7 @@ pub fn product() -> Vec<Combination> {
     }
     let own = Combination::own();
     let weight = |combination: &Combination| combination.differences(own).map(|i| AXES[i].weight).sum::<usize>();
-    all.sort_by_key(|combination| (combination.0[DRAWS] != 0, weight(combination)));
+    all.sort_by_key(|combination| (!combination.shares_draws(), weight(combination)));
     all
 }
 
@@ -179,14 +198,9 @@ const OF_FRICTION: [usize; 2] = [3, 7];
 
 /// Some combinations in groups that differ in answers that change friction alone, in the order of the first of each.
 pub fn by_what_is_shared(combinations: &[Combination]) -> Vec<Vec<Combination>> {
-    let shared = |combination: &Combination| {
-        let mut answers = combination.0;
-        OF_FRICTION.iter().for_each(|&axis| answers[axis] = 0);
-        answers
-    };
     let (mut places, mut groups) = (std::collections::HashMap::new(), Vec::<Vec<Combination>>::new());
     for combination in combinations {
-        let place = *places.entry(shared(combination)).or_insert(groups.len());
+        let place = *places.entry(combination.what_is_shared()).or_insert(groups.len());
         if place == groups.len() {
             groups.push(Vec::new());
         }

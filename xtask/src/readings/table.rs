@@ -198,11 +198,13 @@ Rules, written before the run (docs/readings.md):
 - The literal text, and the case's own where it says nothing, stands unless another reading holds strictly more of the
   twelve claims, each at its simultaneous 95 % limits with all draws. Of several, the one with the most; among equals the
   one with the fewest departures from the text.
-- Every combination is run with few draws, in a part of the arrangements, and judged by the values. Modes
-  are named by MAC, by rank and by place among all eigenvalues; a claim counts that holds under any of these. The literal
-  text, the case's own, and those that hold at least as many claims as the better of these two less two get more draws, in
-  all arrangements and with continuation too: the best first, the fewest departures from the text first among equals, up to a
-  number. Of these, in the same way, those that hold as many as the better of the two less one get all draws.
+- Every combination with one draw for all contacts is run with few draws, in a part of the arrangements, and judged by the
+  values. Modes are named by MAC, by rank and by place among all eigenvalues; a claim counts that holds under any of these.
+  Those with a draw for each contact are run in the same way where, with one draw for all and up to the preload and sigma1,
+  as many claims hold as of the better of the literal text and the case's own, less two: the best first, up to a number.
+  The literal text, the case's own, and those that hold at least as many claims as the better of these two less two get more
+  draws, in all arrangements and with continuation too: the best first, the fewest departures from the text first among
+  equals, up to a number. Of these, in the same way, those that hold as many as the better of the two less one get all draws.
 - Modes: the frequency ranks of the mode of C4 (the paper's 29, of 30 degrees of freedom), of C8 (26, of 26) and of C10
   (18, of 24). Numbers agree if the rank is the number, or if the rank's pair of all eigenvalues has it: 15, 13 and 9.
 

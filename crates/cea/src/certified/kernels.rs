@@ -37,15 +37,18 @@ impl<T: Lane> WithSimd for RotateColumns<'_, T> {
     }
 }
 
-/// w and beta of a reflection in all lanes.
+/// A [`Reflection`] in all lanes.
 struct ReflectionInLanes<V> {
-    w: [V; 3],
-    beta: V,
+    u: [V; 2],
+    scaled: [V; 3],
 }
 
 #[inline(always)]
-fn splat<T: Lane, S: Simd>(o: Ops<S>, (w, beta): Reflection<T>) -> ReflectionInLanes<T::In<S::f64s>> {
-    ReflectionInLanes { w: [T::splat(o, w[0]), T::splat(o, w[1]), T::splat(o, w[2])], beta: T::splat(o, beta) }
+fn splat<T: Lane, S: Simd>(o: Ops<S>, (u, scaled): Reflection<T>) -> ReflectionInLanes<T::In<S::f64s>> {
+    ReflectionInLanes {
+        u: [T::splat(o, u[0]), T::splat(o, u[1])],
+        scaled: [T::splat(o, scaled[0]), T::splat(o, scaled[1]), T::splat(o, scaled[2])],
+    }
 }
 
 /// `x - beta (w . x) w` of three entries in each lane.
@@ -55,12 +58,11 @@ fn reflect<T: Lane, S: Simd>(
     by: &ReflectionInLanes<T::In<S::f64s>>,
     [x, y, z]: [T::In<S::f64s>; 3],
 ) -> [T::In<S::f64s>; 3] {
-    let two = T::plus(o, T::times(o, by.w[0], x), T::times(o, by.w[1], y));
-    let sum = T::times(o, by.beta, T::plus(o, two, T::times(o, by.w[2], z)));
+    let sum = T::plus(o, T::plus(o, x, T::times(o, by.u[0], y)), T::times(o, by.u[1], z));
     [
-        T::minus(o, x, T::times(o, sum, by.w[0])),
-        T::minus(o, y, T::times(o, sum, by.w[1])),
-        T::minus(o, z, T::times(o, sum, by.w[2])),
+        T::minus(o, x, T::times(o, sum, by.scaled[0])),
+        T::minus(o, y, T::times(o, sum, by.scaled[1])),
+        T::minus(o, z, T::times(o, sum, by.scaled[2])),
     ]
 }
 

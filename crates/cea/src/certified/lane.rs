@@ -13,8 +13,8 @@ const SPLITTER: f64 = 134_217_729.0;
 
 /// c and s of the rotation `[c s; -s c]` of two neighbouring rows or columns.
 pub(crate) type Rotation<T> = (T, T);
-/// w and beta of the reflection `I - beta w w^T` of three neighbouring rows or columns.
-pub(crate) type Reflection<T> = ([T; 3], T);
+/// The reflection `I - beta w w^T` of three neighbouring rows or columns, w = (1, u): u and beta w.
+pub(crate) type Reflection<T> = ([T; 2], [T; 3]);
 
 /// Rows of one register's columns, gathered: for each plane and row the entries of the columns, one in each lane.
 ///
@@ -126,13 +126,16 @@ impl Lane for Dd {
     }
     #[inline(always)]
     fn minus<S: Simd>(o: Ops<S>, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
-        Self::plus(o, a, [o.neg(b[0]), o.neg(b[1])])
+        let high = o.sub(a[0], b[0]);
+        let b_part = o.sub(a[0], high);
+        let error = o.sub(o.sub(a[0], o.add(high, b_part)), o.sub(b[0], b_part));
+        fast_two_sum(o, high, o.add(error, o.sub(a[1], b[1])))
     }
     #[inline(always)]
     fn times<S: Simd>(o: Ops<S>, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
         let product = o.mul(a[0], b[0]);
         let error = product_error(o, a[0], b[0], product);
-        fast_two_sum(o, product, o.add(error, o.add(o.mul(a[0], b[1]), o.mul(a[1], b[0]))))
+        fast_two_sum(o, product, o.fma(a[1], b[0], o.fma(a[0], b[1], error)))
     }
     #[inline(always)]
     fn sum<S: Simd>(o: Ops<S>, a: [S::f64s; 2]) -> Dd {

@@ -84,12 +84,12 @@ impl<T: Lane> Planar<T> {
         self.arch.dispatch(RotateColumns { columns: [x, y], plane, rows, by });
     }
 
-    /// Columns `column` to `column + 2` reflected in these rows.
-    pub(crate) fn reflect_columns(&mut self, column: usize, rows: Range<usize>, by: Reflection<T>) {
+    /// Columns `column + 2`, `column + 1` and `column`, in this order, reflected in these rows.
+    pub(crate) fn reflect_columns_backwards(&mut self, column: usize, rows: Range<usize>, by: Reflection<T>) {
         let (size, plane) = (T::PLANES * self.rows, self.rows);
         let (x, rest) = self.data[column * size..(column + 3) * size].split_at_mut(size);
         let (y, z) = rest.split_at_mut(size);
-        self.arch.dispatch(ReflectColumns { columns: [x, y, z], plane, rows, by });
+        self.arch.dispatch(ReflectColumns { columns: [z, y, x], plane, rows, by });
     }
 
     /// Rows `bottom - 1` and `bottom`, x and y, become `c x + s y` and `c y - s x` in these columns, then by the next

@@ -181,10 +181,9 @@ impl<T: Lane> HessenbergTriangular<T> {
 
     /// T's rows k + 2 and k + 1 back to their triangle by columns k to k + 2; H's rows in `start..below` along with it.
     fn restore_triangle(&mut self, k: usize, start: usize, below: usize) {
-        let (w, beta) = householder([self.t.get(k + 2, k + 2), self.t.get(k + 2, k + 1), self.t.get(k + 2, k)]);
-        let reflection = ([w[2], w[1], w[0]], beta);
-        self.h.reflect_columns(k, start..below, reflection);
-        self.t.reflect_columns(k, start..k + 3, reflection);
+        let reflection = householder([self.t.get(k + 2, k + 2), self.t.get(k + 2, k + 1), self.t.get(k + 2, k)]);
+        self.h.reflect_columns_backwards(k, start..below, reflection);
+        self.t.reflect_columns_backwards(k, start..k + 3, reflection);
         self.t.set(k + 2, k, T::default());
         self.t.set(k + 2, k + 1, T::default());
         self.clear_below_diagonal(k + 1, start, below);
@@ -235,17 +234,18 @@ fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
     (a / r, b / r)
 }
 
-/// w, beta with `(I - beta w w^T) v = [*; 0; 0]`.
+/// The reflection that takes v to `[*; 0; 0]`.
 fn householder<T: Lane>(v: [T; 3]) -> Reflection<T> {
     let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.value().abs()));
     if largest == 0.0 {
-        return ([T::default(); 3], T::default());
+        return ([T::default(); 2], [T::default(); 3]);
     }
     let v = v.map(|x| x / T::from(largest));
-    let square = |v: [T; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    let norm = square(v).root();
-    let w = [if v[0].value() < 0.0 { v[0] - norm } else { v[0] + norm }, v[1], v[2]];
-    (w, T::from(2.0) / square(w))
+    let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
+    let head = if v[0].value() < 0.0 { v[0] - norm } else { v[0] + norm };
+    let u = [v[1] / head, v[2] / head];
+    let beta = T::from(2.0) / (T::from(1.0) + u[0] * u[0] + u[1] * u[1]);
+    (u, [beta, beta * u[0], beta * u[1]])
 }
 
 #[cfg(test)]

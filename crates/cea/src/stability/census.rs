@@ -1,7 +1,7 @@
 //! What a stability analysis asks of a system, in one call.
 
 use super::Threshold;
-use super::screen::{Judge, is_clear};
+use super::screen::Judge;
 use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace, certified};
 use linsys::SecondOrder;
 
@@ -91,7 +91,7 @@ fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option
     let spectrum = QrSolver.eigenvalues(system, work)?;
     let (mut census, mut judge) = (StabilityCensus::default(), Judge::new(system, &spectrum));
     for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
-        if lambda.re < 0.0 && is_clear(lambda, &spectrum, &Threshold::AXIS) {
+        if lambda.re < 0.0 && judge.is_clear(lambda, &Threshold::AXIS) {
             census.damped += 1;
             continue;
         }

@@ -1,6 +1,7 @@
 //! Whether motions grow: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
 
 mod census;
+mod coupling;
 mod screen;
 mod threshold;
 

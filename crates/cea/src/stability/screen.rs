@@ -4,6 +4,7 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Threshold;
+use super::coupling::Coupling;
 use crate::certified::SingleCertifier;
 use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
@@ -32,8 +33,10 @@ pub fn verdict(
 ///
 /// The sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
 /// of [`Spectrum::scale`](crate::Spectrum::scale), and the product of the distances from i Im lambda to the m nearest eigenvalues, m = 3 and 4, is more than
-/// 1e-12 times the m-th power of the scale. With m eigenvalues that meet in one vector a perturbation of 1e-12 could
-/// otherwise put one on the axis. Elsewhere bound and verdict are those of [`certified::certify`](crate::certified::certify).
+/// 1e-12 times the scale and the (m-1)-th power of what couples vibrations: with m eigenvalues that meet in one vector a
+/// perturbation of 1e-12 could otherwise put one on the axis. What couples them is at most the scale, and far less where the
+/// scale is that of fast internal states (docs/error-bounds.md, section 8). Elsewhere bound and verdict are those of
+/// [`certified::certify`](crate::certified::certify).
 ///
 /// [`stability_census`](crate::stability_census) asks this of a whole system, and has an answer where this has none.
 ///
@@ -62,7 +65,7 @@ pub fn verdicts_beyond(
 ) -> Result<Vec<Verdict>, CeaError> {
     let mut judge = Judge::new(system, spectrum);
     let one = |&lambda: &Complex<f64>| {
-        if is_clear(lambda, spectrum, threshold) {
+        if judge.is_clear(lambda, threshold) {
             return Ok(threshold.verdict(lambda, 0.0));
         }
         let judged = judge.bounded(lambda, work)?;
@@ -71,35 +74,48 @@ pub fn verdicts_beyond(
     lambdas.iter().map(one).collect()
 }
 
-/// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
-pub(crate) fn is_clear(lambda: Complex<f64>, spectrum: &Spectrum, threshold: &Threshold) -> bool {
-    if threshold.margin(lambda).abs() <= NEAR_AXIS * spectrum.scale {
-        return false;
-    }
-    let on_axis = threshold.nearest(lambda);
-    // Squares of distances over the scale, which need no roots.
-    let mut nearest = [f64::INFINITY; MOST_COALESCING];
-    for other in &spectrum.eigenvalues {
-        let mut distance = (other - on_axis).norm_sqr() / (spectrum.scale * spectrum.scale);
-        for place in &mut nearest {
-            if distance < *place {
-                std::mem::swap(place, &mut distance);
-            }
-        }
-    }
-    (3..=MOST_COALESCING).all(|m| nearest[..m].iter().product::<f64>() > SOLVER_ERROR * SOLVER_ERROR)
-}
-
-/// Bounds of single eigenvalues, made ready when the first is asked for.
+/// What is clear of the eigenvalues of one system, and the bounds of those that are not. What either takes is made ready when it
+/// is first asked for.
 pub(crate) struct Judge<'a> {
     system: &'a SecondOrder,
     spectrum: &'a Spectrum,
+    coupling: Option<Coupling>,
     certifier: Option<SingleCertifier<'a>>,
 }
 
 impl<'a> Judge<'a> {
     pub(crate) fn new(system: &'a SecondOrder, spectrum: &'a Spectrum) -> Self {
-        Self { system, spectrum, certifier: None }
+        Self { system, spectrum, coupling: None, certifier: None }
+    }
+
+    /// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
+    pub(crate) fn is_clear(&mut self, lambda: Complex<f64>, threshold: &Threshold) -> bool {
+        let scale = self.spectrum.scale;
+        if threshold.margin(lambda).abs() <= NEAR_AXIS * scale {
+            return false;
+        }
+        let on_axis = threshold.nearest(lambda);
+        // Squares of distances over the scale, which need no roots.
+        let mut nearest = [f64::INFINITY; MOST_COALESCING];
+        for other in &self.spectrum.eigenvalues {
+            let mut distance = (other - on_axis).norm_sqr() / (scale * scale);
+            for place in &mut nearest {
+                if distance < *place {
+                    std::mem::swap(place, &mut distance);
+                }
+            }
+        }
+        // Two numbers as parts of the scale: how far an error of the whole moves the vibrations, and what couples these.
+        let is_apart = |error: f64, coupling: f64| {
+            (3..=MOST_COALESCING).all(|m| {
+                let least = SOLVER_ERROR * error * coupling.powi(m as i32 - 1);
+                nearest[..m].iter().product::<f64>() > least * least
+            })
+        };
+        is_apart(1.0, 1.0) || {
+            let coupling = self.coupling.get_or_insert_with(|| Coupling::new(self.system));
+            coupling.at(on_axis.norm()).is_some_and(|(error, size)| size < scale && is_apart(error, size / scale))
+        }
     }
 
     /// The eigenvalue with a bound, as improved.
@@ -119,7 +135,8 @@ impl<'a> Judge<'a> {
 mod tests {
     use super::*;
     use crate::{EigenSolver, QrSolver};
-    use nalgebra::{DMatrix, dmatrix};
+    use linsys::Internal;
+    use nalgebra::{DMatrix, DVector, dmatrix};
 
     fn verdicts(system: &SecondOrder) -> Vec<Verdict> {
         let mut work = Workspace::default();
@@ -147,6 +164,32 @@ mod tests {
         assert_eq!(with(1e-9), Verdict::Stable);
         assert_eq!(with(-1e-9), Verdict::Unstable);
         assert!(matches!(with(-1e-14), Verdict::Marginal { .. }));
+    }
+
+    #[test]
+    fn fast_states_do_not_bring_vibrations_together() {
+        // Eight oscillators a tenth apart, each on a dashpot of either sign, with a state that acts as one more.
+        let n = 8;
+        let system = |decay: f64| {
+            let gain = DMatrix::identity(n, n) * (1e-2 * decay).sqrt();
+            let internal = Internal { decay: DVector::from_element(n, decay), drive: gain.clone(), force: gain };
+            let c = DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| if i % 2 == 0 { 0.03 } else { -0.01 }));
+            let k = DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| (1.0 + 0.1 * i as f64).powi(2)));
+            SecondOrder::with_internal(DMatrix::identity(n, n), c, k, internal).unwrap()
+        };
+        let mut work = Workspace::default();
+        for decay in [10.0, 100.0, 1e3] {
+            let system = system(decay);
+            let spectrum = QrSolver.eigenvalues(&system, &mut work).unwrap();
+            let lambdas: Vec<_> = spectrum.oscillatory().collect();
+            for (i, verdict) in
+                super::verdicts(&system, &lambdas, &spectrum, &mut work).unwrap().into_iter().enumerate()
+            {
+                // Re lambda is half of the sum of a dashpot and the state's -0.01.
+                assert_eq!(verdict, if i % 2 == 0 { Verdict::Stable } else { Verdict::Unstable }, "{decay}, {i}");
+            }
+        }
+        assert_eq!(work.counters.factorisations, 0);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
 
-use problems::{Blocks, Count, Numbers, Problem, frank, reflected, unimodular};
+use problems::{Blocks, Count, Numbers, Problem, chain_taken_apart, chain_with_states, frank, reflected, unimodular};
 
 /// Nothing where the iteration does not converge: an error, and no verdict.
 fn certify(system: &SecondOrder) -> Option<Vec<(Complex<f64>, f64, Verdict)>> {
@@ -143,34 +143,86 @@ fn no_sign_is_wrong_and_no_bound_exceeded_in_thousands() {
     check_all(1_000);
 }
 
-/// Chains beside the axis, Re lambda = -2^-19 and Im lambda = 2, as a study judges them: the eigenvalues of the batch solver, each
-/// with its verdict, and the census.
-fn check_the_study(m: usize, of: usize) {
-    let problems: Vec<_> = rounded_chain_problems(m, of, Some(2_f64.powi(-18))).collect();
-    let systems: Vec<_> = problems.iter().map(|p| p.system.clone()).collect();
+/// Re lambda = -2^-19 for each eigenvalue of a chain.
+const BESIDE_THE_AXIS: f64 = 1.0 / 262_144.0;
+
+/// Chains beside the axis, Im lambda = 2, as a study judges them: the eigenvalues of the batch solver, each with its verdict, and
+/// the census.
+fn check_the_study(name: &str, problems: Vec<Problem>) {
+    let systems: Vec<_> = problems.into_iter().map(|p| p.system).collect();
     let (mut work, mut spectra) = (Workspace::default(), Vec::new());
     BatchSolver.eigenvalues_of_all(&systems, &mut work, &mut spectra);
     let (mut damped, mut open, mut by_sign) = (0, 0, 0);
     for (system, spectrum) in systems.iter().zip(spectra) {
         let spectrum = spectrum.unwrap();
-        for lambda in spectrum.oscillatory() {
+        for lambda in spectrum.oscillatory().filter(|lambda| lambda.im > lambda.re.abs()) {
             by_sign += usize::from(lambda.re > 1e-6 * spectrum.scale);
             match verdict(system, lambda, &spectrum, &mut work).unwrap() {
                 Verdict::Stable => damped += 1,
-                Verdict::Unstable => panic!("{lambda} is called unstable, index {m}"),
+                Verdict::Unstable => panic!("{lambda} is called unstable, {name}"),
                 Verdict::Marginal { .. } | Verdict::Undecided { .. } => open += 1,
             }
         }
         let census = stability_census(system, &mut work).unwrap();
-        assert!(!census.is_unstable(), "{census:?}, index {m}");
+        assert!(!census.is_unstable(), "{census:?}, {name}");
     }
-    println!("index {m}: {damped} damped, {open} open; a bare sign beyond 1e-6 would call {by_sign} unstable");
+    println!("{name}: {damped} damped, {open} open; a bare sign beyond 1e-6 would call {by_sign} unstable");
 }
 
 #[test]
 fn what_a_study_says_of_eigenvalues_that_meet_is_never_unstable() {
     for m in 2..=4 {
-        check_the_study(m, 200);
+        check_the_study(&format!("index {m}"), rounded_chain_problems(m, 200, Some(BESIDE_THE_AXIS)).collect());
+    }
+}
+
+#[test]
+fn nor_is_it_with_internal_states_however_fast() {
+    for m in 2..=4 {
+        for decay in [3.0, 10.0, 100.0, 1e3, 1e5] {
+            let mut numbers = Numbers(300 + m as u64);
+            let problem = |i: usize| {
+                let dashpot = [0.1, 1.0, 10.0][i % 3];
+                chain_with_states(m, BESIDE_THE_AXIS, &[decay, 1.5 * decay], dashpot, &mut numbers)
+            };
+            check_the_study(&format!("index {m}, states {decay} times"), (0..60).map(problem).collect());
+        }
+    }
+}
+
+/// Chains taken apart by a little, so that eigenvalues grow or not by a little, beside fast states: no decided sign is wrong, and
+/// nearly all are decided by the sign alone where they are farther apart.
+#[test]
+fn signs_beside_fast_states_are_right() {
+    let mut numbers = Numbers(400);
+    for m in 2..=4 {
+        for exponent in 2..=13 {
+            let (perturbation, mut work) = (10_f64.powi(-exponent), Workspace::default());
+            let (mut decided, mut all) = (0, 0);
+            for i in 0..24 {
+                let decays = [[10.0, 30.0], [90.0, 40.0], [1e3, 2e3], [1e5, 1e4]][i % 4];
+                let c = 2_f64.powi(numbers.integer(-24, -2) as i32);
+                let Problem { system, eigenvalues } = chain_taken_apart(m, perturbation, c, &decays, &mut numbers);
+                // What rounding K does to an eigenvalue, of first order; where that is all its distance from the others, no sign is known.
+                let rounding = 1e-14 / perturbation.powf((m as f64 - 1.0) / m as f64);
+                let spectrum = BatchSolver.eigenvalues(&system, &mut work).unwrap();
+                for lambda in spectrum.oscillatory().filter(|lambda| lambda.im > lambda.re.abs()) {
+                    let nearest =
+                        |a: &&Complex<f64>, b: &&Complex<f64>| (*a - lambda).norm().total_cmp(&(*b - lambda).norm());
+                    let exact = eigenvalues.iter().min_by(nearest).unwrap();
+                    let found = verdict(&system, lambda, &spectrum, &mut work).unwrap();
+                    let (stable, unstable) = (found == Verdict::Stable, found == Verdict::Unstable);
+                    let is_known = exact.re.abs() > rounding.min(perturbation.powf(1.0 / m as f64));
+                    let is_wrong = is_known && (stable && exact.re > 0.0 || unstable && exact.re < 0.0);
+                    assert!(!is_wrong, "{m}, {perturbation:e}, {c:e}, {decays:?}: {lambda} for {exact}, {found:?}");
+                    (decided, all) = (decided + usize::from(stable || unstable), all + 1);
+                }
+            }
+            println!(
+                "{m} apart by {perturbation:e}^(1/{m}): {decided} of {all} decided, {} bounds",
+                work.counters.factorisations
+            );
+        }
     }
 }
 

@@ -1,10 +1,11 @@
 //! Problems whose eigenvalues are known exactly: `L (lambda^2 + c lambda + A)` with an integer A of chosen Jordan form.
 
+use std::f64::consts::TAU;
 use std::fmt;
 
 use cea::Verdict;
-use linsys::SecondOrder;
-use nalgebra::DMatrix;
+use linsys::{Internal, SecondOrder};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 /// Numbers that look random and are the same in every run (splitmix64; Steele, Lea, Flood, OOPSLA 2014).
@@ -111,8 +112,14 @@ pub fn unimodular(blocks: &Blocks, c: f64, steps: usize, numbers: &mut Numbers) 
 /// A rational similarity of the Jordan form by two reflections, each entry rounded once to a double: the exact eigenvalues are
 /// those of a problem that rounds to the given one.
 pub fn reflected(blocks: &Blocks, c: f64, numbers: &mut Numbers) -> Problem {
+    reflected_in(blocks, c, numbers).0
+}
+
+/// [`reflected`], with the reflections' product, whose columns are the chains.
+fn reflected_in(blocks: &Blocks, c: f64, numbers: &mut Numbers) -> (Problem, DMatrix<f64>) {
     let mut k = jordan_form(blocks);
     let (n, mut denominator) = (k.len(), 1);
+    let mut basis = DMatrix::identity(n, n);
     let product = |a: &Integers, b: &Integers| -> Integers {
         let entry = |i: usize, j: usize| (0..n).map(|l| a[i][l] * b[l][j]).sum();
         (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
@@ -125,10 +132,46 @@ pub fn reflected(blocks: &Blocks, c: f64, numbers: &mut Numbers) -> Problem {
         let h: Integers = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
         k = product(&product(&h, &k), &h);
         denominator *= square * square;
+        basis = DMatrix::from_fn(n, n, |i, j| h[i][j] as f64 / square as f64) * basis;
     }
     assert!(k.iter().flatten().all(|x| x.unsigned_abs() <= 1 << 53) && denominator <= 1 << 53);
     let k = DMatrix::from_fn(n, n, |i, j| k[i][j] as f64 / denominator as f64);
-    problem(blocks, DMatrix::identity(n, n), c, k)
+    (problem(blocks, DMatrix::identity(n, n), c, k), basis)
+}
+
+/// A chain of `m` with an internal state for each of some `decays`, which reads the end of the chain that nothing drives and acts on
+/// the end that drives nothing, at rest as a dashpot of `dashpot`: the states close no loop, and the eigenvalues are those of the
+/// chain and the decays.
+pub fn chain_with_states(m: usize, c: f64, decays: &[f64], dashpot: f64, numbers: &mut Numbers) -> Problem {
+    let (mut problem, basis) = reflected_in(&vec![(4, m)], c, numbers);
+    let gain = |k: usize| (dashpot * decays[k]).sqrt();
+    problem.system.internal = Internal {
+        decay: DVector::from_row_slice(decays),
+        drive: DMatrix::from_fn(decays.len(), m, |k, j| gain(k) * basis[(j, m - 1)]),
+        force: DMatrix::from_fn(m, decays.len(), |i, k| gain(k) * basis[(i, 0)]),
+    };
+    problem.eigenvalues.extend(decays.iter().map(|&decay| Complex::from(-decay)));
+    problem
+}
+
+/// A chain of `m` that a `perturbation` from its one end to the other takes apart, `k = 4 + perturbation^(1/m)` with all roots, with an
+/// internal state for each of some `decays` that reads it all and acts on nothing, or is read by nothing and acts on it all.
+pub fn chain_taken_apart(m: usize, perturbation: f64, c: f64, decays: &[f64], numbers: &mut Numbers) -> Problem {
+    let (mut problem, basis) = reflected_in(&vec![(4, m)], c, numbers);
+    problem.system.k += basis.column(m - 1) * basis.column(0).transpose() * perturbation;
+    let (drive, force) = if numbers.integer(0, 1) == 0 { (1.0, 0.0) } else { (0.0, 1.0) };
+    problem.system.internal = Internal {
+        decay: DVector::from_row_slice(decays),
+        drive: DMatrix::from_element(decays.len(), m, drive),
+        force: DMatrix::from_element(m, decays.len(), force),
+    };
+    let root = |j: usize| Complex::from_polar(perturbation.powf(1.0 / m as f64), j as f64 * TAU / m as f64);
+    let of_root = |j: usize| {
+        let half = (Complex::from(c * c / 4.0 - 4.0) - root(j)).sqrt();
+        [half - c / 2.0, -half - c / 2.0]
+    };
+    problem.eigenvalues = (0..m).flat_map(of_root).chain(decays.iter().map(|&decay| Complex::from(-decay))).collect();
+    problem
 }
 
 /// Frank's matrix: `n + 1 - max(i, j)` above the diagonal and one below it, determinant 1, all eigenvalues real, positive and

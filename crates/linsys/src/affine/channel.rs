@@ -48,12 +48,15 @@ impl Channel {
 
     /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.
     pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
-        for &(row, b) in &self.force {
+        // By columns, as matrices are stored: the channels of a reduced brake are dense.
+        if gain.mu != 0.0 {
             for &(column, r) in &self.reading {
-                out.k[(row, column)] += gain.mu * (b * r);
+                self.force.iter().for_each(|&(row, b)| out.k[(row, column)] += gain.mu * (b * r));
             }
+        }
+        if gain.slope != 0.0 {
             for &(column, other) in &self.force {
-                out.c[(row, column)] += gain.slope * (b * other);
+                self.force.iter().for_each(|&(row, b)| out.c[(row, column)] += gain.slope * (b * other));
             }
         }
         if let Some(lag) = gain.lag {

@@ -1,5 +1,6 @@
 //! One term of a structure.
 
+use super::add_scaled;
 use crate::{LinsysError, SecondOrder};
 
 /// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
@@ -11,6 +12,8 @@ pub struct Term {
     pub family: String,
     matrices: SecondOrder,
     is_elastic: bool,
+    /// Whether M, C and K have an entry that is not zero.
+    is_there: [bool; 3],
 }
 
 impl Term {
@@ -25,12 +28,22 @@ impl Term {
             return Err(LinsysError::TermStates { term: name, states });
         }
         let is_elastic = matrices.k == matrices.k.transpose();
-        Ok(Self { name, family, matrices, is_elastic })
+        let is_there = [&matrices.m, &matrices.c, &matrices.k].map(|matrix| matrix.iter().any(|&entry| entry != 0.0));
+        Ok(Self { name, family, matrices, is_elastic, is_there })
     }
 
     /// M, C and K.
     pub fn matrices(&self) -> &SecondOrder {
         &self.matrices
+    }
+
+    /// Adds `coefficient` times M, C and K, as far as they are not zero.
+    pub(super) fn add(&self, coefficient: f64, out: &mut SecondOrder) {
+        let SecondOrder { m, c, k, .. } = &self.matrices;
+        let parts = [(&mut out.m, m), (&mut out.c, c), (&mut out.k, k)];
+        for ((sum, matrix), _) in parts.into_iter().zip(self.is_there).filter(|(_, is_there)| *is_there) {
+            add_scaled(sum, matrix, coefficient);
+        }
     }
 
     /// n, the number of degrees of freedom.

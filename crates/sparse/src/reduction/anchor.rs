@@ -52,6 +52,10 @@ pub(super) struct Near {
     terms: Vec<(Square, Option<Square>)>,
     /// What each channel adds to `W^H A Z` per unit of mu, and per unit of its slope.
     channels: Vec<[Square; 2]>,
+    /// Frobenius norms of what terms add to `W^H A Z`.
+    of_terms: Vec<f64>,
+    /// Those of what channels add.
+    of_channels: Vec<[f64; 2]>,
 }
 
 impl Anchor {
@@ -111,11 +115,11 @@ impl Anchor {
 
     /// How far a point is: the changes of the coefficients, each times what it moves the near modes by, rad/s.
     pub fn distance(&self, point: &OperatingPoint) -> f64 {
-        let terms = self.near.terms.iter().zip(self.point.coefficients.iter().zip(&point.coefficients));
-        let terms = terms.map(|((a, _), (here, there))| (here - there) * a.norm());
-        let channels = self.near.channels.iter().zip(self.point.channels.iter().zip(&point.channels));
+        let terms = self.near.of_terms.iter().zip(self.point.coefficients.iter().zip(&point.coefficients));
+        let terms = terms.map(|(moved, (here, there))| (here - there) * moved);
+        let channels = self.near.of_channels.iter().zip(self.point.channels.iter().zip(&point.channels));
         let channels = channels.flat_map(|([friction, slope], (here, there))| {
-            [(here.mu - there.mu) * friction.norm(), (here.slope - there.slope) * slope.norm()]
+            [(here.mu - there.mu) * friction, (here.slope - there.slope) * slope]
         });
         terms.chain(channels).map(|part| part * part).sum::<f64>().sqrt()
     }
@@ -146,12 +150,15 @@ impl Near {
             let left = lower * b;
             [&left * (r * y) * inverse, &left * (b.transpose() * velocity) * minus]
         });
+        let (terms, channels): (Vec<_>, Vec<[Square; 2]>) = (terms.collect(), channels.collect());
         Self {
             right: split::from_columns(y),
             left: stacked(lower),
             constant: [upper * velocity * Complex::from(gamma), upper * y],
-            terms: terms.collect(),
-            channels: channels.collect(),
+            of_terms: terms.iter().map(|(a, _): &(Square, _)| a.norm()).collect(),
+            of_channels: channels.iter().map(|[friction, slope]| [friction.norm(), slope.norm()]).collect(),
+            terms,
+            channels,
         }
     }
 
@@ -161,15 +168,20 @@ impl Near {
         let add = |sum: &mut DMatrix<Complex<f64>>, part: &DMatrix<Complex<f64>>, factor: f64| {
             sum.zip_apply(part, |sum, value| *sum += value * factor);
         };
-        for ((stiffness, mass), &theta) in self.terms.iter().zip(&point.coefficients) {
+        for ((stiffness, mass), &theta) in
+            self.terms.iter().zip(&point.coefficients).filter(|(_, theta)| **theta != 0.0)
+        {
             add(&mut a, stiffness, theta);
             if let Some(mass) = mass {
                 add(&mut b, mass, theta);
             }
         }
         for ([friction, slope], gain) in self.channels.iter().zip(&point.channels) {
-            add(&mut a, friction, gain.mu);
-            add(&mut a, slope, gain.slope);
+            for (part, factor) in [(friction, gain.mu), (slope, gain.slope)] {
+                if factor != 0.0 {
+                    add(&mut a, part, factor);
+                }
+            }
         }
         let (lambdas, x) = dense::eigen_complex(&dense::solve(&b, &a)?)?;
         let left = dense::solve(&(b * &x), &DMatrix::identity(x.nrows(), x.ncols()))?;

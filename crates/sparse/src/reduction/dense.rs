@@ -3,7 +3,7 @@
 //! Those of nalgebra are not blocked: a basis of four hundred columns over five thousand rows would take it minutes.
 
 use faer::MatRef;
-use nalgebra::{ComplexField, DMatrix};
+use nalgebra::{ComplexField, DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::SparseError;
@@ -69,6 +69,32 @@ pub(super) fn eigen_complex(a: &DMatrix<Complex<f64>>) -> Result<Eigen, SparseEr
     check(a, what)?;
     let eigen = view(a).eigen().map_err(|_| SparseError::Decomposition { what })?;
     Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
+}
+
+/// A complex matrix, factored.
+pub(super) struct Factored(faer::linalg::solvers::PartialPivLu<Complex<f64>>);
+
+impl Factored {
+    pub fn new(a: &DMatrix<Complex<f64>>) -> Self {
+        Self(view(a).partial_piv_lu())
+    }
+
+    /// `A^-1 b`.
+    pub fn solve(&self, b: &DVector<Complex<f64>>) -> Result<DVector<Complex<f64>>, SparseError> {
+        use faer::prelude::Solve;
+        let b = MatRef::from_column_major_slice(b.as_slice(), b.len(), 1);
+        let solution = owned(self.0.solve(b).as_ref());
+        check(&solution, "vectors of a reduced system")?;
+        Ok(solution.column(0).into_owned())
+    }
+}
+
+/// `A^-1 B` of real matrices.
+pub(super) fn solve_real(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
+    use faer::prelude::Solve;
+    let solution = owned(view(a).partial_piv_lu().solve(view(b)).as_ref());
+    check(&solution, "mass matrix of a reduced system, inverted,")?;
+    Ok(solution)
 }
 
 /// `A^-1 B`.

@@ -75,13 +75,13 @@ pub(super) fn follow(
     let own: Vec<usize> =
         (0..near.lambdas.len()).filter(|&j| outside(goal.rectangle, near.lambdas[j]) <= 0.5 * goal.margin).collect();
     let mut lambdas: Vec<_> = own.iter().map(|&j| near.lambdas[j]).collect();
-    let mut shapes = selected(&near.right, &own);
+    let mut shapes = split::selected(&near.right, &own);
     let mut active: Vec<usize> = (0..own.len()).collect();
     let mut last_steps = vec![[f64::INFINITY; 2]; own.len()];
     let mut mixings: Vec<Mixing> = own.iter().map(|_| Mixing::default()).collect();
     let (mut corrections, mut multiply_adds) = (0, 8 * k * p * p + 40 * p * p * p);
     for _ in 0..=MOST_CORRECTIONS {
-        let (at, y): (Vec<_>, _) = (active.iter().map(|&j| lambdas[j]).collect(), selected(&shapes, &active));
+        let (at, y): (Vec<_>, _) = (active.iter().map(|&j| lambdas[j]).collect(), split::selected(&shapes, &active));
         let residual = reduced_residual(system, &at, &y);
         multiply_adds += 6 * k * k * active.len() as u64;
         let is_open = |place: usize| {
@@ -98,7 +98,7 @@ pub(super) fn follow(
         }
         let owners: Vec<usize> = open.iter().map(|&place| own[active[place]]).collect();
         let at: Vec<_> = open.iter().map(|&place| at[place]).collect();
-        let (change, steps) = correction(anchor, &near, &owners, &at, &selected(&residual, &open));
+        let (change, steps) = correction(anchor, &near, &owners, &at, &split::selected(&residual, &open));
         active = open.iter().map(|&place| active[place]).collect();
         multiply_adds += 8 * k * (p + q) * active.len() as u64;
         corrections += active.len() as u64;
@@ -119,7 +119,8 @@ pub(super) fn follow(
         return Ok(Err(Doubt::NotConverged));
     }
     let inside: Vec<usize> = (0..own.len()).filter(|&j| goal.rectangle.contains(lambdas[j], 0.0)).collect();
-    let (lambdas, shapes): (Vec<_>, _) = (inside.iter().map(|&j| lambdas[j]).collect(), selected(&shapes, &inside));
+    let (lambdas, shapes): (Vec<_>, _) =
+        (inside.iter().map(|&j| lambdas[j]).collect(), split::selected(&shapes, &inside));
     if have_merged(&lambdas, &shapes) {
         return Ok(Err(Doubt::Merged));
     }
@@ -172,13 +173,6 @@ fn put(weights: &mut DMatrix<f64>, rows: (usize, usize), vector: usize, values: 
         weights[(row, vector)] = value.re;
         weights[(row, half + vector)] = value.im;
     }
-}
-
-/// Some of the vectors of a split matrix.
-fn selected(from: &DMatrix<f64>, wanted: &[usize]) -> DMatrix<f64> {
-    let half = split::count(from);
-    let columns: Vec<usize> = wanted.iter().copied().chain(wanted.iter().map(|&at| half + at)).collect();
-    from.select_columns(&columns)
 }
 
 fn have_merged(lambdas: &[Complex<f64>], shapes: &DMatrix<f64>) -> bool {

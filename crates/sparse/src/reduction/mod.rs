@@ -3,8 +3,12 @@
 //! | to | use |
 //! | --- | --- |
 //! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
+//! | hold all friction and all open and closed contacts | [`response_basis`] |
+//! | find a smaller basis within that for one arrangement | [`within()`] |
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
+//! | find some of them | [`Reduced::modes_among`] |
+//! | compare eigenvalues of two systems | [`compared`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -26,7 +30,9 @@ mod options;
 mod reduced;
 mod report;
 mod residual;
+mod responses;
 mod split;
+mod within;
 
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
@@ -35,3 +41,5 @@ pub use modal::real_modes;
 pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
+pub use responses::{ResponseBasis, ResponseGoal, response_basis};
+pub use within::{Compared, Within, compared, within};

@@ -125,23 +125,46 @@ impl Reduced {
     /// # Errors
     /// A point of another system, or a reduced system that the dense solver does not support.
     pub fn modes(&self, point: &OperatingPoint) -> Result<ReducedModes, SparseError> {
-        let system = self.system.assemble(point)?;
+        self.modes_where(point, &self.system.assemble(point)?, &|_| true)
+    }
+
+    /// Those of the modes in the rectangle at a point whose eigenvalues are asked for: residuals of others cost nothing.
+    ///
+    /// # Errors
+    /// As [`Reduced::modes`].
+    pub fn modes_among(
+        &self,
+        point: &OperatingPoint,
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+    ) -> Result<ReducedModes, SparseError> {
+        self.modes_where(point, &self.system.assemble(point)?, is_wanted)
+    }
+
+    fn modes_where(
+        &self,
+        point: &OperatingPoint,
+        system: &SecondOrder,
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+    ) -> Result<ReducedModes, SparseError> {
         let residual = self.form.at(point);
         let nearest = self.anchors.iter().map(|anchor| (anchor.distance(point), anchor));
         let Some((_, anchor)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return self.by_spectrum(&system, &residual, Some(Doubt::NoStart));
+            return self.by_spectrum(system, &residual, Some(Doubt::NoStart), is_wanted);
         };
         let goal = Goal {
             rectangle: &self.rectangle,
             margin: self.margin(),
             backward_error: REDUCED_PART * self.options.tolerance,
         };
-        match follow(anchor, point, &system, |lambda| residual.norms.size(lambda), &goal)? {
+        match follow(anchor, point, system, |lambda| residual.norms.size(lambda), &goal)? {
             Ok(found) => {
                 let route = Route::Followed { corrections: found.corrections };
-                Ok(self.judged(&system, &residual, found.lambdas, found.shapes, route, found.multiply_adds))
+                let kept: Vec<usize> = (0..found.lambdas.len()).filter(|&at| is_wanted(found.lambdas[at])).collect();
+                let lambdas = kept.iter().map(|&at| found.lambdas[at]).collect();
+                let shapes = split::selected(&found.shapes, &kept);
+                Ok(self.judged(system, &residual, lambdas, shapes, route, found.multiply_adds))
             }
-            Err(doubt) => self.by_spectrum(&system, &residual, Some(doubt)),
+            Err(doubt) => self.by_spectrum(system, &residual, Some(doubt), is_wanted),
         }
     }
 
@@ -150,7 +173,7 @@ impl Reduced {
     /// # Errors
     /// As [`Reduced::modes`].
     pub fn modes_by_spectrum(&self, point: &OperatingPoint) -> Result<ReducedModes, SparseError> {
-        self.by_spectrum(&self.system.assemble(point)?, &self.form.at(point), None)
+        self.by_spectrum(&self.system.assemble(point)?, &self.form.at(point), None, &|_| true)
     }
 
     /// The residual of any pair (lambda, V y) at a point.
@@ -189,13 +212,14 @@ impl Reduced {
     fn by_spectrum(
         &self,
         system: &SecondOrder,
-        residual: &ResidualAt,
+        residual: &ResidualAt<'_>,
         doubt: Option<Doubt>,
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Result<ReducedModes, SparseError> {
         let mut work = Workspace::default();
         let spectrum = QrSolver.eigenvalues(system, &mut work)?;
-        let wanted: Vec<_> =
-            spectrum.eigenvalues.into_iter().filter(|&lambda| self.rectangle.contains(lambda, 0.0)).collect();
+        let is_meant = |lambda: &Complex<f64>| self.rectangle.contains(*lambda, 0.0) && is_wanted(*lambda);
+        let wanted: Vec<_> = spectrum.eigenvalues.into_iter().filter(is_meant).collect();
         let shapes = cea::right_vectors(system, &wanted, &mut work)?;
         let mut columns = split::zeros(system.order(), wanted.len());
         shapes.iter().enumerate().for_each(|(at, shape)| split::set(&mut columns, at, shape.iter().copied()));
@@ -209,7 +233,7 @@ impl Reduced {
     fn judged(
         &self,
         system: &SecondOrder,
-        residual: &ResidualAt,
+        residual: &ResidualAt<'_>,
         lambdas: Vec<Complex<f64>>,
         shapes: DMatrix<f64>,
         route: Route,

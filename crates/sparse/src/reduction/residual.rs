@@ -11,7 +11,7 @@
 //! orthogonal to V. Nothing is squared but the last short vector: the usual expansion of `|Q V y|^2` in inner products of the
 //! terms loses half of the digits.
 
-use linsys::{Lag, OperatingPoint, SecondOrder};
+use linsys::{ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -35,10 +35,9 @@ pub(super) struct ResidualForm {
 
 /// The residual form at one operating point.
 #[derive(Debug, Clone)]
-pub(super) struct ResidualAt {
-    outer: [DMatrix<f64>; 3],
-    /// A lag with `W^T b` and `V^T b` of its channel.
-    lags: Vec<(Lag, DVector<f64>, DVector<f64>)>,
+pub(super) struct ResidualAt<'a> {
+    form: &'a ResidualForm,
+    point: &'a OperatingPoint,
     pub norms: NormsAt,
     /// Norms at most of what was left out of M, C, K.
     dropped: [f64; 3],
@@ -182,48 +181,26 @@ impl ResidualForm {
     }
 
     /// The form at a point that belongs to the system.
-    pub fn at(&self, point: &OperatingPoint) -> ResidualAt {
-        let columns = self.terms.first().map_or(0, |[m, ..]| m.ncols());
-        let mut outer = [(); 3].map(|()| DMatrix::zeros(self.rank, columns));
-        let (mut dropped, mut lags) = ([0.0; 3], Vec::new());
-        for ((term, left_out), &theta) in self.terms.iter().zip(&self.dropped.0).zip(&point.coefficients) {
-            for (power, part) in term.iter().enumerate().filter(|(_, part)| part.nrows() > 0) {
-                outer[power].zip_apply(part, |sum, value| *sum += theta * value);
-                dropped[power] += theta.abs() * left_out[power];
-            }
+    pub fn at<'a>(&'a self, point: &'a OperatingPoint) -> ResidualAt<'a> {
+        let mut dropped = [0.0; 3];
+        for (left_out, theta) in self.dropped.0.iter().zip(&point.coefficients) {
+            dropped.iter_mut().zip(left_out).for_each(|(sum, left_out)| *sum += theta.abs() * left_out);
         }
-        let [_, c, k] = &mut outer;
-        for (([out, force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels)
-        {
-            k.ger(gain.mu, out, reading, 1.0);
-            c.ger(gain.slope, out, force, 1.0);
-            dropped[2] += gain.mu.abs() * left_out * reading.norm();
+        for (([_, force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels) {
+            let lag = gain.lag.map_or(0.0, |lag| lag.force * lag.drive);
+            dropped[2] += gain.mu.abs() * left_out * reading.norm() + lag.abs() * left_out * force.norm();
             dropped[1] += gain.slope.abs() * left_out * force.norm();
-            if let Some(lag) = gain.lag {
-                dropped[2] += (lag.force * lag.drive).abs() * left_out * force.norm();
-                lags.push((lag, out.clone(), force.clone()));
-            }
         }
-        ResidualAt { outer, lags, norms: self.norms.at(point), dropped }
+        ResidualAt { form: self, point, norms: self.norms.at(point), dropped }
     }
 }
 
-impl ResidualAt {
+impl ResidualAt<'_> {
     /// The residual of each pair (lambda_j, V y_j), y_j the split columns of `y`, where `system` is the reduced system at the
     /// point: an upper bound, above the residual by no more than what the truncation left out.
     pub fn of(&self, system: &SecondOrder, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> Vec<f64> {
         let inner = reduced_residual(system, lambdas, y);
-        let [m, c, k] = &self.outer;
-        let mut outer = split::quadratic([m, c, k], lambdas, y);
-        for (lag, out, force) in &self.lags {
-            for (at, &lambda) in lambdas.iter().enumerate() {
-                let (re, im) = split::parts(y, at);
-                let drive = Complex::new(force.dot(&re), force.dot(&im));
-                let pull = drive * lambda * (lag.force * lag.drive) / (lambda + lag.decay);
-                outer.column_mut(at).axpy(pull.re, out, 1.0);
-                outer.column_mut(lambdas.len() + at).axpy(pull.im, out, 1.0);
-            }
-        }
+        let outer = self.outside(lambdas, y);
         let [m, c, k] = self.dropped;
         let residual = |(at, &lambda): (usize, &Complex<f64>)| {
             let (size, l) = (split::norm_squared(y, at).sqrt(), lambda.norm());
@@ -232,6 +209,39 @@ impl ResidualAt {
             squared.sqrt() / (self.norms.size(lambda) * size)
         };
         lambdas.iter().enumerate().map(residual).collect()
+    }
+
+    /// `W^T Q(lambda_j) V y_j`, from term to term: an operating point's own matrices would cost more than the few products.
+    fn outside(&self, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut outer = split::zeros(self.form.rank, lambdas.len());
+        let mut add = |at: usize, part: &DVector<f64>, [re, im]: [f64; 2]| {
+            outer.column_mut(at).axpy(re, part, 1.0);
+            outer.column_mut(lambdas.len() + at).axpy(im, part, 1.0);
+        };
+        for (term, &theta) in self.form.terms.iter().zip(&self.point.coefficients) {
+            for (power, part) in [2, 1, 0].into_iter().zip(term).filter(|(_, part)| part.nrows() > 0 && theta != 0.0) {
+                let product = part * y;
+                for (at, &lambda) in lambdas.iter().enumerate() {
+                    let factor = lambda.powi(power) * theta;
+                    let (re, im) = (product.column(at).into_owned(), product.column(lambdas.len() + at).into_owned());
+                    add(at, &re, [factor.re, factor.im]);
+                    add(at, &im, [-factor.im, factor.re]);
+                }
+            }
+        }
+        for ([out, force, reading], gain) in self.form.channels.iter().zip(&self.point.channels) {
+            if *gain == ChannelGain::default() {
+                continue;
+            }
+            for (at, &lambda) in lambdas.iter().enumerate() {
+                let (re, im) = split::parts(y, at);
+                let along = |side: &DVector<f64>| Complex::new(side.dot(&re), side.dot(&im));
+                let slope = gain.complex_slope(lambda);
+                let pull = along(reading) * gain.mu + along(force) * lambda * slope;
+                add(at, out, [pull.re, pull.im]);
+            }
+        }
+        outer
     }
 }
 

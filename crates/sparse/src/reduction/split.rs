@@ -45,6 +45,13 @@ pub(super) fn set(split: &mut DMatrix<f64>, at: usize, values: impl Iterator<Ite
     }
 }
 
+/// Some of the vectors.
+pub(super) fn selected(split: &DMatrix<f64>, wanted: &[usize]) -> DMatrix<f64> {
+    let half = count(split);
+    let columns: Vec<usize> = wanted.iter().copied().chain(wanted.iter().map(|&at| half + at)).collect();
+    split.select_columns(&columns)
+}
+
 /// The squared 2-norm of vector `at`.
 pub(super) fn norm_squared(split: &DMatrix<f64>, at: usize) -> f64 {
     let (re, im) = parts(split, at);

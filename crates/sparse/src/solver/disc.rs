@@ -1,6 +1,7 @@
 //! All eigenvalues near one shift: a right and a left Krylov space with one factorisation.
 
 use faer::Mat;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::factor::{Factor, Symbolic};
@@ -51,6 +52,20 @@ impl Problem {
         let pencil = Pencil::new(system);
         let symbolic = Symbolic::new(&pencil)?;
         Ok(Self { pencil, symbolic })
+    }
+
+    /// `Q(lambda)^-1 F` of a real n x m block F.
+    ///
+    /// # Errors
+    /// Q singular there, a solution that refinement does not make accurate, a factorisation that does not fit into memory.
+    pub(crate) fn solve(
+        &self,
+        lambda: Complex<f64>,
+        forces: &DMatrix<f64>,
+    ) -> Result<DMatrix<Complex<f64>>, SparseError> {
+        let right = Mat::from_fn(forces.nrows(), forces.ncols(), |i, j| Complex::from(forces[(i, j)]));
+        let solution = Factor::new(&self.symbolic, &self.pencil, lambda)?.solve(Side::Right, &right)?;
+        Ok(DMatrix::from_fn(solution.nrows(), solution.ncols(), |i, j| solution[(i, j)]))
     }
 
     /// The backward and the relative forward error of a solution with Q(lambda), infinite where there is none.

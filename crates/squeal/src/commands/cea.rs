@@ -113,8 +113,7 @@ impl CeaArgs {
                 allowed: names.join(", "),
             });
         };
-        let (at, reduced) =
-            (brake.operating_point(scene, &brake.median())?, &brake.sets[constraints].reduction.reduced);
+        let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
         let sign = bare_sign(&brake.plan.threshold, VERDICTS);
         let heading = format!("{}; median parameters{sign}", brake.plan.describe(scene));

@@ -4,6 +4,7 @@ mod cea;
 mod check;
 mod eig;
 mod influence;
+mod mesh_shapes;
 mod options;
 mod reasons;
 mod refuse;

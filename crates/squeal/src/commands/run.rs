@@ -1,9 +1,10 @@
 //! `squeal run`: the study of a case, from its file to tables and figures.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::check::announced;
+use super::mesh_shapes::write_mesh_shapes;
 use super::options::{number, override_run, threads, whole_number};
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
@@ -12,7 +13,7 @@ use crate::report::{
     Claim, Estimates, Geometry, Results, Stopped, claims, claims_markdown, draw_occurrence, write_page,
 };
 use crate::run::bar;
-use crate::study::UncertainBrake;
+use crate::study::{FullChecks, UncertainBrake};
 use crate::{Error, run_study_until};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
@@ -45,6 +46,16 @@ pub struct RunArgs {
     pub threads: Option<usize>,
 }
 
+/// What a kind of brake has beside its study.
+struct More<'a> {
+    /// How its modes are drawn.
+    geometry: Geometry,
+    /// The scorecard of what a publication claims of it.
+    claims: &'a (dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
+    /// Writes files of its own.
+    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<(), Error> + Sync),
+}
+
 impl RunArgs {
     /// Runs the command; `out` gets a summary for people.
     ///
@@ -59,19 +70,24 @@ impl RunArgs {
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
                 let geometry = Geometry::lattice(grid.rows(), grid.columns());
-                self.run_brake(&brake, &geometry, half_width, &|results| claims(results, &brake), out)
+                let more = More { geometry, claims: &|results| claims(results, &brake), files: &|_, _| Ok(()) };
+                self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = MatricesBrake::new(*case)?;
-                self.run_brake(&brake, &Geometry::bodies(brake.plan()), half_width, &|_| Ok(Vec::new()), out)
+                let geometry = Geometry::bodies(brake.plan());
+                let more = More { geometry, claims: &|_| Ok(Vec::new()), files: &|_, _| Ok(()) };
+                self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
-                self.run_brake(&brake, &Geometry::none(), half_width, &|_| Ok(Vec::new()), out)
+                let files = |results: &Results<'_>, dir: &Path| write_mesh_shapes(&brake, results, dir);
+                let more = More { geometry: Geometry::none(), claims: &|_| Ok(Vec::new()), files: &files };
+                self.run_brake(&brake, half_width, &more, out)
             }
         }
     }
@@ -85,13 +101,12 @@ impl RunArgs {
         (2 * failed > evaluations).then(|| Error::MostFailed { path: self.out.clone(), failed, evaluations, first })
     }
 
-    /// Runs the study of a brake, with a scorecard of what a publication claims of it.
+    /// Runs the study of a brake.
     fn run_brake<B: UncertainBrake>(
         &self,
         brake: &B,
-        geometry: &Geometry,
         half_width: Option<f64>,
-        claims: &(dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
+        more: &More<'_>,
         out: &mut dyn Write,
     ) -> Result<(), Error> {
         for (option, given) in [("--half-width", half_width), ("--until-half-width", self.until_half_width)] {
@@ -106,12 +121,13 @@ impl RunArgs {
         let until = self.until_half_width;
         let manifest = run_study_until(brake, &self.out, self.threads, until, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
-            scorecard = claims(results)?;
+            (more.files)(results, dir)?;
+            scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
                 estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
             // Last: it shows the tables.
-            write_page(results, geometry, dir)?;
+            write_page(results, &more.geometry, dir)?;
             most_failed = self.most_failed(results);
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;
@@ -121,10 +137,11 @@ impl RunArgs {
         if !scorecard.is_empty() {
             writeln!(out, "{}", claims_markdown(&scorecard)).map_err(Error::StandardOutput)?;
         }
+        let checked = manifest.full_checks.as_ref().map_or_else(String::new, checks_in_words);
         let stopped = manifest.stopped.as_ref().map_or_else(String::new, |stopped| in_words(stopped, manifest.samples));
         writeln!(
             out,
-            "{summary}{estimates}{stopped}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
+            "{summary}{estimates}{checked}{stopped}{} CEAs ({} solved, {} of them by a certificate of stability) in {:.2} s, {} failures; results in {}",
             manifest.analyses,
             manifest.solved,
             manifest.certified,
@@ -135,6 +152,15 @@ impl RunArgs {
         .map_err(Error::StandardOutput)?;
         most_failed.map_or(Ok(()), Err)
     }
+}
+
+/// What samples against the whole brake found, in a line.
+fn checks_in_words(found: &FullChecks) -> String {
+    let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance } = *found;
+    format!(
+        "{samples} samples with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
+         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}\n"
+    )
 }
 
 /// Where a run stopped, in a line.

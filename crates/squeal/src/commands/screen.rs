@@ -9,7 +9,7 @@ use serde_json::json;
 use super::options::{number, override_run, threads, whole_number};
 use super::results_folder;
 use super::scene::chosen;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::brakes::{Bases, FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
@@ -96,7 +96,7 @@ impl ScreenArgs {
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
-                self.screen(&FiniteElementBrake::new(*case, &bar("reductions"))?)?
+                self.screen(&FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"))?)?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)

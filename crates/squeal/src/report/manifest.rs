@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Results;
 use crate::fingerprint;
-use crate::study::Plan;
+use crate::study::{FullChecks, Plan};
 
 /// Wall-clock times of the stages, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -100,6 +100,9 @@ pub struct Manifest {
     /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
+    /// Of a reduced brake: some samples against the whole one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_checks: Option<FullChecks>,
     /// Where a run stopped that had to know every occurrence to a half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
@@ -132,6 +135,7 @@ impl Manifest {
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
+            full_checks: None,
             stopped: None,
             seconds,
         }

@@ -43,12 +43,8 @@ struct FromInner {
     changed: ChangedBrake,
 }
 
-/// Places of what has been laid out already, by those of the inner brake and of the image of the changes.
-#[derive(Default)]
-struct LaidOut {
-    origins: HashMap<(usize, usize), usize>,
-    configurations: HashMap<(usize, usize), usize>,
-}
+/// Places of the configurations that are laid out, by those of the inner brake and of the image of the changes.
+type LaidOut = HashMap<(usize, usize), usize>;
 
 impl<'a, B: UncertainBrake> Modified<'a, B> {
     /// A brake with these sets of changes.
@@ -74,7 +70,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(modified)
     }
 
-    /// Adds the origins, configurations and scenes of a set of changes.
+    /// Adds the configurations and scenes of a set of changes.
     fn lay_out(&mut self, place: usize, set: &ChangeSet) -> Result<(), Error> {
         let images = Images::new(&set.changes, &self.inner.symmetries(set.of));
         let mut laid_out = LaidOut::default();
@@ -93,7 +89,7 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         Ok(())
     }
 
-    /// The place of the configuration of a scene with changes, which is added where it is not there yet, and its origin with it.
+    /// The place of the configuration of a scene with changes, which is added where it is not there yet.
     fn configuration(
         &mut self,
         scene: &Scene,
@@ -101,35 +97,20 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
         image: usize,
         laid_out: &mut LaidOut,
     ) -> Result<usize, Error> {
-        if let Some(&known) = laid_out.configurations.get(&(scene.configuration, image)) {
+        if let Some(&known) = laid_out.get(&(scene.configuration, image)) {
             return Ok(known);
         }
-        let of = self.inner.plan();
-        let from = of.configuration(scene);
-        let origin = match laid_out.origins.get(&(from.origin, image)) {
-            Some(&known) => known,
-            None => {
-                // Modes have their names with every contact, as those of the brake without changes have.
-                let Origin { brake, naming_point } = &of.origins[from.origin];
-                let changed = ChangedBrake::new(brake, &[], changes)?;
-                let naming_point = changed.point(naming_point.clone());
-                self.plan.origins.push(Origin { brake: changed.brake, naming_point });
-                let place = self.plan.origins.len() - 1;
-                laid_out.origins.insert((from.origin, image), place);
-                place
-            }
-        };
+        let from = self.inner.plan().configuration(scene);
         let changed = ChangedBrake::new(&from.brake, &self.inner.contacts(scene), changes)?;
-        self.plan.configurations.push(Configuration {
-            brake: changed.brake.clone(),
-            naming_point: changed.point(from.naming_point.clone()),
-            origin,
-            contacts: from.contacts.clone(),
-        });
+        let (brake, naming_point) = (changed.brake.clone(), changed.point(from.naming_point.clone()));
+        // Modes have no names here but their ranks, so that each configuration is the origin of its own.
+        self.plan.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
+        let (origin, contacts) = (self.plan.origins.len() - 1, from.contacts.clone());
+        self.plan.configurations.push(Configuration { brake, naming_point, origin, contacts });
         let (constraints, configuration) = (scene.key.constraints, scene.configuration);
         self.from.push(FromInner { constraints, configuration, changed });
         let place = self.from.len() - 1;
-        laid_out.configurations.insert((scene.configuration, image), place);
+        laid_out.insert((scene.configuration, image), place);
         Ok(place)
     }
 }

@@ -2,8 +2,9 @@
 
 use linsys::{Channel, OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use serde::Serialize;
 
 use super::{Plan, Scene};
 use crate::Error;
@@ -39,6 +40,36 @@ pub struct ModeResidual {
     pub value: f64,
     /// Whether it is above the one that was asked for.
     pub is_above: bool,
+}
+
+/// What samples of a reduced brake are in the whole one: the modes in the band, whether they grow or not.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct FullChecks {
+    /// Samples of a scene whose whole brake was solved.
+    pub samples: u64,
+    /// Its modes.
+    pub modes: u64,
+    /// Those of them that the reduced brake does not have.
+    pub missing: u64,
+    /// Modes that only the reduced brake has.
+    pub invented: u64,
+    /// Modes on the other side of the threshold.
+    pub other_verdicts: u64,
+    /// The largest distance of an eigenvalue from that of the reduced brake, relative to its size.
+    pub largest_distance: f64,
+}
+
+/// A mode that a brake finds itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandMode {
+    /// The eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+    /// The shape over the free degrees of freedom of the configuration.
+    pub shape: DVector<Complex<f64>>,
+    /// What the eigenvalue is good to, rad/s: a mode nearer than that to the threshold of the plan is undecided.
+    pub bound: f64,
+    /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    pub residual: Option<ModeResidual>,
 }
 
 /// A relabelling of degrees of freedom and contacts that maps a brake onto itself.
@@ -94,6 +125,20 @@ pub struct OwnSize {
     pub mass: f64,
     /// N/m.
     pub stiffness: f64,
+}
+
+/// A larger brake of which an origin and a configuration are reductions, in coordinates that they have in common: there the modes of
+/// the origin are followed to those of the configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bridge {
+    /// The larger brake at the operating point of the origin.
+    pub from: SecondOrder,
+    /// The larger brake at the naming point of the configuration.
+    pub to: SecondOrder,
+    /// The coordinates of the origin in terms of those in common, as columns.
+    pub origin: DMatrix<f64>,
+    /// Those of the configuration.
+    pub own: DMatrix<f64>,
 }
 
 /// A brake with everything that is uncertain in it.
@@ -158,17 +203,34 @@ pub trait UncertainBrake: Sync {
         self.median()
     }
 
-    /// The residual of a mode in a larger system that the scene's brake is a reduction of; `None` of a brake that is none.
+    /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
+    /// freedom of both are not the same. Such a brake has one sector.
     ///
     /// # Errors
-    /// A point or shape of another system.
-    fn mode_residual(
-        &self,
-        _scene: &Scene,
-        _at: &OperatingPoint,
-        _lambda: Complex<f64>,
-        _shape: &DVector<Complex<f64>>,
-    ) -> Result<Option<ModeResidual>, Error> {
+    /// Medians that have no operating point.
+    fn bridge(&self, _configuration: usize) -> Result<Option<Bridge>, Error> {
+        Ok(None)
+    }
+
+    /// Whether the brake finds the modes of a sample itself: those in the band of the plan, which it must have.
+    fn has_band_modes(&self) -> bool {
+        false
+    }
+
+    /// The modes of a sample in the band of the plan, of a brake that finds them itself; those that are surely stable may be missing. Such a
+    /// brake has one sector.
+    ///
+    /// # Errors
+    /// An operating point of another scene, a system that is not supported.
+    fn band_modes(&self, _scene: &Scene, _at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
+        Ok(Vec::new())
+    }
+
+    /// Some of the first `samples` samples of a reduced brake against the whole one; `None` of a brake that is none.
+    ///
+    /// # Errors
+    /// A sample whose whole brake cannot be solved.
+    fn full_checks(&self, _samples: u64) -> Result<Option<FullChecks>, Error> {
         Ok(None)
     }
 

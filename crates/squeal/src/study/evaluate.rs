@@ -128,14 +128,18 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
         let References { origins, scenes } =
-            references(plan, &points, by_likeness, solver, progress).map_err(failed)?;
+            references(plan, &points, &|configuration| brake.bridge(configuration), by_likeness, solver, progress)
+                .map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
-        let certificates = match options.certificates {
+        let certificates = match options.certificates && !brake.has_band_modes() {
             true => certificates(brake)?,
             false => vec![Certificate::default(); plan.configurations.len()],
         };
-        let equations = equations(&plan.configurations)?;
+        let equations = match brake.has_band_modes() {
+            true => plan.configurations.iter().map(SecularEquations::none).collect(),
+            false => equations(&plan.configurations)?,
+        };
         let anchors = anchors(brake, &equations, &certificates, solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
@@ -210,6 +214,28 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                 .map(|((secular, anchors), reference)| SectorEquation { secular, anchors, reference }),
         });
         solvers.collect()
+    }
+
+    /// The outcomes at operating points of a scene of a brake that finds its modes itself.
+    fn band_samples(
+        &self,
+        scene: usize,
+        points: &[OperatingPoint],
+        scratch: &mut Scratch,
+    ) -> Vec<Result<Outcome, Error>> {
+        let (solvers, memory) = (self.solvers(scene), &mut scratch.memory);
+        let scene = &self.plan().scenes[scene];
+        let Some(solver) = solvers.first() else { return Vec::new() };
+        let mut outcome = |at: &OperatingPoint| {
+            let found = timed(&mut memory.spent.search, || self.brake.band_modes(scene, at))?;
+            if found.is_empty() {
+                return Ok(Outcome::default());
+            }
+            let system = timed(&mut memory.spent.assembly, || self.plan().brake(scene).system.assemble(at))?;
+            let modes = solver.name_band(&system, found, memory)?;
+            self.outcome(scene, at, &[modes])
+        };
+        points.iter().map(&mut outcome).collect()
     }
 
     /// The outcomes at operating points of a scene that no certificate covers.
@@ -300,7 +326,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
-            for UnstableSectorMode { index, mode, names, names_by_likeness } in &of_sector.unstable {
+            for UnstableSectorMode { index, mode, names, names_by_likeness, residual } in &of_sector.unstable {
                 let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
                 let work = systems.as_ref().map(of_mode).transpose()?;
                 outcome.growth = outcome.growth.max(mode.lambda.re);
@@ -310,7 +336,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                     names: names.clone(),
                     names_by_likeness: names_by_likeness.clone(),
                     work,
-                    residual: self.brake.mode_residual(scene, at, mode.lambda, &mode.shape)?,
+                    residual: *residual,
                 });
             }
             let counts = |re: f64| self.plan().threshold.margin(Complex::from(re)) > 0.0;
@@ -386,7 +412,11 @@ impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
                 }));
             }
         });
-        for (at, outcome) in open.into_iter().zip(self.open_samples(scene, &points, scratch)) {
+        let found = match self.brake.has_band_modes() {
+            true => self.band_samples(scene, &points, scratch),
+            false => self.open_samples(scene, &points, scratch),
+        };
+        for (at, outcome) in open.into_iter().zip(found) {
             outcomes[at] = outcome;
         }
         out.append(&mut outcomes);

@@ -25,7 +25,8 @@ mod set_links;
 mod tally;
 
 pub use brake::{
-    Direction, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry, UncertainBrake, WholeContact,
+    BandMode, Bridge, Direction, FullChecks, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
+    UncertainBrake, WholeContact,
 };
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};

@@ -13,15 +13,16 @@
 //! between them.
 
 use cea::{CeaError, EQUAL_BUT_FOR_ROUNDING, EigenSolver, Mode, Modes, Workspace, rank_order, ranks_together};
-use linsys::{OperatingPoint, SecondOrder};
+use linsys::{OperatingPoint, SecondOrder, real_times_complex};
 use montecarlo::Progress;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
 use tracking::{Links, Path, PathEnd, PathStart, follow, identify, identify_all};
 
 use super::named_shapes::NamedShapes;
-use super::{Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
+use super::{Bridge, Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
 use crate::Error;
 
 /// Memory for the reference modes of a configuration or a scene, or for its anchors, that bounds how many spectra in more digits
@@ -181,13 +182,18 @@ impl Reference {
         let end = PathEnd { system: &next.system, modes: &next.modes };
         let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
         let links = link(solver, path, work)?;
-        for (names, link) in self.names.iter().zip(links) {
+        next.name(&self.names, links);
+        Ok(next)
+    }
+
+    /// Gives these modes the names of those that become them.
+    fn name(&mut self, names: &[Vec<ModeLabel>], links: Vec<Vec<usize>>) {
+        for (names, link) in names.iter().zip(links) {
             for to in link {
-                next.names[to].extend(names);
+                self.names[to].extend(names);
             }
         }
-        next.open_equal_modes();
-        Ok(next)
+        self.open_equal_modes();
     }
 }
 
@@ -197,7 +203,8 @@ pub(super) struct References {
     pub scenes: Vec<SectoredReference>,
 }
 
-/// The references of `plan`; `points` are the operating points of its scenes at median parameters. Shapes of the origins are kept
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` what each configuration has in
+/// common with its origin where their degrees of freedom differ. Shapes of the origins are kept
 /// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
@@ -205,6 +212,7 @@ pub(super) struct References {
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
+    bridge: &(dyn Fn(usize) -> Result<Option<Bridge>, Error> + Sync),
     by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
@@ -214,16 +222,24 @@ pub(super) fn references(
         Ok(if by_likeness { named.naming_by_likeness() } else { named })
     };
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
-    let of_configuration = |configuration: &Configuration| {
-        let found = of_configuration(configuration, &origins[configuration.origin], plan, solver);
+    let of_configuration = |(place, configuration): (usize, &Configuration)| {
+        let origin = &origins[configuration.origin];
+        let found = bridge(place).and_then(|bridge| match bridge {
+            None => of_configuration(configuration, origin, plan, solver),
+            Some(bridge) => across(&bridge, configuration, origin, plan, solver),
+        });
         progress.advance(1);
         found.map_err(|source| Error::Scene {
             scene: format!("contact {}", configuration.contacts),
             source: source.into(),
         })
     };
-    let configurations =
-        plan.configurations.par_iter().map(of_configuration).collect::<Result<Vec<SectoredReference>, Error>>()?;
+    let configurations = plan
+        .configurations
+        .par_iter()
+        .enumerate()
+        .map(of_configuration)
+        .collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
         let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], plan, solver);
         progress.advance(1);
@@ -264,6 +280,37 @@ fn of_configuration(
     // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
     // together.
     SectoredReference::linked(&from, solver, &brake.sectors, system, false, plan)
+}
+
+/// The modes of a configuration named by those of an origin with other degrees of freedom, in coordinates that both have in common.
+fn across(
+    bridge: &Bridge,
+    configuration: &Configuration,
+    origin: &Reference,
+    plan: &Plan,
+    solver: &dyn EigenSolver,
+) -> Result<SectoredReference, Error> {
+    let system = configuration.brake.system.assemble(&configuration.naming_point)?;
+    let mut work = bounded_workspace(bridge.from.order());
+    let (mut next, _) = Reference::unnamed(solver, system, plan, &mut work)?;
+    let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
+        modes.iter().map(|mode| Mode::normalised(system, mode.lambda, real_times_complex(onto, &mode.shape))).collect()
+    };
+    let own = bridge.own.transpose() * &bridge.origin;
+    next.shapes = origin.shapes.as_ref().map(|NamedShapes { modes, names }| NamedShapes {
+        modes: lifted(modes, &own, &next.system),
+        names: names.clone(),
+    });
+    if plan.mode_identity == ModeIdentity::Mac {
+        next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
+    } else {
+        let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.from);
+        let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
+        let end = PathEnd { system: &bridge.to, modes: &end_modes };
+        let path = Path { start: PathStart::System(&bridge.from), start_modes: &start_modes, end };
+        next.name(&origin.names, identify(solver, path, &mut work)?);
+    }
+    Ok(SectoredReference { whole: next.clone(), sectors: vec![next] })
 }
 
 fn of_scene(

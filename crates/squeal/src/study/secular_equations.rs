@@ -28,6 +28,12 @@ pub(super) struct SecularEquations {
 }
 
 impl SecularEquations {
+    /// No equation: for a brake that finds its modes itself.
+    pub fn none(configuration: &Configuration) -> Self {
+        let sectors = configuration.brake.sectors.iter().map(|_| None).collect();
+        Self { coefficients: configuration.naming_point.coefficients.clone(), sectors }
+    }
+
     /// The equations of a configuration, for operating points with the coefficients of its naming point.
     ///
     /// # Errors

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
+use sparse::reduction::Reduced;
 
-use super::ReducedSet;
 use super::points::{closed_channels, naming_point, speeds_of};
 use crate::Error;
 use crate::brakes::labels::friction_labels;
@@ -13,13 +13,19 @@ use crate::case::{FiniteElementCase, PatchContact};
 use crate::study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 /// The plan, and the closed patches of each of its configurations.
-pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Plan, Vec<Vec<usize>>), Error> {
+///
+/// `origins` is the reduced brake of each set of constraints with all patches closed, `configurations` that of each configuration.
+pub(super) fn plan(
+    case: &FiniteElementCase,
+    origins: &[&Reduced],
+    configurations: &[&Reduced],
+) -> Result<(Plan, Vec<Vec<usize>>), Error> {
     let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
     plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
     plan.threshold = case.threshold;
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
     let mut closed = Vec::new();
-    for (set, constraints) in sets.iter().zip(&case.constraints) {
+    for (set, constraints) in origins.iter().zip(&case.constraints) {
         let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
         let whole = (brake(case, set, &all)?, naming_point(case, &all)?);
         match &case.contact {
@@ -30,7 +36,7 @@ pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Pla
             Some(contact) => {
                 plan.labels.constraints.push(constraints.name.clone());
                 plan.origins.push(Origin { brake: whole.0, naming_point: whole.1 });
-                add_scenes(case, set, contact, &mut plan, &mut closed)?;
+                add_scenes(case, configurations, contact, &mut plan, &mut closed)?;
             }
         }
     }
@@ -43,7 +49,7 @@ pub(super) fn plan(case: &FiniteElementCase, sets: &[ReducedSet]) -> Result<(Pla
 /// Adds the configurations and scenes of a set of constraints with a contact.
 fn add_scenes(
     case: &FiniteElementCase,
-    set: &ReducedSet,
+    configurations: &[&Reduced],
     contact: &PatchContact,
     plan: &mut Plan,
     closed: &mut Vec<Vec<usize>>,
@@ -61,7 +67,7 @@ fn add_scenes(
                 }
             }
             plan.configurations.push(Configuration {
-                brake: brake(case, set, &in_contact)?,
+                brake: brake(case, configurations[configuration], &in_contact)?,
                 naming_point: naming_point(case, &in_contact)?,
                 origin: constraints,
                 contacts: arrangement.to_string(),
@@ -76,8 +82,8 @@ fn add_scenes(
 /// have no channels.
 ///
 /// Columns of a basis belong to no body, so there is one body. Friction of each patch is a force family of its own.
-fn brake(case: &FiniteElementCase, set: &ReducedSet, closed: &[usize]) -> Result<Brake, Error> {
-    let (reduced, own) = (set.reduction.reduced.system(), case.coefficients.len());
+fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Brake, Error> {
+    let (reduced, own) = (on.system(), case.coefficients.len());
     let mut terms = reduced.terms()[..own].to_vec();
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let holders = own..reduced.terms().len() - patches;

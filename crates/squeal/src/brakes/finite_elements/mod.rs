@@ -1,5 +1,7 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
+mod bridge;
+mod full_checks;
 mod layout;
 mod parameters;
 mod places;
@@ -7,28 +9,45 @@ mod points;
 mod reduce;
 
 pub use points::frictionless;
-pub use reduce::ReducedSet;
+pub use reduce::{Bases, Part, ReducedSet};
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
-use nalgebra::DVector;
+use nalgebra::DVectorView;
 use num_complex::Complex;
 
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
-use crate::study::{Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact};
+use crate::study::{
+    BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact,
+};
 
-/// The brake of a case in all its configurations, each set of constraints reduced on its own basis.
+/// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
+/// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
+const ALLOWANCE: f64 = 100.0;
+/// The least that it is taken to be, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were solved
+/// with the whole brake.
+const LEAST_ERROR: f64 = 1e-5;
+
+/// The brake of a case in all its configurations, reduced.
+///
+/// Each set of constraints has a basis that holds all arrangements, each part of the study a smaller one within that.
 #[derive(Debug)]
 pub struct FiniteElementBrake {
     /// The case.
     pub case: FiniteElementCase,
     /// The scenes of the case.
     pub plan: Plan,
-    /// The reduced brake of each set of constraints.
+    /// The brake with each set of constraints.
     pub sets: Vec<ReducedSet>,
+    /// The brake on its smaller bases.
+    pub parts: Vec<Part>,
+    /// The part of each set of constraints with all patches closed.
+    of_origins: Vec<usize>,
+    /// The part of each configuration of the plan.
+    of_configurations: Vec<usize>,
     /// The closed patches of each configuration of the plan, from 0; none without a contact.
     closed: Vec<Vec<usize>>,
 }
@@ -43,14 +62,36 @@ pub struct FiniteElementSample {
 }
 
 impl FiniteElementBrake {
-    /// Reduces the brake for each set of constraints, and lays out its scenes.
+    /// Reduces the brake, each arrangement on a basis of its own, and lays out its scenes: what a study is fastest with.
     ///
     /// # Errors
     /// What the reduction refuses; [`Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
-        let sets = reduce::reduced_sets(&case, progress)?;
-        let (plan, closed) = layout::plan(&case, &sets)?;
-        Ok(Self { case, plan, sets, closed })
+        Self::on(case, Bases::OfEach, progress)
+    }
+
+    /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`UncertainBrake::places`].
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`].
+    pub fn on(case: FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<Self, Error> {
+        let reduce::AllBases { sets, parts, of_origins, of_configurations } =
+            reduce::all_bases(&case, bases, progress)?;
+        let part = |at: usize| &parts[at].reduced;
+        let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
+        let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
+        let (plan, closed) = layout::plan(&case, &of_origins_parts, &of_configurations_parts)?;
+        Ok(Self { case, plan, sets, parts, of_origins, of_configurations, closed })
+    }
+
+    /// The part of the reduction that a scene is on.
+    pub fn part(&self, scene: &Scene) -> &Part {
+        &self.parts[self.of_configurations[scene.configuration]]
+    }
+
+    /// The part of a set of constraints in which its modes have their names: with all patches closed.
+    pub fn origin(&self, constraints: usize) -> &Part {
+        &self.parts[self.of_origins[constraints]]
     }
 
     /// The closed patches of a scene, from 0.
@@ -178,21 +219,34 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, Error> {
-        places::places(&self.case, &self.sets[constraints]).map(Some)
+        places::places(self, constraints).map(Some)
     }
 
-    fn mode_residual(
-        &self,
-        scene: &Scene,
-        at: &OperatingPoint,
-        lambda: Complex<f64>,
-        shape: &DVector<Complex<f64>>,
-    ) -> Result<Option<ModeResidual>, Error> {
-        let set = &self.sets[scene.key.constraints];
-        let value = set.reduction.reduced.residual(&self.full_point(scene, at), lambda, shape)?;
-        // One that is no number is above too.
-        let is_within = value <= self.case.reduction.residual;
-        Ok(Some(ModeResidual { value, is_above: !is_within }))
+    fn bridge(&self, configuration: usize) -> Result<Option<Bridge>, Error> {
+        bridge::bridge(self, configuration)
+    }
+
+    fn has_band_modes(&self) -> bool {
+        true
+    }
+
+    fn band_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
+        let (part, threshold) = (self.part(scene), self.plan.threshold);
+        let error = (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR);
+        let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
+        let found = part.reduced.modes_among(&self.full_point(scene, at), &may_grow)?;
+        let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
+            // One that is no number is above too.
+            let is_within = value <= self.case.reduction.residual;
+            let residual = Some(ModeResidual { value, is_above: !is_within });
+            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
+        };
+        Ok(found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect())
+    }
+
+    fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {
+        let count = self.case.reduction.full_checks;
+        if count == 0 { Ok(None) } else { full_checks::full_checks(self, count, samples).map(Some) }
     }
 
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {

@@ -107,5 +107,5 @@ pub(super) fn system(brake: &FiniteElementBrake, scene: &Scene, values: &[(usize
         // A channel reads the normal force of its spring.
         points::channels_of(&brake.case, patch).for_each(|channel| whole.channels[channel].mu *= factor);
     }
-    Ok(brake.sets[scene.key.constraints].reduction.reduced.system().assemble(&whole)?)
+    Ok(brake.part(scene).reduced.system().assemble(&whole)?)
 }

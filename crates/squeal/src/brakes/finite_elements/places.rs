@@ -3,16 +3,15 @@
 use formats::Dof;
 use nalgebra::{DMatrix, DVector};
 
+use super::FiniteElementBrake;
 use super::points::{naming_point, of_brake};
-use super::{FiniteElementBrake, ReducedSet};
 use crate::Error;
-use crate::case::FiniteElementCase;
 use crate::study::{Direction, OwnSize, Place, Scene, WholeContact};
 
 /// The closed patches of a scene, each with the friction of its pairs of nodes and with their springs.
 pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeContact> {
     let Some(contact) = &brake.case.contact else { return Vec::new() };
-    let terms = brake.sets[scene.key.constraints].reduction.reduced.system().terms();
+    let terms = brake.part(scene).reduced.system().terms();
     let (first, mut channel) = (terms.len() - contact.patches.len(), 0);
     let whole = |&number: &usize| {
         let patch = &contact.patches[number];
@@ -29,10 +28,20 @@ pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeCo
 ///
 /// A direction's own mass and stiffness are what the reduced brake without friction has there: `1 / (p^T A^-1 p)` with the mean
 /// motion p of the nodes, the static stiffness for K.
-pub(super) fn places(case: &FiniteElementCase, set: &ReducedSet) -> Result<Vec<Place>, Error> {
+///
+/// # Errors
+/// [`Error::SeveralBases`] where configurations have different bases.
+pub(super) fn places(brake: &FiniteElementBrake, constraints: usize) -> Result<Vec<Place>, Error> {
+    let (case, set, part) = (&brake.case, &brake.sets[constraints], brake.of_origins[constraints]);
+    let is_other =
+        |scene: &Scene| scene.key.constraints == constraints && brake.of_configurations[scene.configuration] != part;
+    if brake.plan.scenes.iter().any(is_other) {
+        return Err(Error::SeveralBases { study: brake.plan.source() });
+    }
+    let reduced = &brake.parts[part].reduced;
     let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
     let at = of_brake(case, &all, &naming_point(case, &all)?);
-    let structure = set.reduction.reduced.system().structure(&at.coefficients)?;
+    let structure = reduced.system().structure(&at.coefficients)?;
     let (mass, stiffness) = (structure.m.lu(), structure.k.lu());
     let disc: Vec<i64> =
         case.contact.iter().flat_map(|c| &c.patches).flat_map(|p| &p.pairs).map(|pair| pair[1]).collect();
@@ -43,7 +52,7 @@ pub(super) fn places(case: &FiniteElementCase, set: &ReducedSet) -> Result<Vec<P
         let is_meant = |dof: &Dof| dof.direction == direction && nodes.binary_search(&dof.node).is_ok();
         let rows = (0..case.dofs.len()).filter(|&row| is_meant(&case.dofs[row]));
         let rows: Vec<usize> = rows.filter_map(|row| set.dofs.position(row)).collect();
-        let of_rows = set.reduction.reduced.basis().select_rows(&rows);
+        let of_rows = reduced.basis().select_rows(&rows);
         let letter = Dof { node: 0, direction }.to_string().split_off(2);
         (!rows.is_empty()).then(|| {
             let mean = of_rows.row_mean().transpose();

@@ -1,77 +1,237 @@
-//! The reduction of a finite element brake, one for each set of constraints.
+//! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
 use std::f64::consts::TAU;
 
-use linsys::{DofMap, OperatingPoint};
+use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::{Progress, stream};
-use sparse::reduction::{Options, Reduction, Wanted};
-use sparse::{Rectangle, SparseAffineSystem};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use osc_model::ContactArrangement;
+use rayon::prelude::*;
+use sparse::reduction::{
+    Compared, Options, Reduced, Reduction, ResponseGoal, Wanted, Within, compared, response_basis, within,
+};
+use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
 use super::points::{draw, naming_point, of_brake, scene_point, speed, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
 
-/// Most full problems for one set of constraints; chosen: a second each, and a basis that needs more is as large as its limit.
-const MOST_ENRICHMENTS: usize = 60;
+/// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
+const MOST_SOLUTIONS: usize = 60;
+/// Part of the residual asked for that responses to forces in the contacts may have. Modes have three times theirs, as measured with
+/// cases/disc-pad, so that half of what is asked for is left to the smaller bases.
+const OF_RESPONSES: f64 = 1.0 / 6.0;
+/// Part of it that modes may have in the brake on the larger basis: 0.5^2 + 0.8^2 < 1.
+const WITHIN: f64 = 0.8;
+/// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
+/// when a study has ended ([`crate::study::FullChecks`]).
+const PROBES: usize = 1;
+/// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
+const MOST_COLUMNS: usize = 600;
+/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen.
+const MOST_ANCHORS: usize = 12;
+/// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
+const DRAWN_STRUCTURES: u64 = 4;
 
-/// The brake with one set of constraints, reduced.
+/// The brake with one set of constraints.
 #[derive(Debug)]
 pub struct ReducedSet {
     /// Which rows of the matrices are free.
     pub dofs: DofMap,
     /// The system over the free rows.
     pub system: SparseAffineSystem,
-    /// Its reduction.
-    pub reduction: Reduction,
+    /// V, n x k: it holds the brake in all arrangements.
+    pub basis: DMatrix<f64>,
+    /// The brake on it.
+    pub reduced: AffineSystem,
+    /// Its modes beside those of the whole brake, at the medians with all patches closed.
+    pub compared: Compared,
+}
+
+/// The brake with one set of constraints in some arrangements, on a basis of its own.
+#[derive(Debug)]
+pub struct Part {
+    /// The set of constraints.
+    pub set: usize,
+    /// Its basis within that of the set, what it took, and whether it was reached.
+    pub within: Within,
+    /// The brake, with residuals in the whole one.
+    pub reduced: Reduced,
+}
+
+/// Which arrangements have a basis of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bases {
+    /// Each: the smallest, for a study.
+    OfEach,
+    /// None: one for each set of constraints, so that what is compared has the same coordinates.
+    OfEachSet,
+}
+
+/// All bases of a brake.
+pub(super) struct AllBases {
+    pub sets: Vec<ReducedSet>,
+    pub parts: Vec<Part>,
+    /// The part of each set of constraints with all patches closed, where its modes are named.
+    pub of_origins: Vec<usize>,
+    /// The part of each configuration.
+    pub of_configurations: Vec<usize>,
+}
+
+/// Closed patches, from 0.
+type Closed = Vec<usize>;
+
+/// A law with the place of its range of speed, where it has one; `None` without a contact.
+type State = Option<(Law, Option<usize>)>;
+
+/// What a part is to hold.
+struct Asked {
+    set: usize,
+    arrangements: Vec<Closed>,
+}
+
+/// Reduces the brake with each set of constraints.
+pub(super) fn all_bases(case: &FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<AllBases, Error> {
+    let arrangements = arrangements(case);
+    let all = all_patches(case);
+    let mut asked = Vec::new();
+    let (mut of_origins, mut of_configurations) = (Vec::new(), Vec::new());
+    for set in 0..case.constraints.len() {
+        let first = asked.len();
+        of_origins.push(first);
+        match bases {
+            Bases::OfEachSet => {
+                asked.push(Asked { set, arrangements: arrangements.clone() });
+                of_configurations.extend(arrangements.iter().map(|_| first));
+            }
+            Bases::OfEach => {
+                asked.push(Asked { set, arrangements: vec![all.clone()] });
+                for arrangement in &arrangements {
+                    let known = (first..asked.len()).find(|&at| asked[at].arrangements[0] == *arrangement);
+                    of_configurations.push(known.unwrap_or(asked.len()));
+                    if known.is_none() {
+                        asked.push(Asked { set, arrangements: vec![arrangement.clone()] });
+                    }
+                }
+            }
+        }
+    }
+    progress.begin((case.constraints.len() + asked.len()) as u64, 0);
+    let mut sets = Vec::with_capacity(case.constraints.len());
+    for set in &case.constraints {
+        sets.push(reduced_set(case, &set.fixed)?);
+        progress.advance(1);
+    }
+    let part = |asked: &Asked| {
+        let found = part(case, &sets[asked.set], asked);
+        progress.advance(1);
+        found
+    };
+    let parts = asked.par_iter().map(part).collect::<Result<Vec<_>, Error>>()?;
+    let whole = |(set, &origin): (&ReducedSet, &usize)| whole_modes(case, set, &asked[origin]);
+    let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
+    for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
+        set.compared = compared(&whole, parts[origin].within.first.clone());
+    }
+    progress.end();
+    Ok(AllBases { sets, parts, of_origins, of_configurations })
+}
+
+/// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
+fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
+    let Some(contact) = &case.contact else { return vec![Vec::new()] };
+    let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
+        arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
+    };
+    contact.panels.iter().flat_map(of_panel).collect()
+}
+
+fn all_patches(case: &FiniteElementCase) -> Closed {
+    (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
 /// Where the modes of a case are wanted, rad/s.
-fn rectangle(case: &FiniteElementCase) -> Rectangle {
+pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
     let goal = &case.reduction;
     Rectangle { re: goal.growth, im: goal.frequencies.map(|hz| TAU * hz) }
 }
 
-/// Reduces the brake with each set of constraints. Points of all arrangements, laws and speeds train the basis.
-pub(super) fn reduced_sets(case: &FiniteElementCase, progress: &dyn Progress) -> Result<Vec<ReducedSet>, Error> {
-    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
-    let all: Vec<usize> = (0..patches).collect();
+/// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
+/// contact, of modes at training points.
+fn reduced_set(case: &FiniteElementCase, fixed: &[usize]) -> Result<ReducedSet, Error> {
+    let dofs = DofMap::new(case.dofs.len(), fixed)?;
+    let system = case.system.on(&dofs)?;
+    let all = all_patches(case);
     let at_median = of_brake(case, &all, &naming_point(case, &all)?);
-    let training = training_points(case)?;
     let tolerance = case.reduction.residual;
-    let options = Options { tolerance, most_enrichments: MOST_ENRICHMENTS, ..Options::default() };
-    progress.begin(case.constraints.len() as u64, 0);
-    let mut sets = Vec::with_capacity(case.constraints.len());
-    for set in &case.constraints {
-        let dofs = DofMap::new(case.dofs.len(), &set.fixed)?;
-        let system = case.system.on(&dofs)?;
-        let points = std::slice::from_ref(&at_median);
-        let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
-        let reduction = Reduction::build(&system, &wanted, &options)?;
-        sets.push(ReducedSet { dofs, system, reduction });
-        progress.advance(1);
-    }
-    progress.end();
-    Ok(sets)
-}
-
-/// The closed patches of a scene, from 0, and its law with the place of its range of speed, where it has one.
-type PatchScene<'a> = (&'a [usize], Option<(Law, Option<usize>)>);
-
-/// Draws, each in one arrangement, law and range of speed after another: at least as many as these are, so that every arrangement is
-/// known to the basis.
-fn training_points(case: &FiniteElementCase) -> Result<Vec<OperatingPoint>, Error> {
-    let scenes: Vec<PatchScene<'_>> = match &case.contact {
-        None => vec![(&[], None)],
-        Some(contact) => {
-            let arrangements = contact.panels.iter().flat_map(|(_, arrangements)| arrangements);
-            let states = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| (law, range));
-            let states: Vec<_> = contact.laws.iter().flat_map(states).collect();
-            let of = |closed| states.iter().map(move |&state| (closed, Some(state)));
-            arrangements.flat_map(|arrangement| of(arrangement.in_contact())).collect()
+    let basis = match &case.contact {
+        Some(_) => {
+            let mut points = vec![at_median];
+            if !case.parameters.is_empty() {
+                points.extend(training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES)?);
+            }
+            let goal = ResponseGoal {
+                frequencies: rectangle(case).im,
+                tolerance: OF_RESPONSES * tolerance,
+                most_columns: MOST_COLUMNS,
+            };
+            response_basis(&system, &points, &goal)?.basis
+        }
+        None => {
+            let training = training(case, &[all], case.reduction.training as u64)?;
+            let points = std::slice::from_ref(&at_median);
+            let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
+            let options =
+                Options { tolerance: 0.5 * tolerance, most_enrichments: MOST_SOLUTIONS, ..Options::default() };
+            Reduction::build(&system, &wanted, &options)?.reduced.basis().clone()
         }
     };
-    let count = case.reduction.training.max(scenes.len()) as u64;
-    let point = |(index, &(closed, state)): (u64, &PatchScene<'_>)| {
+    let reduced = system.project(&basis)?;
+    Ok(ReducedSet { dofs, system, basis, reduced, compared: compared(&[], Vec::new()) })
+}
+
+/// The modes of the whole brake at the point where those of a part were found first.
+fn whole_modes(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Vec<Complex<f64>>, Error> {
+    let first = &asked.arrangements[0];
+    let at = of_brake(case, first, &naming_point(case, first)?);
+    let found = eigenpairs_in(&set.system.assemble(&at)?, &rectangle(case), &sparse::Options::default(), &mut |_| {})?;
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
+}
+
+/// A part on the fewest directions that hold it.
+fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Part, Error> {
+    let first = &asked.arrangements[0];
+    let at_median = of_brake(case, first, &naming_point(case, first)?);
+    let training = training(case, &asked.arrangements, case.reduction.training as u64)?;
+    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
+    let options = Options {
+        tolerance: WITHIN * case.reduction.residual,
+        most_enrichments: MOST_SOLUTIONS,
+        most_columns: set.basis.ncols(),
+        probes: PROBES,
+        ..Options::default()
+    };
+    let within = within(&set.system, &set.reduced, &wanted, &options)?;
+    let known = within.solved.iter().chain(&training);
+    let anchors: Vec<OperatingPoint> = known.take(MOST_ANCHORS.max(within.solved.len())).cloned().collect();
+    let reduced = Reduced::new(&set.system, &set.basis * &within.basis, wanted.rectangle, &anchors, &options)?;
+    Ok(Part { set: asked.set, within, reduced })
+}
+
+/// Draws, each in one arrangement, law and range of speed after another: `count`, or one for each of these where they are more.
+fn training(case: &FiniteElementCase, arrangements: &[Closed], count: u64) -> Result<Vec<OperatingPoint>, Error> {
+    let states: Vec<State> = match &case.contact {
+        None => vec![None],
+        Some(contact) => {
+            let of_law = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| Some((law, range)));
+            contact.laws.iter().flat_map(of_law).collect()
+        }
+    };
+    let scenes: Vec<_> =
+        arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
+    let count = count.max(scenes.len() as u64);
+    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
         let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
         let at = case.contact.as_ref().zip(state);

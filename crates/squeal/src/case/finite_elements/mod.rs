@@ -103,6 +103,8 @@ pub struct ReductionGoal {
     pub residual: f64,
     /// Draws at which the residuals are brought below it.
     pub training: usize,
+    /// Samples that are solved with the whole brake too.
+    pub full_checks: u64,
 }
 
 impl FiniteElementCase {

@@ -19,6 +19,8 @@ use crate::case::matrices::read::parameter;
 use crate::case::validate::{distributions, friction_parameters, speed_ranges};
 use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
 
+/// Most samples that are solved with the whole brake too; chosen: hours.
+const MOST_FULL_CHECKS: u64 = 10_000;
 /// Most training points of a reduction; chosen: each costs one evaluation for each basis.
 const MOST_TRAINING: usize = 10_000;
 
@@ -195,7 +197,7 @@ fn constraint_sets(model: &Model<'_>, given: Vec<ConstraintsTable>) -> Result<Ve
 }
 
 fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, CaseError> {
-    let ReductionTable { frequencies, growth, residual, training } = *table;
+    let ReductionTable { frequencies, growth, residual, training, full_checks } = *table;
     let is_range = |[from, to]: [f64; 2]| from.is_finite() && to.is_finite() && from < to;
     if !(is_range(frequencies) && frequencies[0] > 0.0) {
         let allowed = "[lowest, highest] in Hz, 0 < lowest < highest";
@@ -211,5 +213,8 @@ fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, Case
     if !(1..=MOST_TRAINING).contains(&training) {
         return Err(check.value("reduction.training", training, &format!("1 to {MOST_TRAINING}")));
     }
-    Ok(ReductionGoal { frequencies, growth, residual, training })
+    if full_checks > MOST_FULL_CHECKS {
+        return Err(check.value("reduction.full_checks", full_checks, &format!("0 to {MOST_FULL_CHECKS}")));
+    }
+    Ok(ReductionGoal { frequencies, growth, residual, training, full_checks })
 }

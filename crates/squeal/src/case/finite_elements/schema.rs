@@ -190,6 +190,8 @@ pub(super) struct ReductionTable {
     pub residual: f64,
     #[serde(default = "training")]
     pub training: usize,
+    #[serde(default = "full_checks")]
+    pub full_checks: u64,
 }
 
 fn residual() -> f64 {
@@ -197,5 +199,9 @@ fn residual() -> f64 {
 }
 
 fn training() -> usize {
-    40
+    24
+}
+
+fn full_checks() -> u64 {
+    10
 }

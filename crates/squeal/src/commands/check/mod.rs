@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::options::{override_run, whole_number};
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
 use crate::case::{CaseFile, FiniteElementCase};
 use crate::output::{bytes_in_words, in_words, note, printable};
 use crate::run::bar;
@@ -119,16 +119,25 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
     let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
     let plan = &brake.plan;
     let mut text = String::new();
-    for (set, name) in brake.sets.iter().zip(&plan.labels.constraints) {
-        let report = &set.reduction.report;
-        let residual = report.stages.last().map_or(f64::NAN, |stage| stage.largest_residual);
-        let reached = if report.is_reached { "" } else { ", NOT reached" };
-        let columns = set.reduction.reduced.basis().ncols();
+    for (at, (set, name)) in brake.sets.iter().zip(&plan.labels.constraints).enumerate() {
+        let parts: Vec<&Part> = brake.parts.iter().filter(|part| part.set == at).collect();
+        let columns = parts.iter().map(|part| part.within.basis.ncols());
+        let sum = |of: &dyn Fn(&Part) -> usize| parts.iter().map(|part| of(part)).sum::<usize>();
+        let not_reached = sum(&|part| usize::from(!part.within.is_reached));
+        let reached = if not_reached == 0 { String::new() } else { format!(", NOT reached by {not_reached}") };
         let found = format!(
-            "{name}: {columns} columns from {} full problems, largest residual {residual:.1e} (asked: {:.0e}{reached}), {} modes found missing on the way",
-            report.full_problems,
+            "{name}: {} columns for all arrangements, within them {} bases of {} to {} columns from {} complete solutions (residual asked: \
+             {:.0e}{reached}), {} modes found missing on the way; at the medians {} of {} modes of the whole brake, within {:.1e}",
+            set.basis.ncols(),
+            parts.len(),
+            columns.clone().min().unwrap_or(0),
+            columns.max().unwrap_or(0),
+            sum(&|part| part.within.solved.len()),
             reduction.residual,
-            report.missed.len()
+            sum(&|part| part.within.missed.len()),
+            set.compared.pairs.len(),
+            set.compared.pairs.len() + set.compared.missed.len(),
+            set.compared.distance
         );
         text += &line("reduction", &found);
     }
