@@ -87,10 +87,14 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
         true => AxisScale::log([from, to].into_iter()),
         false => AxisScale::between((from, to), 5.0),
     };
-    let hertz = points().map(|point| point[1]);
+    // A divergence is at rest, on no branch: the axes reach it, with room for its name.
+    let at_rest = data.marks.iter().filter(|mark| mark.at[1] == 0.0).map(|mark| mark.at);
+    let least_growth = points().map(|point| point[2]).fold(0.0, f64::min);
+    let room = at_rest.clone().map(|_| -0.1 * least_growth);
+    let hertz = points().copied().chain(at_rest).map(|point| point[1]);
     let ends = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), f| (f.min(least), f.max(most)));
     let frequency = AxisScale::between(ends, 6.0);
-    let growth = AxisScale::linear(points().map(|point| point[2]), 6.0);
+    let growth = AxisScale::linear(points().map(|point| point[2]).chain(room), 6.0);
     let (hertz, per_second) = ("frequency (Hz)".to_owned(), "growth Re \u{3bb} (1/s)".to_owned());
     let panel = |x, y, scales, labels| Panel { x, y, scales, labels };
     let locus = panel(1, 2, [frequency, growth], [hertz.clone(), per_second.clone()]);
