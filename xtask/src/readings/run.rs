@@ -112,16 +112,8 @@ mod tests {
     use super::*;
     use crate::readings::product::{AXES, Combination, product, read_tables};
 
-    /// Cases of the paper with some numbers in contact, in some of the arrangements: all answers to some questions, the case's own to
-    /// the others.
+    /// Cases of the paper with some numbers in contact: all answers to some questions, the case's own to the others.
     fn cases(questions: &[&str], in_contact: [usize; 2]) -> Vec<LatticeCase> {
-        let mut cases = whole_cases(questions, in_contact);
-        cases.iter_mut().for_each(|case| thin(case).unwrap());
-        cases
-    }
-
-    /// The same in all arrangements.
-    fn whole_cases(questions: &[&str], in_contact: [usize; 2]) -> Vec<LatticeCase> {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/paper.toml");
         let tables = read_tables(&path).unwrap();
         let is_asked = |i: usize| questions.iter().any(|name| AXES[i].name.starts_with(name));
@@ -158,7 +150,7 @@ mod tests {
 
     #[test]
     fn names_by_likeness_are_those_of_a_study_that_knows_modes_by_them() {
-        let mut case = whole_cases(&[], [9, 6]).remove(0);
+        let mut case = cases(&[], [9, 6]).remove(0);
         let claims = |row: &Row, naming: &str| -> Vec<_> {
             row.cards.iter().find(|card| card.naming == naming).unwrap().claims.clone()
         };
