@@ -162,6 +162,16 @@ impl AffineSystem {
         Ok(out)
     }
 
+    /// The system on the columns of a real n x k matrix V, term by term and channel by channel.
+    ///
+    /// # Errors
+    /// Another number of rows than degrees of freedom, entries that are not finite.
+    pub fn projected(&self, basis: &DMatrix<f64>) -> Result<Self, LinsysError> {
+        let term = |term: &Term| Term::new(&term.name, &term.family, term.matrices().projected(basis)?);
+        let terms = self.terms.iter().map(term).collect::<Result<_, _>>()?;
+        Self::new(terms, self.channels.iter().map(|channel| channel.projected(basis)).collect())
+    }
+
     /// Writes the system at an operating point to `out`. Nothing is allocated if `out` already has the order and number of
     /// states.
     ///

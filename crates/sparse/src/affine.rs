@@ -145,14 +145,7 @@ impl SparseAffineSystem {
             Term::new(&term.name, &term.family, reduced)
         });
         let terms = terms.collect::<Result<Vec<_>, _>>()?;
-        let onto = |side: &[(usize, f64)]| {
-            let coordinate = |column: usize| side.iter().map(|&(dof, value)| value * basis[(dof, column)]).sum();
-            (0..basis.ncols()).map(|column| (column, coordinate(column))).collect()
-        };
-        let reduced = |channel: &Channel| {
-            Channel::new(&channel.name, &channel.family, onto(&channel.force), onto(&channel.reading))
-        };
-        Ok(AffineSystem::new(terms, self.channels.iter().map(reduced).collect())?)
+        Ok(AffineSystem::new(terms, self.channels.iter().map(|channel| channel.projected(basis)).collect())?)
     }
 }
 

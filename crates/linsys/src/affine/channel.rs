@@ -1,5 +1,7 @@
 //! The friction of one contact in a system.
 
+use nalgebra::DMatrix;
+
 use super::ChannelGain;
 use crate::{LinsysError, SecondOrder};
 
@@ -44,6 +46,16 @@ impl Channel {
             }
         }
         Ok(())
+    }
+
+    /// The channel on the columns of a real n x k matrix V: `V^T b` and `r^T V`.
+    #[must_use]
+    pub fn projected(&self, basis: &DMatrix<f64>) -> Self {
+        let onto = |side: &[(usize, f64)]| {
+            let coordinate = |column: usize| side.iter().map(|&(dof, value)| value * basis[(dof, column)]).sum();
+            (0..basis.ncols()).map(|column| (column, coordinate(column))).collect()
+        };
+        Self::new(&self.name, &self.family, onto(&self.force), onto(&self.reading))
     }
 
     /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.

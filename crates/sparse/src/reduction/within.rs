@@ -4,7 +4,7 @@
 //! configuration and the friction of its draws a few dozen are enough, and to find them nothing sparse has to be solved: the brake on the
 //! larger basis stands for the full one.
 
-use linsys::{AffineSystem, Channel, OperatingPoint, SecondOrder, Term};
+use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
@@ -78,7 +78,7 @@ pub fn within(
         search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
     let (mut basis, mut next, mut passed, mut quiet) = (search.basis()?, 0, 0, 0);
-    let mut small = projected(reduced, &basis)?;
+    let mut small = reduced.projected(&basis)?;
     while !training.is_empty() && !search.is_exhausted(&basis) {
         if passed < training.len() {
             let at = training[next];
@@ -100,7 +100,7 @@ pub fn within(
             (passed, quiet) = (0, 0);
         }
         basis = search.basis()?;
-        small = projected(reduced, &basis)?;
+        small = reduced.projected(&basis)?;
     }
     let is_reached = passed == training.len() && !search.is_exhausted(&basis);
     let solved = search.known.iter().filter(|known| known.is_complete());
@@ -332,24 +332,6 @@ fn largest_residual(norms: &NormsAt, lambdas: &[Complex<f64>], residual: &DMatri
     let worse = |largest: f64, value: f64| if value <= largest { largest } else { value };
     let found = lambdas.iter().enumerate().map(relative).fold(0.0, worse);
     if found.is_nan() { f64::INFINITY } else { found }
-}
-
-/// A system on a smaller basis, term by term and channel by channel.
-fn projected(system: &AffineSystem, basis: &DMatrix<f64>) -> Result<AffineSystem, SparseError> {
-    let transposed = basis.transpose();
-    let onto = |matrix: &DMatrix<f64>| &transposed * (matrix * basis);
-    let term = |term: &Term| {
-        let SecondOrder { m, c, k, .. } = term.matrices();
-        let matrices = SecondOrder::new(onto(m), onto(c), onto(k))?;
-        Ok(Term::new(&term.name, &term.family, matrices)?)
-    };
-    let side = |side: &[(usize, f64)]| {
-        let coordinate = |column: usize| (column, side.iter().map(|&(dof, value)| value * basis[(dof, column)]).sum());
-        (0..basis.ncols()).map(coordinate).collect::<Vec<(usize, f64)>>()
-    };
-    let channel = |c: &Channel| Channel::new(c.name.clone(), c.family.clone(), side(&c.force), side(&c.reading));
-    let terms = system.terms().iter().map(term).collect::<Result<_, SparseError>>()?;
-    Ok(AffineSystem::new(terms, system.channels().iter().map(channel).collect())?)
 }
 
 /// All eigenvalues of a system, and vectors whose first n entries are the shapes.

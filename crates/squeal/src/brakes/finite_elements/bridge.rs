@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::points::{naming_point, of_brake};
+use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
 use crate::study::Bridge;
@@ -22,7 +22,7 @@ pub(super) fn bridge(brake: &FiniteElementBrake, configuration: usize) -> Result
     let [from, to] = [&origin_part.within.basis, &own_part.within.basis];
     let both = union(from, to);
     let transposed = both.transpose();
-    let all: Vec<usize> = (0..brake.case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+    let all = all_patches(&brake.case);
     let system = |closed: &[usize]| {
         let at = of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?);
         Ok::<_, Error>(brake.sets[set].reduced.assemble(&at)?.projected(&both)?)

@@ -2,7 +2,6 @@
 
 use montecarlo::{rand::RngExt, stream};
 use num_complex::Complex;
-
 use rayon::prelude::*;
 use sparse::reduction::{Compared, compared};
 use sparse::{Rectangle, eigenpairs_in};

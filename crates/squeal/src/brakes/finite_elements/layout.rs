@@ -6,7 +6,7 @@ use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use sparse::reduction::Reduced;
 
-use super::points::{closed_channels, naming_point, speeds_of};
+use super::points::{all_patches, closed_channels, naming_point, speeds_of};
 use crate::Error;
 use crate::brakes::labels::friction_labels;
 use crate::case::{FiniteElementCase, PatchContact};
@@ -26,7 +26,7 @@ pub(super) fn plan(
     plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
     let mut closed = Vec::new();
     for (set, constraints) in origins.iter().zip(&case.constraints) {
-        let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+        let all = all_patches(case);
         let whole = (brake(case, set, &all)?, naming_point(case, &all)?);
         match &case.contact {
             None => {

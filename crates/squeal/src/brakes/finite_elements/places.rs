@@ -4,7 +4,7 @@ use formats::Dof;
 use nalgebra::{DMatrix, DVector};
 
 use super::FiniteElementBrake;
-use super::points::{naming_point, of_brake};
+use super::points::{all_patches, naming_point, of_brake};
 use crate::Error;
 use crate::study::{Direction, OwnSize, Place, Scene, WholeContact};
 
@@ -39,7 +39,7 @@ pub(super) fn places(brake: &FiniteElementBrake, constraints: usize) -> Result<V
         return Err(Error::SeveralBases { study: brake.plan.source() });
     }
     let reduced = &brake.parts[part].reduced;
-    let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+    let all = all_patches(case);
     let at = of_brake(case, &all, &naming_point(case, &all)?);
     let structure = reduced.system().structure(&at.coefficients)?;
     let (mass, stiffness) = (structure.m.lu(), structure.k.lu());

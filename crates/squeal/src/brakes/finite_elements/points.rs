@@ -100,12 +100,17 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
 /// # Errors
 /// [`Error::Median`] where the medians have no operating point; matrices that make no system.
 pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
-    let all: Vec<usize> = (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect();
+    let all = all_patches(case);
     let mut at = of_brake(case, &all, &naming_point(case, &all)?);
     at.channels.fill(ChannelGain::default());
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?.assemble(&at)?;
     Ok((dofs, system))
+}
+
+/// All patches, from 0; none without a contact.
+pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
+    (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
 /// The channels of closed patches, as places in the system.

@@ -13,7 +13,7 @@ use sparse::reduction::{
 };
 use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
-use super::points::{draw, naming_point, of_brake, scene_point, speed, speeds_of};
+use super::points::{all_patches, draw, naming_point, of_brake, scene_point, speed, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
 
@@ -145,10 +145,6 @@ fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
         arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
     };
     contact.panels.iter().flat_map(of_panel).collect()
-}
-
-fn all_patches(case: &FiniteElementCase) -> Closed {
-    (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
 }
 
 /// Where the modes of a case are wanted, rad/s.
