@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::family::{DIFFERENCE, Part};
-use super::one_parameter::SweepOnset;
+use super::onset::SweepOnset;
 use super::parameter::SweptParameter;
 use crate::Error;
 use crate::study::UncertainBrake;

@@ -17,6 +17,7 @@ mod found;
 mod map;
 mod names;
 mod one_parameter;
+mod onset;
 mod parameter;
 #[cfg(feature = "figures")]
 mod pictures;
@@ -27,6 +28,7 @@ pub use coalescence::Coalescence;
 pub use family::Evaluations;
 pub use found::Found;
 pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
-pub use one_parameter::{NamedBranch, Sweep, SweepOnset, sweep};
+pub use one_parameter::{NamedBranch, Sweep, sweep};
+pub use onset::SweepOnset;
 pub use parameter::{Over, SweptParameter};
 pub use regions::{Region, Run};

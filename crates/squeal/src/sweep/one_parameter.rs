@@ -4,13 +4,13 @@ use cea::EigenSolver;
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use serde::Serialize;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
 use super::divergence::divergences;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
+use super::onset::SweepOnset;
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
 use crate::study::{Reference, Study, UncertainBrake};
@@ -25,21 +25,6 @@ pub struct NamedBranch {
     pub mode: String,
     /// The parameter, ascending, and the eigenvalue there with its derivative.
     pub points: Vec<(f64, BranchPoint)>,
-}
-
-/// An onset with the mode that crosses the axis, or of divergence, where a real eigenvalue crosses zero.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SweepOnset {
-    /// The parameter.
-    pub at: f64,
-    /// Bound of the error of `at` by rounding.
-    pub error: f64,
-    /// Im lambda, rad/s; 0 of a divergence.
-    pub omega: f64,
-    /// Whether the mode starts to grow where the parameter grows, or stops.
-    pub starts: bool,
-    /// Candidates for the name of the mode, or `divergence`.
-    pub mode: String,
 }
 
 /// What a sweep over one parameter found.
