@@ -26,7 +26,9 @@ pub use nalgebra_sparse;
 
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
-pub use solver::{Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpairs_in};
+pub use solver::{
+    Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpair_near, eigenpairs_in,
+};
 pub use system::{SparseSecondOrder, State};
 
 /// The README's example, compiled and run as a doctest.

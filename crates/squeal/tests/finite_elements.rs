@@ -9,6 +9,7 @@ use nalgebra::Complex;
 use squeal::brakes::FiniteElementBrake;
 use squeal::case::{CaseFile, FiniteElementCase};
 use squeal::study::{Study, UncertainBrake};
+use squeal::sweep::{Over, stability_map, sweep};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad")
@@ -136,4 +137,63 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
 
     // What is attached needs one basis for all.
     assert!(matches!(brake.places(0), Err(squeal::Error::SeveralBases { .. })));
+}
+
+/// The case with all patches in contact and modes around 6 kHz alone.
+fn around_six_kilohertz() -> FiniteElementCase {
+    let mut case = nine_in_contact();
+    case.reduction.frequencies = [5700.0, 6500.0];
+    case
+}
+
+fn over(name: &str, from: f64, to: f64) -> Over {
+    Over { name: name.into(), from, to }
+}
+
+#[test]
+fn onsets_of_a_sweep_are_those_of_the_whole_brake() {
+    let range = over("mu", 0.2, 0.6);
+    let brake = FiniteElementBrake::for_sweep(around_six_kilohertz(), std::slice::from_ref(&range), &()).unwrap();
+    let study = Study::new(&brake, &cea::QrSolver).unwrap();
+    let found = sweep(&study, 0, &range, &cea::QrSolver, &()).unwrap();
+    assert!(found.unstable_at_start == 0 && found.onsets.len() == 1, "{found:?}");
+    let onset = &found.onsets[0];
+    assert!(onset.starts && onset.error < 1e-8 && onset.moved.unwrap().abs() < 1e-4, "{onset:?}");
+    assert!(found.evaluations.whole >= 2);
+    // The whole brake, solved by another route, has a growing mode there on one side only, and near.
+    let scene = &brake.plan.scenes[0];
+    let growing = |mu: f64| {
+        let at = brake.operating_point(scene, &brake.with_parameter(scene, mu)).unwrap();
+        let whole = brake.sets[0].system.assemble(&brake.full_point(scene, &at)).unwrap();
+        let rectangle = sparse::Rectangle { re: [-1e-2, 1e-2], im: [0.999 * onset.omega, 1.001 * onset.omega] };
+        let found = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap();
+        assert_eq!(found.pairs.len(), 1);
+        found.pairs[0].lambda.re > 0.0
+    };
+    assert!(growing(onset.at + 1e-8) && !growing(onset.at - 1e-8));
+    // Modes outside of the band are none of the brake's.
+    let band = brake.plan.followed_band().unwrap();
+    for branch in &found.branches {
+        assert!(branch.points.iter().all(|(_, point)| (band[0]..=band[1]).contains(&point.lambda.im)));
+    }
+}
+
+#[test]
+fn the_boundary_of_a_map_is_that_of_the_whole_brake() {
+    let both = [over("mu", 0.3, 0.5), over("contact_stiffness.PATCH5", 0.9, 1.1)];
+    let brake = FiniteElementBrake::for_sweep(around_six_kilohertz(), &both, &()).unwrap();
+    let study = Study::new(&brake, &cea::QrSolver).unwrap();
+    let map = stability_map(&study, 0, &both, &cea::QrSolver, &()).unwrap();
+    assert!(map.curves.len() == 1 && map.contradicted.is_empty(), "{map:?}");
+    assert!(map.from_whole.unwrap() < 1e-4, "{:?}", map.from_whole);
+}
+
+#[test]
+fn a_sweep_over_what_the_scene_does_not_have_is_refused_before_anything_is_reduced() {
+    for (range, allowed) in
+        [(over("nu", 0.0, 1.0), "mu, contact_stiffness.PATCH1"), (over("mu", 1.0, 0.0), "FROM < TO")]
+    {
+        let error = FiniteElementBrake::for_sweep(around_six_kilohertz(), &[range], &()).unwrap_err().to_string();
+        assert!(error.contains("--over") && error.contains(allowed), "{error}");
+    }
 }

@@ -106,6 +106,14 @@ pub trait Branches {
     /// As [`Branches::point`].
     fn refined(&mut self, at: f64, lambda: Complex<f64>) -> Result<RefinedPoint, Self::Error>;
 
+    /// How many modes grow at a parameter that are not among [`Branches::lambdas`], where not all are.
+    ///
+    /// # Errors
+    /// As [`Branches::lambdas`].
+    fn growing_outside(&mut self, _at: f64) -> Result<usize, Self::Error> {
+        Ok(0)
+    }
+
     /// The parameters at which spectra are known, between two parameters and including them, ascending.
     fn known_between(&self, from: f64, to: f64) -> Vec<f64>;
 }

@@ -50,12 +50,16 @@ pub struct KeptSpectra<'a, F> {
     /// Oscillating modes at every parameter; those at the first one asked for where nothing else is wanted.
     modes: Option<usize>,
     allows_overdamping: bool,
+    /// Least and largest Im lambda of the modes that are kept, rad/s.
+    band: [f64; 2],
     work: Workspace,
 }
 
-/// All modes at one parameter.
+/// All modes in the band at one parameter.
 struct KeptSpectrum {
     at: SystemAt,
+    /// Modes outside of the band that grow.
+    growing_outside: usize,
     lambdas: Vec<Complex<f64>>,
     rates: Vec<Option<Complex<f64>>>,
 }
@@ -69,6 +73,7 @@ impl<'a, F> KeptSpectra<'a, F> {
             spectra: BTreeMap::new(),
             modes: None,
             allows_overdamping: false,
+            band: [0.0, f64::INFINITY],
             work: Workspace::default(),
         }
     }
@@ -83,6 +88,13 @@ impl<'a, F> KeptSpectra<'a, F> {
     #[must_use]
     pub fn with_overdamping(self) -> Self {
         Self { allows_overdamping: true, ..self }
+    }
+
+    /// Only modes with Im lambda in this band, rad/s, are there; as they may leave it and come back, their number may differ from parameter to
+    /// parameter.
+    #[must_use]
+    pub fn in_band(self, band: [f64; 2]) -> Self {
+        Self { allows_overdamping: true, band, ..self }
     }
 
     /// What was computed so far.
@@ -103,13 +115,16 @@ impl<'a, F> KeptSpectra<'a, F> {
                 return Err(unresolved.into());
             }
             let made = (self.make)(at)?;
-            let lambdas = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
+            let all = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
+            let is_inside = |lambda: &Complex<f64>| (self.band[0]..=self.band[1]).contains(&lambda.im);
+            let (lambdas, outside): (Vec<_>, Vec<_>) = all.into_iter().partition(is_inside);
+            let growing_outside = outside.iter().filter(|lambda| lambda.re >= 0.0).count();
             let expected = *self.modes.get_or_insert(lambdas.len());
             if lambdas.len() != expected && !self.allows_overdamping {
                 return Err(TrackingError::ModeCount { at, found: lambdas.len(), expected }.into());
             }
             let rates = vec![None; lambdas.len()];
-            self.spectra.insert(OrderedParameter(at), KeptSpectrum { at: made, lambdas, rates });
+            self.spectra.insert(OrderedParameter(at), KeptSpectrum { at: made, growing_outside, lambdas, rates });
         }
         self.spectra.get_mut(&OrderedParameter(at)).ok_or(unresolved.into())
     }
@@ -171,6 +186,10 @@ where
         let refined = self.spectrum(at).map(|spectrum| spectrum.at.refined(lambda, &mut work));
         self.work = work;
         Ok(refined?.map_err(TrackingError::from)?)
+    }
+
+    fn growing_outside(&mut self, at: f64) -> Result<usize, E> {
+        Ok(self.spectrum(at)?.growing_outside)
     }
 
     fn known_between(&self, from: f64, to: f64) -> Vec<f64> {

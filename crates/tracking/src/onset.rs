@@ -203,11 +203,16 @@ where
 {
     let unstable = |lambdas: &[Complex<f64>]| lambdas.iter().filter(|lambda| is_unstable(lambda)).count();
     let start = unstable(branches.lambdas(from)?) as i64;
+    let outside = branches.growing_outside(from)?;
     let is_open = |at: f64| {
         found.unresolved.iter().any(|&(a, b)| (a..=b).contains(&at))
             || found.onsets.iter().any(|onset| (at - onset.at).abs() <= onset.error + smallest)
     };
     for at in branches.known_between(from, to) {
+        // A growing mode has left the band or come into it: no onset says so.
+        if branches.growing_outside(at)? != outside {
+            continue;
+        }
         let change = |onset: &Onset| if onset.destabilises { 1 } else { -1 };
         let expected = start + found.onsets.iter().filter(|onset| onset.at < at).map(change).sum::<i64>();
         let found = unstable(branches.lambdas(at)?);

@@ -11,7 +11,7 @@ use super::options::{check_threads, threads};
 use super::results_folder;
 use super::scene::{SceneArgs, bare_sign};
 use crate::Error;
-use crate::brakes::{LatticeBrake, MatricesBrake};
+use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
@@ -64,9 +64,9 @@ impl SweepArgs {
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.scene.only_lattice(*case, None)?)?)?,
             CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?,
-            CaseFile::FiniteElements(_) => {
-                let (value, allowed) = (self.over[0].to_string(), "cases with a lattice or matrices".into());
-                return Err(Error::Option { option: "--over", value, allowed });
+            CaseFile::FiniteElements(case) => {
+                let case = self.scene.only_finite_elements(*case, None)?;
+                self.sweep(&FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"))?)?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)

@@ -72,6 +72,15 @@ pub struct BandMode {
     pub residual: Option<ModeResidual>,
 }
 
+/// An eigenvalue of the brake that another one is a reduction of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WholeEigenvalue {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// Its error to first order, rad/s: its condition number times its backward error.
+    pub bound: f64,
+}
+
 /// A relabelling of degrees of freedom and contacts that maps a brake onto itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symmetry {
@@ -190,6 +199,20 @@ pub trait UncertainBrake: Sync {
     /// The value that each of the [`UncertainBrake::inputs`] has in a sample.
     fn input_values(&self, _scene: &Scene, _sample: &Self::Sample) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// The eigenvalue next to `near` of the brake that this one is a reduction of, with parameters at some values, as
+    /// [`UncertainBrake::system_with`] takes them; `None` of a brake that is none.
+    ///
+    /// # Errors
+    /// Values without an operating point, an eigenvalue that cannot be found.
+    fn whole_eigenvalue(
+        &self,
+        _scene: &Scene,
+        _values: &[(usize, f64)],
+        _near: Complex<f64>,
+    ) -> Result<Option<WholeEigenvalue>, Error> {
+        Ok(None)
     }
 
     /// The distribution of the one parameter that the operating points of a scene are a function of; `None` where there

@@ -26,7 +26,7 @@ mod tally;
 
 pub use brake::{
     BandMode, Bridge, Direction, FullChecks, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
-    UncertainBrake, WholeContact,
+    UncertainBrake, WholeContact, WholeEigenvalue,
 };
 pub use certificate::Certificate;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};

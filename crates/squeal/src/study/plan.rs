@@ -271,7 +271,12 @@ impl Plan {
 
     /// Whether the reference modes have one with this eigenvalue: those that are studied, and neighbours that may become one.
     pub fn is_followed(&self, lambda: Complex<f64>) -> bool {
-        self.band.is_none_or(|[from, to]| (from / BAND_MARGIN..=to * BAND_MARGIN).contains(&lambda.im))
+        self.followed_band().is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
+    }
+
+    /// Least and largest Im lambda of modes that are followed, rad/s; `None` where all are.
+    pub fn followed_band(&self) -> Option<[f64; 2]> {
+        self.band.map(|[from, to]| [from / BAND_MARGIN, to * BAND_MARGIN])
     }
 
     /// The configuration of a scene.

@@ -92,6 +92,15 @@ impl CurvePoint {
         self.rates.map(|rate| rate.im).dot(&self.tangent())
     }
 
+    /// How far the curve of the brake that this one is a reduction of is away; `None` of a brake that is not reduced.
+    ///
+    /// # Errors
+    /// Those of the brake.
+    pub fn from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
+        let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.pair.lambda)?;
+        Ok(found.map(|found| found.lambda.re.abs() / self.gradient().norm()))
+    }
+
     fn change(&self, by: Vector2<f64>) -> Complex<f64> {
         self.rates.x * by.x + self.rates.y * by.y
     }

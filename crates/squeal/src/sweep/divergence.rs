@@ -120,5 +120,6 @@ fn onset<B: UncertainBrake>(
         omega: 0.0,
         starts: (-change / slope).re > 0.0,
         mode: DIVERGENCE.to_owned(),
+        moved: None,
     })
 }

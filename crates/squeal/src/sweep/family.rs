@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use cea::{Counters, EigenSolver};
 use linsys::SecondOrder;
+use num_complex::Complex;
 use osc_model::{Sector, Sectors};
 use serde::Serialize;
-use tracking::{KeptSpectra, SystemAt, SystemChange};
+use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
-use crate::study::{Reference, Study, UncertainBrake};
+use crate::study::{Reference, Study, UncertainBrake, WholeEigenvalue};
 
 /// Half of the difference from which derivatives by a parameter are taken, as a part of its range: squared it is near machine
 /// epsilon over itself.
@@ -33,21 +34,30 @@ pub struct Evaluations {
     pub eigenvectors: u64,
     /// Single eigenvalues found from a neighbouring one, without a spectrum.
     pub continued: u64,
+    /// Single eigenvalues of the whole brake, where that is reduced.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub whole: u64,
 }
 
 impl Evaluations {
     /// What counters say of spectra and vectors.
     pub(super) fn of(counters: Counters) -> Self {
-        Self { spectra: counters.eigenvalue_solves, eigenvectors: counters.eigenvectors, continued: 0 }
+        Self { spectra: counters.eigenvalue_solves, eigenvectors: counters.eigenvectors, ..Self::default() }
     }
 }
 
 impl std::ops::AddAssign for Evaluations {
-    fn add_assign(&mut self, Self { spectra, eigenvectors, continued }: Self) {
+    fn add_assign(&mut self, Self { spectra, eigenvectors, continued, whole }: Self) {
         self.spectra += spectra;
         self.eigenvectors += eigenvectors;
         self.continued += continued;
+        self.whole += whole;
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// A scene of a brake with some of its parameters swept.
@@ -90,7 +100,8 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         over: &[Over],
         solver: &'a dyn EigenSolver,
     ) -> Result<Self, Error> {
-        let parameters = swept(study.brake(), &study.plan().scenes[scene], over)?;
+        let (brake, of) = (study.brake(), &study.plan().scenes[scene]);
+        let parameters = swept(&brake.parameters(of), &study.plan().describe(of), over)?;
         let family = Self { study, scene, solver, parameters };
         family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
         Ok(family)
@@ -156,6 +167,41 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         })
     }
 
+    /// The eigenvalue next to `near` of the brake that this one is a reduction of, at parts of the ranges; `None` of one that is none.
+    pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
+        let parameters = self.family.parameters.iter().zip(parts);
+        let values: Vec<(usize, f64)> =
+            parameters.map(|(parameter, &part)| (parameter.place, parameter.at(part))).collect();
+        let (brake, plan) = (self.family.study.brake(), self.family.study.plan());
+        brake.whole_eigenvalue(&plan.scenes[self.family.scene], &values, near)
+    }
+
+    /// Whether modes of this frequency, rad/s, are studied.
+    pub fn is_studied(&self, omega: f64) -> bool {
+        self.family.study.plan().is_studied(Complex::new(0.0, omega))
+    }
+
+    /// The branches with modes that are studied.
+    pub fn studied(&self, locus: RootLocus) -> RootLocus {
+        let plan = self.family.study.plan();
+        let mut places = vec![None; locus.branches.len()];
+        let mut branches = Vec::new();
+        for (place, branch) in places.iter_mut().zip(locus.branches) {
+            if branch.points.iter().any(|(_, point)| plan.is_studied(point.lambda)) {
+                *place = Some(branches.len());
+                branches.push(branch);
+            }
+        }
+        let kept = |branches: Vec<usize>| branches.into_iter().filter_map(|branch| places[branch]).collect::<Vec<_>>();
+        let ambiguities = locus.ambiguities.into_iter().map(|ambiguity| Ambiguity {
+            before: kept(ambiguity.before),
+            after: kept(ambiguity.after),
+            ..ambiguity
+        });
+        let ambiguities = ambiguities.filter(|it| !(it.before.is_empty() && it.after.is_empty())).collect();
+        RootLocus { branches, ambiguities }
+    }
+
     /// The medians, as parts of the ranges.
     pub fn medians(&self) -> Vec<f64> {
         self.family.parameters.iter().map(|parameter| parameter.part(parameter.median)).collect()
@@ -172,6 +218,10 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
             let change = SystemChange { below: at(below)?, above: at(above)?, distance: above - below };
             Ok(SystemAt { system: at(t)?, change: Arc::new(change) })
         });
-        KeptSpectra::new(make, self.family.solver).with_overdamping()
+        let spectra = KeptSpectra::new(make, self.family.solver).with_overdamping();
+        match self.family.study.plan().followed_band() {
+            Some(band) => spectra.in_band(band),
+            None => spectra,
+        }
     }
 }

@@ -96,6 +96,11 @@ impl Found {
                 "contradicted": map.contradicted.len(),
             }),
         };
+        if let Self::Map(map) = self
+            && let Some(distance) = map.from_whole
+        {
+            all["from_whole"] = json!(distance);
+        }
         if matches!(self, Self::Branches(sweep) if sweep.diverges_at_start) {
             all["diverges_at_start"] = json!(true);
         }
@@ -126,11 +131,14 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
     let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
     write_csv(&dir.join("branches.csv"), &header, points)?;
     let onset = |onset: &SweepOnset| {
-        let SweepOnset { at, error, omega, ref mode, .. } = *onset;
+        let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
         let mode = mode.clone();
-        vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()]
+        let mut row = vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()];
+        row.extend(moved.map(|moved| moved.to_string()));
+        row
     };
-    let header = [name, "error", "direction", "mode", "frequency_hz"];
+    let mut header = vec![name, "error", "direction", "mode", "frequency_hz"];
+    header.extend(largest_move(sweep).map(|_| "from_reduced"));
     write_csv(&dir.join("onsets.csv"), &header, sweep.onsets.iter().map(onset))?;
     let coalescence = |found: &Coalescence| {
         let numbers = [found.at, found.distance, found.error, hertz(found.omega), found.growth];
@@ -161,6 +169,11 @@ fn count(number: usize, one: &str, more: &str) -> String {
     if number == 1 { format!("1 {one}") } else { format!("{number} {more}") }
 }
 
+/// How far the onsets of the brake are from those of its reduction; `None` where it is not reduced, or has none.
+fn largest_move(sweep: &Sweep) -> Option<f64> {
+    sweep.onsets.iter().filter_map(|onset| onset.moved.map(f64::abs)).reduce(f64::max)
+}
+
 fn branch_text(sweep: &Sweep) -> String {
     let SweptParameter { name, from, .. } = &sweep.parameter;
     let mut text = format!("{} unstable at {name} = {from}\n", count(sweep.unstable_at_start, "mode", "modes"));
@@ -174,6 +187,12 @@ fn branch_text(sweep: &Sweep) -> String {
         let (hz, direction) = (crate::report::hertz(hertz(onset.omega)), onset.direction());
         text += &format!("{:>22}  {:>8.1e}  {:>8}  {hz:>12}  {direction} to grow\n", onset.at, onset.error, onset.mode)
             .replace("stops to grow", "stops growing");
+    }
+    if let Some(moved) = largest_move(sweep) {
+        let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
+        text += &format!(
+            "onsets are those of the whole brake, by {solved} of it: the reduced brake has them within {moved:.1e}\n"
+        );
     }
     for (from, to) in &sweep.unresolved {
         text += &format!("{name} = {from} to {to}: a mode comes so near the axis that it may cross it or not\n");
@@ -231,10 +250,14 @@ fn map_text(map: &StabilityMap) -> String {
         text +=
             &format!("at {x} = {}, {y} = {} a spectrum contradicts the curves: one of them is missing\n", at[0], at[1]);
     }
+    if let Some(distance) = map.from_whole {
+        let points = count(map.evaluations.whole as usize, "point", "points");
+        text += &format!("the boundary of the whole brake is within {distance:.1e} of the ranges, at {points} of it\n");
+    }
     if map.unresolved > 0 {
         text += &format!("{} on lines of the grid left open\n", count(map.unresolved, "step", "steps"));
     }
-    let Evaluations { spectra, eigenvectors, continued } = map.evaluations;
+    let Evaluations { spectra, eigenvectors, continued, .. } = map.evaluations;
     text + &format!(
         "{spectra} spectra with {eigenvectors} vectors solved, {continued} eigenvalues continued; one spectrum in each cell of the \
          figure takes {}\nclosed curves that meet none of the lines at each {} of the ranges are not found\n",

@@ -56,6 +56,9 @@ pub struct StabilityMap {
     pub unresolved: usize,
     /// Regions in which a spectrum has another number of unstable modes than the curves say: a curve is missing there.
     pub contradicted: Vec<Region>,
+    /// The largest distance of the boundary from that of the brake that this one is a reduction of, as a part of the ranges, at the ends
+    /// and in the middle of each curve; `None` of a brake that is not reduced.
+    pub from_whole: Option<f64>,
     /// What was computed.
     pub evaluations: Evaluations,
     /// Spectra on a grid with one in each cell of the figure, of all sectors.
@@ -85,6 +88,7 @@ struct PartMap {
     /// Unstable modes at the lower left corner, and the onsets on the left edge.
     on_left: (i64, Vec<(f64, i64)>),
     unresolved: usize,
+    from_whole: Option<f64>,
     evaluations: Evaluations,
 }
 
@@ -112,6 +116,7 @@ pub fn stability_map<B: UncertainBrake>(
     })?;
     let (mut curves, mut lines) = (Vec::new(), Vec::new());
     let (mut evaluations, mut unresolved, mut edges) = (Evaluations::default(), 0, Vec::new());
+    let mut from_whole: Option<f64> = None;
     for part in found {
         for (curve, line) in part.curves {
             curves.push(curve);
@@ -119,6 +124,7 @@ pub fn stability_map<B: UncertainBrake>(
         }
         edges.push(part.on_left);
         unresolved += part.unresolved;
+        from_whole = from_whole.into_iter().chain(part.from_whole).reduce(f64::max);
         evaluations += part.evaluations;
     }
     let on_left = |y: f64| -> i64 {
@@ -141,6 +147,7 @@ pub fn stability_map<B: UncertainBrake>(
         rows,
         grid: GRID,
         unresolved,
+        from_whole,
         evaluations,
         fine_grid: (CELLS * CELLS * parts.len()) as u64,
     })
@@ -150,7 +157,7 @@ pub fn stability_map<B: UncertainBrake>(
 fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<usize, Error> {
     let of_part = |part: &Part<'_, B>| {
         let spectrum = part.family.solver.eigenvalues(&part.system(at)?, &mut cea::Workspace::default())?;
-        Ok(spectrum.oscillatory().filter(|lambda| lambda.re >= 0.0).count())
+        Ok(spectrum.oscillatory().filter(|lambda| lambda.re >= 0.0 && part.is_studied(lambda.im)).count())
     };
     parts.iter().map(of_part).sum()
 }
@@ -188,6 +195,11 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Progress) -> Re
         let (at, omega) = starts[first];
         let start = tracer.start(at, omega)?;
         let (points, ends) = tracer.curve(start)?;
+        for at in [0, points.len() / 2, points.len() - 1] {
+            let distance = points[at].from_whole(part)?;
+            map.evaluations.whole += u64::from(distance.is_some());
+            map.from_whole = map.from_whole.into_iter().chain(distance).reduce(f64::max);
+        }
         let on_curve = |&(at, omega): &(Vector2<f64>, f64)| {
             points.windows(2).any(|step| passes(&step[0], &step[1], 1.0, at, omega))
         };
@@ -213,8 +225,10 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
     start[line.axis] = line.at;
     direction[1 - line.axis] = 1.0;
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
-    let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
-    let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
+    let Onsets { mut onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    onsets.retain(|onset| part.is_studied(onset.omega));
+    let is_counted = |lambda: &&Complex<f64>| lambda.re >= 0.0 && part.is_studied(lambda.im);
+    let unstable_at_start = branches.lambdas(0.0)?.iter().filter(is_counted).count();
     let evaluations = Evaluations::of(branches.counters());
     Ok(OnLine { line, onsets, unresolved: unresolved.len(), unstable_at_start, evaluations })
 }

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
-use super::divergence::divergences;
+use super::divergence::{Divergences, divergences};
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::onset::SweepOnset;
+use super::onset::{SweepOnset, WholeOnset};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
 use crate::study::{Reference, Study, UncertainBrake};
@@ -135,22 +135,36 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         difference: DIFFERENCE,
     });
     let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
-    let locus = root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?;
+    let locus = part.studied(root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?);
     let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
     let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
     let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
     let coalescences = coalescences(&mut branches, &locus, &names)?;
-    let onset = |onset: Onset| SweepOnset {
-        at: parameter.at(onset.at),
-        error: onset.error * parameter.slope(onset.at),
-        omega: onset.omega,
-        starts: onset.destabilises,
-        mode: in_words(&names_of_onset(&locus, &names, &onset)),
-    };
-    let divergences = divergences(part, parameter, &places)?;
-    let onsets = onsets.into_iter().map(onset).chain(divergences.onsets).collect();
-    let unstable_at_start = branches.lambdas(0.0)?.iter().filter(|lambda| lambda.re >= 0.0).count();
+    let mut evaluations = Evaluations::default();
+    let mut found = Vec::new();
+    for reduced in onsets.into_iter().filter(|onset| part.is_studied(onset.omega)) {
+        let rate = branches.refined(reduced.at, Complex::new(0.0, reduced.omega))?.rate;
+        let whole = WholeOnset::near(part, parameter, &reduced, rate)?;
+        evaluations.whole += whole.as_ref().map_or(0, |whole| whole.solved);
+        let moved = whole.as_ref().map(|whole| parameter.at(whole.onset.at) - parameter.at(reduced.at));
+        let onset = whole.map_or(reduced, |whole| whole.onset);
+        found.push(SweepOnset {
+            at: parameter.at(onset.at),
+            error: onset.error * parameter.slope(onset.at),
+            omega: onset.omega,
+            starts: onset.destabilises,
+            mode: in_words(&names_of_onset(&locus, &names, &reduced)),
+            moved,
+        });
+    }
+    evaluations += Evaluations::of(branches.counters());
+    let divergences =
+        if part.is_studied(0.0) { divergences(part, parameter, &places)? } else { Divergences::default() };
+    found.extend(divergences.onsets);
+    let is_studied = |lambda: &Complex<f64>| part.is_studied(lambda.im);
+    let start = branches.lambdas(0.0)?.iter().filter(|lambda| is_studied(lambda));
+    let unstable_at_start = start.filter(|lambda| lambda.re >= 0.0).count();
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
         from: parameter.at(ambiguity.from),
@@ -158,14 +172,14 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         ..ambiguity
     };
     Ok(Sweep {
-        onsets,
+        onsets: found,
         branches: locus.branches.into_iter().zip(&names).map(named).collect(),
         ambiguities: locus.ambiguities.into_iter().map(in_values).collect(),
         unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start,
         diverges_at_start: divergences.at_start,
-        evaluations: Evaluations::of(branches.counters()),
+        evaluations,
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone())
     })

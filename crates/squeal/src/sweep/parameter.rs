@@ -1,7 +1,7 @@
 //! Which parameters are swept, and from where to where.
 
 use crate::Error;
-use crate::study::{NamedParameter, Scene, UncertainBrake};
+use crate::study::NamedParameter;
 
 /// Ratio of the ends of a range of positive values from which on steps are equal ratios; chosen.
 const LOGARITHMIC: f64 = 30.0;
@@ -78,19 +78,18 @@ impl SweptParameter {
     }
 }
 
-/// The parameters of a scene that are asked for.
+/// Those of the parameters of a scene, given in words, that are asked for.
 ///
 /// # Errors
 /// A parameter that the scene does not have or that is named twice, and a range that does not go from a number to a larger one.
-pub(super) fn swept<B: UncertainBrake>(brake: &B, scene: &Scene, over: &[Over]) -> Result<Vec<SweptParameter>, Error> {
-    let parameters = brake.parameters(scene);
+pub(crate) fn swept(parameters: &[NamedParameter], scene: &str, over: &[Over]) -> Result<Vec<SweptParameter>, Error> {
     let refused = |value: String, allowed: String| Error::Option { option: "--over", value, allowed };
     let mut found: Vec<SweptParameter> = Vec::with_capacity(over.len());
     for asked in over {
         let Some(place) = parameters.iter().position(|parameter| parameter.name == asked.name) else {
             let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
             let allowed = if names.is_empty() { "nothing, it has no parameters".into() } else { names.join(", ") };
-            return Err(refused(asked.name.clone(), format!("in {}: {allowed}", brake.plan().describe(scene))));
+            return Err(refused(asked.name.clone(), format!("in {scene}: {allowed}")));
         };
         if found.iter().any(|earlier| earlier.place == place) {
             return Err(refused(asked.to_string(), "two different parameters".into()));

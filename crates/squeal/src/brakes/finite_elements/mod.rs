@@ -7,6 +7,8 @@ mod parameters;
 mod places;
 mod points;
 mod reduce;
+mod swept;
+mod whole;
 
 pub use points::frictionless;
 pub use reduce::{Bases, Part, ReducedSet};
@@ -16,13 +18,16 @@ use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
 
+use self::parameters::SceneOf;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::study::{
-    BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake, WholeContact,
+    BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake,
+    WholeContact, WholeEigenvalue,
 };
+use crate::sweep::Over;
 
 /// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
 /// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
@@ -70,13 +75,33 @@ impl FiniteElementBrake {
         Self::on(case, Bases::OfEach, progress)
     }
 
+    /// Reduces the brake as [`FiniteElementBrake::new`] does, but for its first scene so that the basis holds the modes over ranges of
+    /// parameters that a sweep goes through, which may be wider than what is drawn.
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`]; a parameter or a range that the scene does not have, or for which it has no operating point.
+    pub fn for_sweep(case: FiniteElementCase, over: &[Over], progress: &dyn Progress) -> Result<Self, Error> {
+        let swept = swept::points(&case, over)?;
+        Self::with_points(case, Bases::OfEach, &swept, progress)
+    }
+
     /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`UncertainBrake::places`].
     ///
     /// # Errors
     /// As [`FiniteElementBrake::new`].
     pub fn on(case: FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<Self, Error> {
+        Self::with_points(case, bases, &[], progress)
+    }
+
+    /// With points of the first configuration at which the modes shall be held too.
+    fn with_points(
+        case: FiniteElementCase,
+        bases: Bases,
+        swept: &[OperatingPoint],
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
         let reduce::AllBases { sets, parts, of_origins, of_configurations } =
-            reduce::all_bases(&case, bases, progress)?;
+            reduce::all_bases(&case, bases, swept, progress)?;
         let part = |at: usize| &parts[at].reduced;
         let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
@@ -141,8 +166,12 @@ impl FiniteElementBrake {
     }
 
     fn law_and_speed(&self, scene: &Scene, sample: &FiniteElementSample) -> Option<(Law, f64)> {
-        let contact = self.case.contact.as_ref()?;
-        Some((contact.laws[scene.key.law], points::speed(contact, scene.key.speed, sample)))
+        points::law_and_speed(&self.case, self.scene_of(scene).state, sample)
+    }
+
+    fn scene_of(&self, scene: &Scene) -> SceneOf<'_> {
+        let state = self.case.contact.as_ref().map(|contact| (contact.laws[scene.key.law], scene.key.speed));
+        SceneOf { case: &self.case, closed: self.closed(scene), state }
     }
 }
 
@@ -250,10 +279,21 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
-        parameters::named(self, scene)
+        parameters::named(&self.scene_of(scene))
     }
 
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
-        parameters::system(self, scene, values)
+        let at = parameters::point(&self.scene_of(scene), values)?;
+        Ok(self.part(scene).reduced.system().assemble(&at)?)
+    }
+
+    fn whole_eigenvalue(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        near: Complex<f64>,
+    ) -> Result<Option<WholeEigenvalue>, Error> {
+        whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
+            .map(Some)
     }
 }

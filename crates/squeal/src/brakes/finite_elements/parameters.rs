@@ -1,13 +1,23 @@
 //! The parameters of a finite element brake by the names that its case file has for them.
 
-use linsys::SecondOrder;
+use linsys::OperatingPoint;
 
-use super::{FiniteElementBrake, FiniteElementSample, points};
+use super::FiniteElementSample;
+use super::points::{self, State};
 use crate::Error;
 use crate::brakes::LatticeSample;
 use crate::brakes::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use crate::case::{Law, PatchContact};
-use crate::study::{NamedParameter, Scene, UncertainBrake};
+use crate::case::{FiniteElementCase, Law, PatchContact};
+use crate::study::NamedParameter;
+
+/// A scene of a case, reduced or not.
+#[derive(Clone, Copy)]
+pub(super) struct SceneOf<'a> {
+    pub case: &'a FiniteElementCase,
+    /// The closed patches, from 0.
+    pub closed: &'a [usize],
+    pub state: State,
+}
 
 /// A parameter of a scene.
 enum Choice {
@@ -30,35 +40,32 @@ struct Values {
     stiffness: Vec<f64>,
 }
 
-fn medians(brake: &FiniteElementBrake, scene: &Scene) -> Values {
-    let sample = brake.median();
-    let patches = brake.case.contact.as_ref().map_or(0, |contact| contact.patches.len());
-    Values { friction: brake.law_and_speed(scene, &sample), sample, load: 1.0, stiffness: vec![1.0; patches] }
+fn medians(scene: &SceneOf<'_>) -> Values {
+    let sample = points::median(scene.case);
+    let patches = scene.case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let friction = points::law_and_speed(scene.case, scene.state, &sample);
+    Values { friction, sample, load: 1.0, stiffness: vec![1.0; patches] }
 }
 
 /// The parameters on which the systems of a scene depend: the case's own, those of friction, speed and load, and the stiffness of each
 /// closed patch.
-fn of_scene(brake: &FiniteElementBrake, scene: &Scene) -> Vec<Choice> {
-    let own = (0..brake.case.parameters.len()).map(Choice::Own);
-    let Some(contact) = &brake.case.contact else { return own.collect() };
-    let law = contact.laws[scene.key.law];
+fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
+    let own = (0..scene.case.parameters.len()).map(Choice::Own);
+    let Some((contact, (law, _))) = scene.case.contact.as_ref().zip(scene.state) else { return own.collect() };
     let of = FrictionUse { law, is_lateral: false, has_bristle_damping: contact.bristle_damping.is_some() };
     let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);
     // Coulomb friction knows neither speed nor load.
     let sliding = [Choice::Speed, Choice::Load].into_iter().filter(|_| law != Law::AmontonsCoulomb);
-    own.chain(friction)
-        .chain(sliding)
-        .chain(brake.closed(scene).iter().map(|&patch| Choice::Stiffness(patch)))
-        .collect()
+    own.chain(friction).chain(sliding).chain(scene.closed.iter().map(|&patch| Choice::Stiffness(patch))).collect()
 }
 
-pub(super) fn named(brake: &FiniteElementBrake, scene: &Scene) -> Vec<NamedParameter> {
-    let at = medians(brake, scene);
-    let patches = brake.case.contact.as_ref().map_or(&[][..], |contact: &PatchContact| &contact.patches);
+pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
+    let at = medians(scene);
+    let patches = scene.case.contact.as_ref().map_or(&[][..], |contact: &PatchContact| &contact.patches);
     let named = |choice: Choice| {
         let (name, unit, median) = match choice {
             Choice::Own(place) => {
-                let parameter = &brake.case.parameters[place];
+                let parameter = &scene.case.parameters[place];
                 (parameter.name.clone(), parameter.unit.clone(), at.sample.values[place])
             }
             Choice::Friction(parameter) => {
@@ -73,13 +80,13 @@ pub(super) fn named(brake: &FiniteElementBrake, scene: &Scene) -> Vec<NamedParam
         };
         Some(NamedParameter { name, unit, median })
     };
-    of_scene(brake, scene).into_iter().filter_map(named).collect()
+    of_scene(scene).into_iter().filter_map(named).collect()
 }
 
-/// The reduced system with some parameters at other values. What is constant in the brake of a scene is taken apart again: each patch
-/// is a term of the reduced system.
-pub(super) fn system(brake: &FiniteElementBrake, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
-    let (mut at, parameters) = (medians(brake, scene), of_scene(brake, scene));
+/// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
+/// taken apart again: each patch is a term.
+pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
+    let (mut at, parameters) = (medians(scene), of_scene(scene));
     for &(place, value) in values {
         match &parameters[place] {
             Choice::Own(place) => at.sample.values[*place] = value,
@@ -95,17 +102,17 @@ pub(super) fn system(brake: &FiniteElementBrake, scene: &Scene, values: &[(usize
             Choice::Stiffness(patch) => at.stiffness[*patch] = value,
         }
     }
-    let mut point = points::scene_point(&brake.case, brake.closed(scene), at.friction, &at.sample)?;
+    let mut point = points::scene_point(scene.case, scene.closed, at.friction, &at.sample)?;
     for gain in &mut point.channels {
         gain.slope *= at.load;
         gain.lag = gain.lag.map(|lag| linsys::Lag { force: at.load * lag.force, ..lag });
     }
-    let mut whole = brake.full_point(scene, &point);
+    let mut whole = points::of_brake(scene.case, scene.closed, &point);
     let first_patch = whole.coefficients.len() - at.stiffness.len();
     for (patch, factor) in at.stiffness.iter().enumerate() {
         whole.coefficients[first_patch + patch] *= factor;
         // A channel reads the normal force of its spring.
-        points::channels_of(&brake.case, patch).for_each(|channel| whole.channels[channel].mu *= factor);
+        points::channels_of(scene.case, patch).for_each(|channel| whole.channels[channel].mu *= factor);
     }
-    Ok(brake.part(scene).reduced.system().assemble(&whole)?)
+    Ok(whole)
 }

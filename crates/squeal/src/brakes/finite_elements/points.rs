@@ -12,6 +12,19 @@ use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact};
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
 
+/// A law with the place of its range of speed, where it has one; `None` without a contact.
+pub(super) type State = Option<(Law, Option<usize>)>;
+
+/// The law of a state, with the sliding speed of a sample, m/s.
+pub(super) fn law_and_speed(
+    case: &FiniteElementCase,
+    state: State,
+    sample: &FiniteElementSample,
+) -> Option<(Law, f64)> {
+    let (contact, (law, range)) = case.contact.as_ref().zip(state)?;
+    Some((law, speed(contact, range, sample)))
+}
+
 /// Draws a sample: the parameters, then friction and speed.
 pub(super) fn draw(case: &FiniteElementCase, rng: &mut StreamRng) -> Result<FiniteElementSample, Error> {
     let values = case.parameters.iter().map(|parameter| parameter.distribution.draw(rng)).collect::<Result<_, _>>()?;
@@ -31,7 +44,7 @@ pub(super) fn median(case: &FiniteElementCase) -> FiniteElementSample {
 }
 
 /// The sliding speed of a sample in a range of speeds, m/s.
-pub(super) fn speed(contact: &PatchContact, range: Option<usize>, sample: &FiniteElementSample) -> f64 {
+fn speed(contact: &PatchContact, range: Option<usize>, sample: &FiniteElementSample) -> f64 {
     let quantile = sample.contacts.as_ref().map_or(0.5, |contacts| contacts.speed_quantile);
     range.map_or(ANY_SPEED, |range| contact.speeds[range].quantile(quantile))
 }

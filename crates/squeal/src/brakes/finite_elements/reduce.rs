@@ -13,7 +13,7 @@ use sparse::reduction::{
 };
 use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
-use super::points::{all_patches, draw, naming_point, of_brake, scene_point, speed, speeds_of};
+use super::points::{State, all_patches, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
 
@@ -33,6 +33,8 @@ const MOST_COLUMNS: usize = 600;
 const MOST_ANCHORS: usize = 12;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
+/// Most of the points of a sweep whose coefficients they know; chosen: each takes a factorisation at a few frequencies.
+const MOST_STRUCTURES: usize = 6;
 
 /// The brake with one set of constraints.
 #[derive(Debug)]
@@ -82,17 +84,19 @@ pub(super) struct AllBases {
 /// Closed patches, from 0.
 type Closed = Vec<usize>;
 
-/// A law with the place of its range of speed, where it has one; `None` without a contact.
-type State = Option<(Law, Option<usize>)>;
-
 /// What a part is to hold.
 struct Asked {
     set: usize,
     arrangements: Vec<Closed>,
 }
 
-/// Reduces the brake with each set of constraints.
-pub(super) fn all_bases(case: &FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<AllBases, Error> {
+/// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept` too.
+pub(super) fn all_bases(
+    case: &FiniteElementCase,
+    bases: Bases,
+    swept: &[OperatingPoint],
+    progress: &dyn Progress,
+) -> Result<AllBases, Error> {
     let arrangements = arrangements(case);
     let all = all_patches(case);
     let mut asked = Vec::new();
@@ -120,15 +124,17 @@ pub(super) fn all_bases(case: &FiniteElementCase, bases: Bases, progress: &dyn P
     progress.begin((case.constraints.len() + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for set in &case.constraints {
-        sets.push(reduced_set(case, &set.fixed)?);
+        sets.push(reduced_set(case, &set.fixed, swept)?);
         progress.advance(1);
     }
-    let part = |asked: &Asked| {
-        let found = part(case, &sets[asked.set], asked);
+    let first = of_configurations[0];
+    let part = |(at, asked): (usize, &Asked)| {
+        let swept = if at == first { swept } else { &[] };
+        let found = part(case, &sets[asked.set], asked, swept);
         progress.advance(1);
         found
     };
-    let parts = asked.par_iter().map(part).collect::<Result<Vec<_>, Error>>()?;
+    let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
     let whole = |(set, &origin): (&ReducedSet, &usize)| whole_modes(case, set, &asked[origin]);
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
     for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
@@ -155,7 +161,7 @@ pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
 
 /// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
 /// contact, of modes at training points.
-fn reduced_set(case: &FiniteElementCase, fixed: &[usize]) -> Result<ReducedSet, Error> {
+fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoint]) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
     let all = all_patches(case);
@@ -165,7 +171,9 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize]) -> Result<ReducedSet, 
         Some(_) => {
             let mut points = vec![at_median];
             if !case.parameters.is_empty() {
-                points.extend(training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES)?);
+                let training = training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES, swept)?;
+                let step = training.len().div_ceil(MOST_STRUCTURES);
+                points.extend(training.into_iter().step_by(step));
             }
             let goal = ResponseGoal {
                 frequencies: rectangle(case).im,
@@ -175,7 +183,7 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize]) -> Result<ReducedSet, 
             response_basis(&system, &points, &goal)?.basis
         }
         None => {
-            let training = training(case, &[all], case.reduction.training as u64)?;
+            let training = training(case, &[all], case.reduction.training as u64, swept)?;
             let points = std::slice::from_ref(&at_median);
             let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
             let options =
@@ -196,10 +204,10 @@ fn whole_modes(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Res
 }
 
 /// A part on the fewest directions that hold it.
-fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Part, Error> {
+fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, swept: &[OperatingPoint]) -> Result<Part, Error> {
     let first = &asked.arrangements[0];
     let at_median = of_brake(case, first, &naming_point(case, first)?);
-    let training = training(case, &asked.arrangements, case.reduction.training as u64)?;
+    let training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
     let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
     let options = Options {
         tolerance: WITHIN * case.reduction.residual,
@@ -215,8 +223,17 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Par
     Ok(Part { set: asked.set, within, reduced })
 }
 
-/// Draws, each in one arrangement, law and range of speed after another: `count`, or one for each of these where they are more.
-fn training(case: &FiniteElementCase, arrangements: &[Closed], count: u64) -> Result<Vec<OperatingPoint>, Error> {
+/// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
+/// another: `count`, or one for each of these where they are more.
+fn training(
+    case: &FiniteElementCase,
+    arrangements: &[Closed],
+    count: u64,
+    swept: &[OperatingPoint],
+) -> Result<Vec<OperatingPoint>, Error> {
+    if !swept.is_empty() {
+        return Ok(swept.to_vec());
+    }
     let states: Vec<State> = match &case.contact {
         None => vec![None],
         Some(contact) => {
@@ -230,9 +247,8 @@ fn training(case: &FiniteElementCase, arrangements: &[Closed], count: u64) -> Re
     let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
         let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
-        let at = case.contact.as_ref().zip(state);
-        let state = at.map(|(contact, (law, range))| (law, speed(contact, range, &sample)));
-        Ok(of_brake(case, closed, &scene_point(case, closed, state, &sample)?))
+        let friction = law_and_speed(case, state, &sample);
+        Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
     };
     (0..count).zip(scenes.iter().cycle()).map(point).collect()
 }

@@ -46,7 +46,7 @@ pub(crate) fn write_sweep_page(
         escaped(scene),
         escaped(&found.text())
     );
-    let Evaluations { spectra, eigenvectors, continued } = found.evaluations();
+    let Evaluations { spectra, eigenvectors, continued, .. } = found.evaluations();
     let counts = [
         ("Spectra", spectra.to_string()),
         ("Eigenvectors", eigenvectors.to_string()),

@@ -1,0 +1,27 @@
+//! Single eigenvalues of the whole brake.
+
+use cea::{CeaError, Workspace, singular_vectors};
+use linsys::{OperatingPoint, real_times_complex};
+use num_complex::Complex;
+use sparse::eigenpair_near;
+
+use super::{Part, ReducedSet};
+use crate::Error;
+use crate::study::WholeEigenvalue;
+
+/// The eigenvalue of the whole brake next to one of the reduced brake, from the shape that leaves least of Q there.
+pub(super) fn eigenvalue(
+    part: &Part,
+    sets: &[ReducedSet],
+    at: &OperatingPoint,
+    near: Complex<f64>,
+) -> Result<WholeEigenvalue, Error> {
+    let q = part.reduced.system().assemble(at)?.dynamic_stiffness(near);
+    let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
+    let shape = shape.ok_or(CeaError::NoEigenvector { lambda: near, residual: f64::INFINITY })?;
+    let shape = real_times_complex(part.reduced.basis(), &shape);
+    let whole = sets[part.set].system.assemble(at)?;
+    let pair = eigenpair_near(&whole, near, &shape, sparse::Options::default().tolerance)?;
+    let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
+    Ok(WholeEigenvalue { lambda: pair.lambda, bound })
+}
