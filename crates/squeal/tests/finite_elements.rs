@@ -197,3 +197,39 @@ fn a_sweep_over_what_the_scene_does_not_have_is_refused_before_anything_is_reduc
         assert!(error.contains("--over") && error.contains(allowed), "{error}");
     }
 }
+
+#[test]
+fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
+    let draw = "[parameters.wear]\nunit = \"1\"\ndistribution = \"uniform\"\nfrom = 0.5\nto = 1.5\n\n[contact]";
+    let with = |field: &str| {
+        let text = two_arrangements().text.replace("[contact]", draw);
+        let text = text.replace("tolerance =", &format!("stiffness_factor = {field}\ntolerance ="));
+        CaseFile::parse(&folder().join("worn.toml"), text.replace("[500.0, 8000.0]", "[5700.0, 6500.0]"))
+    };
+    let Ok(CaseFile::FiniteElements(case)) = with("\"20 * wear - 19\"") else { panic!() };
+    // Half of the draws have no stiffness; the median has the one that is given.
+    let Err(error) = FiniteElementBrake::new(*case, &()) else { panic!() };
+    assert!(error.to_string().contains("contact.stiffness_factor = -"), "{error}");
+
+    let Ok(CaseFile::FiniteElements(case)) = with("\"wear\"") else { panic!() };
+    let brake = FiniteElementBrake::new(*case, &()).unwrap();
+    for scene in &brake.plan.scenes {
+        let names: Vec<String> = brake.parameters(scene).into_iter().map(|parameter| parameter.name).collect();
+        let place = |name: &str| names.iter().position(|known| known == name).unwrap();
+        let mut sample = brake.median();
+        sample.values[0] = 1.25;
+        let drawn = brake.system(scene, &sample).unwrap();
+        let patches = names.iter().enumerate().filter(|(_, name)| name.starts_with("contact_stiffness"));
+        let each: Vec<(usize, f64)> = patches.map(|(place, _)| (place, 1.25)).collect();
+        for values in [each, vec![(place("wear"), 1.25)]] {
+            let same = brake.system_with(scene, &values).unwrap();
+            assert!((&drawn.k - &same.k).norm() <= 1e-12 * drawn.k.norm());
+        }
+    }
+    let found = brake.full_checks(50).unwrap().unwrap();
+    assert!(found.samples == 4 && found.modes >= 8, "{found:?}");
+    assert_eq!((found.missing, found.invented, found.other_verdicts), (0, 0, 0), "{found:?}");
+
+    let Err(error) = with("\"were\"") else { panic!() };
+    assert!(error.to_string().contains("contact.stiffness_factor") && error.to_string().contains("were"), "{error}");
+}

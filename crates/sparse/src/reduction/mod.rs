@@ -9,6 +9,7 @@
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them | [`Reduced::modes_among`] |
 //! | compare eigenvalues of two systems | [`compared`] |
+//! | see what fewer columns would hold | [`rungs`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
 //! | see cost against error | [`Report::stages`], [`Stage::measure`] |
@@ -20,6 +21,7 @@
 mod anchor;
 mod basis;
 mod build;
+mod compared;
 mod dense;
 mod follow;
 mod full;
@@ -36,10 +38,11 @@ mod within;
 
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
+pub use compared::{Compared, compared};
 pub use follow::Doubt;
 pub use modal::real_modes;
 pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
-pub use within::{Compared, Within, compared, within};
+pub use within::{Rung, Within, rungs, within};

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::basis::{ROUNDING, directions, fewest};
+use super::compared::{Compared, compared};
 use super::full::{largest, outside};
 use super::norms::{Norms, NormsAt};
 use super::residual::reduced_residual;
@@ -21,8 +22,6 @@ const AT_KNOWN_POINTS: f64 = 0.5;
 const INVERSES: usize = 8;
 /// Corrections at one point after which all modes are found there; chosen.
 const MOST_CORRECTIONS: usize = 4;
-/// Distance, relative to |lambda|, up to which two eigenvalues are of the same mode.
-const SAME_MODE: f64 = 1e-3;
 
 /// A smaller basis, and how it was found.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,20 +57,7 @@ pub fn within(
     wanted: &Wanted<'_>,
     options: &Options,
 ) -> Result<Within, SparseError> {
-    let norms = Norms::new(system);
-    wanted.points.iter().chain(wanted.training).try_for_each(|at| reduced.check(at))?;
-    let points = wanted.points.iter().chain(wanted.training).map(|at| Point { at, norms: norms.at(at) }).collect();
-    let mut search = Search {
-        reduced,
-        wanted,
-        options,
-        points,
-        known: Vec::new(),
-        missed: Vec::new(),
-        first: Vec::new(),
-        distance: 0.0,
-        inverses: Vec::new(),
-    };
+    let mut search = Search::new(system, reduced, wanted, options)?;
     (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
     let in_rectangle = |lambda: &Complex<f64>| wanted.rectangle.contains(*lambda, 0.0);
     search.first =
@@ -108,36 +94,46 @@ pub fn within(
     Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
 }
 
-/// Eigenvalues of one system beside those of another.
+/// What the first columns of a smaller basis hold.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Compared {
-    /// The largest distance of an eigenvalue from its counterpart, relative to its size.
-    pub distance: f64,
-    /// Those without a counterpart within a thousandth of their size.
-    pub missed: Vec<Complex<f64>>,
-    /// Those of the other that are nobody's counterpart.
-    pub left: Vec<Complex<f64>>,
-    /// Pairs of counterparts.
-    pub pairs: Vec<[Complex<f64>; 2]>,
+pub struct Rung {
+    /// How many columns.
+    pub columns: usize,
+    /// The largest residual in the full system of a mode in the rectangle, at all given and training points.
+    pub residual: f64,
+    /// The eigenvalues in the rectangle at the first given point.
+    pub first: Vec<Complex<f64>>,
 }
 
-/// Gives each of some eigenvalues the nearest of others that is free.
-#[must_use]
-pub fn compared(of: &[Complex<f64>], mut others: Vec<Complex<f64>>) -> Compared {
-    let mut found = Compared { distance: 0.0, missed: Vec::new(), left: Vec::new(), pairs: Vec::new() };
-    for &lambda in of {
-        let distance = |other: &Complex<f64>| (other - lambda).norm() / lambda.norm();
-        let nearest = (0..others.len()).min_by(|&a, &b| distance(&others[a]).total_cmp(&distance(&others[b])));
-        match nearest.filter(|&at| distance(&others[at]) <= SAME_MODE) {
-            Some(at) => {
-                let other = others.swap_remove(at);
-                found.distance = found.distance.max(distance(&other));
-                found.pairs.push([lambda, other]);
-            }
-            None => found.missed.push(lambda),
+/// Cost against error: what some of the first columns of the basis that [`within()`] found hold. They are its principal directions in
+/// the order of what they hold, and an evaluation costs about the square of their number.
+///
+/// # Errors
+/// A point of another system, a singular reduced mass matrix.
+pub fn rungs(
+    system: &SparseAffineSystem,
+    reduced: &AffineSystem,
+    wanted: &Wanted<'_>,
+    basis: &DMatrix<f64>,
+    columns: &[usize],
+) -> Result<Vec<Rung>, SparseError> {
+    let options = Options::default();
+    let search = Search::new(system, reduced, wanted, &options)?;
+    let rung = |&columns: &usize| {
+        let basis = basis.columns(0, columns.min(basis.ncols())).into_owned();
+        let small = reduced.projected(&basis)?;
+        let mut residual = 0.0_f64;
+        for at in 0..search.points.len() {
+            residual = residual.max(search.residual(&small, &basis, at)?);
         }
-    }
-    Compared { left: others, ..found }
+        let mut first = Vec::new();
+        if let Some(point) = search.points.first() {
+            first = search.modes(&small.assemble(point.at)?)?.0;
+            first.retain(|lambda| wanted.rectangle.contains(*lambda, 0.0));
+        }
+        Ok(Rung { columns: basis.ncols(), residual, first })
+    };
+    columns.iter().map(rung).collect()
 }
 
 /// A point, with the norms of the full system there.
@@ -179,7 +175,29 @@ struct Search<'a> {
     inverses: Vec<(f64, dense::Factored)>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(
+        system: &SparseAffineSystem,
+        reduced: &'a AffineSystem,
+        wanted: &'a Wanted<'a>,
+        options: &'a Options,
+    ) -> Result<Self, SparseError> {
+        let norms = Norms::new(system);
+        wanted.points.iter().chain(wanted.training).try_for_each(|at| reduced.check(at))?;
+        let points = wanted.points.iter().chain(wanted.training).map(|at| Point { at, norms: norms.at(at) }).collect();
+        Ok(Self {
+            reduced,
+            wanted,
+            options,
+            points,
+            known: Vec::new(),
+            missed: Vec::new(),
+            first: Vec::new(),
+            distance: 0.0,
+            inverses: Vec::new(),
+        })
+    }
+
     fn margin(&self) -> f64 {
         self.options.margin * largest(&self.wanted.rectangle)
     }

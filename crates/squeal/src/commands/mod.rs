@@ -7,6 +7,7 @@ mod influence;
 mod mesh_shapes;
 mod options;
 mod reasons;
+mod reduction;
 mod refuse;
 mod results_folder;
 mod run;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::check::announced;
 use super::mesh_shapes::write_mesh_shapes;
 use super::options::{number, override_run, threads, whole_number};
+use super::reduction::write_reduction;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
 use crate::output::printable;
@@ -85,7 +86,10 @@ impl RunArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
-                let files = |results: &Results<'_>, dir: &Path| write_mesh_shapes(&brake, results, dir);
+                let files = |results: &Results<'_>, dir: &Path| {
+                    write_reduction(&brake, dir)?;
+                    write_mesh_shapes(&brake, results, dir)
+                };
                 let more = More { geometry: Geometry::none(), claims: &|_| Ok(Vec::new()), files: &files };
                 self.run_brake(&brake, half_width, &more, out)
             }

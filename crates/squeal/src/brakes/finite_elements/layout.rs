@@ -6,7 +6,7 @@ use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use sparse::reduction::Reduced;
 
-use super::points::{all_patches, closed_channels, naming_point, speeds_of};
+use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
 use crate::Error;
 use crate::brakes::labels::friction_labels;
 use crate::case::{FiniteElementCase, PatchContact};
@@ -78,8 +78,8 @@ fn add_scenes(
     Ok(())
 }
 
-/// The reduced brake with some patches closed. What is constant in it, holders and closed patches, is one term, and open patches
-/// have no channels.
+/// The reduced brake with some patches closed. What is constant in it, holders and closed patches unless their stiffness is drawn, is one
+/// term, and open patches have no channels.
 ///
 /// Columns of a basis belong to no body, so there is one body. Friction of each patch is a force family of its own.
 fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Brake, Error> {
@@ -87,15 +87,23 @@ fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Bra
     let mut terms = reduced.terms()[..own].to_vec();
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let holders = own..reduced.terms().len() - patches;
-    let constant = holders.clone().chain(closed.iter().map(|patch| holders.end + patch));
-    if reduced.terms().len() > own {
-        let order = reduced.order();
-        let mut sum = SecondOrder::zeros(order, 0);
-        for matrices in constant.map(|term| reduced.terms()[term].matrices()) {
+    let contact = || closed.iter().map(|patch| holders.end + patch);
+    let sum = |name, family, terms: &mut dyn Iterator<Item = usize>| {
+        let mut sum = SecondOrder::zeros(reduced.order(), 0);
+        for matrices in terms.map(|term| reduced.terms()[term].matrices()) {
             sum.c += &matrices.c;
             sum.k += &matrices.k;
         }
-        terms.push(Term::new("holders and contact", "holders", sum)?);
+        Term::new(name, family, sum)
+    };
+    for term in constant_terms(case) {
+        terms.push(match term {
+            ConstantTerm::Holders => sum("holders", "holders", &mut holders.clone()),
+            ConstantTerm::Contact => sum("contact", "contact", &mut contact()),
+            ConstantTerm::HoldersAndContact => {
+                sum("holders and contact", "holders", &mut holders.clone().chain(contact()))
+            }
+        }?);
     }
     let channels = closed_channels(case, closed).map(|channel| reduced.channels()[channel].clone()).collect();
     let system = AffineSystem::new(terms, channels)?;

@@ -17,6 +17,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
+use sparse::reduction::Rung;
 
 use self::parameters::SceneOf;
 use super::LatticeSample;
@@ -117,6 +118,14 @@ impl FiniteElementBrake {
     /// The part of a set of constraints in which its modes have their names: with all patches closed.
     pub fn origin(&self, constraints: usize) -> &Part {
         &self.parts[self.of_origins[constraints]]
+    }
+
+    /// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.
+    ///
+    /// # Errors
+    /// A draw without an operating point.
+    pub fn rungs(&self, constraints: usize) -> Result<Vec<Rung>, Error> {
+        reduce::rungs_of(&self.case, &self.sets[constraints], self.origin(constraints))
     }
 
     /// The closed patches of a scene, from 0.

@@ -17,7 +17,8 @@ pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeCo
         let patch = &contact.patches[number];
         let channels = (channel..channel + patch.pairs.len()).collect();
         channel += patch.pairs.len();
-        let structure = Some(terms[first + number].matrices().clone());
+        // A stiffness that is drawn is not the same in every sample.
+        let structure = contact.stiffness_factor.is_none().then(|| terms[first + number].matrices().clone());
         WholeContact { number, name: patch.name.clone(), channels, structure }
     };
     brake.closed(scene).iter().map(whole).collect()

@@ -7,7 +7,7 @@ use sparse::SparseSecondOrder;
 use super::FiniteElementSample;
 use crate::Error;
 use crate::brakes::LatticeSample;
-use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact};
+use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact, STIFFNESS_FACTOR};
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;
@@ -66,9 +66,11 @@ pub(super) fn scene_point(
     let coefficients =
         terms.map(|(term, coefficient)| coefficient.value(&sample.values).map_err(|source| named(&term.name, source)));
     let mut coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
-    if case.system.terms().len() > coefficients.len() {
-        coefficients.push(1.0);
-    }
+    let factor = stiffness_factor(case, sample)?;
+    coefficients.extend(constant_terms(case).map(|term| match term {
+        ConstantTerm::Contact => factor,
+        ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
+    }));
     let mut gains = Vec::new();
     if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
         for &patch in closed {
@@ -76,11 +78,47 @@ pub(super) fn scene_point(
             let load = contact.patches[patch].load;
             let lag =
                 tangent.internal.map(|state| Lag { decay: state.decay, drive: state.drive, force: load * state.force });
-            let gain = ChannelGain { mu: tangent.mu, slope: load * tangent.slope, lag };
+            // A channel reads the normal force of its spring.
+            let gain = ChannelGain { mu: factor * tangent.mu, slope: load * tangent.slope, lag };
             gains.extend(vec![gain; contact.patches[patch].pairs.len()]);
         }
     }
     Ok(OperatingPoint { coefficients, channels: gains })
+}
+
+/// A term of the reduced brake of a scene that stands for terms whose coefficients do not differ between scenes with the same closed patches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ConstantTerm {
+    Holders,
+    /// All closed patches, whose stiffness is drawn.
+    Contact,
+    HoldersAndContact,
+}
+
+/// Those terms, in their order after the terms of the case file.
+pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = ConstantTerm> + use<> {
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let has_holders = case.system.terms().len() > case.coefficients.len() + patches;
+    let is_drawn = case.contact.as_ref().is_some_and(|contact| contact.stiffness_factor.is_some());
+    let terms = match (is_drawn, has_holders || patches > 0) {
+        (true, _) => [has_holders.then_some(ConstantTerm::Holders), Some(ConstantTerm::Contact)],
+        (false, true) => [Some(ConstantTerm::HoldersAndContact), None],
+        (false, false) => [None, None],
+    };
+    terms.into_iter().flatten()
+}
+
+/// What multiplies the stiffness of all pairs in a sample.
+fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
+    let Some(factor) = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref()) else {
+        return Ok(1.0);
+    };
+    let (path, field) = (case.path.clone(), STIFFNESS_FACTOR.to_owned());
+    match factor.value(&sample.values) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
+        Err(source) => Err(CaseError::Expression { path, field, source: Box::new(source) }),
+    }
 }
 
 /// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed.
@@ -100,7 +138,10 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
     let holders = case.system.terms().len() - own - patches;
     let mut coefficients = at.coefficients[..own].to_vec();
     coefficients.extend(std::iter::repeat_n(1.0, holders));
-    coefficients.extend((0..patches).map(|patch| if closed.contains(&patch) { 1.0 } else { 0.0 }));
+    let factor = constant_terms(case)
+        .position(|term| term == ConstantTerm::Contact)
+        .map_or(1.0, |term| at.coefficients[own + term]);
+    coefficients.extend((0..patches).map(|patch| if closed.contains(&patch) { factor } else { 0.0 }));
     let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
     for (channel, gain) in closed_channels(case, closed).zip(&at.channels) {
         channels[channel] = *gain;

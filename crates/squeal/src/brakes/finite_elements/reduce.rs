@@ -9,7 +9,7 @@ use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
 use sparse::reduction::{
-    Compared, Options, Reduced, Reduction, ResponseGoal, Wanted, Within, compared, response_basis, within,
+    Compared, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis, rungs, within,
 };
 use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
@@ -33,6 +33,9 @@ const MOST_COLUMNS: usize = 600;
 const MOST_ANCHORS: usize = 12;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
+/// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
+const RUNGS: usize = 6;
+const MEASURED_POINTS: u64 = 6;
 /// Most of the points of a sweep whose coefficients they know; chosen: each takes a factorisation at a few frequencies.
 const MOST_STRUCTURES: usize = 6;
 
@@ -47,7 +50,9 @@ pub struct ReducedSet {
     pub basis: DMatrix<f64>,
     /// The brake on it.
     pub reduced: AffineSystem,
-    /// Its modes beside those of the whole brake, at the medians with all patches closed.
+    /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
+    pub modes: Vec<Complex<f64>>,
+    /// Its modes beside those.
     pub compared: Compared,
 }
 
@@ -139,6 +144,7 @@ pub(super) fn all_bases(
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
     for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
         set.compared = compared(&whole, parts[origin].within.first.clone());
+        set.modes = whole;
     }
     progress.end();
     Ok(AllBases { sets, parts, of_origins, of_configurations })
@@ -192,7 +198,7 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoin
         }
     };
     let reduced = system.project(&basis)?;
-    Ok(ReducedSet { dofs, system, basis, reduced, compared: compared(&[], Vec::new()) })
+    Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared: compared(&[], Vec::new()) })
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.
@@ -221,6 +227,18 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, swept: &[Oper
     let anchors: Vec<OperatingPoint> = known.take(MOST_ANCHORS.max(within.solved.len())).cloned().collect();
     let reduced = Reduced::new(&set.system, &set.basis * &within.basis, wanted.rectangle, &anchors, &options)?;
     Ok(Part { set: asked.set, within, reduced })
+}
+
+/// What fewer columns of the basis of a set of constraints with all patches closed hold.
+pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part) -> Result<Vec<Rung>, Error> {
+    let all = all_patches(case);
+    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
+    let training = training(case, &[all], MEASURED_POINTS, &[])?;
+    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
+    let all = origin.within.basis.ncols();
+    let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * (RUNGS + rung)).div_ceil(2 * RUNGS)).collect();
+    columns.dedup();
+    Ok(rungs(&set.system, &set.reduced, &wanted, &origin.within.basis, &columns)?)
 }
 
 /// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after

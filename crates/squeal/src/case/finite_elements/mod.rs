@@ -77,7 +77,12 @@ pub struct PatchContact {
     pub draws: Draws,
     /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
     pub bristle_damping: Option<BristleDamping>,
+    /// What multiplies the stiffness of all pairs, where it depends on parameters.
+    pub stiffness_factor: Option<Expression>,
 }
+
+/// The field of [`PatchContact::stiffness_factor`].
+pub(crate) const STIFFNESS_FACTOR: &str = "contact.stiffness_factor";
 
 /// A patch of the contact, which is closed or open as a whole.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use super::contact::Patches;
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
 use super::terms::{holders_term, read_terms, terms_with_coefficients};
-use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
+use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR};
 use crate::case::arrangements::arrangements_by_number;
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
@@ -38,7 +38,7 @@ impl FiniteElementCase {
             parameters,
             terms,
             holders,
-            contact,
+            mut contact,
             constraints,
             speeds,
             friction,
@@ -62,6 +62,8 @@ impl FiniteElementCase {
         let model = Model::new(&check, deck, dofs);
         let mut formulas = Formulas::new(&check, &parameters);
         let (mut terms, coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
+        let factor = contact.as_mut().and_then(|table| table.stiffness_factor.take());
+        let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
         formulas.all_used()?;
         terms.extend(holders_term(&model, &holders)?);
         let mut channels = Vec::new();
@@ -74,7 +76,8 @@ impl FiniteElementCase {
                 let friction =
                     friction.ok_or_else(|| check.value("friction", "missing", "a table, as there is a contact"))?;
                 let given = (study.laws, speeds, friction);
-                Some(patch_contact(&check, table, of_contact.patches, given)?)
+                let contact = patch_contact(&check, table, of_contact.patches, given)?;
+                Some(PatchContact { stiffness_factor: factor, ..contact })
             }
         };
         let correlation = match &contact {
@@ -137,6 +140,7 @@ fn patch_contact(
         speeds: if depends_on_speed || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
         draws,
         bristle_damping: bristle_damping.into(),
+        stiffness_factor: None,
     })
 }
 

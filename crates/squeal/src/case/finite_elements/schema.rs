@@ -99,6 +99,7 @@ pub(super) struct ContactTable {
     pub normal: [f64; 3],
     pub sliding: SlidingEntry,
     pub stiffness: f64,
+    pub stiffness_factor: Option<Formula>,
     pub load: f64,
     pub patches: Vec<String>,
     #[serde(default)]
