@@ -236,7 +236,7 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
     let training = training(case, &[all], MEASURED_POINTS, &[])?;
     let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
     let all = origin.within.basis.ncols();
-    let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * (RUNGS + rung)).div_ceil(2 * RUNGS)).collect();
+    let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * rung).div_ceil(RUNGS)).collect();
     columns.dedup();
     Ok(rungs(&set.system, &set.reduced, &wanted, &origin.within.basis, &columns)?)
 }

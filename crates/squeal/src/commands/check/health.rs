@@ -1,15 +1,17 @@
-//! Whether the model of a finite element case is sound: its matrices, what makes them singular, and how well it is solved with.
+//! Whether the model of a case is sound: its matrices, what makes them singular, and how well it is solved with.
 
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 use nalgebra_sparse::CscMatrix;
+use sparse::SparseSecondOrder;
 use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
 
 use super::line;
 use crate::Error;
 use crate::brakes::frictionless;
 use crate::case::{FiniteElementCase, FixedDofs};
+use crate::study::{Origin, Plan};
 
 /// An asymmetry that is rounding of an export; chosen.
 const ROUNDING: f64 = 1e-12;
@@ -22,34 +24,90 @@ const LEAST_MOVED: f64 = 1e-6;
 /// Where in the rectangle of growth and frequency the model is solved with, as parts of its sides: chosen to be irregular.
 const POINTS: [[f64; 2]; 5] = [[0.21, 0.08], [0.67, 0.31], [0.43, 0.52], [0.88, 0.74], [0.13, 0.93]];
 
-/// The lines of a check on the model with a set of constraints.
+/// The lines of a check on the model of a finite element case with a set of constraints.
 ///
 /// # Errors
 /// An operating point that cannot be computed, a factorisation that does not fit into memory.
-pub(super) fn lines(case: &FiniteElementCase, set: &FixedDofs) -> Result<String, Error> {
+pub(super) fn of_finite_elements(case: &FiniteElementCase, set: &FixedDofs) -> Result<String, Error> {
     let (dofs, system) = frictionless(case, &set.fixed)?;
-    let name = |row: &usize| case.dof_name(dofs.free()[*row]);
+    let model = Model {
+        set: &set.name,
+        name: &|row| case.dof_name(dofs.free()[row]),
+        mass: moved_mass(case, dofs.free(), &system.m),
+        rectangle: [case.reduction.growth, case.reduction.frequencies.map(|hz| TAU * hz)],
+        region: "of the band".into(),
+        system: &system,
+    };
+    model.lines()
+}
+
+/// The lines of a check on the models of a plan, each without the friction of its channels.
+///
+/// # Errors
+/// As [`of_finite_elements`].
+pub(super) fn of_plan(plan: &Plan) -> Result<String, Error> {
     let mut text = String::new();
-    for (letter, matrix) in [("M", &system.m), ("C", &system.c), ("K", &system.k)] {
-        let health = MatrixHealth::of(matrix)?;
-        text += &line(&format!("{letter} {}", set.name), &what_it_is(&health, matrix.nrows()));
-        let rows = health.empty_rows.iter().map(name);
-        if letter == "M" {
-            text += &moved_mass(case, dofs.free(), matrix);
+    for (set, Origin { brake, naming_point }) in plan.labels.constraints.iter().zip(&plan.origins) {
+        let dense = brake.system.structure(&naming_point.coefficients)?;
+        // The frequency at which mass and stiffness weigh the same.
+        let scale = (dense.k.norm() / dense.m.norm()).sqrt();
+        if !(scale.is_finite() && scale > 0.0) {
+            continue;
         }
-        // Damping may act on a few rows alone.
-        if letter != "C" && !health.empty_rows.is_empty() {
-            text += &line("", &format!("WARNING: empty rows: {}", first(rows, health.empty_rows.len())));
-        }
-        let null = health.signs.map_or(0, |signs| signs.null);
-        if letter != "C" && null > 0 {
-            text += &line("", &format!("WARNING: singular, by {}", null_rows(&health, null, name)));
-        }
+        let [m, c, k] = [&dense.m, &dense.c, &dense.k].map(CscMatrix::from);
+        let system = SparseSecondOrder::new(m, c, k)?;
+        let model = Model {
+            set,
+            name: &|row| plan.labels.dof(brake.dofs.free()[row]),
+            mass: String::new(),
+            rectangle: [[-0.1 * scale, 0.1 * scale], [0.0, 2.0 * scale]],
+            region: format!("up to {:.0} Hz", 2.0 * scale / TAU),
+            system: &system,
+        };
+        text += &model.lines()?;
     }
-    let [re, im] = [case.reduction.growth, case.reduction.frequencies.map(|hz| TAU * hz)];
-    let within = |[from, to]: [f64; 2], part: f64| from + part * (to - from);
-    let points = POINTS.map(|[x, y]| Complex::new(within(re, x), within(im, y)));
-    Ok(text + &solutions(&solution_errors(&system, &points)?))
+    Ok(text)
+}
+
+/// A model with a set of constraints.
+struct Model<'a> {
+    set: &'a str,
+    /// The name of a row.
+    name: &'a dyn Fn(usize) -> String,
+    /// What is said of the mass.
+    mass: String,
+    /// Re lambda and Im lambda between which it is solved with, rad/s.
+    rectangle: [[f64; 2]; 2],
+    /// What that is called.
+    region: String,
+    system: &'a SparseSecondOrder,
+}
+
+impl Model<'_> {
+    fn lines(&self) -> Result<String, Error> {
+        let Self { set, name, mass, rectangle: [re, im], region, system } = self;
+        let name = |row: &usize| name(*row);
+        let mut text = String::new();
+        for (letter, matrix) in [("M", &system.m), ("C", &system.c), ("K", &system.k)] {
+            let health = MatrixHealth::of(matrix)?;
+            text += &line(&format!("{letter} {set}"), &what_it_is(&health, matrix.nrows()));
+            let rows = health.empty_rows.iter().map(name);
+            if letter == "M" {
+                text += mass;
+            }
+            // Damping may act on a few rows alone.
+            if letter != "C" && !health.empty_rows.is_empty() {
+                text += &line("", &format!("WARNING: empty rows: {}", first(rows, health.empty_rows.len())));
+            }
+            let null = health.signs.map_or(0, |signs| signs.null);
+            if letter != "C" && null > 0 {
+                text += &line("", &format!("WARNING: singular, by {}", null_rows(&health, null, name)));
+            }
+        }
+        let within = |[from, to]: [f64; 2], part: f64| from + part * (to - from);
+        let points = POINTS.map(|[x, y]| Complex::new(within(*re, x), within(*im, y)));
+        Ok(text + &solutions(&solution_errors(system, &points)?, region))
+    }
 }
 
 fn what_it_is(health: &MatrixHealth, order: usize) -> String {
@@ -113,13 +171,13 @@ fn null_rows(health: &MatrixHealth, null: usize, name: impl Fn(&usize) -> String
     )
 }
 
-fn solutions(errors: &[SolutionErrors]) -> String {
+fn solutions(errors: &[SolutionErrors], region: &str) -> String {
     let largest = |of: fn(&SolutionErrors) -> f64| {
         errors.iter().map(of).fold(0.0, |largest: f64, e| if e <= largest { largest } else { e })
     };
     let (backward, forward) = (largest(|e| e.backward), largest(|e| e.forward));
     let found = format!(
-        "at {} points of the band: backward error up to {backward:.1e}, a known solution to {forward:.1e}",
+        "at {} points {region}: backward error up to {backward:.1e}, a known solution to {forward:.1e}",
         errors.len()
     );
     let text = line("solutions", &found);

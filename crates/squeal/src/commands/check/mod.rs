@@ -65,6 +65,7 @@ impl CheckArgs {
             &listed(case.panels.iter().map(|(n, list)| format!("{} with {n} in contact", list.len()))),
         );
         text += &line("constraints", &plan.labels.constraints.join(", "));
+        text += &health::of_plan(plan)?;
         let speeds = case.speeds.iter().map(|s| format!("{} ({} to {} m/s)", s.name, s.from, s.to));
         text += &line("speeds", &listed(speeds));
         text += &line("samples", &format!("{} per arrangement, law and speed range, seed {}", plan.samples, plan.seed));
@@ -86,6 +87,7 @@ impl CheckArgs {
         text += &line("parameters", &listed(parameters));
         text += &line("bodies", &listed(case.bodies.iter().map(|body| body.name.clone())));
         text += &line("constraints", &plan.labels.constraints.join(", "));
+        text += &health::of_plan(plan)?;
         text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
         Ok(text + &cost(brake)?)
@@ -103,7 +105,7 @@ impl CheckArgs {
         text += &line("patches", &patches);
         text += &line("constraints", &listed(case.constraints.iter().map(|set| set.name.clone())));
         for set in &case.constraints {
-            text += &health::lines(case, set)?;
+            text += &health::of_finite_elements(case, set)?;
         }
         Ok(text)
     }
