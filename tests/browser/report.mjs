@@ -7,10 +7,9 @@ import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { basename, join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Browser } from './browser.mjs';
+import { mesh } from './mesh.mjs';
+import { select } from './controls.mjs';
 
-const select = (id, value) =>
-  `{ const control = document.getElementById('${id}'); control.value = ${JSON.stringify(value)};
-     control.dispatchEvent(new Event('change')); control.dispatchEvent(new Event('input')); }`;
 const options = id => `[...document.querySelectorAll('#${id} option')].map(option => option.value)`;
 const click = id => `document.getElementById('${id}').click()`;
 const column = index => `[...document.querySelectorAll('#table tbody tr')].map(row => row.cells[${index}].textContent)`;
@@ -105,26 +104,48 @@ const occurrence = async (page, folder) => {
   await page.value("document.getElementById('occurrence-all').click()");
 };
 
-const shapes = async page => {
-  const dots = "JSON.stringify([...document.querySelectorAll('#shape-view circle')].map(dot => [dot.getAttribute('cx'), dot.getAttribute('cy')]))";
+const shapes = async (page, folder) => {
+  const isMesh = await page.value("document.querySelector('#shape-view canvas') !== null");
+  const shown = isMesh ? "document.querySelector('#shape-view canvas').toDataURL()"
+    : "JSON.stringify([...document.querySelectorAll('#shape-view circle')].map(dot => [dot.getAttribute('cx'), dot.getAttribute('cy')]))";
   await page.value("document.getElementById('shapes').scrollIntoView()");
   const playing = await page.value("document.getElementById('shape-play').textContent");
   assert.equal(playing, 'Pause');
-  const moving = await page.value(dots);
+  const moving = await page.value(shown);
   await page.value(frames);
   await page.value(frames);
-  assert.notEqual(await page.value(dots), moving, 'the mode does not move');
+  assert.notEqual(await page.value(shown), moving, 'the mode does not move');
   await page.value(click('shape-play'));
   await page.value(frames);
-  const still = await page.value(dots);
+  const still = await page.value(shown);
   await page.value(frames);
-  assert.equal(await page.value(dots), still, 'the mode moves while it is paused');
-  for (const [control, there] of [['phase', '120'], ['size', '2.5'], ['turn', '75'], ['tilt', '80'], ['mode', '1']]) {
-    if (await page.value(`document.getElementById('shape-${control}').closest('label').hidden`)) continue;
-    const before = await page.value(dots);
+  assert.equal(await page.value(shown), still, 'the mode moves while it is paused');
+  const isSpatial = await page.value("!document.getElementById('shape-turn').closest('label').hidden");
+  for (const [control, there] of [['phase', '120'], ['size', '2.5'], ['turn', '75'], ['tilt', '80'], ['zoom', '1.5'], ['mode', '1']]) {
+    if (!isSpatial && ['turn', 'tilt', 'zoom'].includes(control)) continue;
+    const before = await page.value(shown);
     await page.value(select(`shape-${control}`, there));
-    assert.notEqual(await page.value(dots), before, `${control} changes nothing`);
+    assert.notEqual(await page.value(shown), before, `${control} changes nothing`);
   }
+  if (isSpatial) {
+    await page.value("document.getElementById('shape-view').focus()");
+    for (const key of ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', '+', '-']) {
+      const before = await page.value(shown);
+      await page.key(key);
+      assert.notEqual(await page.value(shown), before, `the key ${key} changes nothing`);
+    }
+  }
+  if (isSpatial) {
+    const [before, turn] = [await page.value(shown), await page.value("document.getElementById('shape-turn').value")];
+    const [x, y] = await page.value(`(() => { const box = document.querySelector('#shape-view > *').getBoundingClientRect();
+      return [box.x + box.width / 2, box.y + box.height / 2]; })()`);
+    for (const [type, by] of [['mousePressed', 0], ['mouseMoved', 20], ['mouseReleased', 20], ['mouseMoved', 60]]) {
+      await page.send('Input.dispatchMouseEvent', { type, x: x + by, y, button: 'left', clickCount: 1 });
+    }
+    assert.notEqual(await page.value(shown), before, 'a drag changes nothing');
+    assert.equal(Number(await page.value("document.getElementById('shape-turn').value")) - Number(turn), 10, 'a drag by 20 pixels');
+  }
+  if (isMesh) await mesh(page, folder);
 };
 
 // Marks of a root locus say the numbers of the tables, where there are such tables.
@@ -213,7 +234,7 @@ const check = async (browser, folder, pictures) => {
   const isStudy = await page.value("document.getElementById('occurrence') !== null");
   if (isStudy) {
     await occurrence(page, folder);
-    await shapes(page);
+    await shapes(page, folder);
   } else if (await page.value("document.getElementById('drops') !== null")) {
     await bars(page, folder);
   } else {

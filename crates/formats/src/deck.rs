@@ -265,6 +265,28 @@ mod tests {
     }
 
     #[test]
+    fn quadratic_elements_have_the_surface_of_their_corners() {
+        // Two bricks, one on the other. The nodes within edges, 101 to 132, are all at one place: only their number counts here.
+        let mut text = "*NODE\n".to_owned();
+        for layer in 0..3 {
+            for (corner, [x, y]) in [[0, 0], [1, 0], [1, 1], [0, 1]].iter().enumerate() {
+                text += &format!("{}, {x}, {y}, {layer}\n", 4 * layer + corner + 1);
+            }
+        }
+        text += &(101..=132).map(|label| format!("{label}, 5, 5, 5\n")).collect::<String>();
+        let within = |labels: std::ops::Range<i32>| labels.map(|label| format!(", {label}")).collect::<String>();
+        text += "*ELEMENT, TYPE=C3D20R\n";
+        text += &format!("1, 1,2,3,4,5,6,7,8{},\n{}\n", within(101..106), &within(106..113)[2..]);
+        text += &format!("2, 5,6,7,8,9,10,11,12{},\n{}\n", within(105..110), &within(126..133)[2..]);
+        let surface = crate::Surface::new(&deck(&text).unwrap().mesh);
+        assert_eq!((surface.faces.len(), surface.nodes), (10, (0..12).collect()));
+        let ten = format!("*ELEMENT, TYPE=C3D10\n3, 1,2,4,5{}\n", within(101..107));
+        let text = format!("{}{ten}", &text[..text.find("*ELEMENT").unwrap()]);
+        let surface = crate::Surface::new(&deck(&text).unwrap().mesh);
+        assert_eq!((surface.faces.len(), surface.nodes), (4, vec![0, 1, 3, 4]));
+    }
+
+    #[test]
     fn ranges_and_sets_of_any_size_take_no_more_than_the_nodes() {
         let nodes = "*NODE\n1, 0\n9223372036854775807, 1\n-9223372036854775808, 2\n";
         let range = "*NSET, NSET=R, GENERATE\n-9223372036854775808, 9223372036854775807, 3\n";

@@ -10,6 +10,7 @@
 //! | [`read_market`] | Matrix Market alone |
 //! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
 //! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
+//! | [`Surface`] | what of a [`Mesh`] is seen from outside |
 //! | [`FormatsError`] | one line: [`Place`] and [`Problem`] |
 //!
 //! Readers stream: memory grows with the entries that are there, never with a size that a file declares. The zip container is
@@ -39,6 +40,7 @@ mod read;
 mod shortened;
 mod source;
 mod substructure;
+mod surface;
 mod unv;
 mod vtu;
 
@@ -56,6 +58,7 @@ pub use matrix::{Entry, Kind, Matrix, Stored, common_labels};
 pub use mesh::{Cell, CellKind, Mesh, ModeShape, Node};
 pub use problem::Problem;
 pub use read::{File, read, read_bytes, read_labels, read_with};
+pub use surface::Surface;
 pub use unv::write_unv;
 pub use vtu::write_vtu;
 

@@ -58,6 +58,17 @@ impl CellKind {
             }
         }
     }
+
+    /// The nodes around each face of a solid; of a shape that is flat or thinner none.
+    pub(crate) fn faces(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::Vertex | Self::Line | Self::Triangle | Self::Quadrilateral => &[],
+            Self::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
+            Self::Hexahedron => {
+                &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+            }
+        }
+    }
 }
 
 /// A cell of a mesh.

@@ -49,12 +49,10 @@ pub struct RunArgs {
 
 /// What a kind of brake has beside its study.
 struct More<'a> {
-    /// How its modes are drawn.
-    geometry: Geometry,
     /// The scorecard of what a publication claims of it.
     claims: &'a (dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
-    /// Writes files of its own.
-    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<(), Error> + Sync),
+    /// Writes files of its own, and says how the page draws its modes.
+    shapes: &'a (dyn Fn(&Results<'_>, &Path) -> Result<Geometry, Error> + Sync),
 }
 
 impl RunArgs {
@@ -70,27 +68,27 @@ impl RunArgs {
                 let brake = LatticeBrake::new(*case)?;
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
-                let geometry = Geometry::lattice(grid.rows(), grid.columns());
-                let more = More { geometry, claims: &|results| claims(results, &brake), files: &|_, _| Ok(()) };
+                let shapes = |_: &Results<'_>, _: &Path| Ok(Geometry::lattice(grid.rows(), grid.columns()));
+                let more = More { claims: &|results| claims(results, &brake), shapes: &shapes };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = MatricesBrake::new(*case)?;
-                let geometry = Geometry::bodies(brake.plan());
-                let more = More { geometry, claims: &|_| Ok(Vec::new()), files: &|_, _| Ok(()) };
+                let shapes = |_: &Results<'_>, _: &Path| Ok(Geometry::bodies(brake.plan()));
+                let more = More { claims: &|_| Ok(Vec::new()), shapes: &shapes };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
-                let files = |results: &Results<'_>, dir: &Path| {
+                let shapes = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
                 };
-                let more = More { geometry: Geometry::none(), claims: &|_| Ok(Vec::new()), files: &files };
+                let more = More { claims: &|_| Ok(Vec::new()), shapes: &shapes };
                 self.run_brake(&brake, half_width, &more, out)
             }
         }
@@ -125,13 +123,13 @@ impl RunArgs {
         let until = self.until_half_width;
         let manifest = run_study_until(brake, &self.out, self.threads, until, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
-            (more.files)(results, dir)?;
+            let geometry = (more.shapes)(results, dir)?;
             scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
                 estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
             // Last: it shows the tables.
-            write_page(results, &more.geometry, dir)?;
+            write_page(results, &geometry, dir)?;
             most_failed = self.most_failed(results);
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;

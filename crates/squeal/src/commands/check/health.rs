@@ -11,6 +11,7 @@ use super::line;
 use crate::Error;
 use crate::brakes::frictionless;
 use crate::case::{FiniteElementCase, FixedDofs};
+use crate::report::hertz;
 use crate::study::{Origin, Plan};
 
 /// An asymmetry that is rounding of an export; chosen.
@@ -61,7 +62,7 @@ pub(super) fn of_plan(plan: &Plan) -> Result<String, Error> {
             name: &|row| plan.labels.dof(brake.dofs.free()[row]),
             mass: String::new(),
             rectangle: [[-0.1 * scale, 0.1 * scale], [0.0, 2.0 * scale]],
-            region: format!("up to {:.0} Hz", 2.0 * scale / TAU),
+            region: format!("up to {} Hz", hertz(2.0 * scale / TAU)),
             system: &system,
         };
         text += &model.lines()?;

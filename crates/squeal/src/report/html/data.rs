@@ -2,18 +2,14 @@
 
 use std::path::Path;
 
-use num_complex::Complex;
 use serde_json::{Value, json};
 
 use super::Geometry;
+use super::shapes::shapes;
 use super::tables::{Table, with_rows};
 use crate::Error;
 use crate::report::Results;
-use crate::report::summary::hertz;
-use crate::study::{SceneLabels, origin_of_set};
-
-/// Numbers of shapes in a page, at most; chosen: about a megabyte. Modes that are ever unstable come first.
-const MOST_SHAPE_NUMBERS: usize = 100_000;
+use crate::study::SceneLabels;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
 const TABLES: [(&str, &str); 9] = [
@@ -50,8 +46,8 @@ pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry, dir: &Path) -
         "law_titles": titles,
         "speeds": speeds,
         "tables": tables,
-        "geometry": geometry,
-        "shapes": shapes(results)?,
+        "geometry": geometry.json(),
+        "shapes": shapes(results, geometry)?,
     }))
 }
 
@@ -94,47 +90,4 @@ fn by_panel(results: &Results<'_>) -> Result<Value, Error> {
     let table = Table { header: header.map(str::to_owned).to_vec(), rows };
     Ok(table
         .json("occurrence_by_panel.csv", "The figure above: each mode in each panel, the median over its arrangements"))
-}
-
-/// The shapes of modes where they have their names, over all degrees of freedom; those that are held do not move.
-fn shapes(results: &Results<'_>) -> Result<Vec<Value>, Error> {
-    let plan = results.plan();
-    let mut listed = Vec::new();
-    for constraints in 0..plan.labels.constraints.len() {
-        let findings = crate::report::findings::SetFindings::new(results, constraints)?;
-        for (name, mode) in results.modes_of_set(constraints) {
-            let place = findings.unstable.iter().position(|(other, _)| *other == name);
-            listed.push((place.is_none(), constraints, place, name, mode));
-        }
-    }
-    listed.sort_by_key(|&(is_stable, constraints, place, name, _)| (is_stable, constraints, place, name));
-    let mut room = MOST_SHAPE_NUMBERS;
-    let mut shapes = Vec::new();
-    for (is_stable, constraints, _, name, mode) in listed {
-        let Some(origin) = origin_of_set(plan, constraints) else { continue };
-        let dofs = &plan.origins[origin].brake.dofs;
-        let order = dofs.free().iter().max().map_or(0, |last| last + 1);
-        if 2 * order > room {
-            break;
-        }
-        room -= 2 * order;
-        let mut full = vec![Complex::new(0.0, 0.0); order];
-        for (&dof, &u) in dofs.free().iter().zip(mode.shape.iter()) {
-            full[dof] = u;
-        }
-        let largest = full.iter().fold(f64::MIN_POSITIVE, |most, u| most.max(u.norm()));
-        // Four decimals are finer than a screen.
-        let part = |x: f64| (1e4 * x / largest).round() / 1e4 + 0.0;
-        shapes.push(json!({
-            "set": constraints,
-            "label": results.mode_label(constraints, name),
-            "hertz": hertz(cea::frequency_hz(mode.lambda)),
-            "is_unstable": !is_stable,
-            "re": full.iter().map(|u| part(u.re)).collect::<Vec<_>>(),
-            "im": full.iter().map(|u| part(u.im)).collect::<Vec<_>>(),
-        }));
-    }
-    // Set by set, in each the most robust first.
-    shapes.sort_by_key(|shape| shape["set"].as_u64());
-    Ok(shapes)
 }

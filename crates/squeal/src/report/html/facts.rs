@@ -5,7 +5,7 @@ use crate::report::{Manifest, Results, Times};
 use crate::study::{ModeIdentity, ModeNaming, StudySource};
 
 /// What every study takes for granted.
-const ASSUMPTIONS: [&str; 6] = [
+const ASSUMPTIONS: [&str; 7] = [
     "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows are \
      not computed.",
     "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable.",
@@ -15,6 +15,8 @@ const ASSUMPTIONS: [&str; 6] = [
     "Intervals say what chance in the draws leaves open. That distributions, springs or dampers may be other than the case file says is \
      not in them.",
     "Mode shapes are at the point where modes have their names, without the growth or decay.",
+    "The picture of a moving mode is made of rounded numbers: displacements to a 32767th of the mode's largest, places of the nodes of a \
+     mesh to a 32767th of half its largest side. Tables, and the files of shapes beside the page, have all digits.",
 ];
 
 /// Assumptions, counts, versions and case of a study, as HTML.

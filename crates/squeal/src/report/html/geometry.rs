@@ -1,8 +1,24 @@
 //! Where the degrees of freedom of a brake are, so that its modes can be seen to move.
 
+use cea::Mode;
+use num_complex::Complex;
 use serde::Serialize;
+use serde_json::{Value, json};
 
-use crate::study::Plan;
+use super::mesh::MeshModes;
+use crate::study::{ModeLabel, Plan, origin_of_set};
+
+/// What a page draws of a brake, for moving mode shapes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry(Body);
+
+#[derive(Debug, Clone, PartialEq)]
+enum Body {
+    Points(Points),
+    Mesh(MeshModes),
+    /// Why there is nothing to be seen.
+    Nothing(String),
+}
 
 /// A point that moves, or a bar for each of several degrees of freedom that have no direction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -15,9 +31,9 @@ struct Point {
     dofs: [Option<usize>; 3],
 }
 
-/// Points and lines between them, for moving mode shapes.
+/// Points and lines between them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Geometry {
+struct Points {
     points: Vec<Point>,
     /// Pairs of places in `points`.
     lines: Vec<[usize; 2]>,
@@ -55,13 +71,19 @@ impl Geometry {
             points.push(Point { name: "plate".into(), at, dofs: dofs(rows * columns) });
         }
         lines.extend((0..4).map(|corner| [first + corner, first + (corner + 1) % 4]));
-        Self { points, lines, is_spatial: true }
+        Self(Body::Points(Points { points, lines, is_spatial: true }))
     }
 
-    /// Of a reduced brake, whose degrees of freedom are amplitudes of a basis: nothing to be seen.
+    /// The surface of a mesh and its modes. One that is too large for a page is not drawn; the page says so.
     #[must_use]
-    pub fn none() -> Self {
-        Self { points: Vec::new(), lines: Vec::new(), is_spatial: false }
+    pub fn mesh(modes: MeshModes) -> Self {
+        Self(modes.too_large().map_or(Body::Mesh(modes), Body::Nothing))
+    }
+
+    /// Of a brake of which no place is known: the page says `why` instead of a picture.
+    #[must_use]
+    pub fn none(why: impl Into<String>) -> Self {
+        Self(Body::Nothing(why.into()))
     }
 
     /// Of a brake whose degrees of freedom have no place: all of them side by side, those of one body joined by a line.
@@ -69,7 +91,7 @@ impl Geometry {
     pub fn bodies(plan: &Plan) -> Self {
         let (mut points, mut lines) = (Vec::new(), Vec::new());
         let Some(brake) = plan.origins.first().map(|origin| &origin.brake) else {
-            return Self { points, lines, is_spatial: false };
+            return Self::none("The brake has no degrees of freedom.");
         };
         let mut x = 0.0;
         for body in &brake.bodies {
@@ -84,6 +106,41 @@ impl Geometry {
             }
             x += 1.0;
         }
-        Self { points, lines, is_spatial: false }
+        Self(Body::Points(Points { points, lines, is_spatial: false }))
     }
+
+    /// The numbers of a mode that move what is drawn; `None` where nothing is.
+    pub(super) fn shape(
+        &self,
+        plan: &Plan,
+        constraints: usize,
+        name: ModeLabel,
+        mode: &Mode,
+    ) -> Option<Vec<Complex<f64>>> {
+        match &self.0 {
+            Body::Points(_) => full_shape(plan, constraints, mode),
+            Body::Mesh(mesh) => mesh.shape(constraints, name),
+            Body::Nothing(_) => None,
+        }
+    }
+
+    /// What is drawn, or `why` there is nothing, for the script of the page.
+    pub(super) fn json(&self) -> Value {
+        match &self.0 {
+            Body::Points(points) => json!(points),
+            Body::Mesh(mesh) => mesh.json(),
+            Body::Nothing(why) => json!({ "why": why }),
+        }
+    }
+}
+
+/// A mode over all degrees of freedom; those that are held do not move.
+fn full_shape(plan: &Plan, constraints: usize, mode: &Mode) -> Option<Vec<Complex<f64>>> {
+    let dofs = &plan.origins[origin_of_set(plan, constraints)?].brake.dofs;
+    let order = dofs.free().iter().max().map_or(0, |last| last + 1);
+    let mut full = vec![Complex::new(0.0, 0.0); order];
+    for (&dof, &u) in dofs.free().iter().zip(mode.shape.iter()) {
+        full[dof] = u;
+    }
+    Some(full)
 }

@@ -11,15 +11,19 @@ mod answer;
 mod data;
 mod facts;
 mod geometry;
+mod mesh;
+mod packed;
 mod page;
 #[cfg(feature = "program")]
 mod screen;
+mod shapes;
 #[cfg(feature = "program")]
 mod sweep;
 mod tables;
 mod text;
 
 pub use geometry::Geometry;
+pub use mesh::MeshModes;
 #[cfg(feature = "program")]
 pub(crate) use screen::write_screen_page;
 #[cfg(feature = "program")]

@@ -15,6 +15,10 @@ const SCRIPT: &str = concat!(
     include_str!("common.js"),
     include_str!("tables.js"),
     include_str!("occurrence.js"),
+    include_str!("bodies.js"),
+    include_str!("view.js"),
+    include_str!("lines.js"),
+    include_str!("surface.js"),
     include_str!("shapes.js"),
     include_str!("start.js"),
     "})();\n"
