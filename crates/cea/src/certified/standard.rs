@@ -151,7 +151,9 @@ mod tests {
             let mut found = pencil.standard_eigenvalues(false).unwrap();
             let mut reversed = pencil.standard_eigenvalues(true).unwrap();
             let mut expected = pencil.eigenvalues(false).unwrap();
-            [&mut found, &mut reversed, &mut expected].map(|list| sort(list));
+            for list in [&mut found, &mut reversed, &mut expected] {
+                sort(list);
+            }
             for ((l, r), e) in found.iter().zip(&reversed).zip(&expected) {
                 prop_assert!((l - e).norm() < 1e-14 * e.norm(), "{} {}", l, e);
                 prop_assert!((r - e).norm() < 1e-14 * e.norm(), "{} {}", r, e);
