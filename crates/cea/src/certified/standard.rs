@@ -135,8 +135,8 @@ mod tests {
             }
         }
 
-        /// Overdamped problems, fast and slow eigenvalues fourteen and more powers of ten apart: to the digits of a
-        /// double those of QZ, which inverts nothing.
+        /// Overdamped problems, fast and slow eigenvalues ten to sixteen powers of ten apart, have those of QZ, which inverts
+        /// nothing: by M's inverse, whose rows are graded downwards, to the digits of a double, by K's as norms promise.
         #[test]
         fn overdamped_problems_have_the_eigenvalues_of_qz(
             entries in prop::collection::vec(-1.0..1.0f64, 3 * 49),
@@ -156,7 +156,7 @@ mod tests {
             }
             for ((l, r), e) in found.iter().zip(&reversed).zip(&expected) {
                 prop_assert!((l - e).norm() < 1e-14 * e.norm(), "{} {}", l, e);
-                prop_assert!((r - e).norm() < 1e-14 * e.norm(), "{} {}", r, e);
+                prop_assert!((r - e).norm() < LARGEST_ERROR * e.norm(), "{} {}", r, e);
             }
         }
     }
