@@ -2,7 +2,9 @@
 //!
 //! A reflection P = I - beta w w^T takes A to `P A P = A - w p^T - q w^T`, where with u = A^T w, v = A w and g = w^T A w
 //!
-//!     p = beta u - (beta^2 g / 2) w,    q = beta v - (beta^2 g / 2) w,
+//! ```text
+//! p = beta u - (beta^2 g / 2) w,    q = beta v - (beta^2 g / 2) w,
+//! ```
 //!
 //! so that each reflection reads A once for its products and once for its change. w ends with the column that it was
 //! made of: those of companion matrices and band matrices are short at first.
