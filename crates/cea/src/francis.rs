@@ -1,12 +1,17 @@
-//! Francis' double-shift QR iteration, eigenvalues only.
+//! Francis' double-shift QR iteration, eigenvalues only, in double or double-double precision.
 //!
 //! The algorithm of LAPACK's `dlahqr`: deflation by the criterion of Ahues and Tisseur (LAPACK Working Note 122, 1997),
 //! exceptional shifts after ten and twenty steps without deflation. nalgebra's iteration has neither, and stalls on lattices
 //! whose symmetry makes eigenvalues multiple.
+//!
+//! How a bulge is chased depends on how the matrix is stored: here column by column in double, which is the fastest for
+//! some tens of rows, in `certified::chase` by vector registers.
 
 use nalgebra::DMatrix;
 use nalgebra::linalg::Hessenberg;
 use num_complex::Complex;
+
+use crate::certified::Real;
 
 /// Steps without deflation before an exceptional shift: LAPACK's `kexsh`.
 const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
@@ -16,11 +21,37 @@ const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
 /// diagonal of up to 1e28 is below the square of rounding and changes no eigenvalue.
 const NEGLIGIBLE_SUBDIAGONAL: f64 = 1e-60;
 
+/// Real and imaginary part.
+type Number<T> = (T, T);
+
+/// A square matrix in upper Hessenberg form, and how a bulge is chased through it.
+pub(crate) trait Chase<T: Real> {
+    fn size(&self) -> usize;
+    fn at(&self, i: usize, j: usize) -> T;
+    /// Sets the subdiagonal entry of row k to zero.
+    fn split(&mut self, k: usize);
+    /// Chases the bulge, whose first column is a multiple of `bulge`, from `start` to `last` within the active block from `first`.
+    fn chase(&mut self, place: Place, bulge: [T; 3]);
+}
+
+/// Where a step takes place: the active block's first row, the one in which the bulge starts, and the block's last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) first: usize,
+    pub(crate) start: usize,
+    pub(crate) last: usize,
+}
+
 /// All eigenvalues of a square matrix, or `None` if one does not converge within `cap` steps or an entry is not finite.
 pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
-    let n = matrix.nrows();
-    let mut h = if n > 2 { Hessenberg::new(matrix).unpack_h() } else { matrix };
-    if h.iter().any(|x| !x.is_finite()) {
+    let h = if matrix.nrows() > 2 { Hessenberg::new(matrix).unpack_h() } else { matrix };
+    of_hessenberg(h, cap)
+}
+
+/// The same of a matrix that is upper Hessenberg.
+pub(crate) fn of_hessenberg<T: Real>(mut h: impl Chase<T>, cap: usize) -> Option<Vec<Complex<f64>>> {
+    let n = h.size();
+    if (0..n).any(|j| (0..n).any(|i| !h.at(i, j).value().is_finite())) {
         return None;
     }
     let tiny = f64::MIN_POSITIVE * (n as f64 / f64::EPSILON);
@@ -40,40 +71,47 @@ pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Comple
             steps += 1;
             let shifts = shifts(&h, first, last, steps);
             let (start, bulge) = bulge_start(&h, first, last, shifts);
-            sweep(&mut h, (first, start, last), bulge);
+            h.chase(Place { first, start, last }, bulge);
         };
         if first == last {
-            found[last] = Complex::from(h[(last, last)]);
+            found[last] = Complex::from(h.at(last, last).value());
         } else {
-            let pair = of_2x2(h[(first, first)], h[(first, last)], h[(last, first)], h[(last, last)]);
-            (found[first], found[last]) = pair;
+            let pair = of_2x2(h.at(first, first), h.at(first, last), h.at(last, first), h.at(last, last));
+            (found[first], found[last]) = (rounded(pair.0), rounded(pair.1));
         }
         end = first;
     }
     Some(found)
 }
 
+fn rounded<T: Real>((re, im): Number<T>) -> Complex<f64> {
+    Complex::new(re.value(), im.value())
+}
+
 /// Start of the active block that ends at `last`; the subdiagonal entry before it is set to zero.
-fn deflate(h: &mut DMatrix<f64>, last: usize, tiny: f64) -> usize {
+fn deflate<T: Real>(h: &mut impl Chase<T>, last: usize, tiny: f64) -> usize {
     let mut k = last;
     while k > 0 {
-        let below = h[(k, k - 1)].abs();
-        let (a, d, above) = (h[(k - 1, k - 1)], h[(k, k)], h[(k - 1, k)].abs());
-        let mut size = a.abs() + d.abs();
-        if size == 0.0 {
-            size += if k >= 2 { h[(k - 1, k - 2)].abs() } else { 0.0 };
-            size += if k < last { h[(k + 1, k)].abs() } else { 0.0 };
+        let at = |i, j| h.at(i, j);
+        let size = |i, j| h.at(i, j).value().abs();
+        let below = size(k, k - 1);
+        let mut neighbours = size(k - 1, k - 1) + size(k, k);
+        if neighbours == 0.0 {
+            neighbours += if k >= 2 { size(k - 1, k - 2) } else { 0.0 };
+            neighbours += if k < last { size(k + 1, k) } else { 0.0 };
         }
         let small = below <= tiny
-            || below <= NEGLIGIBLE_SUBDIAGONAL * size
-            || below <= f64::EPSILON * size && {
+            || below <= NEGLIGIBLE_SUBDIAGONAL * neighbours
+            || below <= T::EPSILON * neighbours && {
+                let (d, above) = (size(k, k), size(k - 1, k));
+                let difference = (at(k - 1, k - 1) - at(k, k)).value().abs();
                 let (ab, ba) = (below.max(above), below.min(above));
-                let (aa, bb) = (d.abs().max((a - d).abs()), d.abs().min((a - d).abs()));
+                let (aa, bb) = (d.max(difference), d.min(difference));
                 let s = aa + ab;
-                ba * (ab / s) <= tiny.max(f64::EPSILON * (bb * (aa / s)))
+                ba * (ab / s) <= tiny.max(T::EPSILON * (bb * (aa / s)))
             };
         if small {
-            h[(k, k - 1)] = 0.0;
+            h.split(k);
             break;
         }
         k -= 1;
@@ -82,78 +120,134 @@ fn deflate(h: &mut DMatrix<f64>, last: usize, tiny: f64) -> usize {
 }
 
 /// The two shifts: eigenvalues of the trailing 2 x 2 block, or exceptional ones.
-fn shifts(h: &DMatrix<f64>, first: usize, last: usize, steps: usize) -> (Complex<f64>, Complex<f64>) {
-    let exceptional = |corner: f64, s: f64| of_2x2(0.75 * s + corner, -0.4375 * s, s, 0.75 * s + corner);
+fn shifts<T: Real>(h: &impl Chase<T>, first: usize, last: usize, steps: usize) -> [Number<T>; 2] {
+    let size = |i, j| h.at(i, j).value().abs();
+    let exceptional = |corner: T, s: f64| {
+        let diagonal = T::from(0.75 * s) + corner;
+        of_2x2(diagonal, T::from(-0.4375 * s), T::from(s), diagonal).into()
+    };
     if steps.is_multiple_of(2 * STEPS_TO_EXCEPTIONAL_SHIFT) {
-        exceptional(h[(last, last)], h[(last, last - 1)].abs() + h[(last - 1, last - 2)].abs())
+        exceptional(h.at(last, last), size(last, last - 1) + size(last - 1, last - 2))
     } else if steps.is_multiple_of(STEPS_TO_EXCEPTIONAL_SHIFT) {
-        exceptional(h[(first, first)], h[(first + 1, first)].abs() + h[(first + 2, first + 1)].abs())
+        exceptional(h.at(first, first), size(first + 1, first) + size(first + 2, first + 1))
     } else {
-        let corner = h[(last, last)];
-        let (a, b) = of_2x2(h[(last - 1, last - 1)], h[(last - 1, last)], h[(last, last - 1)], corner);
-        if a.im != 0.0 {
-            return (a, b);
+        let corner = h.at(last, last);
+        let (a, b) = of_2x2(h.at(last - 1, last - 1), h.at(last - 1, last), h.at(last, last - 1), corner);
+        if a.1.value() != 0.0 {
+            return [a, b];
         }
-        let nearer = if (a.re - corner).abs() <= (b.re - corner).abs() { a } else { b };
-        (nearer, nearer)
+        let distance = |x: Number<T>| (x.0 - corner).value().abs();
+        let nearer = if distance(a) <= distance(b) { a } else { b };
+        [nearer, nearer]
     }
 }
 
 /// The row in which the bulge can start (at two consecutive small subdiagonal entries, or `first`), and the bulge's first
 /// column.
-fn bulge_start(h: &DMatrix<f64>, first: usize, last: usize, (a, b): (Complex<f64>, Complex<f64>)) -> (usize, [f64; 3]) {
+fn bulge_start<T: Real>(h: &impl Chase<T>, first: usize, last: usize, shifts: [Number<T>; 2]) -> (usize, [T; 3]) {
+    let [a, b] = shifts;
     let mut m = last - 2;
     loop {
-        let s = (h[(m, m)] - b.re).abs() + b.im.abs() + h[(m + 1, m)].abs();
-        let below = h[(m + 1, m)] / s;
-        let mut v = [
-            below * h[(m, m + 1)] + (h[(m, m)] - a.re) * ((h[(m, m)] - b.re) / s) - a.im * (b.im / s),
-            below * (h[(m, m)] + h[(m + 1, m + 1)] - a.re - b.re),
-            below * h[(m + 2, m + 1)],
+        if m > first && !may_start(h, m, shifts) {
+            m -= 1;
+            continue;
+        }
+        let (diagonal, next, below) = (h.at(m, m), h.at(m + 1, m + 1), h.at(m + 1, m));
+        let s = T::from((diagonal - b.0).value().abs() + b.1.value().abs() + below.value().abs());
+        let below = below / s;
+        let v = [
+            below * h.at(m, m + 1) + (diagonal - a.0) * ((diagonal - b.0) / s) - a.1 * (b.1 / s),
+            below * (diagonal + next - a.0 - b.0),
+            below * h.at(m + 2, m + 1),
         ];
-        let s: f64 = v.iter().map(|x| x.abs()).sum();
-        v = v.map(|x| x / s);
+        let s = T::from(v.iter().map(|x| x.value().abs()).sum());
+        let v = v.map(|x| x / s);
         if m == first {
             return (m, v);
         }
-        let around = h[(m - 1, m - 1)].abs() + h[(m, m)].abs() + h[(m + 1, m + 1)].abs();
-        if h[(m, m - 1)].abs() * (v[1].abs() + v[2].abs()) <= f64::EPSILON * v[0].abs() * around {
+        let size = |i, j| h.at(i, j).value().abs();
+        let around = size(m - 1, m - 1) + size(m, m) + size(m + 1, m + 1);
+        let [v0, v1, v2] = v.map(|x| x.value().abs());
+        if size(m, m - 1) * (v1 + v2) <= T::EPSILON * v0 * around {
             return (m, v);
         }
         m -= 1;
     }
 }
 
-/// Chases the bulge from `start` to `last` within the active block from `first`.
-fn sweep(h: &mut DMatrix<f64>, (first, start, last): (usize, usize, usize), mut v: [f64; 3]) {
-    for k in start..last {
-        let size = (last - k + 1).min(3);
-        if k > start {
-            for (i, x) in v.iter_mut().enumerate() {
-                *x = if i < size { h[(k + i, k - 1)] } else { 0.0 };
+/// Whether a bulge might start at m, by its last entry alone and what its first one cannot exceed: in doubles, since hardly
+/// any row passes.
+fn may_start<T: Real>(h: &impl Chase<T>, m: usize, shifts: [Number<T>; 2]) -> bool {
+    let size = |i, j| h.at(i, j).value().abs();
+    let (below, around) = (size(m + 1, m), size(m, m) + size(m + 1, m + 1) + size(m - 1, m - 1));
+    let [a, b] = shifts.map(|(re, im)| around + re.value().abs() + im.value().abs());
+    let largest = below * size(m, m + 1) + a * b;
+    size(m, m - 1) * below * size(m + 2, m + 1) <= 2.0 * T::EPSILON * largest * around
+}
+
+/// Eigenvalues of `[a b; c d]`: exact conjugates, or two real ones without cancellation.
+fn of_2x2<T: Real>(a: T, b: T, c: T, d: T) -> (Number<T>, Number<T>) {
+    let zero = T::default();
+    let p = T::from(0.5) * (a - d);
+    let scale = p.value().abs().max(b.value().abs()).max(c.value().abs());
+    if scale == 0.0 {
+        return ((a, zero), (d, zero));
+    }
+    let scale = T::from(scale);
+    let discriminant = (p / scale) * p + (b / scale) * c;
+    if discriminant.value() < 0.0 {
+        let root = (-discriminant).root() * scale.root();
+        return ((d + p, root), (d + p, -root));
+    }
+    let root = discriminant.root() * scale.root();
+    let z = if p.value().is_sign_negative() { p - root } else { p + root };
+    let other = if z.value() == 0.0 { d } else { d - (b / z) * c };
+    ((d + z, zero), (other, zero))
+}
+
+impl Chase<f64> for DMatrix<f64> {
+    fn size(&self) -> usize {
+        self.nrows()
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self[(i, j)]
+    }
+
+    fn split(&mut self, k: usize) {
+        self[(k, k - 1)] = 0.0;
+    }
+
+    fn chase(&mut self, Place { first, start, last }: Place, mut v: [f64; 3]) {
+        for k in start..last {
+            let size = (last - k + 1).min(3);
+            if k > start {
+                for (i, x) in v.iter_mut().enumerate() {
+                    *x = if i < size { self[(k + i, k - 1)] } else { 0.0 };
+                }
+            } else if size < 3 {
+                v[2] = 0.0;
             }
-        } else if size < 3 {
-            v[2] = 0.0;
-        }
-        let (beta, tau, w) = householder(v);
-        if k > start {
-            h[(k, k - 1)] = beta;
-            for i in 1..size {
-                h[(k + i, k - 1)] = 0.0;
+            let (beta, tau, w) = householder(v);
+            if k > start {
+                self[(k, k - 1)] = beta;
+                for i in 1..size {
+                    self[(k + i, k - 1)] = 0.0;
+                }
+            } else if start > first {
+                self[(k, k - 1)] *= 1.0 - tau;
             }
-        } else if start > first {
-            h[(k, k - 1)] *= 1.0 - tau;
-        }
-        for j in k..=last {
-            let sum = tau * (0..size).map(|i| w[i] * h[(k + i, j)]).sum::<f64>();
-            for i in 0..size {
-                h[(k + i, j)] -= sum * w[i];
+            for j in k..=last {
+                let sum = tau * (0..size).map(|i| w[i] * self[(k + i, j)]).sum::<f64>();
+                for i in 0..size {
+                    self[(k + i, j)] -= sum * w[i];
+                }
             }
-        }
-        for j in first..=(k + 3).min(last) {
-            let sum = tau * (0..size).map(|i| w[i] * h[(j, k + i)]).sum::<f64>();
-            for i in 0..size {
-                h[(j, k + i)] -= sum * w[i];
+            for j in first..=(k + 3).min(last) {
+                let sum = tau * (0..size).map(|i| w[i] * self[(j, k + i)]).sum::<f64>();
+                for i in 0..size {
+                    self[(j, k + i)] -= sum * w[i];
+                }
             }
         }
     }
@@ -168,24 +262,6 @@ fn householder(v: [f64; 3]) -> (f64, f64, [f64; 3]) {
     let beta = -v[0].hypot(tail).copysign(v[0]);
     let scale = 1.0 / (v[0] - beta);
     (beta, (beta - v[0]) / beta, [1.0, v[1] * scale, v[2] * scale])
-}
-
-/// Eigenvalues of `[a b; c d]`: exact conjugates, or two real ones without cancellation.
-fn of_2x2(a: f64, b: f64, c: f64, d: f64) -> (Complex<f64>, Complex<f64>) {
-    let p = 0.5 * (a - d);
-    let scale = p.abs().max(b.abs()).max(c.abs());
-    if scale == 0.0 {
-        return (Complex::from(a), Complex::from(d));
-    }
-    let discriminant = (p / scale) * p + (b / scale) * c;
-    let root = discriminant.abs().sqrt() * scale.sqrt();
-    if discriminant < 0.0 {
-        let upper = Complex::new(d + p, root);
-        return (upper, upper.conj());
-    }
-    let z = p + root.copysign(p);
-    let other = if z == 0.0 { d } else { d - (b / z) * c };
-    (Complex::from(d + z), Complex::from(other))
 }
 
 #[cfg(test)]

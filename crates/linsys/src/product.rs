@@ -28,11 +28,23 @@ pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVecto
     product
 }
 
-/// [`real_times_complex`] of a vector without imaginary parts.
+/// [`real_times_complex`] of a vector without imaginary parts: four columns in one pass over the sums.
 fn real_times_real(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<f64> {
-    let mut product = DVector::zeros(a.nrows());
-    for (column, value) in a.as_slice().chunks_exact(a.nrows()).zip(x).filter(|(_, value)| value.re != 0.0) {
-        product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += value.re * entry);
+    let rows = a.nrows();
+    let mut product = DVector::zeros(rows);
+    let factors: Vec<f64> = x.iter().take(a.ncols()).map(|value| value.re).collect();
+    let mut fours = factors.chunks_exact(4);
+    for (factors, columns) in fours.by_ref().zip(a.as_slice().chunks_exact(4 * rows)) {
+        let (one, rest) = columns.split_at(rows);
+        let (two, rest) = rest.split_at(rows);
+        let (three, four) = rest.split_at(rows);
+        for ((((sum, one), two), three), four) in product.iter_mut().zip(one).zip(two).zip(three).zip(four) {
+            *sum = *sum + factors[0] * one + factors[1] * two + factors[2] * three + factors[3] * four;
+        }
+    }
+    let done = factors.len() / 4 * 4;
+    for (&factor, column) in fours.remainder().iter().zip(a.as_slice()[done * rows..].chunks_exact(rows)) {
+        product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += factor * entry);
     }
     product
 }

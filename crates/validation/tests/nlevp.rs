@@ -187,7 +187,8 @@ fn the_route_follows_the_matrices() {
         ("disk_brake100_w4pi", Route::Qz),
         ("mobile_manipulator", Route::DeflatedQz),
         ("spring_dashpot10", Route::DeflatedQz),
-        ("omnicam1", Route::ExtendedQz),
+        ("omnicam1", Route::ExtendedStandard),
+        ("intersection", Route::ExtendedStandard),
     ];
     for (name, route) in routes {
         assert_eq!(case(name).spectrum.route, route, "{name}");

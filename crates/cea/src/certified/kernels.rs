@@ -30,8 +30,8 @@ impl<T: Lane> WithSimd for RotateColumns<'_, T> {
         while at < rows.end {
             let part = (at, rows.end.min(at + S::F64_LANES));
             let (x, y) = (T::load(o, left, plane, part), T::load(o, right, plane, part));
-            T::store(o, left, plane, part, T::minus(o, T::times(o, c, x), T::times(o, s, y)));
-            T::store(o, right, plane, part, T::plus(o, T::times(o, c, y), T::times(o, s, x)));
+            T::store(o, left, plane, part, T::minus_times(o, T::times(o, c, x), s, y));
+            T::store(o, right, plane, part, T::plus_times(o, T::times(o, c, y), s, x));
             at = part.1;
         }
     }
@@ -58,11 +58,11 @@ fn reflect<T: Lane, S: Simd>(
     by: &ReflectionInLanes<T::In<S::f64s>>,
     [x, y, z]: [T::In<S::f64s>; 3],
 ) -> [T::In<S::f64s>; 3] {
-    let sum = T::plus(o, T::plus(o, x, T::times(o, by.u[0], y)), T::times(o, by.u[1], z));
+    let sum = T::plus_times(o, T::plus_times(o, x, by.u[0], y), by.u[1], z);
     [
-        T::minus(o, x, T::times(o, sum, by.scaled[0])),
-        T::minus(o, y, T::times(o, sum, by.scaled[1])),
-        T::minus(o, z, T::times(o, sum, by.scaled[2])),
+        T::minus_times(o, x, sum, by.scaled[0]),
+        T::minus_times(o, y, sum, by.scaled[1]),
+        T::minus_times(o, z, sum, by.scaled[2]),
     ]
 }
 
@@ -105,10 +105,10 @@ pub(super) struct Rows<'a> {
 impl Rows<'_> {
     /// The first columns that are left, as many as a register has lanes, taken away from the others.
     #[inline(always)]
-    fn next_tile<T: Lane, S: Simd>(&mut self) -> Option<Tile> {
+    fn next_tile<T: Lane, S: Simd>(&mut self) -> Tile {
         let (first, lanes) = (self.columns.start, S::F64_LANES.min(self.columns.len()));
         self.columns.start += lanes;
-        (lanes > 0).then_some(Tile { at: first * T::PLANES * self.plane, lanes })
+        Tile { at: first * T::PLANES * self.plane, lanes }
     }
 
     #[inline(always)]
@@ -172,7 +172,8 @@ impl<T: Lane> WithSimd for RotateRows<'_, T> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { mut matrix, bottom, by } = self;
         let (o, mut block) = (Ops(simd), EMPTY);
-        while let Some(tile) = matrix.next_tile::<T, S>() {
+        while !matrix.columns.is_empty() {
+            let tile = matrix.next_tile::<T, S>();
             let (mut below, mut end) = (matrix.row::<T, S>(o, tile, bottom), bottom);
             for by in by.chunks(BLOCK_ROWS) {
                 // The rows above each rotation's lower row; what they give belongs one row further down.
@@ -181,9 +182,9 @@ impl<T: Lane> WithSimd for RotateRows<'_, T> {
                 for (k, &(c, s)) in by.iter().enumerate() {
                     let (c, s) = (T::splat(o, c), T::splat(o, s));
                     let above = T::from_block(o, &block, by.len() - 1 - k);
-                    let done = T::minus(o, T::times(o, c, below), T::times(o, s, above));
+                    let done = T::minus_times(o, T::times(o, c, below), s, above);
                     T::to_block(o, &mut block, by.len() - 1 - k, done);
-                    below = T::plus(o, T::times(o, c, above), T::times(o, s, below));
+                    below = T::plus_times(o, T::times(o, c, above), s, below);
                 }
                 matrix.empty::<T>(tile, start + 1..end + 1, &block);
                 end = start;
@@ -205,69 +206,53 @@ impl<T: Lane> WithSimd for ReflectRows<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { mut matrix, top, by } = self;
-        let (o, mut block) = (Ops(simd), EMPTY);
-        while let Some(tile) = matrix.next_tile::<T, S>() {
-            let (mut x, mut y) = (matrix.row::<T, S>(o, tile, top), matrix.row::<T, S>(o, tile, top + 1));
+        let o = Ops(simd);
+        while !matrix.columns.is_empty() {
+            // Each reflection of one strip waits for the one before, and those of the other fill the time.
+            let mut strips = [Strip::next::<T, S>(o, &mut matrix, top), Strip::next::<T, S>(o, &mut matrix, top)];
             let mut start = top;
             for by in by.chunks(BLOCK_ROWS) {
                 // The third row of each reflection; what it is done with lies two rows further up.
                 let end = start + by.len();
-                matrix.fill::<T>(tile, start + 2..end + 2, &mut block);
-                for (k, &by) in by.iter().enumerate() {
-                    let z = T::from_block(o, &block, k);
-                    let [done, next, last] = reflect::<T, S>(o, &splat(o, by), [x, y, z]);
-                    T::to_block(o, &mut block, k, done);
-                    (x, y) = (next, last);
+                for strip in &mut strips {
+                    matrix.fill::<T>(strip.tile, start + 2..end + 2, &mut strip.block);
                 }
-                matrix.empty::<T>(tile, start..end, &block);
+                for (k, &by) in by.iter().enumerate() {
+                    let by = splat(o, by);
+                    for strip in &mut strips {
+                        let z = T::from_block(o, &strip.block, k);
+                        let [done, next, last] = reflect::<T, S>(o, &by, [strip.x, strip.y, z]);
+                        T::to_block(o, &mut strip.block, k, done);
+                        (strip.x, strip.y) = (next, last);
+                    }
+                }
+                for strip in &strips {
+                    matrix.empty::<T>(strip.tile, start..end, &strip.block);
+                }
                 start = end;
             }
-            matrix.set_row::<T, S>(o, tile, start, x);
-            matrix.set_row::<T, S>(o, tile, start + 1, y);
+            for strip in &strips {
+                matrix.set_row::<T, S>(o, strip.tile, start, strip.x);
+                matrix.set_row::<T, S>(o, strip.tile, start + 1, strip.y);
+            }
         }
     }
 }
 
-/// `I - beta w w^T` applied to rows `row..row + w.len()` of each column of `columns`.
-pub(super) struct ReflectManyRows<'a, T> {
-    /// The columns, one after the other, and the length of one plane of them.
-    pub(super) columns: &'a mut [f64],
-    pub(super) plane: usize,
-    pub(super) row: usize,
-    /// w in planes of its own length.
-    pub(super) w: &'a [f64],
-    pub(super) beta: T,
+/// A register's columns while reflections go through their rows.
+struct Strip<V> {
+    tile: Tile,
+    block: Block,
+    /// The first two rows of the next reflection.
+    x: V,
+    y: V,
 }
 
-impl<T: Lane> WithSimd for ReflectManyRows<'_, T> {
-    type Output = ();
-
+impl<V> Strip<V> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { columns, plane, row, w, beta } = self;
-        let (o, length) = (Ops(simd), w.len() / T::PLANES);
-        for column in columns.chunks_exact_mut(T::PLANES * plane) {
-            // Blocks of zeros stand in companion matrices, and in what their reduction leaves.
-            if column[row..row + length].iter().all(|&x| x == 0.0) {
-                continue;
-            }
-            let mut sum = T::splat(o, T::default());
-            let mut at = 0;
-            while at < length {
-                let end = length.min(at + S::F64_LANES);
-                let x = T::load(o, column, plane, (row + at, row + end));
-                sum = T::plus(o, sum, T::times(o, T::load(o, w, length, (at, end)), x));
-                at = end;
-            }
-            let factor = T::splat(o, T::sum(o, sum) * beta);
-            at = 0;
-            while at < length {
-                let end = length.min(at + S::F64_LANES);
-                let x = T::load(o, column, plane, (row + at, row + end));
-                let reflected = T::minus(o, x, T::times(o, factor, T::load(o, w, length, (at, end))));
-                T::store(o, column, plane, (row + at, row + end), reflected);
-                at = end;
-            }
-        }
+    fn next<T: Lane<In<S::f64s> = V>, S: Simd>(o: Ops<S>, matrix: &mut Rows, top: usize) -> Self {
+        let tile = matrix.next_tile::<T, S>();
+        let (x, y) = (matrix.row::<T, S>(o, tile, top), matrix.row::<T, S>(o, tile, top + 1));
+        Self { tile, block: EMPTY, x, y }
     }
 }

@@ -37,8 +37,21 @@ pub(crate) trait Lane: Real {
     fn from_block<S: Simd>(o: Ops<S>, block: &Block, row: usize) -> Self::In<S::f64s>;
     fn to_block<S: Simd>(o: Ops<S>, block: &mut Block, row: usize, x: Self::In<S::f64s>);
     fn plus<S: Simd>(o: Ops<S>, a: Self::In<S::f64s>, b: Self::In<S::f64s>) -> Self::In<S::f64s>;
-    fn minus<S: Simd>(o: Ops<S>, a: Self::In<S::f64s>, b: Self::In<S::f64s>) -> Self::In<S::f64s>;
     fn times<S: Simd>(o: Ops<S>, a: Self::In<S::f64s>, b: Self::In<S::f64s>) -> Self::In<S::f64s>;
+    /// `c + a b`.
+    fn plus_times<S: Simd>(
+        o: Ops<S>,
+        c: Self::In<S::f64s>,
+        a: Self::In<S::f64s>,
+        b: Self::In<S::f64s>,
+    ) -> Self::In<S::f64s>;
+    /// `c - a b`.
+    fn minus_times<S: Simd>(
+        o: Ops<S>,
+        c: Self::In<S::f64s>,
+        a: Self::In<S::f64s>,
+        b: Self::In<S::f64s>,
+    ) -> Self::In<S::f64s>;
     /// The sum over the lanes.
     fn sum<S: Simd>(o: Ops<S>, a: Self::In<S::f64s>) -> Self;
 }
@@ -77,12 +90,16 @@ impl Lane for f64 {
         o.add(a, b)
     }
     #[inline(always)]
-    fn minus<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> S::f64s {
-        o.sub(a, b)
-    }
-    #[inline(always)]
     fn times<S: Simd>(o: Ops<S>, a: S::f64s, b: S::f64s) -> S::f64s {
         o.mul(a, b)
+    }
+    #[inline(always)]
+    fn plus_times<S: Simd>(o: Ops<S>, c: S::f64s, a: S::f64s, b: S::f64s) -> S::f64s {
+        o.fma(a, b, c)
+    }
+    #[inline(always)]
+    fn minus_times<S: Simd>(o: Ops<S>, c: S::f64s, a: S::f64s, b: S::f64s) -> S::f64s {
+        o.fnma(a, b, c)
     }
     #[inline(always)]
     fn sum<S: Simd>(o: Ops<S>, a: S::f64s) -> f64 {
@@ -125,17 +142,29 @@ impl Lane for Dd {
         fast_two_sum(o, high, o.add(error, o.add(a[1], b[1])))
     }
     #[inline(always)]
-    fn minus<S: Simd>(o: Ops<S>, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
-        let high = o.sub(a[0], b[0]);
-        let b_part = o.sub(a[0], high);
-        let error = o.sub(o.sub(a[0], o.add(high, b_part)), o.sub(b[0], b_part));
-        fast_two_sum(o, high, o.add(error, o.sub(a[1], b[1])))
-    }
-    #[inline(always)]
     fn times<S: Simd>(o: Ops<S>, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
         let product = o.mul(a[0], b[0]);
         let error = product_error(o, a[0], b[0], product);
         fast_two_sum(o, product, o.fma(a[1], b[0], o.fma(a[0], b[1], error)))
+    }
+    /// One renormalisation for both operations; wrong by some 2^-104 of |c| + |a b|, as [`plus`](Lane::plus).
+    #[inline(always)]
+    fn plus_times<S: Simd>(o: Ops<S>, c: [S::f64s; 2], a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
+        let product = o.mul(a[0], b[0]);
+        let low = o.fma(a[1], b[0], o.fma(a[0], b[1], o.add(product_error(o, a[0], b[0], product), c[1])));
+        let high = o.add(c[0], product);
+        let part = o.sub(high, c[0]);
+        let error = o.add(o.sub(c[0], o.sub(high, part)), o.sub(product, part));
+        fast_two_sum(o, high, o.add(error, low))
+    }
+    #[inline(always)]
+    fn minus_times<S: Simd>(o: Ops<S>, c: [S::f64s; 2], a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
+        let product = o.mul(a[0], b[0]);
+        let low = o.fma(a[1], b[0], o.fma(a[0], b[1], o.sub(product_error(o, a[0], b[0], product), c[1])));
+        let high = o.sub(c[0], product);
+        let part = o.sub(c[0], high);
+        let error = o.sub(o.sub(c[0], o.add(high, part)), o.sub(product, part));
+        fast_two_sum(o, high, o.sub(error, low))
     }
     #[inline(always)]
     fn sum<S: Simd>(o: Ops<S>, a: [S::f64s; 2]) -> Dd {

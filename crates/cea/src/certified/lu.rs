@@ -45,7 +45,10 @@ impl Lu {
         for start in (0..n).step_by(PANEL) {
             let end = n.min(start + PANEL);
             for k in start..end {
-                swaps.push(eliminate([&mut re, &mut im], is_real, k, end, least));
+                swaps.push(eliminate([&mut re, &mut im], is_real, start..end, k, least));
+            }
+            for part in [&mut re, &mut im].into_iter().take(if is_real { 1 } else { 2 }) {
+                swap_outside(part.as_mut_slice(), n, start..end, &swaps[start..]);
             }
             let (panel_re, right_re) = re.as_mut_slice().split_at_mut(end * n);
             let (panel_im, right_im) = im.as_mut_slice().split_at_mut(end * n);
@@ -115,13 +118,21 @@ impl Lu {
     }
 }
 
-/// Column k eliminated, in the columns before `end`; the row that was swapped with row k.
-fn eliminate([re, im]: [&mut DMatrix<f64>; 2], is_real: bool, k: usize, end: usize, least: f64) -> usize {
+/// Rows swapped in the columns outside a panel, column by column, as in the panel one after the other.
+fn swap_outside(a: &mut [f64], n: usize, panel: Range<usize>, swaps: &[usize]) {
+    for (_, column) in a.chunks_exact_mut(n).enumerate().filter(|(j, _)| !panel.contains(j)) {
+        swaps.iter().zip(panel.start..).for_each(|(&pivot, k)| column.swap(k, pivot));
+    }
+}
+
+/// Column k eliminated, in the columns of its panel; the row that was swapped with row k.
+fn eliminate([re, im]: [&mut DMatrix<f64>; 2], is_real: bool, panel: Range<usize>, k: usize, least: f64) -> usize {
     let n = re.nrows();
     let size = |i: usize| re[(i, k)].abs() + im[(i, k)].abs();
     let pivot = (k..n).fold(k, |best, i| if size(i) > size(best) { i } else { best });
-    re.swap_rows(k, pivot);
-    im.swap_rows(k, pivot);
+    for part in [&mut *re, &mut *im] {
+        part.columns_mut(panel.start, panel.len()).swap_rows(k, pivot);
+    }
     let mut head = Complex::new(re[(k, k)], im[(k, k)]);
     if head.norm() < least {
         head = Complex::from(least);
@@ -132,7 +143,7 @@ fn eliminate([re, im]: [&mut DMatrix<f64>; 2], is_real: bool, k: usize, end: usi
         let l = Complex::new(re[(i, k)], im[(i, k)]) * inverse;
         (re[(i, k)], im[(i, k)]) = (l.re, l.im);
     }
-    for j in k + 1..end {
+    for j in k + 1..panel.end {
         let (ur, ui) = (re[(k, j)], im[(k, j)]);
         if is_real {
             (k + 1..n).for_each(|i| re[(i, j)] -= re[(i, k)] * ur);

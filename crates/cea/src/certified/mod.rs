@@ -7,8 +7,8 @@
 //!    tolerance, and a pencil that is singular for every lambda is an error.
 //! 2. The problem is equilibrated and scaled by powers of two.
 //! 3. Where the scaled M is well conditioned and K regular, the eigenvalues are those of the standard form by the QR
-//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest, in double-double
-//!    arithmetic where double has too few digits.
+//!    iteration; otherwise the infinite and zero ones are deflated and the QZ iteration does the rest. Where double has too
+//!    few digits double-double arithmetic does it, by the QR iteration where one of the matrices can be inverted.
 //!
 //! ```
 //! use cea::{Verdict, Workspace, certified};
@@ -30,10 +30,13 @@
 //! ```
 
 mod certify;
+mod chase;
 mod clusters;
+mod columns;
 mod dd;
 mod expansion;
 mod field;
+mod hessenberg;
 mod kernels;
 mod lane;
 mod lu;
@@ -46,6 +49,7 @@ mod refine;
 mod residual;
 mod scaled;
 mod solve;
+mod standard;
 mod structure;
 mod vectors;
 mod verdict;
@@ -53,4 +57,5 @@ mod verdict;
 pub use certify::{Certified, CertifiedEigenvalue, certify};
 pub(crate) use certify::{SingleCertifier, improved};
 pub use clusters::{Cluster, ClusterKind};
+pub(crate) use real::Real;
 pub use solve::{GeneralSpectrum, Route, solve};

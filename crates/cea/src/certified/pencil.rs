@@ -10,8 +10,8 @@ use num_complex::Complex;
 
 use super::lane::Lane;
 use super::planar::{Planar, reveal_rank, triangularise};
-use super::qz;
 use super::scaled::Scaled;
+use super::{qz, standard};
 use crate::CeaError;
 
 /// `A - sigma B` with `A = [-C, -K / d; d I, 0]`, `B = [M 0; 0 I]`; its vectors are (sigma x, d x).
@@ -74,11 +74,21 @@ impl<T: Lane> Pencil<T> {
         if !reversed {
             return qz::eigenvalues(self.a, self.b);
         }
-        let reciprocal = |mu: Complex<f64>| {
-            if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
-        };
-        Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(reciprocal).collect())
+        Ok(qz::eigenvalues(self.b, self.a)?.into_iter().map(reciprocal::<T>).collect())
     }
+
+    /// The same by the QR iteration on B^-1 A, or A^-1 B of the reversed pencil; none where that would cost digits.
+    pub(crate) fn standard_eigenvalues(&self, reversed: bool) -> Option<Vec<Complex<f64>>> {
+        if !reversed {
+            return standard::eigenvalues(&self.a, &self.b);
+        }
+        let found = standard::eigenvalues(&self.b, &self.a)?;
+        Some(found.into_iter().map(reciprocal::<T>).collect())
+    }
+}
+
+fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
+    if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
 }
 
 /// The smallest diagonal entry of the pivoted QR factor.

@@ -9,7 +9,8 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use pulp::Arch;
 
-use super::kernels::{ReflectColumns, ReflectManyRows, ReflectRows, RotateColumns, RotateRows, Rows};
+use super::columns::{ReflectManyRows, SolveTriangle};
+use super::kernels::{ReflectColumns, ReflectRows, RotateColumns, RotateRows, Rows};
 use super::lane::{Lane, Reflection, Rotation};
 
 /// A matrix of entries `T`, column by column.
@@ -84,12 +85,23 @@ impl<T: Lane> Planar<T> {
         self.arch.dispatch(RotateColumns { columns: [x, y], plane, rows, by });
     }
 
+    /// Columns `column` to `column + 2` reflected in these rows.
+    pub(crate) fn reflect_columns(&mut self, column: usize, rows: Range<usize>, by: Reflection<T>) {
+        let (arch, plane, columns) = (self.arch, self.rows, self.three(column));
+        arch.dispatch(ReflectColumns { columns, plane, rows, by });
+    }
+
     /// Columns `column + 2`, `column + 1` and `column`, in this order, reflected in these rows.
     pub(crate) fn reflect_columns_backwards(&mut self, column: usize, rows: Range<usize>, by: Reflection<T>) {
-        let (size, plane) = (T::PLANES * self.rows, self.rows);
+        let (arch, plane, [x, y, z]) = (self.arch, self.rows, self.three(column));
+        arch.dispatch(ReflectColumns { columns: [z, y, x], plane, rows, by });
+    }
+
+    fn three(&mut self, column: usize) -> [&mut [f64]; 3] {
+        let size = T::PLANES * self.rows;
         let (x, rest) = self.data[column * size..(column + 3) * size].split_at_mut(size);
         let (y, z) = rest.split_at_mut(size);
-        self.arch.dispatch(ReflectColumns { columns: [z, y, x], plane, rows, by });
+        [x, y, z]
     }
 
     /// Rows `bottom - 1` and `bottom`, x and y, become `c x + s y` and `c y - s x` in these columns, then by the next
@@ -108,17 +120,42 @@ impl<T: Lane> Planar<T> {
 
     /// The rows from `row` on, as many as `reflector` is long, reflected in the columns from `column` on.
     pub(crate) fn reflect_many_rows(&mut self, row: usize, column: usize, reflector: &Reflector<T>) {
-        let (columns, plane) = (&mut self.data[column * T::PLANES * self.rows..], self.rows);
-        self.arch.dispatch(ReflectManyRows { columns, plane, row, w: &reflector.w, beta: reflector.beta });
+        let (arch, plane) = (self.arch, self.rows);
+        let columns = self.columns_from_mut(column);
+        arch.dispatch(ReflectManyRows { columns, plane, row, w: &reflector.w, beta: reflector.beta });
     }
 
-    /// The reflector that clears column `j` below row `row`; none of a column that is zero from there on.
+    /// [`reflect_many_rows`](Self::reflect_many_rows) in one column alone.
+    pub(crate) fn reflect_column(&mut self, row: usize, column: usize, reflector: &Reflector<T>) {
+        let (arch, plane) = (self.arch, self.rows);
+        let columns = &mut self.columns_from_mut(column)[..T::PLANES * plane];
+        arch.dispatch(ReflectManyRows { columns, plane, row, w: &reflector.w, beta: reflector.beta });
+    }
+
+    /// `self^-1 other` of an upper triangular matrix.
+    pub(crate) fn solve_triangle(&self, other: &mut Self) {
+        let diagonal: Vec<T> = (0..self.rows).map(|i| self.get(i, i)).collect();
+        let columns = &mut other.data[..];
+        self.arch.dispatch(SolveTriangle { columns, r: &self.data, plane: self.rows, diagonal: &diagonal });
+    }
+
+    /// The columns from `column` on, one after the other.
+    pub(crate) fn columns_from(&self, column: usize) -> &[f64] {
+        &self.data[column * T::PLANES * self.rows..]
+    }
+
+    pub(crate) fn columns_from_mut(&mut self, column: usize) -> &mut [f64] {
+        &mut self.data[column * T::PLANES * self.rows..]
+    }
+
+    /// The reflector that clears column `j` below row `row`; none of a column that is zero below it.
     pub(crate) fn reflector(&self, row: usize, j: usize) -> Option<Reflector<T>> {
         Reflector::of(&(row..self.rows).map(|i| self.get(i, j)).collect::<Vec<_>>())
     }
 }
 
-/// `I - beta w w^T`, which takes the vector that it was made of to a multiple of the first unit vector.
+/// `I - beta w w^T`, which takes the vector that it was made of to a multiple of the first unit vector; w ends with the last
+/// entry of that vector that is not zero.
 #[derive(Debug)]
 pub(crate) struct Reflector<T> {
     /// In planes, as a column of [`Planar`].
@@ -127,11 +164,31 @@ pub(crate) struct Reflector<T> {
 }
 
 impl<T: Lane> Reflector<T> {
+    /// The length of w.
+    pub(crate) fn len(&self) -> usize {
+        self.w.len() / T::PLANES
+    }
+
+    pub(crate) fn at(&self, i: usize) -> T {
+        T::assembled(&self.w[i..], self.len())
+    }
+
+    /// w, in planes.
+    pub(crate) fn planes(&self) -> &[f64] {
+        &self.w
+    }
+
+    pub(crate) fn beta(&self) -> T {
+        self.beta
+    }
+
     fn of(x: &[T]) -> Option<Self> {
         let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.value().abs()));
-        if largest.is_nan() || largest <= 0.0 {
+        let length = x.iter().rposition(|v| v.value() != 0.0).map_or(0, |last| last + 1);
+        if largest.is_nan() || length < 2 {
             return None;
         }
+        let x = &x[..length];
         let scale = T::from(1.0) / T::from(largest);
         let mut w: Vec<T> = x.iter().map(|&v| v * scale).collect();
         let square = w.iter().fold(T::default(), |s, &v| s + v * v);

@@ -224,7 +224,7 @@ fn clear_below_subdiagonal<T: Lane>(h: &mut Planar<T>, t: &mut Planar<T>, j: usi
 }
 
 /// c, s with `[c s; -s c] [a; b] = [r; 0]`.
-fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
+pub(super) fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
     let largest = a.value().abs().max(b.value().abs());
     if b.value() == 0.0 || largest.is_nan() {
         return (T::from(1.0), T::default());
@@ -235,7 +235,7 @@ fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
 }
 
 /// The reflection that takes v to `[*; 0; 0]`.
-fn householder<T: Lane>(v: [T; 3]) -> Reflection<T> {
+pub(super) fn householder<T: Lane>(v: [T; 3]) -> Reflection<T> {
     let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.value().abs()));
     if largest == 0.0 {
         return ([T::default(); 2], [T::default(); 3]);

@@ -65,7 +65,7 @@ fn norm(a: &DMatrix<f64>) -> f64 {
 }
 
 /// The power of two next to x, within the range that keeps products finite.
-fn power_of_two(x: f64) -> f64 {
+pub(super) fn power_of_two(x: f64) -> f64 {
     if x > 0.0 && x.is_finite() { x.log2().round().clamp(-500.0, 500.0).exp2() } else { 1.0 }
 }
 
@@ -161,6 +161,10 @@ impl Scaled {
 
 /// `A^T y`.
 fn adjoint_times(a: &DMatrix<f64>, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    // The vectors of real eigenvalues.
+    if y.iter().all(|z| z.im == 0.0) {
+        return a.tr_mul(&y.map(|z| z.re)).map(Complex::from);
+    }
     DVector::from_fn(a.ncols(), |j, _| a.column(j).iter().zip(y).map(|(&entry, z)| z * entry).sum())
 }
 

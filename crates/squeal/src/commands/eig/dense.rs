@@ -17,9 +17,9 @@ use crate::output::{bytes_in_words, in_words, note};
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.
 const LARGEST_ORDER: usize = 1000;
 /// Processor time, s, by the cube of the degrees of freedom. Measured on an AMD EPYC (Zen 4) with random full matrices: 0.55 s for
-/// n = 200, and 0.82 s for n = 120 where the damping is 1e9 times the stiffness and double-double arithmetic does it.
+/// n = 200, and 0.45 s for n = 120 where the damping is 1e12 times the stiffness and QZ in double-double arithmetic does it.
 const SECONDS: f64 = 1e-7;
-const SECONDS_EXTENDED: f64 = 5e-7;
+const SECONDS_EXTENDED: f64 = 3e-7;
 /// Memory, bytes, by the square of the degrees of freedom. Measured with the same: 13 MB for n = 200.
 const BYTES: f64 = 200.0;
 /// From how many seconds on a problem is announced; chosen.
