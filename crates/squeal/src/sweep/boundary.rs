@@ -96,7 +96,7 @@ impl CurvePoint {
     ///
     /// # Errors
     /// Those of the brake.
-    pub fn from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
+    pub fn distance_from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
         let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.pair.lambda)?;
         Ok(found.map(|found| found.lambda.re.abs() / self.gradient().norm()))
     }

@@ -196,7 +196,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Progress) -> Re
         let start = tracer.start(at, omega)?;
         let (points, ends) = tracer.curve(start)?;
         for at in [0, points.len() / 2, points.len() - 1] {
-            let distance = points[at].from_whole(part)?;
+            let distance = points[at].distance_from_whole(part)?;
             map.evaluations.whole += u64::from(distance.is_some());
             map.from_whole = map.from_whole.into_iter().chain(distance).reduce(f64::max);
         }

@@ -30,6 +30,5 @@ pub use found::Found;
 pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
 pub use one_parameter::{NamedBranch, Sweep, sweep};
 pub use onset::SweepOnset;
-pub(crate) use parameter::swept;
-pub use parameter::{Over, SweptParameter};
+pub use parameter::{Over, SweptParameter, swept};
 pub use regions::{Region, Run};
