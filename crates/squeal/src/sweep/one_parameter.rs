@@ -144,8 +144,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
     for reduced in onsets.into_iter().filter(|onset| part.is_studied(onset.omega)) {
-        let rate = branches.refined(reduced.at, Complex::new(0.0, reduced.omega))?.rate;
-        let whole = WholeOnset::near(part, parameter, &reduced, rate)?;
+        let whole = WholeOnset::near(part, parameter, &reduced, &mut branches)?;
         evaluations.whole += whole.as_ref().map_or(0, |whole| whole.solved);
         let moved = whole.as_ref().map(|whole| parameter.at(whole.onset.at) - parameter.at(reduced.at));
         let onset = whole.map_or(reduced, |whole| whole.onset);

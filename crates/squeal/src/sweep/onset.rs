@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 use serde::Serialize;
-use tracking::Onset;
+use tracking::{Branches, Onset};
 
 use super::family::Part;
 use super::parameter::SweptParameter;
@@ -38,35 +38,34 @@ pub(super) struct WholeOnset {
 }
 
 impl WholeOnset {
-    /// The onset next to one of the reduced brake, in parts of the range, by secants that begin with d lambda / d part = `rate` of the
-    /// reduced brake there; `None` of a brake that is not reduced.
+    /// The onset next to one of the reduced brake, in parts of the range, by secants that begin with the slope that the branches of the
+    /// reduced brake have there; `None` of a brake that is not reduced.
     ///
     /// # Errors
-    /// [`Error::WholeOnset`] where it is not found within the range; those of the brake.
+    /// [`Error::WholeOnset`] where it is not found; those of the brake.
     pub fn near<B: UncertainBrake>(
         part: &Part<'_, B>,
         parameter: &SweptParameter,
         onset: &Onset,
-        rate: Complex<f64>,
+        reduced: &mut impl Branches<Error = Error>,
     ) -> Result<Option<Self>, Error> {
-        let (mut at, mut near, mut slope) = (onset.at, Complex::new(0.0, onset.omega), rate.re);
-        let mut last: Option<(f64, f64)> = None;
+        let on_axis = Complex::new(0.0, onset.omega);
+        let Some(mut found) = part.whole_eigenvalue(&[onset.at], on_axis)? else { return Ok(None) };
+        let rate = reduced.refined(onset.at, on_axis)?.rate;
+        let (mut at, mut slope) = (onset.at, rate.re);
         for solved in 1..=MOST_CORRECTIONS {
-            let Some(found) = part.whole_eigenvalue(&[at], near)? else { return Ok(None) };
-            // Of a mode that runs along the axis the slope of the whole brake may be another one.
-            if let Some((before, growth)) = last
-                && (found.lambda.re - growth).abs() > 2.0 * found.bound
-            {
-                slope = (found.lambda.re - growth) / (at - before);
-            }
-            last = Some((at, found.lambda.re));
             let (step, error) = (-found.lambda.re / slope, found.bound / slope.abs());
-            near = found.lambda + rate * step;
             if step.abs() <= error.max(2.0 * f64::EPSILON * at.abs()) {
                 let onset = Onset { at, error: error + step.abs(), omega: found.lambda.im, ..*onset };
                 return Ok(Some(Self { onset, solved: solved as u64 }));
             }
-            at += step;
+            let Some(next) = part.whole_eigenvalue(&[at + step], found.lambda + rate * step)? else { break };
+            let growth = next.lambda.re - found.lambda.re;
+            // Of a mode that runs along the axis the slope of the whole brake may be another one.
+            if growth.abs() > 2.0 * next.bound {
+                slope = growth / step;
+            }
+            (at, found) = (at + step, next);
         }
         Err(Error::WholeOnset { name: parameter.name.clone(), near: parameter.at(onset.at), solved: MOST_CORRECTIONS })
     }
