@@ -1,5 +1,6 @@
 //! All eigenvalues, by the route that the matrices allow.
 
+use std::cell::LazyCell;
 use std::fmt;
 
 use linsys::SecondOrder;
@@ -143,7 +144,10 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
         return Ok((Route::Standard, sigmas));
     }
     let companion = companion(scaled);
-    let extended = Pencil::<Dd>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero);
+    // Most problems never ask for it, and its deflation in double-double costs more than QZ in double.
+    let extended = LazyCell::new(|| {
+        Pencil::<Dd>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero)
+    });
     // The eigenvalues are spread over tau^2, and digits are lost to as much.
     let spread = scaled.overdamping().powi(2);
     if strongly_damped
@@ -169,7 +173,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
             return Ok((Route::ExtendedStandard, sigmas));
         }
     }
-    let sigmas = extended.eigenvalues(reversed)?;
+    let sigmas = (*extended).clone().eigenvalues(reversed)?;
     if found(&sigmas) { Ok((Route::ExtendedQz, sigmas)) } else { Err(scaled.range()) }
 }
 
