@@ -1,8 +1,8 @@
 //! The bulge of Francis' QR iteration chased by vector registers.
 
+use super::eliminate::{householder, rotation};
 use super::lane::{Lane, Reflection};
 use super::planar::Planar;
-use super::qz::{householder, rotation};
 use crate::francis::{Chase, Place};
 
 /// Reflections of rows that are put off together: few columns are near them, and a register's detour to gather rows
@@ -58,6 +58,7 @@ impl<T: Lane> Chase<T> for Planar<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certified::fixtures::wave;
     use crate::francis;
     use crate::sort;
     use nalgebra::DMatrix;
@@ -67,7 +68,6 @@ mod tests {
     #[test]
     fn registers_chase_as_columns_do() {
         let n = 40;
-        let wave = |i: usize, j: usize| ((7 * i + 13 * j * j + 3 * i * j) % 31) as f64 / 31.0 - 0.5;
         let entry = |i: usize, j: usize| match i {
             _ if i > j + 1 => 0.0,
             _ if i == j + 1 && (20..22).contains(&i) => 1e-9,

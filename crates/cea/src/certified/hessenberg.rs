@@ -141,6 +141,7 @@ impl<T: Lane> WithSimd for Change<'_, T> {
 mod tests {
     use super::*;
     use crate::certified::dd::Dd;
+    use crate::certified::fixtures::wave;
     use nalgebra::DMatrix;
 
     /// Traces of powers stay, and the form is that of Hessenberg: of a full matrix with columns beyond a group and a
@@ -148,7 +149,6 @@ mod tests {
     #[test]
     fn reduction_keeps_the_traces_of_powers() {
         let n = 23;
-        let wave = |i: usize, j: usize| ((7 * i + 13 * j * j + 3 * i * j) % 31) as f64 / 31.0 - 0.5;
         let full = DMatrix::from_fn(n, n, wave);
         let band = DMatrix::from_fn(n, n, |i, j| if i <= j + 5 { wave(i, j) } else { 0.0 });
         for a in [full, band] {

@@ -34,8 +34,11 @@ mod chase;
 mod clusters;
 mod columns;
 mod dd;
+mod eliminate;
 mod expansion;
 mod field;
+#[cfg(test)]
+mod fixtures;
 mod hessenberg;
 mod kernels;
 mod lane;

@@ -7,7 +7,8 @@
 use num_complex::Complex;
 
 use super::dd::Dd;
-use super::lane::{Lane, Reflection, Rotation};
+use super::eliminate::{householder, rotation};
+use super::lane::Lane;
 use super::planar::{Planar, triangularise};
 use crate::CeaError;
 
@@ -223,34 +224,10 @@ fn clear_below_subdiagonal<T: Lane>(h: &mut Planar<T>, t: &mut Planar<T>, j: usi
     }
 }
 
-/// c, s with `[c s; -s c] [a; b] = [r; 0]`.
-pub(super) fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
-    let largest = a.value().abs().max(b.value().abs());
-    if b.value() == 0.0 || largest.is_nan() {
-        return (T::from(1.0), T::default());
-    }
-    let (a, b) = (a / T::from(largest), b / T::from(largest));
-    let r = (a * a + b * b).root();
-    (a / r, b / r)
-}
-
-/// The reflection that takes v to `[*; 0; 0]`.
-pub(super) fn householder<T: Lane>(v: [T; 3]) -> Reflection<T> {
-    let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.value().abs()));
-    if largest == 0.0 {
-        return ([T::default(); 2], [T::default(); 3]);
-    }
-    let v = v.map(|x| x / T::from(largest));
-    let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
-    let head = if v[0].value() < 0.0 { v[0] - norm } else { v[0] + norm };
-    let u = [v[1] / head, v[2] / head];
-    let beta = T::from(2.0) / (T::from(1.0) + u[0] * u[0] + u[1] * u[1]);
-    (u, [beta, beta * u[0], beta * u[1]])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certified::fixtures::{Known, long_pencil};
     use crate::sort;
     use nalgebra::{DMatrix, dmatrix};
     use proptest::prelude::*;
@@ -289,17 +266,7 @@ mod tests {
     #[test]
     fn eigenvalues_of_a_long_pencil_are_those_of_its_blocks() {
         let n = 90;
-        let wave = |i: usize, j: usize| ((7 * i + 13 * j * j + 3 * i * j) % 31) as f64 / 31.0 - 0.5;
-        let q = DMatrix::from_fn(n, n, |i, j| wave(i, j) + if i == j { 8.0 } else { 0.0 });
-        let z = DMatrix::from_fn(n, n, |i, j| wave(j, i + 5) + if i == j { 8.0 } else { 0.0 });
-        let mut d = DMatrix::zeros(n, n);
-        let mut expected = Vec::new();
-        for k in 0..n / 2 {
-            let (re, im) = (0.1 * k as f64 - 1.0, 1.0 + 0.2 * k as f64);
-            d.view_mut((2 * k, 2 * k), (2, 2)).copy_from(&dmatrix![re, im; -im, re]);
-            expected.extend([Complex::new(re, im), Complex::new(re, -im)]);
-        }
-        let (a, b) = (&q * &d * &z, &q * &z);
+        let (a, b, expected) = long_pencil(n);
         for (found, tolerance) in [
             (in_double(&a, &b).unwrap(), 1e-10),
             (eigenvalues::<Dd>(Planar::from(&a), Planar::from(&b)).unwrap(), 1e-12),
@@ -319,16 +286,10 @@ mod tests {
             entries in prop::collection::vec(-1.0..1.0f64, 2 * 36),
             angle in 0.1..3.0f64,
         ) {
-            let q = DMatrix::from_column_slice(6, 6, &entries[..36]) + DMatrix::identity(6, 6) * 5.0;
-            let z = DMatrix::from_column_slice(6, 6, &entries[36..]) + DMatrix::identity(6, 6) * 5.0;
-            let mut d = DMatrix::from_diagonal(&nalgebra::dvector![0.0, 0.0, 1e-3, 2.0, -3.0, 50.0]);
-            let (sin, cos) = angle.sin_cos();
-            d.view_mut((0, 0), (2, 2)).copy_from(&dmatrix![cos, sin; -sin, cos]);
+            let Known { q, d, z, mut expected } = Known::new(&entries, angle);
             let mut found = in_double(&(&q * &d * &z), &(&q * &z)).unwrap();
             sort(&mut found);
             let extended = eigenvalues::<Dd>(Planar::from(&(&q * &d * &z)), Planar::from(&(&q * &z))).unwrap();
-            let mut expected = vec![1e-3, 2.0, -3.0, 50.0].into_iter().map(Complex::from).collect::<Vec<_>>();
-            expected.extend([Complex::new(cos, sin), Complex::new(cos, -sin)]);
             sort(&mut expected);
             for (l, e) in found.iter().zip(&expected) {
                 prop_assert!((l - e).norm() < 1e-11 * (1.0 + e.norm()), "{} {}", l, e);

@@ -54,11 +54,12 @@ fn condition<T: Lane>(r: &Planar<T>) -> f64 {
 mod tests {
     use super::*;
     use crate::certified::dd::Dd;
+    use crate::certified::fixtures::{Known, long_pencil};
     use crate::certified::pencil::{Pencil, companion};
     use crate::certified::scaled::Scaled;
     use crate::sort;
     use linsys::SecondOrder;
-    use nalgebra::{dmatrix, dvector};
+    use nalgebra::dmatrix;
     use proptest::prelude::*;
 
     fn extended(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
@@ -91,17 +92,8 @@ mod tests {
     #[test]
     fn eigenvalues_of_a_long_pencil_are_those_of_its_blocks() {
         let n = 70;
-        let wave = |i: usize, j: usize| ((7 * i + 13 * j * j + 3 * i * j) % 31) as f64 / 31.0 - 0.5;
-        let q = DMatrix::from_fn(n, n, |i, j| wave(i, j) + if i == j { 8.0 } else { 0.0 });
-        let z = DMatrix::from_fn(n, n, |i, j| wave(j, i + 5) + if i == j { 8.0 } else { 0.0 });
-        let mut d = DMatrix::zeros(n, n);
-        let mut expected = Vec::new();
-        for k in 0..n / 2 {
-            let (re, im) = (0.1 * k as f64 - 1.0, 1.0 + 0.2 * k as f64);
-            d.view_mut((2 * k, 2 * k), (2, 2)).copy_from(&dmatrix![re, im; -im, re]);
-            expected.extend([Complex::new(re, im), Complex::new(re, -im)]);
-        }
-        let found = extended(&(&q * &d * &z), &(&q * &z)).unwrap();
+        let (a, b, expected) = long_pencil(n);
+        let found = extended(&a, &b).unwrap();
         for e in &expected {
             let nearest = found.iter().map(|x| (x - e).norm()).fold(f64::INFINITY, f64::min);
             assert!(nearest < 1e-12 * e.norm(), "{nearest:e} {e}");
@@ -118,13 +110,7 @@ mod tests {
             entries in prop::collection::vec(-1.0..1.0f64, 2 * 36),
             angle in 0.1..3.0f64,
         ) {
-            let q = DMatrix::from_column_slice(6, 6, &entries[..36]) + DMatrix::identity(6, 6) * 5.0;
-            let z = DMatrix::from_column_slice(6, 6, &entries[36..]) + DMatrix::identity(6, 6) * 5.0;
-            let mut d = DMatrix::from_diagonal(&dvector![0.0, 0.0, 1e-3, 2.0, -3.0, 50.0]);
-            let (sin, cos) = angle.sin_cos();
-            d.view_mut((0, 0), (2, 2)).copy_from(&dmatrix![cos, sin; -sin, cos]);
-            let mut expected = vec![1e-3, 2.0, -3.0, 50.0].into_iter().map(Complex::from).collect::<Vec<_>>();
-            expected.extend([Complex::new(cos, sin), Complex::new(cos, -sin)]);
+            let Known { q, d, z, expected } = Known::new(&entries, angle);
             let inverse = q.clone().try_inverse().unwrap();
             for (a, b) in [(&q * &d * inverse, DMatrix::identity(6, 6)), (&q * &d * &z, &q * &z)] {
                 let found = extended(&a, &b).unwrap();
