@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::basis::{ROUNDING, candidates, directions, fewest, projected_residual};
+use super::compared::compared;
 use super::full;
 use super::norms::{Norms, NormsAt};
 use super::report::{MissedMode, Report, Stage, Why};
@@ -16,8 +17,6 @@ use crate::{Eigenpair, Rectangle, SparseAffineSystem, SparseError, SparseSecondO
 
 /// Part of the tolerance that the modes at a known point may use, so that there is room between known points.
 const AT_KNOWN_POINTS: f64 = 0.5;
-/// Distance, relative to |lambda|, up to which an eigenvalue of the reduced system stands for one of the full system.
-const SAME_MODE: f64 = 1e-3;
 
 /// A reduction with the history of its basis.
 #[derive(Debug, Clone)]
@@ -171,16 +170,6 @@ impl Building<'_> {
 
 /// Full modes without a reduced one near them.
 fn missed(reduced: &Reduced, point: &OperatingPoint, modes: &[Eigenpair]) -> Result<Vec<Complex<f64>>, SparseError> {
-    let mut spectrum = reduced.spectrum(point)?;
-    let mut missed = Vec::new();
-    for mode in modes {
-        let distance = |lambda: &Complex<f64>| (lambda - mode.lambda).norm();
-        let nearest = (0..spectrum.len()).min_by(|&a, &b| distance(&spectrum[a]).total_cmp(&distance(&spectrum[b])));
-        match nearest.filter(|&at| distance(&spectrum[at]) <= SAME_MODE * mode.lambda.norm()) {
-            // One reduced mode stands for one full mode.
-            Some(at) => drop(spectrum.swap_remove(at)),
-            None => missed.push(mode.lambda),
-        }
-    }
-    Ok(missed)
+    let lambdas: Vec<Complex<f64>> = modes.iter().map(|mode| mode.lambda).collect();
+    Ok(compared(&lambdas, reduced.spectrum(point)?).missed)
 }

@@ -122,16 +122,13 @@ pub fn rungs(
     let rung = |&columns: &usize| {
         let basis = basis.columns(0, columns.min(basis.ncols())).into_owned();
         let small = reduced.projected(&basis)?;
-        let mut residual = 0.0_f64;
+        let (mut first, mut residual) = (None, 0.0_f64);
         for at in 0..search.points.len() {
-            residual = residual.max(search.residual(&small, &basis, at)?);
+            let (lambdas, largest) = search.judged(&small, &basis, at)?;
+            residual = residual.max(largest);
+            first.get_or_insert(lambdas);
         }
-        let mut first = Vec::new();
-        if let Some(point) = search.points.first() {
-            first = search.modes(&small.assemble(point.at)?)?.0;
-            first.retain(|lambda| wanted.rectangle.contains(*lambda, 0.0));
-        }
-        Ok(Rung { columns: basis.ncols(), residual, first })
+        Ok(Rung { columns: basis.ncols(), residual, first: first.unwrap_or_default() })
     };
     columns.iter().map(rung).collect()
 }
@@ -310,6 +307,16 @@ impl<'a> Search<'a> {
 
     /// The largest residual, in the larger system, of a mode of the smaller one in the rectangle.
     fn residual(&self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<f64, SparseError> {
+        Ok(self.judged(small, basis, point)?.1)
+    }
+
+    /// The modes of the smaller system in the rectangle, with that residual.
+    fn judged(
+        &self,
+        small: &AffineSystem,
+        basis: &DMatrix<f64>,
+        point: usize,
+    ) -> Result<(Vec<Complex<f64>>, f64), SparseError> {
         let Point { at, norms } = &self.points[point];
         let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
         let is_wanted = |at: &usize| self.wanted.rectangle.contains(lambdas[*at], 0.0);
@@ -317,7 +324,8 @@ impl<'a> Search<'a> {
         let (lambdas, shapes): (Vec<_>, _) =
             (wanted.iter().map(|&at| lambdas[at]).collect(), basis * split::selected(&shapes, &wanted));
         let residual = reduced_residual(&self.reduced.assemble(at)?, &lambdas, &shapes);
-        Ok(largest_residual(norms, &lambdas, &residual, &shapes))
+        let largest = largest_residual(norms, &lambdas, &residual, &shapes);
+        Ok((lambdas, largest))
     }
 
     /// The point whose Q, in the middle of the band, differs most from those at which all modes were found; `None` where they were at
