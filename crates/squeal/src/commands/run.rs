@@ -52,7 +52,7 @@ struct More<'a> {
     /// The scorecard of what a publication claims of it.
     claims: &'a (dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
     /// Writes files of its own, and says how the page draws its modes.
-    shapes: &'a (dyn Fn(&Results<'_>, &Path) -> Result<Geometry, Error> + Sync),
+    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<Geometry, Error> + Sync),
 }
 
 impl RunArgs {
@@ -68,27 +68,27 @@ impl RunArgs {
                 let brake = LatticeBrake::new(*case)?;
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
-                let shapes = |_: &Results<'_>, _: &Path| Ok(Geometry::lattice(grid.rows(), grid.columns()));
-                let more = More { claims: &|results| claims(results, &brake), shapes: &shapes };
+                let files = |_: &Results<'_>, _: &Path| Ok(Geometry::lattice(grid.rows(), grid.columns()));
+                let more = More { claims: &|results| claims(results, &brake), files: &files };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = MatricesBrake::new(*case)?;
-                let shapes = |_: &Results<'_>, _: &Path| Ok(Geometry::bodies(brake.plan()));
-                let more = More { claims: &|_| Ok(Vec::new()), shapes: &shapes };
+                let files = |_: &Results<'_>, _: &Path| Ok(Geometry::bodies(brake.plan()));
+                let more = More { claims: &|_| Ok(Vec::new()), files: &files };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
-                let shapes = |results: &Results<'_>, dir: &Path| {
+                let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
                 };
-                let more = More { claims: &|_| Ok(Vec::new()), shapes: &shapes };
+                let more = More { claims: &|_| Ok(Vec::new()), files: &files };
                 self.run_brake(&brake, half_width, &more, out)
             }
         }
@@ -123,7 +123,7 @@ impl RunArgs {
         let until = self.until_half_width;
         let manifest = run_study_until(brake, &self.out, self.threads, until, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
-            let geometry = (more.shapes)(results, dir)?;
+            let geometry = (more.files)(results, dir)?;
             scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
                 estimates = Estimates::run(study, half_width, &self.out, dir)?.text();

@@ -11,7 +11,7 @@ use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
-use crate::study::{Reference, Study, UncertainBrake, WholeEigenvalue};
+use crate::study::{Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 
 /// Half of the difference from which derivatives by a parameter are taken, as a part of its range: squared it is near machine
 /// epsilon over itself.
@@ -118,17 +118,30 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
 
     /// The system at values of the swept parameters.
     fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
-        let placed: Vec<(usize, f64)> = self.parameters.iter().map(|p| p.place).zip(values.iter().copied()).collect();
-        self.study.brake().system_with(&self.study.plan().scenes[self.scene], &placed).map_err(|source| {
+        self.study.brake().system_with(self.scene(), &self.placed(values)).map_err(|source| {
             let named: Vec<String> =
                 self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name)).collect();
             Error::Sweep { at: named.join(", "), source: source.into() }
         })
     }
 
+    fn scene(&self) -> &Scene {
+        &self.study.plan().scenes[self.scene]
+    }
+
+    /// Values of the swept parameters with the places of these among the parameters of the scene.
+    fn placed(&self, values: &[f64]) -> Vec<(usize, f64)> {
+        self.parameters.iter().map(|parameter| parameter.place).zip(values.iter().copied()).collect()
+    }
+
+    /// Their values at parts of their ranges.
+    fn values(&self, parts: &[f64]) -> Vec<f64> {
+        self.parameters.iter().zip(parts).map(|(parameter, &part)| parameter.at(part)).collect()
+    }
+
     /// Its parts: the sectors of the brake, if they hold wherever that is looked at, or the whole.
     pub fn parts(&'a self) -> Result<Vec<Part<'a, B>>, Error> {
-        let brake = self.study.plan().brake(&self.study.plan().scenes[self.scene]);
+        let brake = self.study.plan().brake(self.scene());
         let middle = |part: f64| self.parameters.iter().map(|parameter| parameter.at(part)).collect();
         let mut hold = brake.sectors.iter().len() > 1;
         for values in self.corners().into_iter().chain(PROBES.map(middle)) {
@@ -159,8 +172,7 @@ fn divides(sectors: &Sectors, system: &SecondOrder) -> Result<bool, Error> {
 impl<'a, B: UncertainBrake> Part<'a, B> {
     /// The system at parts of the ranges of the swept parameters.
     pub fn system(&self, parts: &[f64]) -> Result<SecondOrder, Error> {
-        let values = self.family.parameters.iter().zip(parts).map(|(parameter, part)| parameter.at(*part));
-        let whole = self.family.system(&values.collect::<Vec<_>>())?;
+        let whole = self.family.system(&self.family.values(parts))?;
         Ok(match self.sector {
             Some(sector) => sector.reduced(&whole)?,
             None => whole,
@@ -169,11 +181,8 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
 
     /// The eigenvalue next to `near` of the brake that this one is a reduction of, at parts of the ranges; `None` of one that is none.
     pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
-        let parameters = self.family.parameters.iter().zip(parts);
-        let values: Vec<(usize, f64)> =
-            parameters.map(|(parameter, &part)| (parameter.place, parameter.at(part))).collect();
-        let (brake, plan) = (self.family.study.brake(), self.family.study.plan());
-        brake.whole_eigenvalue(&plan.scenes[self.family.scene], &values, near)
+        let (family, values) = (self.family, self.family.values(parts));
+        family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)
     }
 
     /// Whether modes of this frequency, rad/s, are studied.

@@ -1,5 +1,7 @@
 //! The stability map over two parameters.
 
+use std::collections::BTreeSet;
+
 use cea::EigenSolver;
 use montecarlo::Progress;
 use nalgebra::{Vector2, vector};
@@ -195,7 +197,9 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Progress) -> Re
         let (at, omega) = starts[first];
         let start = tracer.start(at, omega)?;
         let (points, ends) = tracer.curve(start)?;
-        for at in [0, points.len() / 2, points.len() - 1] {
+        // The last point of a closed curve is the first one.
+        for at in BTreeSet::from([0, points.len() / 2, if ends[0] == CurveEnd::Closed { 0 } else { points.len() - 1 }])
+        {
             let distance = points[at].distance_from_whole(part)?;
             map.evaluations.whole += u64::from(distance.is_some());
             map.from_whole = map.from_whole.into_iter().chain(distance).reduce(f64::max);

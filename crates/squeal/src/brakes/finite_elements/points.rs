@@ -131,7 +131,8 @@ pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result
     scene_point(case, closed, Some((Law::AmontonsCoulomb, ANY_SPEED)), &median(case)).map_err(no_median(case))
 }
 
-/// The operating point of the whole brake from that of a configuration: holders count once, closed patches once, open ones not.
+/// The operating point of the whole brake from that of a configuration: holders count once, closed patches as their stiffness
+/// is drawn, open ones not.
 pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &OperatingPoint) -> OperatingPoint {
     let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
     let own = case.coefficients.len();
