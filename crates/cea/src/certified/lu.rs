@@ -4,12 +4,10 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use crate::lanes::Ops;
-
-/// Columns eliminated before those to their right are: few enough that a panel of 500 rows stays in the cache. Chosen.
-const PANEL: usize = 16;
+/// Columns that are eliminated one after the other instead of by halves: of 8, 16, 32 and 64 the fastest for n = 100 to 400.
+const FEW: usize = 32;
 
 /// Least pivot whose square does not underflow, as complex division needs.
 pub(crate) const LEAST_PIVOT: f64 = 1e-150;
@@ -19,9 +17,8 @@ pub(crate) type Vector = DVector<Complex<f64>>;
 /// `P A = L U` by partial pivoting, with solves from both sides.
 #[derive(Debug)]
 pub(crate) struct Lu {
-    /// Real and imaginary parts apart: the inner loop vectorises.
-    re: DMatrix<f64>,
-    im: DMatrix<f64>,
+    /// Real and imaginary parts apart: products of real matrices are the fast ones.
+    parts: [DMatrix<f64>; 2],
     /// Whether the imaginary part is zero, so that it is left alone: of a real sigma, a quarter of the work.
     is_real: bool,
     /// Row swapped with row k at step k.
@@ -30,36 +27,163 @@ pub(crate) struct Lu {
 
 impl Lu {
     /// A pivot below `least` is replaced by it: a perturbation of that size makes A regular.
-    ///
-    /// [`PANEL`] columns at a time are eliminated, and then what they change in the columns to their right.
     pub(crate) fn new(a: &DMatrix<Complex<f64>>, least: f64) -> Self {
         Self::of_parts([a.map(|z| z.re), a.map(|z| z.im)], least)
     }
 
     /// [`new`](Self::new) of a matrix whose real and imaginary parts stand apart.
-    pub(crate) fn of_parts([mut re, mut im]: [DMatrix<f64>; 2], least: f64) -> Self {
-        let n = re.nrows();
-        let is_real = im.iter().all(|&x| x == 0.0);
-        let mut swaps = Vec::with_capacity(n);
-        let arch = Arch::new();
-        for start in (0..n).step_by(PANEL) {
-            let end = n.min(start + PANEL);
-            for k in start..end {
-                swaps.push(eliminate([&mut re, &mut im], is_real, start..end, k, least));
-            }
-            for part in [&mut re, &mut im].into_iter().take(if is_real { 1 } else { 2 }) {
-                swap_outside(part.as_mut_slice(), n, start..end, &swaps[start..]);
-            }
-            let (panel_re, right_re) = re.as_mut_slice().split_at_mut(end * n);
-            let (panel_im, right_im) = im.as_mut_slice().split_at_mut(end * n);
-            let panel = [&panel_re[start * n..], &panel_im[start * n..]];
-            arch.dispatch(UpdateRight { n, start, end, is_real, panel, right: [right_re, right_im] });
+    pub(crate) fn of_parts(parts: [DMatrix<f64>; 2], least: f64) -> Self {
+        let n = parts[0].nrows();
+        let is_real = parts[1].iter().all(|&x| x == 0.0);
+        let mut lu = Self { parts, is_real, swaps: Vec::with_capacity(n) };
+        lu.factorise(0..n, least);
+        lu
+    }
+
+    /// These columns, of which those to the left are done with: the left half, what it changes in the right half, and the
+    /// right half (Toledo, SIAM J. Matrix Anal. Appl. 18, 1997). Nearly all of the work is in products of matrices.
+    fn factorise(&mut self, columns: Range<usize>, least: f64) {
+        if columns.len() <= FEW {
+            return Arch::new().dispatch(|| self.eliminate(columns, least));
         }
-        Self { re, im, is_real, swaps }
+        let (start, end) = (columns.start, columns.end);
+        let middle = start + columns.len() / 2;
+        self.factorise(start..middle, least);
+        self.swap_rows(start..middle, middle..end);
+        self.solve_lower(start..middle, middle..end);
+        self.subtract_product(middle..self.order(), start..middle, middle..end);
+        self.factorise(middle..end, least);
+        self.swap_rows(middle..end, start..middle);
+    }
+
+    fn order(&self) -> usize {
+        self.parts[0].nrows()
+    }
+
+    /// The parts that are not zero.
+    fn nonzero_parts(&mut self) -> &mut [DMatrix<f64>] {
+        let count = if self.is_real { 1 } else { 2 };
+        &mut self.parts[..count]
+    }
+
+    /// The swaps of some steps done in columns that those steps did not see.
+    fn swap_rows(&mut self, steps: Range<usize>, columns: Range<usize>) {
+        let n = self.order();
+        let swaps = self.swaps[steps.clone()].to_vec();
+        for part in self.nonzero_parts() {
+            for column in part.as_mut_slice()[columns.start * n..columns.end * n].chunks_exact_mut(n) {
+                swaps.iter().zip(steps.clone()).for_each(|(&pivot, k)| column.swap(k, pivot));
+            }
+        }
+    }
+
+    /// The rows of U right of a triangle of L.
+    fn solve_lower(&mut self, triangle: Range<usize>, columns: Range<usize>) {
+        if triangle.len() <= FEW {
+            return Arch::new().dispatch(|| self.substitute(triangle, columns));
+        }
+        let middle = triangle.start + triangle.len() / 2;
+        self.solve_lower(triangle.start..middle, columns.clone());
+        self.subtract_product(middle..triangle.end, triangle.start..middle, columns.clone());
+        self.solve_lower(middle..triangle.end, columns);
+    }
+
+    /// [`solve_lower`](Self::solve_lower) column by column.
+    #[inline(always)]
+    fn substitute(&mut self, triangle: Range<usize>, columns: Range<usize>) {
+        let n = self.order();
+        let is_real = self.is_real;
+        let [re, im] = &mut self.parts;
+        let (left_re, right_re) = re.as_mut_slice().split_at_mut(columns.start * n);
+        let (left_im, right_im) = im.as_mut_slice().split_at_mut(columns.start * n);
+        let columns = right_re.chunks_exact_mut(n).zip(right_im.chunks_exact_mut(n)).take(columns.len());
+        for (re, im) in columns {
+            for k in triangle.clone() {
+                let below = k + 1..triangle.end;
+                let l = [&left_re[k * n..][below.clone()], &left_im[k * n..][below.clone()]];
+                let head = [re[k], im[k]];
+                subtract_multiple([&mut re[below.clone()], &mut im[below]], l, head, is_real);
+            }
+        }
+    }
+
+    /// `A[rows, columns] -= A[rows, inner] A[inner, columns]`; rows and columns come after the inner ones. What is zero at the
+    /// ends of the factors is left out: matrices of finite elements have bands.
+    fn subtract_product(&mut self, rows: Range<usize>, inner: Range<usize>, columns: Range<usize>) {
+        let is_nonzero = |&x: &f64| x != 0.0;
+        let [mut height, mut width] = [0, 0];
+        for part in self.nonzero_parts() {
+            let left = part.view((rows.start, inner.start), (rows.len(), inner.len()));
+            let last = (height..rows.len()).rfind(|&i| left.row(i).iter().any(is_nonzero));
+            height = last.map_or(height, |i| i + 1);
+            let upper = part.view((inner.start, columns.start), (inner.len(), columns.len()));
+            let last = (width..columns.len()).rfind(|&j| upper.column(j).iter().any(is_nonzero));
+            width = last.map_or(width, |j| j + 1);
+        }
+        let is_real = self.is_real;
+        let [re, im] = &mut self.parts;
+        let columns = columns.start..columns.start + width;
+        let (left_re, mut right_re) = re.columns_range_pair_mut(inner.clone(), columns.clone());
+        let (left_im, mut right_im) = im.columns_range_pair_mut(inner.clone(), columns);
+        let (left_re, left_im) = (left_re.rows(rows.start, height), left_im.rows(rows.start, height));
+        let below = rows.start..rows.start + height;
+        let (upper_re, mut re) = right_re.rows_range_pair_mut(inner.clone(), below.clone());
+        let (upper_im, mut im) = right_im.rows_range_pair_mut(inner, below);
+        re.gemm(-1.0, &left_re, &upper_re, 1.0);
+        if !is_real {
+            re.gemm(1.0, &left_im, &upper_im, 1.0);
+            im.gemm(-1.0, &left_re, &upper_im, 1.0);
+            im.gemm(-1.0, &left_im, &upper_re, 1.0);
+        }
+    }
+
+    /// A few columns one after the other.
+    #[inline(always)]
+    fn eliminate(&mut self, columns: Range<usize>, least: f64) {
+        let n = self.order();
+        let is_real = self.is_real;
+        let [re, im] = &mut self.parts;
+        for k in columns.clone() {
+            let mut pivot = k;
+            let mut largest = 0.0;
+            for i in k..n {
+                let size = re[(i, k)].abs() + if is_real { 0.0 } else { im[(i, k)].abs() };
+                if size > largest {
+                    (pivot, largest) = (i, size);
+                }
+            }
+            self.swaps.push(pivot);
+            for part in [&mut *re, &mut *im] {
+                part.columns_mut(columns.start, columns.len()).swap_rows(k, pivot);
+            }
+            let mut head = Complex::new(re[(k, k)], im[(k, k)]);
+            if head.norm() < least {
+                head = Complex::from(least);
+                (re[(k, k)], im[(k, k)]) = (least, 0.0);
+            }
+            let inverse = head.inv();
+            let (left_re, right_re) = re.as_mut_slice().split_at_mut((k + 1) * n);
+            let (left_im, right_im) = im.as_mut_slice().split_at_mut((k + 1) * n);
+            let (l_re, l_im) = (&mut left_re[k * n + k + 1..], &mut left_im[k * n + k + 1..]);
+            if is_real {
+                l_re.iter_mut().for_each(|x| *x *= inverse.re);
+            } else {
+                for (re, im) in l_re.iter_mut().zip(&mut *l_im) {
+                    let l = Complex::new(*re, *im) * inverse;
+                    (*re, *im) = (l.re, l.im);
+                }
+            }
+            let right = right_re.chunks_exact_mut(n).zip(right_im.chunks_exact_mut(n));
+            for (re, im) in right.take(columns.end - k - 1) {
+                let head = [re[k], im[k]];
+                subtract_multiple([&mut re[k + 1..], &mut im[k + 1..]], [l_re, l_im], head, is_real);
+            }
+        }
     }
 
     fn at(&self, i: usize, j: usize) -> Complex<f64> {
-        Complex::new(self.re[(i, j)], self.im[(i, j)])
+        let [re, im] = &self.parts;
+        Complex::new(re[(i, j)], im[(i, j)])
     }
 
     /// x := A^-1 x.
@@ -79,7 +203,8 @@ impl Lu {
 
     /// x -= column k times `head`, in some rows.
     fn subtract_column(&self, k: usize, rows: Range<usize>, head: Complex<f64>, x: &mut Vector) {
-        let (re, im) = (self.re.column(k), self.im.column(k));
+        let [re, im] = &self.parts;
+        let (re, im) = (re.column(k), im.column(k));
         if self.is_real {
             let factors = &re.as_slice()[rows.clone()];
             x.as_mut_slice()[rows].iter_mut().zip(factors).for_each(|(z, &re)| *z -= head * re);
@@ -93,7 +218,8 @@ impl Lu {
 
     /// The sum of conjugate entries of column k times x, in some rows.
     fn column_dot(&self, k: usize, rows: Range<usize>, x: &Vector) -> Complex<f64> {
-        let (re, im) = (self.re.column(k), self.im.column(k));
+        let [re, im] = &self.parts;
+        let (re, im) = (re.column(k), im.column(k));
         if self.is_real {
             return x.as_slice()[rows.clone()].iter().zip(&re.as_slice()[rows]).map(|(z, &re)| z * re).sum();
         }
@@ -118,130 +244,16 @@ impl Lu {
     }
 }
 
-/// Rows swapped in the columns outside a panel, column by column, as in the panel one after the other.
-fn swap_outside(a: &mut [f64], n: usize, panel: Range<usize>, swaps: &[usize]) {
-    for (_, column) in a.chunks_exact_mut(n).enumerate().filter(|(j, _)| !panel.contains(j)) {
-        swaps.iter().zip(panel.start..).for_each(|(&pivot, k)| column.swap(k, pivot));
-    }
-}
-
-/// Column k eliminated, in the columns of its panel; the row that was swapped with row k.
-fn eliminate([re, im]: [&mut DMatrix<f64>; 2], is_real: bool, panel: Range<usize>, k: usize, least: f64) -> usize {
-    let n = re.nrows();
-    let size = |i: usize| re[(i, k)].abs() + im[(i, k)].abs();
-    let pivot = (k..n).fold(k, |best, i| if size(i) > size(best) { i } else { best });
-    for part in [&mut *re, &mut *im] {
-        part.columns_mut(panel.start, panel.len()).swap_rows(k, pivot);
-    }
-    let mut head = Complex::new(re[(k, k)], im[(k, k)]);
-    if head.norm() < least {
-        head = Complex::from(least);
-        (re[(k, k)], im[(k, k)]) = (least, 0.0);
-    }
-    let inverse = head.inv();
-    for i in k + 1..n {
-        let l = Complex::new(re[(i, k)], im[(i, k)]) * inverse;
-        (re[(i, k)], im[(i, k)]) = (l.re, l.im);
-    }
-    for j in k + 1..panel.end {
-        let (ur, ui) = (re[(k, j)], im[(k, j)]);
-        if is_real {
-            (k + 1..n).for_each(|i| re[(i, j)] -= re[(i, k)] * ur);
-            continue;
-        }
-        for i in k + 1..n {
-            let (lr, li) = (re[(i, k)], im[(i, k)]);
-            re[(i, j)] -= lr * ur - li * ui;
-            im[(i, j)] -= lr * ui + li * ur;
-        }
-    }
-    pivot
-}
-
-/// The columns right of a panel of L: its triangle solved, and what is below it subtracted.
-struct UpdateRight<'a> {
-    n: usize,
-    /// The panel's first column, and the first one after it.
-    start: usize,
-    end: usize,
-    is_real: bool,
-    panel: [&'a [f64]; 2],
-    right: [&'a mut [f64]; 2],
-}
-
-impl WithSimd for UpdateRight<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (Self { n, start, end, is_real, panel, right: [re, im] }, o) = (self, Ops(simd));
-        let place = (n, start, end);
-        let (mut fours_re, mut fours_im) = (re.chunks_exact_mut(4 * n), im.chunks_exact_mut(4 * n));
-        for (re, im) in fours_re.by_ref().zip(fours_im.by_ref()) {
-            if is_real {
-                update::<4, true, S>(o, place, panel, [re, im]);
-            } else {
-                update::<4, false, S>(o, place, panel, [re, im]);
-            }
-        }
-        let rest = fours_re.into_remainder().chunks_exact_mut(n).zip(fours_im.into_remainder().chunks_exact_mut(n));
-        for (re, im) in rest {
-            update::<1, false, S>(o, place, panel, [re, im]);
-        }
-    }
-}
-
-/// [`UpdateRight`] for `COLUMNS` columns: enough of them hide how long one sum takes.
+/// `x -= l head` of complex numbers in parts.
 #[inline(always)]
-fn update<const COLUMNS: usize, const REAL: bool, S: Simd>(
-    o: Ops<S>,
-    (n, start, end): (usize, usize, usize),
-    [panel_re, panel_im]: [&[f64]; 2],
-    [re, im]: [&mut [f64]; 2],
-) {
-    // Most of the matrices of finite elements is zero.
-    let is_zero = |part: &[f64]| part.chunks_exact(n).all(|x| x[start..end].iter().all(|&x| x == 0.0));
-    if is_zero(re) && (REAL || is_zero(im)) {
+fn subtract_multiple([re, im]: [&mut [f64]; 2], [l_re, l_im]: [&[f64]; 2], head: [f64; 2], is_real: bool) {
+    if is_real {
+        re.iter_mut().zip(l_re).for_each(|(x, l)| *x -= l * head[0]);
         return;
     }
-    let mut upper = [[[0.0; 2]; COLUMNS]; PANEL];
-    for (column, (re, im)) in re.chunks_exact_mut(n).zip(im.chunks_exact_mut(n)).enumerate() {
-        for p in start..end {
-            let (ur, ui) = (re[p], im[p]);
-            upper[p - start][column] = [ur, ui];
-            let left = (p - start) * n;
-            for i in p + 1..end {
-                let (lr, li) = (panel_re[left + i], panel_im[left + i]);
-                re[i] -= lr * ur - li * ui;
-                im[i] -= lr * ui + li * ur;
-            }
-        }
-    }
-    let mut at = end;
-    while at < n {
-        let next = n.min(at + S::F64_LANES);
-        let mut sums = [[o.splat(0.0); 2]; COLUMNS];
-        for (p, upper) in upper[..end - start].iter().enumerate() {
-            let lr = o.load(&panel_re[p * n + at..p * n + next]);
-            if REAL {
-                sums.iter_mut().zip(upper).for_each(|(sum, u)| sum[0] = o.fma(lr, o.splat(u[0]), sum[0]));
-                continue;
-            }
-            let li = o.load(&panel_im[p * n + at..p * n + next]);
-            for (sum, u) in sums.iter_mut().zip(upper) {
-                let (ur, ui) = (o.splat(u[0]), o.splat(u[1]));
-                sum[0] = o.fnma(li, ui, o.fma(lr, ur, sum[0]));
-                sum[1] = o.fma(li, ur, o.fma(lr, ui, sum[1]));
-            }
-        }
-        for (column, sum) in sums.iter().enumerate() {
-            let rows = column * n + at..column * n + next;
-            for (part, &sum) in [&mut *re, &mut *im].into_iter().zip(sum).take(if REAL { 1 } else { 2 }) {
-                let x = o.load(&part[rows.clone()]);
-                o.store(&mut part[rows.clone()], o.sub(x, sum));
-            }
-        }
-        at = next;
+    for ((re, im), (&l_re, &l_im)) in re.iter_mut().zip(im).zip(l_re.iter().zip(l_im)) {
+        *re -= l_re * head[0] - l_im * head[1];
+        *im -= l_re * head[1] + l_im * head[0];
     }
 }
 
@@ -266,8 +278,8 @@ mod tests {
     }
 
     #[test]
-    fn matrices_of_several_panels_are_solved_from_both_sides() {
-        let n = 3 * PANEL + 5;
+    fn matrices_of_several_halves_are_solved_from_both_sides() {
+        let n = 2 * FEW + 5;
         let wave = |i: usize, j: usize| ((5 * i + 11 * j * j + 3 * i * j) % 97) as f64 / 97.0 - 0.5;
         let b = DVector::from_fn(n, |i, _| Complex::new(wave(i, 1), wave(2, i)));
         let complex = DMatrix::from_fn(n, n, |i, j| Complex::new(wave(i, j), wave(j, i + 3)));
