@@ -5,6 +5,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::lane::Lane;
+use super::planar::Planar;
 use crate::lanes::Ops;
 
 /// Columns that a product takes together: their sums hide how long one of them takes. Chosen.
@@ -131,6 +132,30 @@ impl<T: Lane> WithSimd for SolveTriangle<'_, T> {
                     let above = &r[i * size..(i + 1) * size];
                     subtract::<T, S>(o, (column, plane), 0..i, (above, plane), T::splat(o, x));
                 }
+            }
+        }
+    }
+}
+
+/// `A B` added to `columns`.
+pub(super) struct AddProduct<'a, T> {
+    pub(super) columns: &'a mut [f64],
+    /// The columns of A, as long.
+    pub(super) a: &'a [f64],
+    pub(super) plane: usize,
+    pub(super) b: &'a Planar<T>,
+}
+
+impl<T: Lane> WithSimd for AddProduct<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { columns, a, plane, b } = self;
+        let (o, size) = (Ops(simd), T::PLANES * plane);
+        for (j, column) in columns.chunks_exact_mut(size).enumerate() {
+            for (k, a) in a.chunks_exact(size).enumerate() {
+                subtract::<T, S>(o, (column, plane), 0..plane, (a, plane), T::splat(o, -b.get(k, j)));
             }
         }
     }

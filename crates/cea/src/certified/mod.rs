@@ -36,6 +36,7 @@ mod columns;
 mod dd;
 mod eliminate;
 mod expansion;
+mod factors;
 mod field;
 #[cfg(test)]
 mod fixtures;

@@ -9,7 +9,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use pulp::Arch;
 
-use super::columns::{ReflectManyRows, SolveTriangle};
+use super::columns::{AddProduct, ReflectManyRows, SolveTriangle};
 use super::kernels::{ReflectColumns, ReflectRows, RotateColumns, RotateRows, Rows};
 use super::lane::{Lane, Reflection, Rotation};
 
@@ -137,6 +137,12 @@ impl<T: Lane> Planar<T> {
         let diagonal: Vec<T> = (0..self.rows).map(|i| self.get(i, i)).collect();
         let columns = &mut other.data[..];
         self.arch.dispatch(SolveTriangle { columns, r: &self.data, plane: self.rows, diagonal: &diagonal });
+    }
+
+    /// `self += a b`.
+    pub(crate) fn add_product(&mut self, a: &Self, b: &Self) {
+        let (arch, plane) = (self.arch, self.rows);
+        arch.dispatch(AddProduct { columns: &mut self.data, a: &a.data, plane, b });
     }
 
     /// The columns from `column` on, one after the other.
