@@ -11,7 +11,7 @@ use squeal::Error;
 use squeal::brakes::MatricesBrake;
 use squeal::case::{CaseFile, Law, MatricesCase};
 use squeal::study::{Study, UncertainBrake};
-use squeal::sweep::{CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
+use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
 #[path = "common/cases.rs"]
 mod cases;
@@ -232,4 +232,42 @@ fn a_divergence_is_an_onset_at_zero_hertz() {
     let found = swept(&brake(&text), &over("mu", 0.0, 2.0));
     assert!(found.diverges_at_start && found.onsets.len() == 1);
     assert!((found.onsets[0].at - 0.75).abs() <= found.onsets[0].error && !found.onsets[0].starts);
+}
+
+/// With a spring s in both directions and friction the other way round `det K = (2 + s)^2 - (1 + 4 mu / 3)`; before the mass diverges it
+/// flutters where `-(1 + 4 mu / 3) > (2 + s) c^2`.
+#[test]
+fn the_boundary_of_divergence_in_a_map_is_the_curve_on_which_det_k_vanishes() {
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    for damping in [0.05, 0.4] {
+        let text = text
+            .replace("{ y = 1.3333333333333333 }", "{ y = -1.3333333333333333 }")
+            .replace("[[0.05, 0.0], [0.0, 0.05]]", &format!("[[{damping}, 0.0], [0.0, {damping}]]"))
+            .replace(
+                "[[contacts]]",
+                "[parameters.s]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 0.4\n\
+                 [[terms]]\nname = \"spring\"\ncoefficient = \"s\"\nstiffness = [[1.0, 0.0], [0.0, 1.0]]\n[[contacts]]",
+            );
+        let brake = MatricesBrake::new(MatricesCase::parse(&cases("hoffmann.toml"), text).unwrap()).unwrap();
+        let map = mapped(&brake, &[over("mu", -4.0, 4.0), over("s", 0.0, 0.4)]);
+        // Steps next to mu = -3/4, where both frequencies meet, may stay open.
+        assert_eq!((map.curves.len(), map.contradicted.len()), (2, 0));
+        let diverging = |curve: &&BoundaryCurve| curve.mode == "divergence";
+        let (divergence, flutter): (Vec<_>, Vec<_>) = map.curves.iter().partition(diverging);
+        assert_eq!((divergence.len(), divergence[0].ends), (1, [CurveEnd::Edge; 2]));
+        for point in &divergence[0].points {
+            let [mu, s] = point.at;
+            assert!(((2.0 + s).powi(2) - (1.0 + 4.0 * mu / 3.0)).abs() < 1e-11 && point.omega == 0.0, "{point:?}");
+        }
+        for point in &flutter[0].points {
+            let [mu, s] = point.at;
+            assert!((mu + 0.75 * (1.0 + (2.0 + s) * damping * damping)).abs() < 1e-11, "{point:?}");
+        }
+        // On the right of the curve of divergence, between mu = 2.25 and 3.57, one mode is unstable; on the left of that of flutter too.
+        let mut shares: Vec<f64> = map.regions.iter().filter(|it| it.unstable == 1).map(|it| it.share).collect();
+        shares.sort_by(f64::total_cmp);
+        let diverges = (4.0 - 0.75 * ((2.4f64.powi(3) - 8.0) / (3.0 * 0.4) - 1.0)) / 8.0;
+        let flutters = (4.0 - 0.75 * (1.0 + 2.2 * damping * damping)) / 8.0;
+        assert!((shares[0] - diverges).abs() < 2e-3 && (shares[1] - flutters).abs() < 2e-3, "{shares:?}");
+    }
 }

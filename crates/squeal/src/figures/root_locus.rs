@@ -202,9 +202,11 @@ impl LocusMark {
     /// What happens there, with its numbers.
     fn title(&self, parameter: &str) -> String {
         let Self { event, mode, at: [at, frequency, growth] } = self;
+        // A divergence is at rest, and of no mode.
+        let name = if *frequency == 0.0 { mode.clone() } else { format!("mode {mode}") };
         let what = match event {
-            LocusEvent::Starts => format!("mode {mode} starts to grow"),
-            LocusEvent::Stops => format!("mode {mode} stops growing"),
+            LocusEvent::Starts => format!("{name} starts to grow"),
+            LocusEvent::Stops => format!("{name} stops growing"),
             LocusEvent::Coalescence => format!("modes {mode} coalesce, or nearly, with growth {growth} 1/s"),
         };
         format!("{what} at {parameter} = {at}, {frequency} Hz")

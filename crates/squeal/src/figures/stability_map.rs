@@ -1,6 +1,8 @@
 //! A stability map: how many modes are unstable over two parameters, and whose boundary is where.
 
-use super::axis::{AxisScale, LINE_SPACING, PAGE_MARGIN, frame, title, widest, x_axis, y_axis, y_title, y_title_width};
+use super::axis::{
+    AxisScale, LINE_SPACING, PAGE_MARGIN, Tick, frame, title, widest, x_axis, y_axis, y_title, y_title_width,
+};
 use super::canvas::{Area, Canvas, Color, Label, Paint, SMALL_TEXT};
 use super::error::{FigureError, finite};
 use super::figure::{Figure, Table};
@@ -42,6 +44,8 @@ pub struct MapAxis {
 pub struct MapCurve {
     /// Its mode.
     pub mode: String,
+    /// What is written beside it.
+    pub label: String,
     /// Its points.
     pub points: Vec<[f64; 2]>,
 }
@@ -50,17 +54,26 @@ pub struct MapCurve {
 const HEIGHT: f64 = 330.0;
 /// Places along a curve that are tried for its name; chosen.
 const PLACES: usize = 24;
+/// How near the end of the range a mark is on it: rounding.
+const ON_END: f64 = 1e-9;
 
 impl MapAxis {
-    fn scale(&self) -> AxisScale {
+    /// Round numbers within the range, at parts of it; its ends where there are not two.
+    fn ticks(&self) -> Vec<Tick> {
         let [from, to] = self.range;
-        if self.is_logarithmic { AxisScale::log([from, to].into_iter()) } else { AxisScale::between((from, to), 6.0) }
-    }
-
-    /// Where the range begins and ends on the axis, 0 to 1. In between both are alike: linear, or logarithmic.
-    fn ends(&self) -> [f64; 2] {
-        let scale = self.scale();
-        self.range.map(|value| scale.at(value))
+        let scale = if self.is_logarithmic {
+            AxisScale::log([from, to].into_iter())
+        } else {
+            AxisScale::between((from, to), 6.0)
+        };
+        let [start, end] = self.range.map(|value| scale.at(value));
+        let part = |tick: Tick| Tick { at: (tick.at - start) / (end - start), ..tick };
+        let is_inside = |tick: &Tick| (-ON_END..=1.0 + ON_END).contains(&tick.at);
+        let mut ticks: Vec<Tick> = scale.ticks(8).into_iter().map(part).filter(is_inside).collect();
+        if ticks.len() < 2 {
+            ticks.extend([(0.0, from), (1.0, to)].map(|(at, value)| Tick { at, label: value.to_string() }));
+        }
+        ticks
     }
 }
 
@@ -71,19 +84,14 @@ impl MapAxis {
 pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
     let table = check(data)?;
     let mut canvas = Canvas::new()?;
-    let scales = data.axes.each_ref().map(MapAxis::scale);
+    let [x_ticks, ticks] = data.axes.each_ref().map(MapAxis::ticks);
     let most = data.runs.iter().map(|run| run.2).max().unwrap_or(0);
     let mut y = title(&mut canvas, &data.title);
     y = legend(&mut canvas, y + 2.0, &key(most)) + 4.0;
-    let ticks = scales[1].ticks(8);
     let tick_width = widest(&canvas, &ticks) + 6.0;
     let left = PAGE_MARGIN + y_title_width(&canvas, HEIGHT, &data.axes[1].label) + tick_width;
     let area = Area { x: left, y, width: canvas.width - PAGE_MARGIN - 10.0 - left, height: HEIGHT };
-    let [x_ends, y_ends] = data.axes.each_ref().map(MapAxis::ends);
-    let place = |at: [f64; 2]| {
-        let along = |ends: [f64; 2], part: f64| ends[0] + part * (ends[1] - ends[0]);
-        (area.x + along(x_ends, at[0]) * area.width, area.bottom() - along(y_ends, at[1]) * area.height)
-    };
+    let place = |at: [f64; 2]| (area.x + at[0] * area.width, area.bottom() - at[1] * area.height);
     for &([from, to], row, count) in &data.runs {
         let (x0, y0) = place([from, row as f64 / data.rows as f64]);
         let (x1, y1) = place([to, (row + 1) as f64 / data.rows as f64]);
@@ -94,12 +102,12 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
         }
     }
     y_axis(&mut canvas, area, &ticks, true);
-    x_axis(&mut canvas, area, &scales[0].ticks((area.width / 40.0) as i32), true, false);
+    x_axis(&mut canvas, area, &x_ticks, true, false);
     y_title(&mut canvas, area.x - tick_width, area, &data.axes[1].label);
     let below = area.bottom() + SMALL_TEXT + LINE_SPACING + 2.0;
     canvas.text(Label::new(area.middle_x(), below, data.axes[0].label.clone()).middle());
     for curve in &data.curves {
-        canvas.group("boundary", format!("mode {}", curve.mode), |canvas| {
+        canvas.group("boundary", curve.label.clone(), |canvas| {
             canvas.polyline(curve.points.iter().map(|&at| place(at)).collect(), Paint::stroke(Color::BLACK, 1.0));
         });
     }
@@ -113,7 +121,7 @@ pub fn stability_map_figure(data: &MapFigure) -> Result<Figure, FigureError> {
     for curve in &data.curves {
         let (x, y) = best_place(curve, &taken, area, &place);
         taken.push((x, y));
-        canvas.text(Label::new(x, y + 2.9, format!("mode {}", curve.mode)).middle().halo());
+        canvas.text(Label::new(x, y + 2.9, curve.label.clone()).middle().halo());
     }
     y = below;
     for line in canvas.fonts.wrap(&data.note, SMALL_TEXT, false, canvas.width - 2.0 * PAGE_MARGIN) {
@@ -169,7 +177,7 @@ fn check(data: &MapFigure) -> Result<Table, FigureError> {
     for (index, curve) in data.curves.iter().enumerate() {
         for at in &curve.points {
             for value in at {
-                finite(*value, || format!("curve of mode {}", curve.mode))?;
+                finite(*value, || format!("curve of {}", curve.label))?;
             }
             rows.push(vec![(index + 1).to_string(), curve.mode.clone(), at[0].to_string(), at[1].to_string()]);
         }

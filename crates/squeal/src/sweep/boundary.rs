@@ -1,16 +1,16 @@
-//! The boundary of stability over two parameters: curves on which Re lambda of one mode is zero, followed from point to point.
+//! The boundary of stability over two parameters: curves on which Re lambda of one mode is zero, or the stiffness is singular
+//! (divergence), followed from point to point.
 //!
 //! Coordinates are parts x, y of the two ranges, 0 to 1. From a point a step goes along the tangent, across the gradient of
-//! Re lambda; Newton's method takes it back onto the curve along the gradient. The step is halved where the tangent has turned far,
+//! the growth; Newton's method takes it back onto the curve along the gradient. The step is halved where the tangent has turned far,
 //! Newton's method went far, the eigenvalue departs from its tangents or the shape has changed: it would be another mode's.
 //! Curves run so that the unstable side is on their right.
 
 use nalgebra::{Vector2, vector};
-use num_complex::Complex;
 use tracking::link_error;
 
-use super::eigenpair::Eigenpair;
-use super::family::{DIFFERENCE, Part};
+use super::curve_point::CurvePoint;
+use super::family::Part;
 use crate::Error;
 use crate::study::UncertainBrake;
 
@@ -40,16 +40,6 @@ const MOST_POINTS: usize = 20_000;
 /// frequency; chosen: the cubic between two points is far nearer.
 const SAME_POINT: f64 = 5e-3;
 
-/// A point of a boundary curve.
-#[derive(Debug, Clone)]
-pub(super) struct CurvePoint {
-    /// Parts of the ranges.
-    pub at: Vector2<f64>,
-    pair: Eigenpair,
-    /// d lambda / d x and d lambda / d y.
-    rates: Vector2<Complex<f64>>,
-}
-
 /// How a curve ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -70,42 +60,6 @@ enum Along {
     Axis(usize),
 }
 
-impl CurvePoint {
-    /// Im lambda, rad/s.
-    pub fn omega(&self) -> f64 {
-        self.pair.lambda.im
-    }
-
-    /// The gradient of Re lambda.
-    fn gradient(&self) -> Vector2<f64> {
-        self.rates.map(|rate| rate.re)
-    }
-
-    /// The direction of the curve, of unit length, unstable on the right.
-    pub fn tangent(&self) -> Vector2<f64> {
-        let gradient = self.gradient();
-        vector![-gradient.y, gradient.x].normalize()
-    }
-
-    /// d omega along the curve.
-    fn omega_rate(&self) -> f64 {
-        self.rates.map(|rate| rate.im).dot(&self.tangent())
-    }
-
-    /// How far the curve of the brake that this one is a reduction of is away; `None` of a brake that is not reduced.
-    ///
-    /// # Errors
-    /// Those of the brake.
-    pub fn distance_from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
-        let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.pair.lambda)?;
-        Ok(found.map(|found| found.lambda.re.abs() / self.gradient().norm()))
-    }
-
-    fn change(&self, by: Vector2<f64>) -> Complex<f64> {
-        self.rates.x * by.x + self.rates.y * by.y
-    }
-}
-
 /// Follows the curves of one part of a family, and counts what it computes.
 pub(super) struct Tracer<'a, B: UncertainBrake> {
     pub part: &'a Part<'a, B>,
@@ -114,33 +68,6 @@ pub(super) struct Tracer<'a, B: UncertainBrake> {
 }
 
 impl<B: UncertainBrake> Tracer<'_, B> {
-    fn system(&self, at: Vector2<f64>) -> Result<linsys::SecondOrder, Error> {
-        self.part.system(&[at.x, at.y])
-    }
-
-    /// A point whose eigenpair is known.
-    fn point(&self, at: Vector2<f64>, system: &linsys::SecondOrder, pair: Eigenpair) -> Result<CurvePoint, Error> {
-        let mut rates = Vector2::from_element(Complex::default());
-        for axis in 0..2 {
-            let [mut below, mut above] = [at, at];
-            below[axis] = (at[axis] - DIFFERENCE).max(0.0);
-            above[axis] = (at[axis] + DIFFERENCE).min(1.0);
-            let systems = [self.system(below)?, self.system(above)?];
-            rates[axis] = pair.rate(system, systems.each_ref(), above[axis] - below[axis]);
-        }
-        Ok(CurvePoint { at, pair, rates })
-    }
-
-    /// The point of a known onset.
-    ///
-    /// # Errors
-    /// Those of the brake and of the vectors.
-    pub fn start(&self, at: Vector2<f64>, omega: f64) -> Result<CurvePoint, Error> {
-        let system = self.system(at)?;
-        let pair = Eigenpair::of(&system, Complex::new(0.0, omega), &mut cea::Workspace::default())?;
-        self.point(at, &system, pair)
-    }
-
     /// The point of the curve next to a prediction; `None` where Newton's method fails or leaves the ranges.
     fn corrected(
         &mut self,
@@ -149,14 +76,12 @@ impl<B: UncertainBrake> Tracer<'_, B> {
         along: Along,
     ) -> Result<Option<CurvePoint>, Error> {
         let mut last = f64::INFINITY;
-        let mut pair = from.pair.clone();
-        let mut guess = pair.lambda + from.change(at - from.at);
+        let mut near = from.clone();
+        let mut guess = from.value() + from.change(at - from.at);
         for _ in 0..MOST_CORRECTIONS {
-            let system = self.system(at)?;
             self.continued += 1;
-            let Some(found) = pair.of_neighbour(&system, guess) else { return Ok(None) };
-            let point = self.point(at, &system, found)?;
-            let (gradient, growth) = (point.gradient(), point.pair.lambda.re);
+            let Some(point) = near.moved(self.part, at, guess)? else { return Ok(None) };
+            let (gradient, growth) = (point.gradient(), point.value().re);
             let step = match along {
                 Along::Gradient => -gradient * (growth / gradient.norm_squared()),
                 Along::Axis(axis) => {
@@ -174,8 +99,8 @@ impl<B: UncertainBrake> Tracer<'_, B> {
             if !next.iter().all(|part| (0.0..=1.0).contains(part)) {
                 return Ok(None);
             }
-            guess = point.pair.lambda + point.change(step);
-            (at, pair) = (next, point.pair);
+            guess = point.value() + point.change(step);
+            (at, near) = (next, point);
         }
         Ok(None)
     }
@@ -250,16 +175,19 @@ fn to_edge(at: Vector2<f64>, along: Vector2<f64>) -> (f64, usize) {
 /// Whether a point continues a curve.
 fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: f64) -> bool {
     let by = next.at - here.at;
-    let departure = link_error([here.pair.lambda, next.pair.lambda], [here.change(by), next.change(by)]);
+    let departure = link_error([here.value(), next.value()], [here.change(by), next.change(by)]);
     next.tangent().dot(&here.tangent()) >= LARGEST_TURN
         && by.dot(&here.tangent()) * sign > 0.0
         && (next.at - predicted).norm() <= LARGEST_CORRECTION * by.norm()
         && departure <= LARGEST_DEPARTURE * here.rates.norm() * by.norm()
-        && here.pair.likeness(&next.pair) >= LEAST_LIKENESS
+        && here.likeness(next) >= LEAST_LIKENESS
 }
 
-/// Whether the curve goes through a known point, with a frequency, between two of its points.
+/// Whether the curve goes through a known point, with a frequency that is zero of divergence, between two of its points.
 pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, at: Vector2<f64>, omega: f64) -> bool {
+    if here.is_divergence() != (omega == 0.0) {
+        return false;
+    }
     let chord = next.at - here.at;
     let length = chord.norm();
     let part = (at - here.at).dot(&chord) / (length * length);

@@ -1,4 +1,4 @@
-//! Onsets of divergence: parameters at which a real eigenvalue crosses zero, where the stiffness is singular.
+//! Divergence: a real eigenvalue crosses zero where the stiffness is singular.
 //!
 //! At zero `Q = K`, and with M positive definite `det K < 0` where an odd number of real eigenvalues is above zero. So a sign of det K
 //! that changes between two places brackets an onset, which bisection finds to the last bits. Two onsets between neighbouring places,
@@ -16,7 +16,7 @@ use crate::Error;
 use crate::study::UncertainBrake;
 
 /// The name in place of that of a mode.
-const DIVERGENCE: &str = "divergence";
+pub(super) const DIVERGENCE: &str = "divergence";
 /// Equal steps of the range at whose ends the sign is looked at, beside the places of spectra; chosen: a factorisation is cheap.
 const STEPS: usize = 64;
 /// Smallest pivot, as a part of the largest, of a stiffness that has a sign; chosen: a free body's has none.
@@ -26,16 +26,54 @@ const HALVINGS: usize = 60;
 /// Rounding of a product with K, in units of epsilon and its norm; chosen.
 const ROUNDINGS: f64 = 8.0;
 
-/// What is found of one sector.
-#[derive(Debug, Default)]
-pub(super) struct Divergences {
-    /// Ascending.
-    pub onsets: Vec<SweepOnset>,
-    /// Whether an odd number of real eigenvalues is above zero at the lower end.
-    pub at_start: bool,
+/// A change of the sign of det K along a line.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SignChange {
+    /// Where on the line, and how wide the step is that holds it.
+    pub at: f64,
+    pub width: f64,
+    /// Whether det K becomes negative.
+    pub to_negative: bool,
 }
 
-/// The onsets of divergence of a sector between the ends of the range of the parameter; `places` of it are looked at too.
+/// Those along a line from 0 to 1.
+#[derive(Debug, Default)]
+pub(super) struct SignChanges {
+    /// Ascending.
+    pub found: Vec<SignChange>,
+    /// Whether det K is negative at 0: an odd number of real eigenvalues is above zero.
+    pub negative_at_start: bool,
+}
+
+/// Where the sign of det K changes; `places` of the line are looked at too.
+///
+/// # Errors
+/// Those of the brake.
+pub(super) fn sign_changes(
+    system: &dyn Fn(f64) -> Result<SecondOrder, Error>,
+    places: &[f64],
+) -> Result<SignChanges, Error> {
+    let mut all: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).chain(places.iter().copied()).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    let mut signs = Vec::with_capacity(all.len());
+    for &at in &all {
+        signs.extend(sign(&system(at)?).map(|is_positive| (at, is_positive)));
+    }
+    let mut found = Vec::new();
+    for step in signs.windows(2).filter(|step| step[0].1 != step[1].1) {
+        found.push(bisected(system, [step[0].0, step[1].0], step[0].1)?);
+    }
+    Ok(SignChanges { found, negative_at_start: signs.first() == Some(&(0.0, false)) })
+}
+
+/// Whether det K is positive; `None` of a stiffness that is singular, or nearly.
+pub(super) fn sign(system: &SecondOrder) -> Option<bool> {
+    Determinant::of(&stiffness(system)).filter(|it| it.smallest > SINGULAR).map(|it| it.is_positive)
+}
+
+/// The onsets of divergence of a sector between the ends of the range of the parameter, ascending, and whether an odd number of real
+/// eigenvalues is above zero at the lower end; `places` of the range are looked at too.
 ///
 /// # Errors
 /// Those of the brake, and of vectors at an onset.
@@ -43,33 +81,22 @@ pub(super) fn divergences<B: UncertainBrake>(
     part: &Part<'_, B>,
     parameter: &SweptParameter,
     places: &[f64],
-) -> Result<Divergences, Error> {
-    let mut all: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).chain(places.iter().copied()).collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    let mut signs = Vec::with_capacity(all.len());
-    for &at in &all {
-        let determinant = Determinant::of(&part.system(&[at])?);
-        signs.extend(determinant.filter(|it| it.smallest > SINGULAR).map(|it| (at, it.is_positive)));
-    }
-    let mut found = Divergences { at_start: signs.first() == Some(&(0.0, false)), ..Divergences::default() };
-    for step in signs.windows(2).filter(|step| step[0].1 != step[1].1) {
-        found.onsets.push(onset(part, parameter, [step[0].0, step[1].0], step[0].1)?);
-    }
-    Ok(found)
+) -> Result<(Vec<SweepOnset>, bool), Error> {
+    let SignChanges { found, negative_at_start } = sign_changes(&|at| part.system(&[at]), places)?;
+    let onsets = found.iter().map(|change| onset(part, parameter, change)).collect::<Result<_, _>>()?;
+    Ok((onsets, negative_at_start))
 }
 
-/// What a factorisation says of det K.
-struct Determinant {
-    is_positive: bool,
+/// What a factorisation says of a determinant.
+pub(super) struct Determinant {
+    pub is_positive: bool,
     /// The smallest pivot, as a part of the largest.
     smallest: f64,
 }
 
 impl Determinant {
     /// `None` where it vanishes.
-    fn of(system: &SecondOrder) -> Option<Self> {
-        let k = stiffness(system);
+    pub fn of(k: &DMatrix<f64>) -> Option<Self> {
         let scale: Vec<f64> = k.row_iter().map(|row| row.amax().sqrt()).collect();
         if scale.contains(&0.0) {
             return None;
@@ -83,20 +110,19 @@ impl Determinant {
 }
 
 /// K, with what internal states leave of it at rest.
-fn stiffness(system: &SecondOrder) -> DMatrix<f64> {
+pub(super) fn stiffness(system: &SecondOrder) -> DMatrix<f64> {
     system.dynamic_stiffness(Complex::default()).map(|entry| entry.re)
 }
 
-/// The onset between two places with different signs.
-fn onset<B: UncertainBrake>(
-    part: &Part<'_, B>,
-    parameter: &SweptParameter,
+/// The change of sign between two places with different signs.
+fn bisected(
+    system: &dyn Fn(f64) -> Result<SecondOrder, Error>,
     [mut low, mut high]: [f64; 2],
     is_positive: bool,
-) -> Result<SweepOnset, Error> {
+) -> Result<SignChange, Error> {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        match Determinant::of(&part.system(&[middle])?) {
+        match Determinant::of(&stiffness(&system(middle)?)) {
             None => [low, high] = [middle, middle],
             Some(here) if here.is_positive == is_positive => low = middle,
             Some(_) => high = middle,
@@ -105,7 +131,15 @@ fn onset<B: UncertainBrake>(
             break;
         }
     }
-    let at = 0.5 * (low + high);
+    Ok(SignChange { at: 0.5 * (low + high), width: high - low, to_negative: is_positive })
+}
+
+/// The onset at a change of sign.
+fn onset<B: UncertainBrake>(
+    part: &Part<'_, B>,
+    parameter: &SweptParameter,
+    &SignChange { at, width, .. }: &SignChange,
+) -> Result<SweepOnset, Error> {
     let (system, zero, mut work) = (part.system(&[at])?, Complex::default(), Workspace::default());
     let (x, y) = (right_vector(&system, zero, &mut work)?, left_vector(&system, zero, &mut work)?);
     let [below, above] = [(at - DIFFERENCE).max(0.0), (at + DIFFERENCE).min(1.0)];
@@ -113,7 +147,7 @@ fn onset<B: UncertainBrake>(
     let change = y.dotc(&(change * &x)) / (above - below);
     // lambda = -change / slope beside the onset; a mode without damping is on the axis before it, and no sweep ends there.
     let slope = y.dotc(&(system.dynamic_stiffness_derivative(zero) * &x));
-    let error = ROUNDINGS * f64::EPSILON * stiffness(&system).norm() / change.norm() + (high - low);
+    let error = ROUNDINGS * f64::EPSILON * stiffness(&system).norm() / change.norm() + width;
     Ok(SweepOnset {
         at: parameter.at(at),
         error: error * parameter.slope(at),

@@ -180,13 +180,17 @@ fn branch_text(sweep: &Sweep) -> String {
     if sweep.diverges_at_start {
         text += &format!("divergence at {name} = {from}: a real eigenvalue is above zero\n");
     }
+    let width = widest(sweep.onsets.iter().map(|onset| &onset.mode));
     if !sweep.onsets.is_empty() {
-        text += &format!("\n{name:>22}  {:>8}  {:>8}  {:>12}\n", "error", "mode", "Hz");
+        text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}\n", "error", "mode", "Hz");
     }
     for onset in &sweep.onsets {
         let (hz, direction) = (crate::report::hertz(hertz(onset.omega)), onset.direction());
-        text += &format!("{:>22}  {:>8.1e}  {:>8}  {hz:>12}  {direction} to grow\n", onset.at, onset.error, onset.mode)
-            .replace("stops to grow", "stops growing");
+        text += &format!(
+            "{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {direction} to grow\n",
+            onset.at, onset.error, onset.mode
+        )
+        .replace("stops to grow", "stops growing");
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
@@ -218,9 +222,15 @@ fn branch_text(sweep: &Sweep) -> String {
     )
 }
 
+/// The width of a column of names.
+fn widest<'a>(names: impl Iterator<Item = &'a String>) -> usize {
+    names.map(|name| name.chars().count()).fold(8, usize::max)
+}
+
 fn map_text(map: &StabilityMap) -> String {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
-    let mut text = format!("{:>8}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    let width = widest(map.curves.iter().map(|curve| &curve.mode));
+    let mut text = format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
     for BoundaryCurve { mode, ends, points } in &map.curves {
         let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
             points.iter().map(value).fold(start, pick)
@@ -235,7 +245,7 @@ fn map_text(map: &StabilityMap) -> String {
             _ => ", cannot be followed farther",
         };
         text += &format!(
-            "{mode:>8}  {:>6}  {:>22}  {x} = {x_from:.6} to {x_to:.6}, {y} = {y_from:.6} to {y_to:.6}{how}\n",
+            "{mode:>width$}  {:>6}  {:>22}  {x} = {x_from:.6} to {x_to:.6}, {y} = {y_from:.6} to {y_to:.6}{how}\n",
             points.len(),
             format!("{} to {}", crate::report::hertz(hz[0]), crate::report::hertz(hz[1])),
         );

@@ -3,13 +3,14 @@
 //! | over | gives |
 //! | --- | --- |
 //! | one parameter | [`sweep`]: branches with the names of their modes, onsets to full accuracy, of divergence too, coalescences |
-//! | two | [`stability_map`]: the curves on which a mode is neither growing nor decaying, followed and not sampled, and how many modes are unstable between them |
+//! | two | [`stability_map`]: the curves on which a mode is neither growing nor decaying, or the stiffness singular, followed and not sampled, and how many modes are unstable between them |
 //!
 //! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
 //! branches ask for it: [`Evaluations`] counts them.
 
 mod boundary;
 mod coalescence;
+mod curve_point;
 mod divergence;
 mod eigenpair;
 mod family;
@@ -19,6 +20,7 @@ mod names;
 mod one_parameter;
 mod onset;
 mod parameter;
+mod part_map;
 #[cfg(feature = "figures")]
 mod pictures;
 mod regions;

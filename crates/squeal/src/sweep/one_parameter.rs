@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
-use super::divergence::{Divergences, divergences};
+use super::divergence::divergences;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
 use super::onset::{SweepOnset, WholeOnset};
@@ -158,9 +158,9 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         });
     }
     evaluations += Evaluations::of(branches.counters());
-    let divergences =
-        if part.is_studied(0.0) { divergences(part, parameter, &places)? } else { Divergences::default() };
-    found.extend(divergences.onsets);
+    let (onsets, diverges_at_start) =
+        if part.is_studied(0.0) { divergences(part, parameter, &places)? } else { Default::default() };
+    found.extend(onsets);
     let is_studied = |lambda: &Complex<f64>| part.is_studied(lambda.im);
     let start = branches.lambdas(0.0)?.iter().filter(|lambda| is_studied(lambda));
     let unstable_at_start = start.filter(|lambda| lambda.re >= 0.0).count();
@@ -177,7 +177,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start,
-        diverges_at_start: divergences.at_start,
+        diverges_at_start,
         evaluations,
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone())

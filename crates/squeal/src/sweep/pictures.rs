@@ -3,6 +3,7 @@
 use cea::frequency_hz;
 use num_complex::Complex;
 
+use super::divergence::DIVERGENCE;
 use super::regions::CELLS;
 use super::{Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
 use crate::Error;
@@ -81,6 +82,7 @@ fn drawn(map: &StabilityMap, title: &str, note: &str) -> MapFigure {
             .iter()
             .map(|curve| MapCurve {
                 mode: curve.mode.clone(),
+                label: if curve.mode == DIVERGENCE { curve.mode.clone() } else { format!("mode {}", curve.mode) },
                 points: curve.points.iter().map(|point| [x.part(point.at[0]), y.part(point.at[1])]).collect(),
             })
             .collect(),

@@ -1,0 +1,234 @@
+//! A point of the boundary of stability over two parameters: what crosses the axis there, and how it moves.
+
+use cea::{Workspace, left_vector, right_vector};
+use linsys::SecondOrder;
+use nalgebra::{DMatrix, DVector, Vector2, vector};
+use num_complex::Complex;
+
+use super::divergence::{Determinant, stiffness};
+use super::eigenpair::Eigenpair;
+use super::family::{DIFFERENCE, Part};
+use crate::Error;
+use crate::study::UncertainBrake;
+
+/// A point of a boundary curve.
+#[derive(Debug, Clone)]
+pub(super) struct CurvePoint {
+    /// Parts of the ranges.
+    pub at: Vector2<f64>,
+    crossing: Crossing,
+    /// d value / d x and d value / d y.
+    pub rates: Vector2<Complex<f64>>,
+}
+
+/// What crosses the axis.
+#[derive(Debug, Clone)]
+pub(super) enum Crossing {
+    /// An eigenvalue with its vectors.
+    Flutter(Eigenpair),
+    /// A real eigenvalue at zero, where the stiffness is singular.
+    Divergence(NullPair),
+}
+
+/// The null vectors of a stiffness K that is singular or nearly so, and a measure of how far it is from that. With the vectors l and r
+/// of a neighbour
+///
+/// ```text
+/// [ K    l ] [ right ]   [ 0 ]       [ K^T  r ] [ left ]   [ 0 ]
+/// [ r^T  0 ] [   g   ] = [ 1 ],      [ l^T  0 ] [  g   ] = [ 1 ]
+/// ```
+///
+/// have the same g, which vanishes where det K does, and `dg = -left^T dK right` (Govaerts, Numerical Methods for Bifurcations of
+/// Dynamical Equilibria, 2000, section 3.3). Mass and damping have no part in it, so that a brake without damping has its boundary too.
+#[derive(Debug, Clone)]
+pub(super) struct NullPair {
+    /// `-g` or `g`: positive where det K is negative.
+    growth: f64,
+    right: DVector<f64>,
+    left: DVector<f64>,
+    /// Whether det K has the sign of g; it does not change along a curve.
+    has_sign_of_determinant: bool,
+}
+
+impl NullPair {
+    /// At a singular stiffness.
+    fn of(system: &SecondOrder) -> Result<Option<Self>, Error> {
+        let (zero, mut work) = (Complex::default(), Workspace::default());
+        let [right, left] = [right_vector(system, zero, &mut work)?, left_vector(system, zero, &mut work)?].map(real);
+        let start = Self { growth: 0.0, right, left, has_sign_of_determinant: true };
+        let Some(bordered) = Determinant::of(&start.bordered(&stiffness(system))) else { return Ok(None) };
+        Ok(Self { has_sign_of_determinant: bordered.is_positive, ..start }.of_neighbour(system))
+    }
+
+    /// Those of a neighbour; `None` where it has another null vector.
+    fn of_neighbour(&self, system: &SecondOrder) -> Option<Self> {
+        let bordered = self.bordered(&stiffness(system));
+        let n = self.right.len();
+        let mut unit = DVector::zeros(n + 1);
+        unit[n] = 1.0;
+        let (right, left) = (bordered.clone().lu().solve(&unit)?, bordered.transpose().lu().solve(&unit)?);
+        let g = right[n];
+        let growth = if self.has_sign_of_determinant { -g } else { g };
+        let [right, left] = [right, left].map(|vector| vector.rows(0, n).into_owned());
+        Some(Self { growth, right, left, ..*self })
+    }
+
+    fn bordered(&self, k: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, size) = (k.nrows(), k.amax());
+        let mut bordered = k.clone().resize(n + 1, n + 1, 0.0);
+        bordered.view_mut((0, n), (n, 1)).copy_from(&(self.left.normalize() * size));
+        bordered.view_mut((n, 0), (1, n)).copy_from(&(self.right.normalize() * size).transpose());
+        bordered
+    }
+
+    /// d growth from a change of K.
+    fn rate(&self, change: &DMatrix<f64>) -> f64 {
+        let rate = self.left.dot(&(change * &self.right));
+        if self.has_sign_of_determinant { rate } else { -rate }
+    }
+}
+
+/// A vector that is real but for its phase, of unit norm.
+fn real(vector: DVector<Complex<f64>>) -> DVector<f64> {
+    let largest = vector[vector.icamax()];
+    vector.map(|entry| (entry / largest).re).normalize()
+}
+
+impl Crossing {
+    /// Of the eigenvalue `i omega` of a system; of divergence for zero. `None` where K has more than one null vector.
+    fn of(system: &SecondOrder, omega: f64) -> Result<Option<Self>, Error> {
+        if omega == 0.0 {
+            return Ok(NullPair::of(system)?.map(Self::Divergence));
+        }
+        let pair = Eigenpair::of(system, Complex::new(0.0, omega), &mut Workspace::default())?;
+        Ok(Some(Self::Flutter(pair)))
+    }
+
+    /// That of another system next to this one, with a value that is guessed.
+    pub fn of_neighbour(&self, system: &SecondOrder, guess: Complex<f64>) -> Option<Self> {
+        match self {
+            Self::Flutter(pair) => pair.of_neighbour(system, guess).map(Self::Flutter),
+            Self::Divergence(pair) => pair.of_neighbour(system).map(Self::Divergence),
+        }
+    }
+
+    /// The eigenvalue, rad/s; of divergence the growth that [`NullPair`] has in its place, without a unit.
+    fn value(&self) -> Complex<f64> {
+        match self {
+            Self::Flutter(pair) => pair.lambda,
+            Self::Divergence(pair) => Complex::from(pair.growth),
+        }
+    }
+
+    fn rate(&self, system: &SecondOrder, systems: [&SecondOrder; 2], distance: f64) -> Complex<f64> {
+        match self {
+            Self::Flutter(pair) => pair.rate(system, systems, distance),
+            Self::Divergence(pair) => {
+                let [below, above] = systems.map(stiffness);
+                Complex::from(pair.rate(&((above - below) / distance)))
+            }
+        }
+    }
+}
+
+impl CurvePoint {
+    /// The point of a known onset, of divergence where the frequency `omega` is zero; `None` where K has more than one null vector.
+    ///
+    /// # Errors
+    /// Those of the brake and of the vectors.
+    pub fn start<B: UncertainBrake>(part: &Part<'_, B>, at: Vector2<f64>, omega: f64) -> Result<Option<Self>, Error> {
+        let system = part.system(&[at.x, at.y])?;
+        Crossing::of(&system, omega)?.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
+    }
+
+    fn new<B: UncertainBrake>(
+        part: &Part<'_, B>,
+        at: Vector2<f64>,
+        system: &SecondOrder,
+        crossing: Crossing,
+    ) -> Result<Self, Error> {
+        let mut rates = Vector2::from_element(Complex::default());
+        for axis in 0..2 {
+            let [mut below, mut above] = [at, at];
+            below[axis] = (at[axis] - DIFFERENCE).max(0.0);
+            above[axis] = (at[axis] + DIFFERENCE).min(1.0);
+            let systems = [part.system(&[below.x, below.y])?, part.system(&[above.x, above.y])?];
+            rates[axis] = crossing.rate(system, systems.each_ref(), above[axis] - below[axis]);
+        }
+        Ok(Self { at, crossing, rates })
+    }
+
+    /// What crosses the axis here at another place, with a value that is guessed; `None` where it is not found.
+    ///
+    /// # Errors
+    /// Those of the brake.
+    pub fn moved<B: UncertainBrake>(
+        &self,
+        part: &Part<'_, B>,
+        at: Vector2<f64>,
+        guess: Complex<f64>,
+    ) -> Result<Option<Self>, Error> {
+        let system = part.system(&[at.x, at.y])?;
+        let found = self.crossing.of_neighbour(&system, guess);
+        found.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
+    }
+
+    /// The eigenvalue, rad/s; of divergence a growth without a unit.
+    pub fn value(&self) -> Complex<f64> {
+        self.crossing.value()
+    }
+
+    /// Im lambda, rad/s; 0 of divergence.
+    pub fn omega(&self) -> f64 {
+        self.value().im
+    }
+
+    /// Whether it is a point of divergence.
+    pub fn is_divergence(&self) -> bool {
+        matches!(self.crossing, Crossing::Divergence(_))
+    }
+
+    /// The gradient of the growth.
+    pub fn gradient(&self) -> Vector2<f64> {
+        self.rates.map(|rate| rate.re)
+    }
+
+    /// The direction of the curve, of unit length, unstable on the right.
+    pub fn tangent(&self) -> Vector2<f64> {
+        let gradient = self.gradient();
+        vector![-gradient.y, gradient.x].normalize()
+    }
+
+    /// d omega along the curve.
+    pub fn omega_rate(&self) -> f64 {
+        self.rates.map(|rate| rate.im).dot(&self.tangent())
+    }
+
+    /// The change of the value to first order.
+    pub fn change(&self, by: Vector2<f64>) -> Complex<f64> {
+        self.rates.x * by.x + self.rates.y * by.y
+    }
+
+    /// How alike the shapes at two points are: 1 for parallel ones.
+    pub fn likeness(&self, other: &Self) -> f64 {
+        match (&self.crossing, &other.crossing) {
+            (Crossing::Flutter(here), Crossing::Flutter(there)) => here.likeness(there),
+            (Crossing::Divergence(here), Crossing::Divergence(there)) => {
+                here.right.normalize().dot(&there.right.normalize()).abs()
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// How far the curve of the brake that this one is a reduction of is away; `None` of a brake that is not reduced, and of divergence.
+    ///
+    /// # Errors
+    /// Those of the brake.
+    pub fn distance_from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
+        if self.is_divergence() {
+            return Ok(None);
+        }
+        let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.value())?;
+        Ok(found.map(|found| found.lambda.re.abs() / self.gradient().norm()))
+    }
+}
