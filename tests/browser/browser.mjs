@@ -53,7 +53,7 @@ export class Browser {
     const ended = new Promise(resolve => this.process.on('exit', resolve));
     this.process.kill();
     await ended;
-    rmSync(this.profile, { recursive: true, force: true, maxRetries: 10 });
+    rmSync(this.profile, { recursive: true, force: true, maxRetries: 20, retryDelay: 200 });
   }
 }
 

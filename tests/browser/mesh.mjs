@@ -47,15 +47,16 @@ const colourOf = amplitude => {
 };
 
 export const mesh = async (page, folder) => {
-  const { geometry, shapes, sets } = await page.value("JSON.parse(document.getElementById('data').textContent)");
+  const { geometry, shapes, groups } = await page.value("JSON.parse(document.getElementById('data').textContent).moving");
   const set = (name, value) => page.value(select(`shape-${name}`, String(value)));
   await set('zoom', 1);
   // Of sets that differ only in what is held the first one has all that the others have.
-  const { set: place, label } = shapes[0];
-  const arrays = arraysOf(readFileSync(join(folder, `shapes-${sets[place]}.vtu`), 'utf8'));
+  const { group, name: title } = shapes[0];
+  const name = title.toLowerCase();
+  const arrays = arraysOf(readFileSync(join(folder, `shapes-${groups[group]}.vtu`), 'utf8'));
   const row = new Map(arrays.get('node').map(([node], i) => [node, i]));
   const rows = geometry.nodes.map(node => row.get(node));
-  const [rest, re, im] = ['Points', `mode ${label} real`, `mode ${label} imaginary`].map(name => rows.map(i => arrays.get(name)[i]));
+  const [rest, re, im] = ['Points', `${name} real`, `${name} imaginary`].map(name => rows.map(i => arrays.get(name)[i]));
 
   // From the side the height of the picture is z, from above it is y; x is to the right.
   const largest = Math.max(...re.flatMap((u, i) => u.map((x, axis) => Math.hypot(x, im[i][axis]))));

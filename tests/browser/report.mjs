@@ -104,7 +104,9 @@ const occurrence = async (page, folder) => {
   await page.value("document.getElementById('occurrence-all').click()");
 };
 
-const shapes = async (page, folder) => {
+const hasShapes = page => page.value("document.getElementById('shape-view')?.checkVisibility() === true");
+
+const shapes = async page => {
   const isMesh = await page.value("document.querySelector('#shape-view canvas') !== null");
   const shown = isMesh ? "document.querySelector('#shape-view canvas').toDataURL()"
     : "JSON.stringify([...document.querySelectorAll('#shape-view circle')].map(dot => [dot.getAttribute('cx'), dot.getAttribute('cy')]))";
@@ -123,6 +125,7 @@ const shapes = async (page, folder) => {
   const isSpatial = await page.value("!document.getElementById('shape-turn').closest('label').hidden");
   for (const [control, there] of [['phase', '120'], ['size', '2.5'], ['turn', '75'], ['tilt', '80'], ['zoom', '1.5'], ['mode', '1']]) {
     if (!isSpatial && ['turn', 'tilt', 'zoom'].includes(control)) continue;
+    if (control === 'mode' && (await page.value(options('shape-mode'))).length < 2) continue;
     const before = await page.value(shown);
     await page.value(select(`shape-${control}`, there));
     assert.notEqual(await page.value(shown), before, `${control} changes nothing`);
@@ -145,7 +148,23 @@ const shapes = async (page, folder) => {
     assert.notEqual(await page.value(shown), before, 'a drag changes nothing');
     assert.equal(Number(await page.value("document.getElementById('shape-turn').value")) - Number(turn), 10, 'a drag by 20 pixels');
   }
-  if (isMesh) await mesh(page, folder);
+  return isMesh;
+};
+
+// The modes at onsets, or at the middle of each curve of a boundary, are those of the tables.
+const crossing = async (page, folder) => {
+  const file = ['onsets.csv', 'boundary.csv'].find(name => existsSync(join(folder, name)));
+  const rows = csv(readFileSync(join(folder, file), 'utf8'));
+  const wanted = file === 'onsets.csv' ? rows : [...new Map(rows.map(row => [row.curve, row])).values()];
+  const said = await page.value("[...document.querySelectorAll('#shape-mode option')].map(option => option.textContent)");
+  assert.equal(said.length, wanted.length);
+  const hertz = text => Number(text.match(/, ([0-9.]+) Hz/)[1]);
+  for (const [i, { mode, curve, frequency_hz: frequency }] of wanted.entries()) {
+    assert.ok(said[i].startsWith(mode === 'divergence' ? 'Divergence,' : `Mode ${mode},`), `${said[i]} is of mode ${mode}`);
+    const own = rows.filter(row => row.curve === curve).map(row => Number(row.frequency_hz));
+    const [least, most] = curve ? [Math.min(...own), Math.max(...own)] : [frequency, frequency].map(Number);
+    assert.ok(hertz(said[i]) > 0.999 * least - 0.001 && hertz(said[i]) < 1.001 * most + 0.001, `${said[i]} is not at ${least} to ${most} Hz`);
+  }
 };
 
 // Marks of a root locus say the numbers of the tables, where there are such tables.
@@ -234,17 +253,19 @@ const check = async (browser, folder, pictures) => {
   const isStudy = await page.value("document.getElementById('occurrence') !== null");
   if (isStudy) {
     await occurrence(page, folder);
-    await shapes(page, folder);
+    if (await shapes(page)) await mesh(page, folder);
   } else if (await page.value("document.getElementById('drops') !== null")) {
     await bars(page, folder);
   } else {
     await marks(page, folder);
+    if (await hasShapes(page)) await crossing(page, folder);
   }
+  if (!isStudy && (await hasShapes(page))) await shapes(page);
   // As a reader finds it, at rest: the same picture each time.
   const calm = await browser.open('about:blank');
   await calm.view(900, 900, 'light', 'reduce');
   await calm.start(url);
-  if (isStudy) assert.equal(await calm.value("document.getElementById('shape-play').textContent"), 'Play');
+  if (await hasShapes(calm)) assert.equal(await calm.value("document.getElementById('shape-play').textContent"), 'Play');
   for (const width of [400, 900, 1400]) {
     for (const scheme of ['light', 'dark']) {
       await calm.view(width, 900, scheme, 'reduce');

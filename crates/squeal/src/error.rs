@@ -196,6 +196,10 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// A mode that does not fit the mesh.
+    #[cfg(feature = "case-files")]
+    #[error("mode on the mesh: {0}")]
+    OnMesh(#[from] formats::FormatsError),
     /// A file that does not hold a matrix.
     #[cfg(feature = "case-files")]
     #[error("{}: {source}", path.display())]

@@ -2,62 +2,74 @@
 
 use std::path::Path;
 
-use formats::{Dof, FormatsError, Mesh, ModeShape, Surface, write_vtu};
+use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
+use num_complex::Complex;
 
 use crate::Error;
 use crate::brakes::FiniteElementBrake;
 use crate::output::write;
-use crate::report::{Geometry, MeshModes, Results};
-use crate::study::ModeLabel;
+use crate::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
 
-/// Writes `shapes-SET.vtu` for each set of constraints: the modes from which the others have their names, with all patches in contact at
-/// the medians, at the nodes of the mesh. Returns how a page shows the same modes. No file where the case has no mesh.
-pub(super) fn write_mesh_shapes(
-    brake: &FiniteElementBrake,
-    results: &Results<'_>,
-    dir: &Path,
-) -> Result<Geometry, Error> {
+/// How a page shows modes on the mesh of the case, if it names one.
+pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
     let Some(mesh) = &brake.case.mesh else {
-        return Ok(Geometry::none(
+        return Geometry::none(
             "The case names no mesh (brake.mesh), so that it is not known where its degrees of freedom are.",
-        ));
+        );
     };
-    let surface = Surface::new(mesh);
-    let mut sets = Vec::new();
-    for (place, name) in brake.plan.labels.constraints.iter().enumerate() {
-        let path = dir.join(format!("shapes-{name}.vtu"));
-        let failed = |source| Error::Write { path: path.clone(), source: std::io::Error::other(source) };
-        let named = shapes_of_set(brake, mesh, results, place).map_err(failed)?;
-        let shapes: Vec<ModeShape> = named.iter().map(|(_, shape)| shape.clone()).collect();
-        let mut text = Vec::new();
-        write_vtu(&mut text, mesh, &shapes).map_err(failed)?;
-        write(&path, &text)?;
-        let on_surface = |shape: &ModeShape| surface.nodes.iter().flat_map(|&node| shape.displacements[node]).collect();
-        sets.push(named.iter().map(|(label, shape)| (*label, on_surface(shape))).collect());
-    }
-    let nodes = || surface.nodes.iter().map(|&node| mesh.nodes[node]);
-    Ok(Geometry::mesh(MeshModes {
-        labels: nodes().map(|node| node.label).collect(),
-        positions: nodes().map(|node| node.position).collect(),
-        faces: surface.faces,
-        of_solids: surface.of_solids,
-        shapes: sets,
-    }))
+    let Surface { nodes, faces, of_solids } = Surface::new(mesh);
+    let at = || nodes.iter().map(|&node| mesh.nodes[node]);
+    let surface = MeshSurface {
+        labels: at().map(|node| node.label).collect(),
+        positions: at().map(|node| node.position).collect(),
+        faces,
+        of_solids,
+    };
+    let motion = move |mode: ModeOf<'_>| -> Result<Vec<Complex<f64>>, Error> {
+        let shape = on_mesh(brake, mesh, String::new(), Complex::default(), mode)?;
+        Ok(nodes.iter().flat_map(|&node| shape.displacements[node]).collect())
+    };
+    Geometry::mesh(surface, Box::new(motion))
 }
 
-/// The modes of a set of constraints at the nodes of the mesh.
-fn shapes_of_set(
+/// Writes `shapes-SET.vtu` for each set of constraints: the modes from which the others have their names, with all patches in contact at
+/// the medians, at the nodes of the mesh. No file where the case has no mesh.
+pub(super) fn write_mesh_shapes(brake: &FiniteElementBrake, results: &Results<'_>, dir: &Path) -> Result<(), Error> {
+    let Some(mesh) = &brake.case.mesh else { return Ok(()) };
+    for (constraints, name) in brake.plan.labels.constraints.iter().enumerate() {
+        let path = dir.join(format!("shapes-{name}.vtu"));
+        let dofs = &brake.sets[constraints].dofs;
+        let shapes = results.modes_of_set(constraints).into_iter().map(|(label, mode)| {
+            let name = format!("mode {}", results.mode_label(constraints, label));
+            on_mesh(
+                brake,
+                mesh,
+                name,
+                mode.lambda,
+                ModeOf { basis: BasisOf::Set(constraints), dofs, shape: &mode.shape },
+            )
+        });
+        let shapes = shapes.collect::<Result<Vec<_>, Error>>()?;
+        let mut text = Vec::new();
+        let failed = |source| Error::Write { path: path.clone(), source: std::io::Error::other(source) };
+        write_vtu(&mut text, mesh, &shapes).map_err(failed)?;
+        write(&path, &text)?;
+    }
+    Ok(())
+}
+
+/// A mode at the nodes of the mesh.
+fn on_mesh(
     brake: &FiniteElementBrake,
     mesh: &Mesh,
-    results: &Results<'_>,
-    place: usize,
-) -> Result<Vec<(ModeLabel, ModeShape)>, FormatsError> {
-    let (set, reduced) = (&brake.sets[place], &brake.origin(place).reduced);
-    let rows: Vec<Dof> = set.dofs.free().iter().map(|&row| brake.case.dofs[row]).collect();
-    let shapes = results.modes_of_set(place).into_iter().map(|(label, mode)| {
-        let name = format!("mode {}", results.mode_label(place, label));
-        let shape = ModeShape::new(name, mode.lambda, mesh, &rows, reduced.lift(&mode.shape).as_slice())?;
-        Ok((label, shape))
-    });
-    shapes.collect()
+    name: String,
+    lambda: Complex<f64>,
+    mode: ModeOf<'_>,
+) -> Result<ModeShape, Error> {
+    let (set, part) = match mode.basis {
+        BasisOf::Set(set) => (set, brake.origin(set)),
+        BasisOf::Scene(scene) => (scene.key.constraints, brake.part(scene)),
+    };
+    let rows: Vec<Dof> = brake.sets[set].dofs.free().iter().map(|&row| brake.case.dofs[row]).collect();
+    Ok(ModeShape::new(name, lambda, mesh, &rows, part.reduced.lift(mode.shape).as_slice())?)
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::check::announced;
-use super::mesh_shapes::write_mesh_shapes;
+use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
 use super::options::{number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
@@ -51,8 +51,10 @@ pub struct RunArgs {
 struct More<'a> {
     /// The scorecard of what a publication claims of it.
     claims: &'a (dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
-    /// Writes files of its own, and says how the page draws its modes.
-    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<Geometry, Error> + Sync),
+    /// Writes files of its own.
+    files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<(), Error> + Sync),
+    /// How the page draws its modes.
+    geometry: &'a (dyn Fn() -> Geometry<'a> + Sync),
 }
 
 impl RunArgs {
@@ -68,16 +70,22 @@ impl RunArgs {
                 let brake = LatticeBrake::new(*case)?;
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
-                let files = |_: &Results<'_>, _: &Path| Ok(Geometry::lattice(grid.rows(), grid.columns()));
-                let more = More { claims: &|results| claims(results, &brake), files: &files };
+                let more = More {
+                    claims: &|results| claims(results, &brake),
+                    files: &|_, _| Ok(()),
+                    geometry: &|| Geometry::lattice(grid.rows(), grid.columns()),
+                };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = MatricesBrake::new(*case)?;
-                let files = |_: &Results<'_>, _: &Path| Ok(Geometry::bodies(brake.plan()));
-                let more = More { claims: &|_| Ok(Vec::new()), files: &files };
+                let more = More {
+                    claims: &|_| Ok(Vec::new()),
+                    files: &|_, _| Ok(()),
+                    geometry: &|| Geometry::bodies(brake.plan()),
+                };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::FiniteElements(mut case) => {
@@ -88,7 +96,7 @@ impl RunArgs {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
                 };
-                let more = More { claims: &|_| Ok(Vec::new()), files: &files };
+                let more = More { claims: &|_| Ok(Vec::new()), files: &files, geometry: &|| mesh_geometry(&brake) };
                 self.run_brake(&brake, half_width, &more, out)
             }
         }
@@ -123,13 +131,13 @@ impl RunArgs {
         let until = self.until_half_width;
         let manifest = run_study_until(brake, &self.out, self.threads, until, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
-            let geometry = (more.files)(results, dir)?;
+            (more.files)(results, dir)?;
             scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
                 estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
             }
             // Last: it shows the tables.
-            write_page(results, &geometry, dir)?;
+            write_page(results, &(more.geometry)(), dir)?;
             most_failed = self.most_failed(results);
             if results.panels().len() <= SUMMARISED_PANELS {
                 summary = results.text()?;

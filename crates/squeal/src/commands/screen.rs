@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
+use super::mesh_shapes::mesh_geometry;
 use super::options::{number, override_run, threads, whole_number};
 use super::results_folder;
 use super::scene::chosen;
@@ -13,7 +14,7 @@ use crate::brakes::{Bases, FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
-use crate::report::write_screen_page;
+use crate::report::{Geometry, write_screen_page};
 use crate::run::{bar, workers};
 use crate::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use crate::study::UncertainBrake;
@@ -87,16 +88,20 @@ impl ScreenArgs {
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                self.screen(&LatticeBrake::new(*case)?)?
+                let brake = LatticeBrake::new(*case)?;
+                let grid = brake.case.lattice.grid;
+                self.screen(&brake, &Geometry::lattice(grid.rows(), grid.columns()))?
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                self.screen(&MatricesBrake::new(*case)?)?
+                let brake = MatricesBrake::new(*case)?;
+                self.screen(&brake, &Geometry::bodies(brake.plan()))?
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
-                self.screen(&FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"))?)?
+                let brake = FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"))?;
+                self.screen(&brake, &mesh_geometry(&brake))?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -143,7 +148,7 @@ impl ScreenArgs {
         })
     }
 
-    fn screen<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+    fn screen<B: UncertainBrake>(&self, brake: &B, geometry: &Geometry<'_>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
         let options = self.options(&sets)?;
@@ -174,7 +179,7 @@ impl ScreenArgs {
                 screen.write_tables(stage)?;
                 let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
-                write_screen_page(plan, &screen, &figure, &what, stage)
+                write_screen_page(plan, &screen, options.constraints, geometry, &figure, &what, stage)
             })?;
             let own = json!({
                 "constraints": sets[options.constraints],

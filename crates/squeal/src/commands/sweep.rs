@@ -7,6 +7,7 @@ use std::time::Instant;
 use cea::QrSolver;
 use serde_json::json;
 
+use super::mesh_shapes::mesh_geometry;
 use super::options::{check_threads, threads};
 use super::results_folder;
 use super::scene::{SceneArgs, bare_sign};
@@ -15,10 +16,10 @@ use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
-use crate::report::write_sweep_page;
+use crate::report::{Geometry, write_sweep_page};
 use crate::run::{bar, workers};
 use crate::study::{Study, UncertainBrake};
-use crate::sweep::{Found, Over, stability_map, sweep};
+use crate::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
@@ -62,18 +63,26 @@ impl SweepArgs {
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
         let text = match CaseFile::read(&self.case)? {
-            CaseFile::Lattice(case) => self.sweep(&LatticeBrake::new(self.scene.only_lattice(*case, None)?)?)?,
-            CaseFile::Matrices(case) => self.sweep(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?,
+            CaseFile::Lattice(case) => {
+                let brake = LatticeBrake::new(self.scene.only_lattice(*case, None)?)?;
+                let grid = brake.case.lattice.grid;
+                self.sweep(&brake, &Geometry::lattice(grid.rows(), grid.columns()))?
+            }
+            CaseFile::Matrices(case) => {
+                let brake = MatricesBrake::new(self.scene.only_matrices(*case)?)?;
+                self.sweep(&brake, &Geometry::bodies(brake.plan()))?
+            }
             CaseFile::FiniteElements(case) => {
                 let case = self.scene.only_finite_elements(*case, None)?;
-                self.sweep(&FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"))?)?
+                let brake = FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"))?;
+                self.sweep(&brake, &mesh_geometry(&brake))?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
     /// Sweeps the first scene of a brake, and says what was found.
-    fn sweep<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
+    fn sweep<B: UncertainBrake>(&self, brake: &B, geometry: &Geometry<'_>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
         let identity = format!("{} sweep {}", plan.identity, named.join(" "));
@@ -81,9 +90,9 @@ impl SweepArgs {
             RunFolder::check(dir, &identity)?;
         }
         let pool = workers(self.threads)?;
-        let found = pool.install(|| -> Result<Found, Error> {
+        let (found, modes) = pool.install(|| -> Result<(Found, Vec<BoundaryMode>), Error> {
             let study = Study::new(brake, &QrSolver)?;
-            Ok(match &self.over[..] {
+            let found = match &self.over[..] {
                 [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &bar("sectors"))?.into()),
                 [a, b] => {
                     let both = [a.clone(), b.clone()];
@@ -93,7 +102,13 @@ impl SweepArgs {
                     let (value, allowed) = (format!("given {} times", more.len()), "once or twice".into());
                     return Err(Error::Option { option: "--over", value, allowed });
                 }
-            })
+            };
+            // For the page alone.
+            let modes = match self.out {
+                Some(_) => boundary_modes(&study, 0, &self.over, &QrSolver, &found)?,
+                None => Vec::new(),
+            };
+            Ok((found, modes))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let axis = bare_sign(&plan.threshold, "modes that cross the imaginary axis");
@@ -106,7 +121,7 @@ impl SweepArgs {
                 let title = format!("Sweep over {}", named.join(" and "));
                 let figure = found.figure(&title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
-                write_sweep_page(plan, &found, &figure, &scene, stage)
+                write_sweep_page(plan, &found, &modes, geometry, &figure, &scene, stage)
             })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),

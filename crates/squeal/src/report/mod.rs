@@ -24,7 +24,7 @@ mod tables;
 pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 #[cfg(feature = "figures")]
-pub use html::{Geometry, MeshModes, write_page};
+pub use html::{BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_page};
 #[cfg(feature = "program")]
 pub(crate) use html::{write_screen_page, write_sweep_page};
 pub use manifest::{Manifest, Source, Stopped, Times};

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::candidates::ChangeKind;
 use super::confirm::Confirmed;
+use super::growing::GrowingMode;
 use super::modified::ChangeSet;
 use super::predict::Prediction;
 use crate::Error;
@@ -59,6 +60,8 @@ pub struct Screen {
     pub scenes: u64,
     /// Evaluations of the confirmation that failed.
     pub failures: u64,
+    /// Modes that are unstable at the medians without changes.
+    pub growing: Vec<GrowingMode>,
 }
 
 impl ScreenedSet {

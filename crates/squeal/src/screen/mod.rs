@@ -11,6 +11,7 @@ mod candidates;
 mod change;
 mod confirm;
 mod found;
+mod growing;
 mod modified;
 #[cfg(feature = "figures")]
 mod pictures;
@@ -22,6 +23,7 @@ pub use candidates::{Candidates, ChangeKind, SingleChange, Sizes};
 pub use change::{Attached, Change};
 pub use confirm::Confirmed;
 pub use found::{Screen, ScreenedSet};
+pub use growing::GrowingMode;
 pub use modified::{ChangeSet, Modified};
 pub use predict::Prediction;
 pub use run::{Confirmation, Ranking, ScreenOptions, confirm, rank};

@@ -8,6 +8,7 @@ use montecarlo::{Checkpoint, Progress, Sampling, run_with};
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
 use super::found::{Screen, ScreenedSet};
+use super::growing::growing_modes;
 use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
@@ -127,6 +128,7 @@ pub fn confirm<B: UncertainBrake>(
         samples: how.samples,
         scenes: plan.scenes.len() as u64,
         failures,
+        growing: growing_modes(&study, 0),
     })
 }
 

@@ -15,8 +15,8 @@ use super::parameter::SweptParameter;
 use crate::Error;
 use crate::study::UncertainBrake;
 
-/// The name in place of that of a mode.
-pub(super) const DIVERGENCE: &str = "divergence";
+/// The name in place of that of a mode where a real eigenvalue crosses zero.
+pub const DIVERGENCE: &str = "divergence";
 /// Equal steps of the range at whose ends the sign is looked at, beside the places of spectra; chosen: a factorisation is cheap.
 const STEPS: usize = 64;
 /// Smallest pivot, as a part of the largest, of a stiffness that has a sign; chosen: a free body's has none.

@@ -117,7 +117,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     }
 
     /// The system at values of the swept parameters.
-    fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
+    pub fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
         self.study.brake().system_with(self.scene(), &self.placed(values)).map_err(|source| {
             let named: Vec<String> =
                 self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name)).collect();

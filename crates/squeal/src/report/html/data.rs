@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::Geometry;
-use super::shapes::shapes;
+use super::shapes;
 use super::tables::{Table, with_rows};
 use crate::Error;
 use crate::report::Results;
@@ -28,7 +28,7 @@ const TABLES: [(&str, &str); 9] = [
 ];
 
 /// All that the page of a study draws and lists. The tables are those in `dir`.
-pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry, dir: &Path) -> Result<Value, Error> {
+pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>, dir: &Path) -> Result<Value, Error> {
     let labels = &results.plan().labels;
     let mut tables = vec![by_panel(results)?];
     if let Some(table) = Table::read(dir, "occurrence.csv")? {
@@ -46,8 +46,7 @@ pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry, dir: &Path) -
         "law_titles": titles,
         "speeds": speeds,
         "tables": tables,
-        "geometry": geometry.json(),
-        "shapes": shapes(results, geometry)?,
+        "moving": shapes::of_study(results, geometry)?,
     }))
 }
 

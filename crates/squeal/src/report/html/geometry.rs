@@ -1,24 +1,47 @@
 //! Where the degrees of freedom of a brake are, so that its modes can be seen to move.
 
-use cea::Mode;
+use linsys::DofMap;
+use nalgebra::DVector;
 use num_complex::Complex;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::mesh::MeshModes;
-use crate::study::{ModeLabel, Plan, origin_of_set};
+use super::mesh::MeshSurface;
+use crate::Error;
+use crate::study::{Plan, Scene};
 
 /// What a page draws of a brake, for moving mode shapes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Geometry(Body);
+pub struct Geometry<'a>(Body<'a>);
 
-#[derive(Debug, Clone, PartialEq)]
-enum Body {
+enum Body<'a> {
     Points(Points),
-    Mesh(MeshModes),
+    Mesh(MeshSurface, MeshMotion<'a>),
     /// Why there is nothing to be seen.
     Nothing(String),
 }
+
+/// Whose degrees of freedom a mode has; a reduced brake may have a basis for each.
+#[derive(Debug, Clone, Copy)]
+pub enum BasisOf<'m> {
+    /// A set of constraints, by its place, where its modes have their names.
+    Set(usize),
+    /// A scene of the brake.
+    Scene(&'m Scene),
+}
+
+/// A mode whose motion is to be drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct ModeOf<'m> {
+    /// What its numbers are of.
+    pub basis: BasisOf<'m>,
+    /// The degrees of freedom of the brake that are free in it.
+    pub dofs: &'m DofMap,
+    /// Its right eigenvector over these.
+    pub shape: &'m DVector<Complex<f64>>,
+}
+
+/// How far a mode moves each node of a surface in x, y and z, node by node.
+pub type MeshMotion<'a> = Box<dyn Fn(ModeOf<'_>) -> Result<Vec<Complex<f64>>, Error> + 'a>;
 
 /// A point that moves, or a bar for each of several degrees of freedom that have no direction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,7 +69,7 @@ const PLATE_BELOW: f64 = 0.9;
 /// How far the plate is drawn beyond the oscillators; chosen.
 const PLATE_BEYOND: f64 = 0.5;
 
-impl Geometry {
+impl<'a> Geometry<'a> {
     /// Oscillators numbered by rows with x along a row and y along a column, three degrees of freedom each, and the plate below them
     /// as the last body.
     #[must_use]
@@ -74,10 +97,13 @@ impl Geometry {
         Self(Body::Points(Points { points, lines, is_spatial: true }))
     }
 
-    /// The surface of a mesh and its modes. One that is too large for a page is not drawn; the page says so.
+    /// The surface of a mesh, and how modes move it. One that is too large for a page is not drawn; the page says so.
     #[must_use]
-    pub fn mesh(modes: MeshModes) -> Self {
-        Self(modes.too_large().map_or(Body::Mesh(modes), Body::Nothing))
+    pub fn mesh(surface: MeshSurface, motion: MeshMotion<'a>) -> Self {
+        Self(match surface.too_large() {
+            Some(why) => Body::Nothing(why),
+            None => Body::Mesh(surface, motion),
+        })
     }
 
     /// Of a brake of which no place is known: the page says `why` instead of a picture.
@@ -110,37 +136,33 @@ impl Geometry {
     }
 
     /// The numbers of a mode that move what is drawn; `None` where nothing is.
-    pub(super) fn shape(
-        &self,
-        plan: &Plan,
-        constraints: usize,
-        name: ModeLabel,
-        mode: &Mode,
-    ) -> Option<Vec<Complex<f64>>> {
-        match &self.0 {
-            Body::Points(_) => full_shape(plan, constraints, mode),
-            Body::Mesh(mesh) => mesh.shape(constraints, name),
+    ///
+    /// # Errors
+    /// A mode that does not fit the mesh.
+    pub(super) fn motion(&self, mode: ModeOf<'_>) -> Result<Option<Vec<Complex<f64>>>, Error> {
+        Ok(match &self.0 {
+            Body::Points(_) => Some(over_all_dofs(mode)),
+            Body::Mesh(_, motion) => Some(motion(mode)?),
             Body::Nothing(_) => None,
-        }
+        })
     }
 
     /// What is drawn, or `why` there is nothing, for the script of the page.
     pub(super) fn json(&self) -> Value {
         match &self.0 {
             Body::Points(points) => json!(points),
-            Body::Mesh(mesh) => mesh.json(),
+            Body::Mesh(surface, _) => surface.json(),
             Body::Nothing(why) => json!({ "why": why }),
         }
     }
 }
 
 /// A mode over all degrees of freedom; those that are held do not move.
-fn full_shape(plan: &Plan, constraints: usize, mode: &Mode) -> Option<Vec<Complex<f64>>> {
-    let dofs = &plan.origins[origin_of_set(plan, constraints)?].brake.dofs;
+fn over_all_dofs(ModeOf { dofs, shape, .. }: ModeOf<'_>) -> Vec<Complex<f64>> {
     let order = dofs.free().iter().max().map_or(0, |last| last + 1);
     let mut full = vec![Complex::new(0.0, 0.0); order];
-    for (&dof, &u) in dofs.free().iter().zip(mode.shape.iter()) {
+    for (&dof, &u) in dofs.free().iter().zip(shape.iter()) {
         full[dof] = u;
     }
-    Some(full)
+    full
 }

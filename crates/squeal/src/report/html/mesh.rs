@@ -1,18 +1,16 @@
 //! The surface of a mesh, so that modes on it can be seen to move.
 
-use num_complex::Complex;
 use serde_json::{Value, json};
 
 use super::packed::{packed, packed_places};
-use crate::study::ModeLabel;
 
 /// Nodes of a surface that a page shows, at most; chosen: their places and faces are a megabyte then, and a browser that draws without a
 /// graphics card was seen to take a third of a second for each picture.
 const MOST_NODES: usize = 40_000;
 
-/// The surface of a mesh and the modes on it.
+/// The surface of a mesh.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeshModes {
+pub struct MeshSurface {
     /// What the nodes on the surface are called.
     pub labels: Vec<i64>,
     /// Where they are at rest.
@@ -22,26 +20,18 @@ pub struct MeshModes {
     pub faces: Vec<[usize; 4]>,
     /// How many of the faces, the first ones, bound a solid: from outside their nodes go around against the clock.
     pub of_solids: usize,
-    /// For each set of constraints its modes: x, y and z of each node.
-    pub shapes: Vec<Vec<(ModeLabel, Vec<Complex<f64>>)>>,
 }
 
-impl MeshModes {
+impl MeshSurface {
     /// Why the surface cannot be shown, where that is so.
     pub(super) fn too_large(&self) -> Option<String> {
         (self.labels.len() > MOST_NODES).then(|| {
             format!(
-                "The surface of the mesh has {} nodes, more than the {MOST_NODES} that a page can move. The files shapes-SET.vtu beside \
-                 it have the modes on the mesh, for ParaView.",
+                "The surface of the mesh has {} nodes, more than the {MOST_NODES} that a page can move. The files shapes-SET.vtu of \
+                 squeal run have modes on the mesh, for ParaView.",
                 self.labels.len()
             )
         })
-    }
-
-    /// The shape of a mode.
-    pub(super) fn shape(&self, constraints: usize, name: ModeLabel) -> Option<Vec<Complex<f64>>> {
-        let (_, shape) = self.shapes.get(constraints)?.iter().find(|(other, _)| *other == name)?;
-        Some(shape.clone())
     }
 
     /// The surface: places of nodes from the middle, as parts of `half`, the half of its largest side.
@@ -68,19 +58,18 @@ impl MeshModes {
 mod tests {
     use super::*;
 
-    /// Two rectangles side by side, each 0.1 long in x and 0.05 in y, and a mode.
-    fn plate() -> MeshModes {
-        MeshModes {
+    /// Two rectangles side by side, each 0.1 long in x and 0.05 in y.
+    fn plate() -> MeshSurface {
+        MeshSurface {
             labels: vec![11, 12, 13, 21, 22, 23],
             positions: (0..6).map(|i| [0.1 * f64::from(i % 3), 0.05 * f64::from(i / 3), 3.0]).collect(),
             faces: vec![[0, 1, 4, 3], [1, 2, 5, 4]],
             of_solids: 0,
-            shapes: vec![vec![(ModeLabel::new(4), (0..18).map(|i| Complex::new(f64::from(i), -1.0)).collect())]],
         }
     }
 
     #[test]
-    fn places_are_stored_from_the_middle_and_shapes_by_set_and_mode() {
+    fn places_are_stored_from_the_middle() {
         let shown = plate().json();
         assert_eq!(shown["nodes"], json!([11, 12, 13, 21, 22, 23]));
         let number = |value: &Value| value.as_f64().unwrap();
@@ -89,15 +78,12 @@ mod tests {
         let from_middle = (0..6).flat_map(|i| [f64::from(i % 3) - 1.0, 0.5 * f64::from(i / 3) - 0.25, 0.0]);
         assert_eq!(shown["at"], json!(packed(from_middle, 1.0)));
         assert_eq!(shown["faces"], json!(packed_places([0, 1, 4, 3, 1, 2, 5, 4])));
-        let shape = |set, mode| plate().shape(set, ModeLabel::new(mode));
-        assert_eq!(shape(0, 4).unwrap()[17], Complex::new(17.0, -1.0));
-        assert_eq!((shape(1, 4), shape(0, 5)), (None, None));
     }
 
     #[test]
     fn a_surface_that_is_too_large_says_where_its_modes_are() {
         assert_eq!(plate().too_large(), None);
-        let why = MeshModes { labels: vec![1; MOST_NODES + 1], ..plate() }.too_large().unwrap();
+        let why = MeshSurface { labels: vec![1; MOST_NODES + 1], ..plate() }.too_large().unwrap();
         assert!(why.contains("40001 nodes") && why.contains("shapes-SET.vtu"), "{why}");
     }
 }

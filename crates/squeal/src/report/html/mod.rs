@@ -22,8 +22,8 @@ mod sweep;
 mod tables;
 mod text;
 
-pub use geometry::Geometry;
-pub use mesh::MeshModes;
+pub use geometry::{BasisOf, Geometry, MeshMotion, ModeOf};
+pub use mesh::MeshSurface;
 #[cfg(feature = "program")]
 pub(crate) use screen::write_screen_page;
 #[cfg(feature = "program")]
@@ -42,11 +42,11 @@ const FILE: &str = "report.html";
 ///
 /// # Errors
 /// A table that cannot be read, a file that cannot be written.
-pub fn write_page(results: &Results<'_>, geometry: &Geometry, dir: &Path) -> Result<(), Error> {
+pub fn write_page(results: &Results<'_>, geometry: &Geometry<'_>, dir: &Path) -> Result<(), Error> {
     let page = Page {
         title: results.plan().name.clone(),
         answer: answer::answer(results)?,
-        figures: include_str!("study.html").into(),
+        figures: [include_str!("study.html"), shapes::SECTION].concat(),
         facts: facts::of_study(results),
         data: data::of_study(results, geometry, dir)?,
     };

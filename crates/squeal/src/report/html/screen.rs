@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::FILE;
 use super::facts::{case, described, program};
+use super::geometry::{BasisOf, Geometry, ModeOf};
 use super::page::Page;
+use super::shapes::{self, MovingMode, moving};
 use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
@@ -23,13 +25,16 @@ const TABLES: [(&str, &str); 2] = [
     ),
 ];
 
-/// Writes `report.html` into `dir`, in which the tables of the same screening stand already.
+/// Writes `report.html` into `dir`, in which the tables of the same screening stand already; `constraints` is the place of the set that
+/// was changed.
 ///
 /// # Errors
-/// A table that cannot be read, a file that cannot be written.
+/// A table that cannot be read, a mode that does not fit the mesh, a file that cannot be written.
 pub(crate) fn write_screen_page(
     plan: &Plan,
     screen: &Screen,
+    constraints: usize,
+    geometry: &Geometry<'_>,
     figure: &Figure,
     title: &str,
     dir: &Path,
@@ -47,7 +52,7 @@ pub(crate) fn write_screen_page(
     let page = Page {
         title: title.into(),
         answer: answer(screen),
-        figures: filled(include_str!("screen.html"), &[("figure", &figure.svg())]),
+        figures: filled(include_str!("screen.html"), &[("figure", &figure.svg())]) + shapes::SECTION,
         facts: format!(
             "<p>Linear about steady sliding. The loads of contacts stay as they are without changes. {}</p>\n<h3>Counts</h3>\n{}{}{}",
             escaped(&screen.rests_on().map(|text| capitalised(&text) + ".").join(" ")),
@@ -55,9 +60,23 @@ pub(crate) fn write_screen_page(
             program(),
             case(plan.source_file.as_ref(), sha256.as_deref())
         ),
-        data: json!({ "tables": tables }),
+        data: json!({ "tables": tables, "moving": growing(geometry, screen, constraints)? }),
     };
     page.write(&dir.join(FILE))
+}
+
+/// The modes that are unstable without changes, scene by scene.
+fn growing(geometry: &Geometry<'_>, screen: &Screen, constraints: usize) -> Result<Value, Error> {
+    let mut scenes: Vec<String> = screen.growing.iter().map(|mode| mode.scene.clone()).collect();
+    scenes.dedup();
+    let modes = screen.growing.iter().map(|mode| MovingMode {
+        group: scenes.iter().position(|scene| *scene == mode.scene).unwrap_or_default(),
+        name: format!("Mode {}", mode.mode),
+        lambda: mode.lambda,
+        note: format!("grows by {:.1} 1/s at the medians", mode.lambda.re),
+        of: ModeOf { basis: BasisOf::Set(constraints), dofs: &mode.dofs, shape: &mode.shape },
+    });
+    moving(geometry, &scenes, modes)
 }
 
 /// What helps, in words, the best of each kind first; then all that was found, as it is printed.

@@ -26,28 +26,29 @@ const startShapes = () => {
   const slider = name => byId(`shape-${name}`);
   const value = name => Number(slider(name).value);
   const [section, choice, play, frame] = [byId('shapes'), byId('shape-mode'), byId('shape-play'), byId('shape-view')];
-  if (data.geometry.why) {
-    section.replaceChildren(section.querySelector('h2'), make('p', {}, data.geometry.why));
+  const { geometry, groups, shapes } = data.moving;
+  if (geometry.why) {
+    section.replaceChildren(section.querySelector('h2'), make('p', {}, geometry.why));
     return;
   }
-  if (!data.shapes.length) {
+  if (!shapes.length) {
     section.hidden = true;
     return;
   }
-  const body = bodyOf(data.geometry);
+  const body = bodyOf(geometry);
   const view = viewOf(body, value);
   const picture = (body.faces ? surfacePicture : linesPicture)(body, view);
   frame.replaceChildren(picture.element);
   for (const label of document.querySelectorAll('label.spatial')) label.hidden = !body.isSpatial;
   if (picture.legend) byId('shape-key').append(...legendOf(picture.legend));
   byId('shape-key').hidden = !picture.legend;
-  choice.replaceChildren(...data.sets.map((name, set) => {
-    const options = data.shapes.map((shape, i) => [shape, i]).filter(([shape]) => shape.set === set);
-    return make('optgroup', { label: name }, ...options.map(([shape, i]) =>
-      make('option', { value: i }, `${shape.label}, ${shape.hertz} Hz${shape.is_unstable ? ', unstable in some samples' : ''}`)));
+  choice.replaceChildren(...groups.map((label, group) => {
+    const options = shapes.map((shape, i) => [shape, i]).filter(([shape]) => shape.group === group);
+    return make('optgroup', { label }, ...options.map(([{ name, hertz, note }, i]) =>
+      make('option', { value: i }, [name, `${hertz} Hz`, note].filter(Boolean).join(', '))));
   }));
 
-  const shape = () => partsOf(data.shapes[choice.value]);
+  const shape = () => partsOf(shapes[choice.value]);
   const setValues = () => {
     for (const [name, unit] of Object.entries(UNITS)) byId(`shape-${name}-value`).textContent = `${value(name)}${unit}`;
   };
@@ -55,7 +56,7 @@ const startShapes = () => {
   const redraw = () => { setValues(); picture.setUnmoved(shape()); setMoved(); };
 
   const describe = () => {
-    const { label, hertz, re, im } = shape();
+    const { name: called, hertz, re, im } = shape();
     picture.setShape(shape());
     // A body of several points has the same degrees of freedom at each.
     const motions = new Map();
@@ -67,7 +68,7 @@ const startShapes = () => {
     byId('shape-largest').replaceChildren(...largest.map(({ name, dof, size }) => make('tr', {}, make('th', { scope: 'row' }, name),
       make('td', { class: 'number' }, size.toFixed(3)),
       make('td', { class: 'number' }, Math.round((Math.atan2(im[dof], re[dof]) * 180) / Math.PI)))));
-    const what = `Mode ${label} at ${hertz} Hz: most motion at ${largest[0].name}`;
+    const what = `${called} at ${hertz} Hz: most motion at ${largest[0].name}`;
     byId('shape-words').replaceChildren(`${what}. ${body.words}`,
       make('span', { class: 'on-screen' }, body.isSpatial ? ' Drag the picture to turn it, or use the arrow keys, + and -.' : ''));
     picture.element.setAttribute('aria-label', `${what}, animated`);

@@ -1,47 +1,89 @@
 //! The shapes of modes, for the picture in which they move.
 
+use num_complex::Complex;
 use serde_json::{Value, json};
 
-use super::Geometry;
+use super::geometry::{BasisOf, Geometry, ModeOf};
 use super::packed::packed;
 use crate::Error;
 use crate::report::Results;
 use crate::report::findings::SetFindings;
 use crate::report::summary::hertz;
+use crate::study::origin_of_set;
 
-/// Numbers of shapes in a page, at most; chosen: 1.6 megabytes. Modes that are ever unstable come first.
+/// Numbers of shapes in a page, at most; chosen: 1.6 megabytes. The modes that come first are shown.
 const MOST_SHAPE_NUMBERS: usize = 600_000;
+/// The part of a page that moves modes.
+pub(super) const SECTION: &str = include_str!("shapes.html");
 
-/// The shapes of modes where they have their names: real and imaginary part of each number in turn, as parts of the largest modulus.
-pub(super) fn shapes(results: &Results<'_>, geometry: &Geometry) -> Result<Vec<Value>, Error> {
-    let plan = results.plan();
-    let mut listed = Vec::new();
-    for constraints in 0..plan.labels.constraints.len() {
-        let findings = SetFindings::new(results, constraints)?;
-        for (name, mode) in results.modes_of_set(constraints) {
-            let place = findings.unstable.iter().position(|(other, _)| *other == name);
-            listed.push((place.is_none(), constraints, place, name, mode));
-        }
-    }
-    listed.sort_by_key(|&(is_stable, constraints, place, name, _)| (is_stable, constraints, place, name));
+/// A mode that a page shows in motion.
+pub(super) struct MovingMode<'m> {
+    /// The place of its group in the list of choices.
+    pub group: usize,
+    /// What it is, as "Mode 16".
+    pub name: String,
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// What is said beside its frequency, after a comma; may be empty.
+    pub note: String,
+    pub of: ModeOf<'m>,
+}
+
+/// What is drawn, and the shapes of the first modes as many as a page has room for: real and imaginary part of each number in turn, as
+/// parts of the largest modulus. In the page they stand group by group.
+///
+/// # Errors
+/// A mode that does not fit the mesh.
+pub(super) fn moving<'m>(
+    geometry: &Geometry<'_>,
+    groups: &[String],
+    modes: impl IntoIterator<Item = MovingMode<'m>>,
+) -> Result<Value, Error> {
     let mut room = MOST_SHAPE_NUMBERS;
     let mut shapes = Vec::new();
-    for (is_stable, constraints, _, name, mode) in listed {
-        let Some(shape) = geometry.shape(plan, constraints, name, mode) else { continue };
+    for MovingMode { group, name, lambda, note, of } in modes {
+        let Some(shape) = geometry.motion(of)? else { continue };
         if 2 * shape.len() > room {
             break;
         }
         room -= 2 * shape.len();
         let largest = shape.iter().fold(f64::MIN_POSITIVE, |most, u| most.max(u.norm()));
         shapes.push(json!({
-            "set": constraints,
-            "label": results.mode_label(constraints, name),
-            "hertz": hertz(cea::frequency_hz(mode.lambda)),
-            "is_unstable": !is_stable,
+            "group": group,
+            "name": name,
+            "hertz": hertz(cea::frequency_hz(lambda)),
+            "note": note,
             "parts": packed(shape.iter().flat_map(|u| [u.re, u.im]), largest),
         }));
     }
-    // Set by set, in each the most robust first.
-    shapes.sort_by_key(|shape| shape["set"].as_u64());
-    Ok(shapes)
+    shapes.sort_by_key(|shape| shape["group"].as_u64());
+    Ok(json!({ "geometry": geometry.json(), "groups": groups, "shapes": shapes }))
+}
+
+/// The modes of a study where they have their names, those that are ever unstable first, of each set the most robust first.
+///
+/// # Errors
+/// As [`moving`].
+pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>) -> Result<Value, Error> {
+    let plan = results.plan();
+    let mut listed = Vec::new();
+    for constraints in 0..plan.labels.constraints.len() {
+        let Some(origin) = origin_of_set(plan, constraints) else { continue };
+        let dofs = &plan.origins[origin].brake.dofs;
+        let findings = SetFindings::new(results, constraints)?;
+        for (label, mode) in results.modes_of_set(constraints) {
+            let place = findings.unstable.iter().position(|(other, _)| *other == label);
+            let note = if place.is_some() { "unstable in some samples" } else { "" };
+            let moving = MovingMode {
+                group: constraints,
+                name: format!("Mode {}", results.mode_label(constraints, label)),
+                lambda: mode.lambda,
+                note: note.to_owned(),
+                of: ModeOf { basis: BasisOf::Set(constraints), dofs, shape: &mode.shape },
+            };
+            listed.push(((place.is_none(), constraints, place, label), moving));
+        }
+    }
+    listed.sort_by_key(|(order, _)| *order);
+    moving(geometry, &plan.labels.constraints, listed.into_iter().map(|(_, mode)| mode))
 }

@@ -6,12 +6,14 @@ use serde_json::json;
 
 use super::FILE;
 use super::facts::{case, described, program};
+use super::geometry::{BasisOf, Geometry, ModeOf};
 use super::page::Page;
+use super::shapes::{self, MovingMode, moving};
 use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
 use crate::study::Plan;
-use crate::sweep::{Evaluations, Found};
+use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
 use crate::{Error, fingerprint};
 
 /// The tables of a sweep, and what they are about.
@@ -23,13 +25,16 @@ const TABLES: [(&str, &str); 5] = [
     ("regions.csv", "How many modes are unstable in each region, and its share of the map"),
 ];
 
-/// Writes `report.html` into `dir`, in which the tables of the same sweep stand already; `scene` says what was swept.
+/// Writes `report.html` into `dir`, in which the tables of the same sweep stand already; `scene` says what was swept, `modes` are those
+/// that the page moves.
 ///
 /// # Errors
-/// A table that cannot be read, a file that cannot be written.
+/// A table that cannot be read, a mode that does not fit the mesh, a file that cannot be written.
 pub(crate) fn write_sweep_page(
     plan: &Plan,
     found: &Found,
+    modes: &[BoundaryMode],
+    geometry: &Geometry<'_>,
     figure: &Figure,
     scene: &str,
     dir: &Path,
@@ -46,25 +51,63 @@ pub(crate) fn write_sweep_page(
         escaped(scene),
         escaped(&found.text())
     );
-    let Evaluations { spectra, eigenvectors, continued, .. } = found.evaluations();
+    let Evaluations { spectra, eigenvectors, continued, whole } = found.evaluations();
     let counts = [
         ("Spectra", spectra.to_string()),
         ("Eigenvectors", eigenvectors.to_string()),
         ("Eigenvalues continued", continued.to_string()),
+        ("Eigenvalues of the whole brake", whole.to_string()),
+        ("Spectra more, of the modes that move", modes.len().to_string()),
         ("Spectra of a grid of equal steps that is as fine", found.fine_grid().to_string()),
     ];
     let sha256 = plan.source_file.as_ref().map(|file| fingerprint(&file.text));
     let page = Page {
         title,
         answer,
-        figures: filled(include_str!("sweep.html"), &[("figure", &figure.svg())]),
+        figures: filled(include_str!("sweep.html"), &[("figure", &figure.svg())]) + shapes::SECTION,
         facts: format!(
             "<p>Linear about steady sliding; one parameter or two are moved, all others are at their medians.</p>\n<h3>Counts</h3>\n{}{}{}",
             described(&counts),
             program(),
             case(plan.source_file.as_ref(), sha256.as_deref())
         ),
-        data: json!({ "tables": tables }),
+        data: json!({ "tables": tables, "moving": moving(geometry, &group(found), of_boundary(plan, found, modes))? }),
     };
     page.write(&dir.join(FILE))
+}
+
+/// What the modes have in common.
+fn group(found: &Found) -> [String; 1] {
+    let what = match found {
+        Found::Branches(_) => "At their onsets",
+        Found::Map(_) => "At the middle of each curve of the boundary",
+    };
+    [what.to_owned()]
+}
+
+/// The modes with what is known of them.
+fn of_boundary<'m>(plan: &'m Plan, found: &Found, modes: &'m [BoundaryMode]) -> Vec<MovingMode<'m>> {
+    let scene = &plan.scenes[0];
+    let of_mode = |mode: &'m BoundaryMode| {
+        let does = match mode.starts {
+            Some(true) => "starts to grow at ",
+            Some(false) => "stops growing at ",
+            None => "",
+        };
+        let place = |(parameter, value): (&SweptParameter, &f64)| format!("{} = {}", parameter.name, rounded(*value));
+        let places: Vec<String> = found.parameters().iter().zip(&mode.at).map(place).collect();
+        MovingMode {
+            group: 0,
+            name: if mode.mode == DIVERGENCE { "Divergence".into() } else { format!("Mode {}", mode.mode) },
+            lambda: mode.lambda,
+            note: format!("{does}{}", places.join(", ")),
+            of: ModeOf { basis: BasisOf::Scene(scene), dofs: &plan.brake(scene).dofs, shape: &mode.shape },
+        }
+    };
+    modes.iter().map(of_mode).collect()
+}
+
+/// To six digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }

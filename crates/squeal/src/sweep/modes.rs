@@ -1,0 +1,62 @@
+//! The modes that cross the axis, with their shapes.
+
+use cea::{EigenSolver, Workspace, right_vector};
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::family::Family;
+use super::parameter::Over;
+use super::{BoundaryCurve, Found, SweepOnset};
+use crate::Error;
+use crate::study::{Study, UncertainBrake};
+
+/// A mode where it neither grows nor decays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryMode {
+    /// Candidates for its name; "divergence".
+    pub mode: String,
+    /// Values of the swept parameters.
+    pub at: Vec<f64>,
+    /// Whether it grows beyond, of one parameter.
+    pub starts: Option<bool>,
+    /// Its eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the axis.
+    pub lambda: Complex<f64>,
+    /// Its right eigenvector over the free degrees of freedom of the scene, of unit norm.
+    pub shape: DVector<Complex<f64>>,
+}
+
+/// The mode of each onset, or of each boundary curve at its middle point; a spectrum for each.
+///
+/// # Errors
+/// Those of the brake and of the solver.
+pub fn boundary_modes<B: UncertainBrake>(
+    study: &Study<'_, B>,
+    scene: usize,
+    over: &[Over],
+    solver: &dyn EigenSolver,
+    found: &Found,
+) -> Result<Vec<BoundaryMode>, Error> {
+    let family = Family::new(study, scene, over, solver)?;
+    let mut work = Workspace::default();
+    let mut mode = |mode: &str, at: Vec<f64>, omega: f64, starts: Option<bool>| -> Result<BoundaryMode, Error> {
+        let (system, on_axis) = (family.system(&at)?, Complex::new(0.0, omega));
+        let eigenvalues = solver.eigenvalues(&system, &mut work)?.eigenvalues;
+        let distance = |lambda: &Complex<f64>| (lambda - on_axis).norm();
+        let nearest = eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let lambda = nearest.unwrap_or(on_axis);
+        Ok(BoundaryMode { mode: mode.to_owned(), at, starts, lambda, shape: right_vector(&system, lambda, &mut work)? })
+    };
+    match found {
+        Found::Branches(sweep) => {
+            let of_onset = |onset: &SweepOnset| mode(&onset.mode, vec![onset.at], onset.omega, Some(onset.starts));
+            sweep.onsets.iter().map(of_onset).collect()
+        }
+        Found::Map(map) => {
+            let of_curve = |BoundaryCurve { mode: name, points, .. }: &BoundaryCurve| {
+                let middle = points.get(points.len() / 2)?;
+                Some(mode(name, middle.at.to_vec(), middle.omega, None))
+            };
+            map.curves.iter().filter_map(of_curve).collect()
+        }
+    }
+}
