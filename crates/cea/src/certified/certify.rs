@@ -1,5 +1,7 @@
 //! How right each eigenvalue is: backward error, condition number, bound, verdict.
 
+use std::collections::HashSet;
+
 use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
@@ -125,7 +127,8 @@ impl<'a> SingleCertifier<'a> {
         let state = look(problem, self.system, &sigmas, i, work)?;
         sigmas[i] = state.sigma;
         let first_order = state.first_order();
-        let enclosed = if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, first_order) };
+        let enclosed =
+            if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, first_order, &mut HashSet::new()) };
         let decided = decide(problem, state, gap(&sigmas, i), enclosed.map(|group| group.disc));
         Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
     }
@@ -205,13 +208,14 @@ fn enclose_groups(
     conjugates: &[Option<usize>],
 ) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-    let (mut discs, mut groups) = (vec![None; found.len()], Vec::new());
+    let (mut discs, mut groups, mut refused) = (vec![None; found.len()], Vec::new(), HashSet::new());
     for i in 0..found.len() {
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
         }
-        let Some(Enclosed { members, disc, space }) = enclose(&problem.scaled, &sigmas, i, found[i].first_order())
-        else {
+        let first_order = found[i].first_order();
+        let enclosed = enclose(&problem.scaled, &sigmas, i, first_order, &mut refused);
+        let Some(Enclosed { members, disc, space }) = enclosed else {
             continue;
         };
         for &j in members.iter().filter(|&&j| !found[j].is_simple) {

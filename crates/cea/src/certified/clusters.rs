@@ -1,5 +1,7 @@
 //! Eigenvalues that cannot be told apart, or nearly so: multiple ones and defective or nearly defective pairs.
 
+use std::collections::HashSet;
+
 use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
@@ -64,8 +66,15 @@ pub(super) struct Enclosed {
 }
 
 /// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many; not it
-/// alone where others are as near as its `first_order` bound.
-pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize, first_order: f64) -> Option<Enclosed> {
+/// alone where others are as near as its `first_order` bound. Groups that are not enclosed join `refused`, so that none is tried again
+/// around another of its members.
+pub(super) fn enclose(
+    s: &Scaled,
+    eigenvalues: &[Complex<f64>],
+    i: usize,
+    first_order: f64,
+    refused: &mut HashSet<Vec<usize>>,
+) -> Option<Enclosed> {
     let mut nearest: Vec<usize> = (0..eigenvalues.len()).collect();
     let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
     nearest.sort_by(|&a, &b| distance(a, eigenvalues[i]).total_cmp(&distance(b, eigenvalues[i])));
@@ -82,6 +91,11 @@ pub(super) fn enclose(s: &Scaled, eigenvalues: &[Complex<f64>], i: usize, first_
             break;
         }
         tried += 1;
+        let mut group = members.to_vec();
+        group.sort_unstable();
+        if !refused.insert(group) {
+            continue;
+        }
         let Some(expansion) = Expansion::new(s, mean, count) else { continue };
         if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
             let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();

@@ -108,7 +108,7 @@ fn the_page_has_the_numbers_of_the_tables() {
 
     // Shapes are those of the files, but for their scale.
     let (_, shape) = csv_of(&files["shapes-first.csv"]);
-    let shown = data["shapes"].as_array().unwrap().iter().find(|shape| shape["label"] == "B1").unwrap();
+    let shown = data["moving"]["shapes"].as_array().unwrap().iter().find(|shape| shape["name"] == "Mode B1").unwrap();
     let shown = parts(shown["parts"].as_str().unwrap());
     assert_eq!(shown[0], [0.0, 0.0], "x1 is held");
     let of_file: Vec<[f64; 2]> = shape
@@ -160,7 +160,7 @@ fn degrees_of_freedom_without_a_place_move_beside_each_other() {
     let (case, dir) = (hoffmann(), folder.path().join("out"));
     run(&case, &dir, &["--samples", "50"]);
     let data = data(&String::from_utf8(results(&dir)["report.html"].clone()).unwrap());
-    let geometry = &data["geometry"];
+    let geometry = &data["moving"]["geometry"];
     assert_eq!(geometry["is_spatial"], false);
     let dofs: Vec<&Value> = geometry["points"].as_array().unwrap().iter().map(|point| &point["dofs"][2]).collect();
     assert_eq!(dofs, [0, 1]);
@@ -183,6 +183,9 @@ fn a_sweep_has_a_page_with_its_tables() {
         let page = String::from_utf8(files["report.html"].clone()).unwrap();
         let names = assert_tables_are_files(&data(&page), &files);
         assert!(names.contains(&"onsets.csv".to_owned()), "{names:?}");
+        let of_onset: Vec<Value> = data(&page)["moving"]["shapes"].as_array().unwrap().clone();
+        assert_eq!(of_onset.len(), 1);
+        assert_eq!(of_onset[0]["note"], "starts to grow at mu = 0.75375");
         assert_eq!(page.matches("<svg").count(), 1);
         page
     });
