@@ -1,6 +1,6 @@
 //! A reduced system solved completely at one operating point, from where those at other points are found.
 
-use linsys::{AffineSystem, OperatingPoint, SecondOrder};
+use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -46,6 +46,8 @@ pub(super) struct Near {
     pub right: DMatrix<f64>,
     /// v^H, real parts above imaginary ones, 2 p x k.
     pub left: DMatrix<f64>,
+    /// i omega in the middle of the band, for which internal states are slopes.
+    middle: Complex<f64>,
     /// What of `W^H A Z` and `W^H B Z` does not depend on the point.
     constant: [Square; 2],
     /// What each term adds per unit of its coefficient; no matrix B where its M is zero.
@@ -66,12 +68,7 @@ impl Anchor {
         rectangle: &Rectangle,
         margin: f64,
     ) -> Result<Self, SparseError> {
-        // Internal states are left to the corrections; without them the system is the nearest that is quadratic.
-        let without_lags = OperatingPoint {
-            coefficients: point.coefficients.clone(),
-            channels: point.channels.iter().map(|gain| linsys::ChannelGain { lag: None, ..*gain }).collect(),
-        };
-        let SecondOrder { m, c, k, .. } = system.assemble(&without_lags)?;
+        let SecondOrder { m, c, k, .. } = without_states(system, point, middle(rectangle))?;
         let (order, gamma) = (m.nrows(), largest(rectangle));
         let wide = |a: &DMatrix<f64>| a.map(Complex::from);
         let mass = wide(&m);
@@ -94,7 +91,7 @@ impl Anchor {
         let y = z.rows(0, order).into_owned();
         let near = Near::new(
             system,
-            gamma,
+            rectangle,
             &NearVectors {
                 y: y.select_columns(&near),
                 velocity: z.rows(order, order).select_columns(&near),
@@ -118,11 +115,35 @@ impl Anchor {
         let terms = self.near.of_terms.iter().zip(self.point.coefficients.iter().zip(&point.coefficients));
         let terms = terms.map(|(moved, (here, there))| (here - there) * moved);
         let channels = self.near.of_channels.iter().zip(self.point.channels.iter().zip(&point.channels));
+        let slope_at = |gain: &ChannelGain| gain.complex_slope(self.near.middle);
         let channels = channels.flat_map(|([friction, slope], (here, there))| {
-            [(here.mu - there.mu) * friction, (here.slope - there.slope) * slope]
+            [(here.mu - there.mu) * friction, (slope_at(here) - slope_at(there)).norm() * slope]
         });
         terms.chain(channels).map(|part| part * part).sum::<f64>().sqrt()
     }
+}
+
+/// i omega in the middle of the band.
+fn middle(rectangle: &Rectangle) -> Complex<f64> {
+    let [from, to] = rectangle.im;
+    Complex::new(0.0, 0.5 * (from + to))
+}
+
+/// The system at a point with a spring and a dashpot in place of each internal state, as it is at `at = i omega`:
+/// `at s b b^T = (Re s at - omega Im s) b b^T`. What it is at other frequencies is left to the corrections.
+fn without_states(
+    system: &AffineSystem,
+    point: &OperatingPoint,
+    at: Complex<f64>,
+) -> Result<SecondOrder, SparseError> {
+    let slopes: Vec<_> = point.channels.iter().map(|gain| gain.complex_slope(at)).collect();
+    let channels =
+        point.channels.iter().zip(&slopes).map(|(gain, s)| ChannelGain { lag: None, slope: s.re, ..*gain }).collect();
+    let mut out = system.assemble(&OperatingPoint { coefficients: point.coefficients.clone(), channels })?;
+    for (b, s) in system.force_matrix().column_iter().zip(slopes).filter(|(_, s)| s.im != 0.0) {
+        out.k.ger(-at.im * s.im, &b, &b, 1.0);
+    }
+    Ok(out)
 }
 
 /// Parts of the vectors of the near modes: right `[y; velocity]`, left `[upper, lower]` as rows.
@@ -134,7 +155,8 @@ struct NearVectors {
 }
 
 impl Near {
-    fn new(system: &AffineSystem, gamma: f64, vectors: &NearVectors) -> Self {
+    fn new(system: &AffineSystem, rectangle: &Rectangle, vectors: &NearVectors) -> Self {
+        let gamma = largest(rectangle);
         let NearVectors { y, velocity, upper, lower } = vectors;
         let wide = |a: &DMatrix<f64>| a.map(Complex::from);
         let (inverse, minus) = (Complex::from(-1.0 / gamma), Complex::from(-1.0));
@@ -154,6 +176,7 @@ impl Near {
         Self {
             right: split::from_columns(y),
             left: stacked(lower),
+            middle: middle(rectangle),
             constant: [upper * velocity * Complex::from(gamma), upper * y],
             of_terms: terms.iter().map(|(a, _): &(Square, _)| a.norm()).collect(),
             of_channels: channels.iter().map(|[friction, slope]| [friction.norm(), slope.norm()]).collect(),
@@ -162,23 +185,24 @@ impl Near {
         }
     }
 
-    /// The modes of `W^H A Z c = lambda W^H B Z c` at a point: the near modes where the others do not take part.
+    /// The modes of `W^H A Z c = lambda W^H B Z c` at a point: the near modes where the others do not take part, and internal states
+    /// are the complex slopes that they are in the middle of the band.
     pub fn modes(&self, point: &OperatingPoint) -> Result<NearModes, SparseError> {
         let [mut a, mut b] = self.constant.clone();
-        let add = |sum: &mut DMatrix<Complex<f64>>, part: &DMatrix<Complex<f64>>, factor: f64| {
+        let add = |sum: &mut Square, part: &Square, factor: Complex<f64>| {
             sum.zip_apply(part, |sum, value| *sum += value * factor);
         };
         for ((stiffness, mass), &theta) in
             self.terms.iter().zip(&point.coefficients).filter(|(_, theta)| **theta != 0.0)
         {
-            add(&mut a, stiffness, theta);
+            add(&mut a, stiffness, theta.into());
             if let Some(mass) = mass {
-                add(&mut b, mass, theta);
+                add(&mut b, mass, theta.into());
             }
         }
         for ([friction, slope], gain) in self.channels.iter().zip(&point.channels) {
-            for (part, factor) in [(friction, gain.mu), (slope, gain.slope)] {
-                if factor != 0.0 {
+            for (part, factor) in [(friction, gain.mu.into()), (slope, gain.complex_slope(self.middle))] {
+                if factor != Complex::default() {
                     add(&mut a, part, factor);
                 }
             }

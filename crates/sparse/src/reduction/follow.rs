@@ -23,7 +23,7 @@ use crate::{Rectangle, SparseError};
 
 /// Corrections after which a mode that has not converged is a doubt; the disc brake of docs/large-problems.md
 /// takes four or five.
-const MOST_CORRECTIONS: usize = 12;
+const MOST_CORRECTIONS: usize = 24;
 /// Last change of an eigenvalue, relative to its size, at which it has converged: the next would be smaller.
 const CONVERGED_STEP: f64 = 1e-9;
 /// How many times its last two changes an eigenvalue must be away from the rectangle to be left there. Chosen; with 10 one of
