@@ -44,6 +44,7 @@ mod error;
 mod feedback;
 mod francis;
 mod lanes;
+mod lu;
 mod real_modes;
 mod sensitivity;
 mod spectrum;

@@ -170,17 +170,7 @@ impl SecondOrder {
         let square = lambda * lambda;
         let entries = self.m.as_slice().iter().zip(self.c.as_slice()).zip(self.k.as_slice());
         let mut q = DMatrix::from_iterator(n, n, entries.map(|((&m, &c), &k)| square * m + lambda * c + k));
-        for state in 0..self.states() {
-            let gain = lambda / (lambda + self.internal.decay[state]);
-            for (j, &drive) in self.internal.drive.row(state).iter().enumerate() {
-                if drive == 0.0 {
-                    continue;
-                }
-                for (i, &force) in self.internal.force.column(state).iter().enumerate() {
-                    q[(i, j)] -= gain * (force * drive);
-                }
-            }
-        }
+        self.subtract_states(&mut q, |decay| lambda / (lambda + decay));
         q
     }
 
@@ -190,35 +180,29 @@ impl SecondOrder {
         let n = self.order();
         let entries = self.m.as_slice().iter().zip(self.c.as_slice());
         let mut q = DMatrix::from_iterator(n, n, entries.map(|(&m, &c)| lambda * (2.0 * m) + c));
-        for state in 0..self.states() {
-            let decay = self.internal.decay[state];
-            let gain = decay / ((lambda + decay) * (lambda + decay));
-            let (drive, force) = (self.internal.drive.row(state), self.internal.force.column(state));
-            for j in (0..n).filter(|&j| drive[j] != 0.0) {
-                for i in 0..n {
-                    q[(i, j)] -= gain * (force[i] * drive[j]);
-                }
-            }
-        }
+        self.subtract_states(&mut q, |decay| decay / ((lambda + decay) * (lambda + decay)));
         q
     }
 
     /// `Q''(lambda) = 2 M + 2 F diag(a / (lambda + a)^3) E`, n x n.
     #[must_use]
     pub fn dynamic_stiffness_second_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
-        let n = self.order();
         let mut q = self.m.map(|m| Complex::from(2.0 * m));
-        for state in 0..self.states() {
-            let decay = self.internal.decay[state];
-            let gain = 2.0 * decay / (lambda + decay).powi(3);
-            let (drive, force) = (self.internal.drive.row(state), self.internal.force.column(state));
-            for j in (0..n).filter(|&j| drive[j] != 0.0) {
-                for i in 0..n {
-                    q[(i, j)] += gain * (force[i] * drive[j]);
+        self.subtract_states(&mut q, |decay| -2.0 * decay / (lambda + decay).powi(3));
+        q
+    }
+
+    /// `q -= F diag(gain(a)) E`.
+    fn subtract_states(&self, q: &mut DMatrix<Complex<f64>>, gain: impl Fn(f64) -> Complex<f64>) {
+        let (n, Internal { decay, drive, force }) = (self.order(), &self.internal);
+        for (state, force) in force.as_slice().chunks_exact(n.max(1)).enumerate() {
+            let gain = gain(decay[state]);
+            for (column, &drive) in q.as_mut_slice().chunks_exact_mut(n.max(1)).zip(&drive.row(state)) {
+                if drive != 0.0 {
+                    column.iter_mut().zip(force).for_each(|(q, force)| *q -= gain * (force * drive));
                 }
             }
         }
-        q
     }
 }
 

@@ -7,9 +7,9 @@ use num_complex::Complex;
 
 use super::dd::DdComplex;
 use super::expansion::{Disc, Expansion};
-use super::lu::Vector;
 use super::residual::residual;
 use super::scaled::Scaled;
+use crate::lu::Vector;
 
 /// Relative distance within which a pair is called nearly defective: a convention, for a reader's attention alone.
 const NEARLY_DEFECTIVE_GAP: f64 = 1e-3;

@@ -24,10 +24,10 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::lu::{LEAST_PIVOT, Lu, Vector};
 use super::measure::{FIRST_ORDER_SAFETY, UNIT_ROUNDOFF};
 use super::scaled::Scaled;
 use super::vectors::{Factor, NORM_ESTIMATES, frobenius_norm};
+use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
 const TERMS_BEYOND: usize = 4;

@@ -6,12 +6,12 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::lu::Vector;
 use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
 use super::vectors::{Factor, NORM_ESTIMATES, frobenius_norm, orthonormalise};
+use crate::lu::Vector;
 use crate::{CeaError, Verdict};
 
 /// Half the distance from 1 to the next double: the relative size of a rounding error.

@@ -43,7 +43,6 @@ mod fixtures;
 mod hessenberg;
 mod kernels;
 mod lane;
-mod lu;
 mod measure;
 mod pencil;
 mod planar;

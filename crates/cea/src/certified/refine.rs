@@ -13,9 +13,9 @@
 use num_complex::Complex;
 
 use super::dd::DdComplex;
-use super::lu::{LEAST_PIVOT, Lu, Vector};
 use super::residual::residual;
 use super::scaled::Scaled;
+use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Steps with one factorisation. Each gains the digits that it is good for: sixteen, less those of the condition number.
 const MOST_NEWTON_STEPS: usize = 6;

@@ -5,9 +5,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::dd::{Dd, DdComplex};
 use super::lane::{Lane, product_error};
-use super::lu::Vector;
 use super::scaled::Scaled;
 use crate::lanes::Ops;
+use crate::lu::Vector;
 
 /// `Q~(sigma) x` in double-double, rounded at the end: wrong by some 2^-104 of the sum of the moduli of its terms.
 pub(crate) fn residual(s: &Scaled, sigma: DdComplex, x: &[DdComplex]) -> Vector {

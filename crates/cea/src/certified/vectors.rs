@@ -3,8 +3,8 @@
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::lu::{LEAST_PIVOT, Lu, Vector};
 use super::scaled::Scaled;
+use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Rounds with one factorisation; the second nearly always changes nothing.
 const NULL_PAIR_ROUNDS: usize = 2;

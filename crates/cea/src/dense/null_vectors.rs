@@ -9,6 +9,7 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
+use crate::lu::{LEAST_PIVOT, Lu};
 
 /// Number of inverse iterations with `Q^H Q`; chosen: the first nearly converges.
 const SINGULAR_VECTOR_ITERATIONS: usize = 3;
@@ -32,6 +33,22 @@ pub(crate) fn null_vectors(
     let mut found = arch.dispatch(NullVectorsInLanes { matrices: wide, start, scratch });
     found.extend(narrow(arch, NullVectorsInLanes { matrices: few, start, scratch }));
     found
+}
+
+/// [`null_vectors`] of one matrix by its LU factors, `x := Q^-1 Q^-H x`: faster than a lane of its own, slower than one of eight.
+pub(crate) fn by_factors(q: &DMatrix<Complex<f64>>, start: &DVector<Complex<f64>>) -> Option<NullVector> {
+    let lu = Lu::new(q, (f64::EPSILON.powi(2) * q.camax()).max(LEAST_PIVOT));
+    let (mut vector, mut residuals) = (start.clone(), [f64::INFINITY; 2]);
+    for _ in 0..SINGULAR_VECTOR_ITERATIONS {
+        for solve in [Lu::solve_adjoint, Lu::solve] {
+            solve(&lu, &mut vector);
+            let norm = vector.norm();
+            vector.unscale_mut(norm);
+        }
+        residuals = [residuals[1], (q * &vector).norm()];
+    }
+    let is_one = (vector.norm_squared() - 1.0).abs() < 1e-6;
+    (is_one && residuals[1].is_finite()).then_some(NullVector { vector, residuals })
 }
 
 struct NullVectorsInLanes<'a> {
@@ -253,7 +270,9 @@ mod tests {
         for n in [2, 3, 10, 31] {
             let (matrices, vectors): (Vec<_>, Vec<_>) = (0..11).map(|seed| singular(n, seed)).unzip();
             for ((matrix, x), found) in matrices.iter().zip(vectors).zip(found(&matrices)) {
-                let found = found.unwrap();
+                let (found, factored) = (found.unwrap(), by_factors(matrix, &start(n)).unwrap());
+                assert!((1.0 - factored.vector.dotc(&x).norm()).abs() < 1e-12, "n = {n}");
+                assert!(factored.residuals[1] < 1e-13 * matrix.norm(), "n = {n}");
                 assert!((1.0 - found.vector.dotc(&x).norm()).abs() < 1e-12, "n = {n}");
                 assert!((matrix * &found.vector).norm() < 1e-13 * matrix.norm(), "n = {n}");
                 assert!(found.residuals[1] < 1e-13 * matrix.norm(), "n = {n}");
@@ -264,8 +283,10 @@ mod tests {
     #[test]
     fn without_a_null_vector_it_is_the_one_of_the_smallest_singular_value() {
         let matrix = DMatrix::from_diagonal(&dvector![3.0, 0.01, 2.0].map(Complex::from));
-        let NullVector { vector, residuals } = found(&[matrix]).remove(0).unwrap();
-        assert!((vector[1].norm() - 1.0).abs() < 1e-8 && (residuals[1] - 0.01).abs() < 1e-8);
+        for found in [found(std::slice::from_ref(&matrix)).remove(0), by_factors(&matrix, &start(3))] {
+            let NullVector { vector, residuals } = found.unwrap();
+            assert!((vector[1].norm() - 1.0).abs() < 1e-8 && (residuals[1] - 0.01).abs() < 1e-8);
+        }
     }
 
     #[test]

@@ -61,15 +61,18 @@ impl Channel {
     /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.
     pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
         // By columns, as matrices are stored: the channels of a reduced brake are dense.
-        if gain.mu != 0.0 {
-            for &(column, r) in &self.reading {
-                self.force.iter().for_each(|&(row, b)| out.k[(row, column)] += gain.mu * (b * r));
+        let add = |matrix: &mut DMatrix<f64>, factor: f64, across: &[(usize, f64)]| {
+            let rows = matrix.nrows();
+            for &(column, r) in across {
+                let column = &mut matrix.as_mut_slice()[column * rows..(column + 1) * rows];
+                self.force.iter().for_each(|&(row, b)| column[row] += factor * (b * r));
             }
+        };
+        if gain.mu != 0.0 {
+            add(&mut out.k, gain.mu, &self.reading);
         }
         if gain.slope != 0.0 {
-            for &(column, other) in &self.force {
-                self.force.iter().for_each(|&(row, b)| out.c[(row, column)] += gain.slope * (b * other));
-            }
+            add(&mut out.c, gain.slope, &self.force);
         }
         if let Some(lag) = gain.lag {
             out.internal.decay[state] = lag.decay;

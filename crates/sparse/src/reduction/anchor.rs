@@ -131,11 +131,7 @@ fn middle(rectangle: &Rectangle) -> Complex<f64> {
 
 /// The system at a point with a spring and a dashpot in place of each internal state, as it is at `at = i omega`:
 /// `at s b b^T = (Re s at - omega Im s) b b^T`. What it is at other frequencies is left to the corrections.
-fn without_states(
-    system: &AffineSystem,
-    point: &OperatingPoint,
-    at: Complex<f64>,
-) -> Result<SecondOrder, SparseError> {
+fn without_states(system: &AffineSystem, point: &OperatingPoint, at: Complex<f64>) -> Result<SecondOrder, SparseError> {
     let slopes: Vec<_> = point.channels.iter().map(|gain| gain.complex_slope(at)).collect();
     let channels =
         point.channels.iter().zip(&slopes).map(|(gain, s)| ChannelGain { lag: None, slope: s.re, ..*gain }).collect();
