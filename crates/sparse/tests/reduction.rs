@@ -147,6 +147,28 @@ fn modes_that_are_followed_are_those_of_the_whole_spectrum() {
     }
 }
 
+/// A state that is as stiff as the springs around it moves modes by more than the margin in which they are looked after.
+#[test]
+fn modes_that_a_stiff_internal_state_moves_are_those_of_the_whole_spectrum() {
+    let system = plate();
+    let stiff = |mut at: OperatingPoint| {
+        at.channels[0].lag = Some(Lag { decay: 6.0, drive: 40.0, force: -25.0 });
+        at
+    };
+    let training: Vec<_> = draws(12).into_iter().map(stiff).collect();
+    let wanted = Wanted { rectangle: RECTANGLE, points: &training[..2], training: &training };
+    let Reduction { reduced, .. } =
+        Reduction::build(&system, &wanted, &Options { anchors: 6, ..Options::default() }).unwrap();
+    for at in training {
+        let (followed, all) = (reduced.modes(&at).unwrap(), reduced.modes_by_spectrum(&at).unwrap());
+        assert!(matches!(followed.route, Route::Followed { .. }), "{:?}", followed.route);
+        assert_eq!(followed.lambdas.len(), all.lambdas.len());
+        for (one, other) in followed.lambdas.iter().zip(&all.lambdas) {
+            assert!((one - other).norm() < 1e-8 * one.norm(), "{one} {other}");
+        }
+    }
+}
+
 /// All right vectors of the rectangle at a few points make residuals at one of them that are small, and others elsewhere.
 #[test]
 fn the_residual_is_that_of_the_full_system_whatever_its_size() {
