@@ -3,7 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use crate::{LinsysError, Matrix};
+use crate::{LinsysError, Matrix, real_times_complex};
+
+/// States from which on those that act on all degrees of freedom are summed as a product of matrices. Chosen: a reduced brake has some
+/// dozens.
+const MANY_STATES: usize = 8;
 
 /// `M u'' + C u' + K u = F z`, `z' = -a z + E u'`.
 ///
@@ -184,6 +188,18 @@ impl SecondOrder {
         q
     }
 
+    /// `Q'(lambda) x`, without the matrix.
+    #[must_use]
+    pub fn derivative_times(&self, lambda: Complex<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        let mut image = real_times_complex(&self.m, x) * (lambda * 2.0) + real_times_complex(&self.c, x);
+        for (state, &decay) in self.internal.decay.iter().enumerate() {
+            let reading: Complex<f64> = self.internal.drive.row(state).iter().zip(x).map(|(e, x)| x * e).sum();
+            let gain = decay / ((lambda + decay) * (lambda + decay)) * reading;
+            image.iter_mut().zip(&self.internal.force.column(state)).for_each(|(sum, f)| *sum -= gain * f);
+        }
+        image
+    }
+
     /// `Q''(lambda) = 2 M + 2 F diag(a / (lambda + a)^3) E`, n x n.
     #[must_use]
     pub fn dynamic_stiffness_second_derivative(&self, lambda: Complex<f64>) -> DMatrix<Complex<f64>> {
@@ -195,6 +211,15 @@ impl SecondOrder {
     /// `q -= F diag(gain(a)) E`.
     fn subtract_states(&self, q: &mut DMatrix<Complex<f64>>, gain: impl Fn(f64) -> Complex<f64>) {
         let (n, Internal { decay, drive, force }) = (self.order(), &self.internal);
+        if decay.len() >= MANY_STATES && drive.iter().all(|&drive| drive != 0.0) {
+            let gains = decay.map(gain);
+            let product = |part: fn(&Complex<f64>) -> f64| {
+                force * DMatrix::from_fn(decay.len(), n, |state, j| part(&gains[state]) * drive[(state, j)])
+            };
+            let (re, im) = (product(|gain| gain.re), product(|gain| gain.im));
+            q.zip_zip_apply(&re, &im, |q, re, im| *q -= Complex::new(re, im));
+            return;
+        }
         for (state, force) in force.as_slice().chunks_exact(n.max(1)).enumerate() {
             let gain = gain(decay[state]);
             for (column, &drive) in q.as_mut_slice().chunks_exact_mut(n.max(1)).zip(&drive.row(state)) {
@@ -239,6 +264,30 @@ mod tests {
         let [ahead, behind] = [step, -step].map(|step| system.dynamic_stiffness_derivative(lambda + step));
         let difference = (ahead - behind) / Complex::from(2.0 * step);
         assert!((difference - system.dynamic_stiffness_second_derivative(lambda)).norm() < 1e-8);
+    }
+
+    #[test]
+    fn many_states_act_as_each_of_them_does() {
+        let (n, s) = (6, MANY_STATES + 3);
+        let wave = |i: usize, j: usize| ((5 * i + 3 * j * j + i * j) % 13) as f64 - 6.5;
+        let matrix = |seed: usize| DMatrix::from_fn(n, n, |i, j| wave(i + seed, j));
+        let internal = |states: std::ops::Range<usize>| Internal {
+            decay: DVector::from_fn(states.len(), |i, _| 1.0 + 0.3 * (states.start + i) as f64),
+            drive: DMatrix::from_fn(states.len(), n, |i, j| wave(states.start + i, j)),
+            force: DMatrix::from_fn(n, states.len(), |i, j| wave(i, states.start + j + 2)),
+        };
+        let with = |states| SecondOrder::with_internal(matrix(0), matrix(1), matrix(2), internal(states)).unwrap();
+        let (all, few, lambda) = (with(0..s), with(0..0), Complex::new(-0.4, 1.7));
+        let added = |of: fn(&SecondOrder, Complex<f64>) -> DMatrix<Complex<f64>>| {
+            let each = (0..s).map(|state| of(&with(state..state + 1), lambda) - of(&few, lambda));
+            let expected = each.fold(of(&few, lambda), |sum, one| sum + one);
+            (of(&all, lambda) - &expected).norm() / expected.norm()
+        };
+        assert!(added(SecondOrder::dynamic_stiffness) < 1e-14);
+        assert!(added(SecondOrder::dynamic_stiffness_derivative) < 1e-14);
+        let x = DVector::from_fn(n, |i, _| Complex::new(wave(i, 1), wave(1, i)));
+        let expected = all.dynamic_stiffness_derivative(lambda) * &x;
+        assert!((all.derivative_times(lambda, &x) - &expected).norm() < 1e-14 * expected.norm());
     }
 
     #[test]

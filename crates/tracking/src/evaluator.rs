@@ -98,7 +98,7 @@ impl SystemPath<'_> {
         let mut y = stiffness * x;
         let size = y.norm();
         y.unscale_mut(size);
-        let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * x));
+        let slope = y.dotc(&system.derivative_times(lambda, x));
         let rate = -y.dotc(&self.change(lambda, x)) / slope;
         let lambda = lambda - size / slope;
         (lambda.is_finite() && rate.is_finite()).then_some(NewtonStep { lambda, rate })
