@@ -66,7 +66,7 @@ pub struct StabilityMap {
 /// are studied.
 ///
 /// # Errors
-/// Parameters or ranges that the scene does not have, a value that the brake refuses, and those of [`find_onsets`].
+/// Parameters or ranges that the scene does not have, a value that the brake refuses, and those of [`tracking::find_onsets`].
 pub fn stability_map<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
