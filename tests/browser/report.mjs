@@ -258,7 +258,7 @@ const check = async (browser, folder, pictures) => {
     await bars(page, folder);
   } else {
     await marks(page, folder);
-    if (await hasShapes(page)) await crossing(page, folder);
+    if (!(await page.value("JSON.parse(document.getElementById('data').textContent).moving.geometry.why"))) await crossing(page, folder);
   }
   if (!isStudy && (await hasShapes(page))) await shapes(page);
   // As a reader finds it, at rest: the same picture each time.

@@ -208,13 +208,13 @@ fn enclose_groups(
     conjugates: &[Option<usize>],
 ) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-    let (mut discs, mut groups, mut refused) = (vec![None; found.len()], Vec::new(), HashSet::new());
+    let (mut discs, mut groups, mut seen) = (vec![None; found.len()], Vec::new(), HashSet::new());
     for i in 0..found.len() {
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
         }
         let first_order = found[i].first_order();
-        let enclosed = enclose(&problem.scaled, &sigmas, i, first_order, &mut refused);
+        let enclosed = enclose(&problem.scaled, &sigmas, i, first_order, &mut seen);
         let Some(Enclosed { members, disc, space }) = enclosed else {
             continue;
         };

@@ -66,14 +66,14 @@ pub(super) struct Enclosed {
 }
 
 /// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many; not it
-/// alone where others are as near as its `first_order` bound. Groups that are not enclosed join `refused`, so that none is tried again
-/// around another of its members.
+/// alone where others are as near as its `first_order` bound. Groups join `seen` as they are tried, so that none is tried again around
+/// another of its members.
 pub(super) fn enclose(
     s: &Scaled,
     eigenvalues: &[Complex<f64>],
     i: usize,
     first_order: f64,
-    refused: &mut HashSet<Vec<usize>>,
+    seen: &mut HashSet<Vec<usize>>,
 ) -> Option<Enclosed> {
     let mut nearest: Vec<usize> = (0..eigenvalues.len()).collect();
     let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
@@ -93,7 +93,7 @@ pub(super) fn enclose(
         tried += 1;
         let mut group = members.to_vec();
         group.sort_unstable();
-        if !refused.insert(group) {
+        if !seen.insert(group) {
             continue;
         }
         let Some(expansion) = Expansion::new(s, mean, count) else { continue };

@@ -1,11 +1,11 @@
 //! Products and sums of long columns of [`Planar`](super::planar::Planar) matrices in vector registers.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
 use super::lane::Lane;
-use super::planar::Planar;
 use crate::lanes::Ops;
 
 /// Columns that a product takes together: their sums hide how long one of them takes. Chosen.
@@ -143,7 +143,9 @@ pub(super) struct AddProduct<'a, T> {
     /// The columns of A, as long.
     pub(super) a: &'a [f64],
     pub(super) plane: usize,
-    pub(super) b: &'a Planar<T>,
+    /// The columns of B, as long as A is wide.
+    pub(super) b: &'a [f64],
+    pub(super) entry: PhantomData<T>,
 }
 
 impl<T: Lane> WithSimd for AddProduct<'_, T> {
@@ -151,11 +153,12 @@ impl<T: Lane> WithSimd for AddProduct<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { columns, a, plane, b } = self;
+        let Self { columns, a, plane, b, .. } = self;
         let (o, size) = (Ops(simd), T::PLANES * plane);
-        for (j, column) in columns.chunks_exact_mut(size).enumerate() {
+        let inner = a.len() / size;
+        for (column, b) in columns.chunks_exact_mut(size).zip(b.chunks_exact(T::PLANES * inner)) {
             for (k, a) in a.chunks_exact(size).enumerate() {
-                subtract::<T, S>(o, (column, plane), 0..plane, (a, plane), T::splat(o, -b.get(k, j)));
+                subtract::<T, S>(o, (column, plane), 0..plane, (a, plane), T::splat(o, -T::assembled(&b[k..], inner)));
             }
         }
     }

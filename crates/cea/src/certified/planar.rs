@@ -142,7 +142,7 @@ impl<T: Lane> Planar<T> {
     /// `self += a b`.
     pub(crate) fn add_product(&mut self, a: &Self, b: &Self) {
         let (arch, plane) = (self.arch, self.rows);
-        arch.dispatch(AddProduct { columns: &mut self.data, a: &a.data, plane, b });
+        arch.dispatch(AddProduct::<T> { columns: &mut self.data, a: &a.data, plane, b: &b.data, entry: PhantomData });
     }
 
     /// The columns from `column` on, one after the other.

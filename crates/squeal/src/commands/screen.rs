@@ -90,18 +90,18 @@ impl ScreenArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let brake = LatticeBrake::new(*case)?;
                 let grid = brake.case.lattice.grid;
-                self.screen(&brake, &Geometry::lattice(grid.rows(), grid.columns()))?
+                self.screen(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let brake = MatricesBrake::new(*case)?;
-                self.screen(&brake, &Geometry::bodies(brake.plan()))?
+                self.screen(&brake, &|| Geometry::bodies(brake.plan()))?
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
                 let brake = FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"))?;
-                self.screen(&brake, &mesh_geometry(&brake))?
+                self.screen(&brake, &|| mesh_geometry(&brake))?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -148,7 +148,7 @@ impl ScreenArgs {
         })
     }
 
-    fn screen<B: UncertainBrake>(&self, brake: &B, geometry: &Geometry<'_>) -> Result<String, Error> {
+    fn screen<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let sets: Vec<&str> = plan.labels.constraints.iter().map(String::as_str).collect();
         let options = self.options(&sets)?;
@@ -179,7 +179,7 @@ impl ScreenArgs {
                 screen.write_tables(stage)?;
                 let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
-                write_screen_page(plan, &screen, options.constraints, geometry, &figure, &what, stage)
+                write_screen_page(plan, &screen, options.constraints, &geometry(), &figure, &what, stage)
             })?;
             let own = json!({
                 "constraints": sets[options.constraints],

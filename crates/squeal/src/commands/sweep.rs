@@ -66,23 +66,23 @@ impl SweepArgs {
             CaseFile::Lattice(case) => {
                 let brake = LatticeBrake::new(self.scene.only_lattice(*case, None)?)?;
                 let grid = brake.case.lattice.grid;
-                self.sweep(&brake, &Geometry::lattice(grid.rows(), grid.columns()))?
+                self.sweep(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
             }
             CaseFile::Matrices(case) => {
                 let brake = MatricesBrake::new(self.scene.only_matrices(*case)?)?;
-                self.sweep(&brake, &Geometry::bodies(brake.plan()))?
+                self.sweep(&brake, &|| Geometry::bodies(brake.plan()))?
             }
             CaseFile::FiniteElements(case) => {
                 let case = self.scene.only_finite_elements(*case, None)?;
                 let brake = FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"))?;
-                self.sweep(&brake, &mesh_geometry(&brake))?
+                self.sweep(&brake, &|| mesh_geometry(&brake))?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
     }
 
     /// Sweeps the first scene of a brake, and says what was found.
-    fn sweep<B: UncertainBrake>(&self, brake: &B, geometry: &Geometry<'_>) -> Result<String, Error> {
+    fn sweep<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
         let identity = format!("{} sweep {}", plan.identity, named.join(" "));
@@ -121,7 +121,7 @@ impl SweepArgs {
                 let title = format!("Sweep over {}", named.join(" and "));
                 let figure = found.figure(&title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
-                write_sweep_page(plan, &found, &modes, geometry, &figure, &scene, stage)
+                write_sweep_page(plan, &found, &modes, &geometry(), &figure, &scene, stage)
             })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),

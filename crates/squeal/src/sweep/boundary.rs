@@ -7,6 +7,7 @@
 //! Curves run so that the unstable side is on their right.
 
 use nalgebra::{Vector2, vector};
+use serde::Serialize;
 use tracking::link_error;
 
 use super::curve_point::CurvePoint;
@@ -41,7 +42,7 @@ const MOST_POINTS: usize = 20_000;
 const SAME_POINT: f64 = 5e-3;
 
 /// How a curve ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CurveEnd {
     /// It is closed.
@@ -50,6 +51,27 @@ pub enum CurveEnd {
     Edge,
     /// Where it could not be followed: near a coalescence on the boundary, or where two curves meet.
     Lost,
+}
+
+/// A point of a boundary curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BoundaryPoint {
+    /// Values of the two parameters.
+    pub at: [f64; 2],
+    /// Im lambda, rad/s; 0 of divergence.
+    pub omega: f64,
+}
+
+/// A curve on which one mode neither grows nor decays, or on which the stiffness is singular (divergence). On its right, seen along
+/// it, the mode grows, or one more real eigenvalue is above zero.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoundaryCurve {
+    /// Candidates for the name of the mode where the curve was found, on the straight line from the medians; "divergence".
+    pub mode: String,
+    /// How it begins and ends.
+    pub ends: [CurveEnd; 2],
+    /// Its points; the first again at the end of a closed one.
+    pub points: Vec<BoundaryPoint>,
 }
 
 /// The direction in which a point is corrected.

@@ -4,9 +4,8 @@ use cea::{EigenSolver, Workspace};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use serde::Serialize;
 
-use super::boundary::CurveEnd;
+use super::boundary::BoundaryCurve;
 use super::divergence::sign;
 use super::family::{Evaluations, Family, Part};
 use super::parameter::{Over, SweptParameter};
@@ -14,27 +13,6 @@ use super::part_map::{GRID, of_part};
 use super::regions::{CELLS, Region, Run, regions, runs};
 use crate::Error;
 use crate::study::{Study, UncertainBrake};
-
-/// A point of a boundary curve.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct BoundaryPoint {
-    /// Values of the two parameters.
-    pub at: [f64; 2],
-    /// Im lambda, rad/s; 0 of divergence.
-    pub omega: f64,
-}
-
-/// A curve on which one mode neither grows nor decays, or on which the stiffness is singular (divergence). On its right, seen along
-/// it, the mode grows, or one more real eigenvalue is above zero.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BoundaryCurve {
-    /// Candidates for the name of the mode where the curve was found, on the straight line from the medians; "divergence".
-    pub mode: String,
-    /// How it begins and ends.
-    pub ends: [CurveEnd; 2],
-    /// Its points; the first again at the end of a closed one.
-    pub points: Vec<BoundaryPoint>,
-}
 
 /// A stability map.
 #[derive(Debug, Clone, PartialEq)]

@@ -26,12 +26,12 @@ mod part_map;
 mod pictures;
 mod regions;
 
-pub use boundary::CurveEnd;
+pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
 pub use coalescence::Coalescence;
 pub use divergence::DIVERGENCE;
 pub use family::Evaluations;
 pub use found::Found;
-pub use map::{BoundaryCurve, BoundaryPoint, StabilityMap, stability_map};
+pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::{NamedBranch, Sweep, sweep};
 pub use onset::SweepOnset;

@@ -8,11 +8,10 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use tracking::{Branches, Onsets, find_onsets, follow_branch};
 
-use super::boundary::{CurveEnd, Tracer, passes};
+use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, Tracer, passes};
 use super::curve_point::CurvePoint;
 use super::divergence::{DIVERGENCE, SignChanges, sign_changes};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
-use super::map::{BoundaryCurve, BoundaryPoint};
 use super::names::{Names, in_words};
 use crate::Error;
 use crate::study::UncertainBrake;
