@@ -6,53 +6,64 @@ use num_complex::Complex;
 /// `A x` of a real n x m matrix and a complex vector of length m; length n. Entries beyond the shorter of m and the length of
 /// x are not read.
 ///
-/// A column with no entry off the diagonal costs one product, as in a diagonal mass matrix.
+/// Columns without an entry off the diagonal cost one product each, as in a diagonal mass matrix.
 #[must_use]
 pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
     let rows = a.nrows();
-    let mut product = DVector::zeros(rows);
     if rows == 0 {
-        return product;
+        return DVector::zeros(0);
     }
-    // The vectors of real eigenvalues: half of the work, to the same bits.
-    if x.iter().all(|value| value.im == 0.0) {
-        return real_times_real(a, x).map(Complex::from);
-    }
-    for (j, (column, &value)) in a.as_slice().chunks_exact(rows).zip(x).enumerate() {
-        let (above, below) = column.split_at(j.min(rows));
-        match below.split_first() {
-            Some((&diagonal, below)) if is_zero(above) && is_zero(below) => product[j] += value * diagonal,
-            _ => product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += value * entry),
+    let (re, im): (Vec<f64>, Vec<f64>) = x.iter().take(a.ncols()).map(|value| (value.re, value.im)).unzip();
+    // The vectors of real eigenvalues have one part, to the same bits.
+    let parts = if im.iter().all(|&value| value == 0.0) { vec![re] } else { vec![re, im] };
+    let mut sums = vec![vec![0.0; rows]; 2];
+    for (group, columns) in a.as_slice().chunks(AT_ONCE * rows).enumerate() {
+        let first = group * AT_ONCE;
+        let is_diagonal = columns.chunks_exact(rows).enumerate().all(|(at, column)| is_diagonal(column, first + at));
+        for (sums, part) in sums.iter_mut().zip(&parts) {
+            let factors = &part[part.len().min(first)..part.len().min(first + AT_ONCE)];
+            if is_diagonal {
+                for (at, (sum, factor)) in (first..).zip(sums.iter_mut().skip(first).zip(factors)) {
+                    *sum += factor * columns[(at - first) * rows + at];
+                }
+            } else {
+                add_columns(sums, columns, factors);
+            }
         }
     }
-    product
+    DVector::from_fn(rows, |i, _| Complex::new(sums[0][i], sums[1][i]))
 }
 
-/// [`real_times_complex`] of a vector without imaginary parts: four columns in one pass over the sums.
-fn real_times_real(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<f64> {
-    let rows = a.nrows();
-    let mut product = DVector::zeros(rows);
-    let factors: Vec<f64> = x.iter().take(a.ncols()).map(|value| value.re).collect();
-    let mut fours = factors.chunks_exact(4);
-    for (factors, columns) in fours.by_ref().zip(a.as_slice().chunks_exact(4 * rows)) {
-        let (one, rest) = columns.split_at(rows);
-        let (two, rest) = rest.split_at(rows);
-        let (three, four) = rest.split_at(rows);
-        for ((((sum, one), two), three), four) in product.iter_mut().zip(one).zip(two).zip(three).zip(four) {
-            *sum = *sum + factors[0] * one + factors[1] * two + factors[2] * three + factors[3] * four;
+/// Columns that are added in one pass over the sums.
+const AT_ONCE: usize = 4;
+
+/// Adds each column times its factor.
+fn add_columns(sums: &mut [f64], columns: &[f64], factors: &[f64]) {
+    let rows = sums.len();
+    let &[a, b, c, d] = factors else {
+        for (&factor, column) in factors.iter().zip(columns.chunks_exact(rows)) {
+            sums.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += factor * entry);
         }
+        return;
+    };
+    let (one, rest) = columns.split_at(rows);
+    let (two, rest) = rest.split_at(rows);
+    let (three, four) = rest.split_at(rows);
+    for ((((sum, one), two), three), four) in sums.iter_mut().zip(one).zip(two).zip(three).zip(four) {
+        *sum = *sum + a * one + b * two + c * three + d * four;
     }
-    let done = factors.len() / 4 * 4;
-    for (&factor, column) in fours.remainder().iter().zip(a.as_slice()[done * rows..].chunks_exact(rows)) {
-        product.iter_mut().zip(column).for_each(|(sum, &entry)| *sum += factor * entry);
-    }
-    product
 }
 
-/// Whether all numbers are zero of either sign. There is no branch per number, so that the compiler can use vector operations;
-/// the shift removes the sign bit.
+/// Whether a column has no entry but perhaps this one.
+fn is_diagonal(column: &[f64], at: usize) -> bool {
+    let (above, below) = column.split_at(at.min(column.len()));
+    is_zero(above) && is_zero(below.get(1..).unwrap_or_default())
+}
+
+/// Whether all numbers are zero of either sign: a few without a branch, so that the compiler can use vector operations; the shift
+/// removes the sign bit.
 fn is_zero(numbers: &[f64]) -> bool {
-    numbers.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0
+    numbers.chunks(32).all(|few| few.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0)
 }
 
 #[cfg(test)]
