@@ -6,6 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::Arch;
 
+mod solves;
+
 /// Columns that are eliminated one after the other instead of by halves: of 8, 16, 32 and 64 the fastest for n = 100 to 400.
 const FEW: usize = 32;
 
@@ -180,81 +182,23 @@ impl Lu {
             }
         }
     }
-
-    fn at(&self, i: usize, j: usize) -> Complex<f64> {
-        let [re, im] = &self.parts;
-        Complex::new(re[(i, j)], im[(i, j)])
-    }
-
-    /// x := A^-1 x.
-    pub(crate) fn solve(&self, x: &mut Vector) {
-        let n = x.len();
-        for (k, &pivot) in self.swaps.iter().enumerate() {
-            x.swap_rows(k, pivot);
-        }
-        for k in 0..n {
-            self.subtract_column(k, k + 1..n, x[k], x);
-        }
-        for k in (0..n).rev() {
-            x[k] /= self.at(k, k);
-            self.subtract_column(k, 0..k, x[k], x);
-        }
-    }
-
-    /// x -= column k times `head`, in some rows.
-    fn subtract_column(&self, k: usize, rows: Range<usize>, head: Complex<f64>, x: &mut Vector) {
-        let [re, im] = &self.parts;
-        let (re, im) = (re.column(k), im.column(k));
-        if self.is_real {
-            let factors = &re.as_slice()[rows.clone()];
-            x.as_mut_slice()[rows].iter_mut().zip(factors).for_each(|(z, &re)| *z -= head * re);
-            return;
-        }
-        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
-        for (z, (&re, &im)) in x.as_mut_slice()[rows].iter_mut().zip(factors) {
-            *z -= Complex::new(re, im) * head;
-        }
-    }
-
-    /// The sum of conjugate entries of column k times x, in some rows.
-    fn column_dot(&self, k: usize, rows: Range<usize>, x: &Vector) -> Complex<f64> {
-        let [re, im] = &self.parts;
-        let (re, im) = (re.column(k), im.column(k));
-        if self.is_real {
-            return x.as_slice()[rows.clone()].iter().zip(&re.as_slice()[rows]).map(|(z, &re)| z * re).sum();
-        }
-        let factors = re.as_slice()[rows.clone()].iter().zip(&im.as_slice()[rows.clone()]);
-        x.as_slice()[rows].iter().zip(factors).map(|(z, (&re, &im))| Complex::new(re, -im) * z).sum()
-    }
-
-    /// x := A^-H x.
-    pub(crate) fn solve_adjoint(&self, x: &mut Vector) {
-        let n = x.len();
-        for k in 0..n {
-            let sum = self.column_dot(k, 0..k, x);
-            x[k] = (x[k] - sum) / self.at(k, k).conj();
-        }
-        for k in (0..n).rev() {
-            let sum = self.column_dot(k, k + 1..n, x);
-            x[k] -= sum;
-        }
-        for (k, &pivot) in self.swaps.iter().enumerate().rev() {
-            x.swap_rows(k, pivot);
-        }
-    }
 }
 
 /// `x -= l head` of complex numbers in parts.
 #[inline(always)]
 fn subtract_multiple([re, im]: [&mut [f64]; 2], [l_re, l_im]: [&[f64]; 2], head: [f64; 2], is_real: bool) {
     if is_real {
-        re.iter_mut().zip(l_re).for_each(|(x, l)| *x -= l * head[0]);
-        return;
+        return subtract_real(re, l_re, head[0]);
     }
     for ((re, im), (&l_re, &l_im)) in re.iter_mut().zip(im).zip(l_re.iter().zip(l_im)) {
         *re -= l_re * head[0] - l_im * head[1];
         *im -= l_re * head[1] + l_im * head[0];
     }
+}
+
+#[inline(always)]
+fn subtract_real(x: &mut [f64], l: &[f64], head: f64) {
+    x.iter_mut().zip(l).for_each(|(x, l)| *x -= l * head);
 }
 
 #[cfg(test)]
