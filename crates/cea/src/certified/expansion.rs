@@ -85,7 +85,9 @@ impl<'a> Expansion<'a> {
         let mut series_of = vec![columns(&mut series)];
         let mut before = vec![Vector::zeros(n); corank];
         for _ in 0..if corank == count { 2 } else { count + TERMS_BEYOND } {
-            let image = |(w, v): (&Vector, &Vector)| -(problem.derivative_times(centre, w) + problem.mass_times(v));
+            let image = |(w, v): (&Vector, &Vector)| {
+                -(problem.mass_times(&(w * (centre * 2.0) + v)) + problem.damping_times(w))
+            };
             let images: Vec<_> = terms.iter().zip(&before).map(image).collect();
             before = terms;
             (terms, series) = images.into_iter().map(|b| bordered.solve(b)).unzip();

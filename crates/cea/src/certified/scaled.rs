@@ -153,6 +153,11 @@ impl Scaled {
         adjoint_times(&self.m, y)
     }
 
+    /// `C~ x`.
+    pub(crate) fn damping_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        real_times_complex(&self.c, x)
+    }
+
     /// `M~ x`.
     pub(crate) fn mass_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         real_times_complex(&self.m, x)
