@@ -38,8 +38,8 @@ pub enum Route {
     Qz,
     /// QZ iteration after the infinite and zero eigenvalues were deflated.
     DeflatedQz,
-    /// QR iteration in double-double arithmetic on two matrices of half the size, one for the slow eigenvalues and one for the
-    /// fast ones: the damping spreads them over more than a double's digits and all of it is far from singular.
+    /// QR iteration in double-double arithmetic on two matrices, one for the slow eigenvalues and one for the fast ones: the
+    /// damping of some or all directions spreads them over more than a double's digits.
     ExtendedFactors,
     /// QR iteration in double-double arithmetic after one matrix was inverted, deflated where needed: what is left is nearly
     /// singular, or strong damping is not split into slow and fast. Some five times slower.
@@ -148,11 +148,8 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     {
         return Ok((Route::Standard, sigmas));
     }
-    if strongly_damped
-        && !singular
-        && let Some(sigmas) = factors::eigenvalues(scaled)
-        && found(&sigmas)
-    {
+    let factors = || if singular { None } else { factors::eigenvalues(scaled).filter(|sigmas| found(sigmas)) };
+    if strongly_damped && let Some(sigmas) = factors() {
         return Ok((Route::ExtendedFactors, sigmas));
     }
     let companion = companion(scaled);
@@ -178,6 +175,9 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
             && found(&sigmas)
         {
             return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
+        }
+        if let Some(sigmas) = factors() {
+            return Ok((Route::ExtendedFactors, sigmas));
         }
         if let Some(sigmas) = extended.standard_eigenvalues(reversed)
             && found(&sigmas)

@@ -22,35 +22,34 @@ pub(super) const LARGEST_ERROR: f64 = 1e-10;
 /// The eigenvalues, complex ones in exact conjugate pairs; none where rounding may have cost more than
 /// [`LARGEST_ERROR`] or the iteration fails.
 pub(super) fn eigenvalues<T: Lane>(a: &Planar<T>, b: &Planar<T>) -> Option<Vec<Complex<f64>>> {
-    let Quotients { of: [state], error } = quotients([a], b)?;
+    let Quotients { of: [state], error } = quotients([a], b);
     of_matrix(state, error)
 }
 
-/// `B^-1 A` for some A, and the relative error of each by norms, at most [`LARGEST_ERROR`].
+/// `B^-1 A` for some A, and the relative error of each by norms: not finite where B is singular.
 pub(super) struct Quotients<T, const N: usize> {
     pub(super) of: [Planar<T>; N],
     pub(super) error: f64,
 }
 
-/// `B^-1 A` for each A; none where B is too nearly singular.
-pub(super) fn quotients<T: Lane, const N: usize>(of: [&Planar<T>; N], b: &Planar<T>) -> Option<Quotients<T, N>> {
+/// `B^-1 A` for each A.
+pub(super) fn quotients<T: Lane, const N: usize>(of: [&Planar<T>; N], b: &Planar<T>) -> Quotients<T, N> {
     let size = b.rows();
     let largest = |i: usize| (0..size).map(|j| b.get(i, j).value().abs()).fold(0.0, f64::max);
     let scale: Vec<T> = (0..size).map(|i| T::from(power_of_two(1.0 / largest(i)))).collect();
-    let scaled = |x: &Planar<T>| Planar::from_fn(size, size, |i, j| x.get(i, j) * scale[i]);
+    let scaled = |x: &Planar<T>| Planar::from_fn(size, x.columns(), |i, j| x.get(i, j) * scale[i]);
     let (mut of, mut r) = (of.map(scaled), scaled(b));
     triangularise(&mut r, of.each_mut());
-    let error = T::EPSILON * condition(&r);
-    if error.is_nan() || error > LARGEST_ERROR {
-        return None;
-    }
     of.iter_mut().for_each(|a| r.solve_triangle(a));
-    Some(Quotients { of, error })
+    Quotients { of, error: T::EPSILON * condition(&r) }
 }
 
 /// The eigenvalues of a matrix with this relative error, by the QR iteration; none where the least of them may be wrong by more
 /// than [`LARGEST_ERROR`], relative to it, or the iteration fails.
 pub(super) fn of_matrix<T: Lane>(mut matrix: Planar<T>, error: f64) -> Option<Vec<Complex<f64>>> {
+    if error.is_nan() || error > LARGEST_ERROR {
+        return None;
+    }
     let error = error * matrix.norm();
     reduce_to_hessenberg(&mut matrix);
     let found = francis::of_hessenberg(matrix, MOST_QR_STEPS)?;
