@@ -40,6 +40,7 @@ mod factors;
 mod field;
 #[cfg(test)]
 mod fixtures;
+mod groups;
 mod hessenberg;
 mod kernels;
 mod lane;
