@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::null_vectors::{NullVector, by_factors, null_vectors};
+use crate::lu::{LEAST_PIVOT, Lu};
 use crate::{CeaError, Workspace};
 
 /// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes, a
@@ -163,27 +164,19 @@ fn null_vector(
 ) -> Result<DVector<Complex<f64>>, CeaError> {
     work.counters.factorisations += 1;
     work.counters.eigenvectors += 1;
-    let n = q.nrows();
     let project = |x: &mut DVector<Complex<f64>>| {
         for other in orthogonal_to {
             let overlap = other.dotc(x);
             x.axpy(-overlap, other, Complex::from(1.0));
         }
     };
-    let factor = q.clone().lu();
-    // An exactly singular Q has a zero pivot; adding a rounding error gives a factorisation with the same null vector.
-    let factor = if factor.is_invertible() {
-        factor
-    } else {
-        (q + DMatrix::identity(n, n) * Complex::from(f64::EPSILON * size.max(f64::MIN_POSITIVE))).lu()
-    };
-    let mut x = start(n, orthogonal_to.len());
+    // A pivot that vanishes becomes less than a rounding error, which leaves the null vector as it is.
+    let lu = Lu::new(q, (f64::EPSILON * f64::EPSILON * size).max(LEAST_PIVOT));
+    let mut x = start(q.nrows(), orthogonal_to.len());
     let mut residual = f64::INFINITY;
     for _ in 0..MOST_INVERSE_ITERATIONS {
         project(&mut x);
-        if !factor.solve_mut(&mut x) {
-            break;
-        }
+        lu.solve(&mut x);
         project(&mut x);
         let norm = x.norm();
         if !(norm.is_finite() && norm > 0.0) {
