@@ -64,9 +64,13 @@ pub(super) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow or too many of them have chains.
+    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow or too many of them have chains, as they do where
+    /// there are more eigenvalues than vectors.
     pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
         let n = problem.order();
+        if count > n.max(LARGEST_CHAINED) {
+            return None;
+        }
         let factor = Factor::for_several(problem, centre);
         let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
         let size = problem.norms.size(centre.norm());
