@@ -146,6 +146,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
     fn one_way(&mut self, start: &CurvePoint, sign: f64) -> Result<(Vec<CurvePoint>, CurveEnd), Error> {
         let mut points: Vec<CurvePoint> = Vec::new();
         let (mut here, mut step) = (start.clone(), FIRST_STEP);
+        let start_point = KnownPoint { at: start.at, omega: start.omega(), error: 0.0 };
         while points.len() < MOST_POINTS {
             let tangent = here.tangent() * sign;
             let (to_edge, edge) = to_edge(here.at, tangent);
@@ -167,7 +168,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
                 }
                 continue;
             };
-            if points.len() > 2 && passes(&here, &next, sign, start.at, start.omega()) {
+            if points.len() > 2 && passes(&here, &next, sign, &start_point) {
                 return Ok((points, CurveEnd::Closed));
             }
             if next.tangent().dot(&here.tangent()) >= SMALL_TURN {
@@ -205,8 +206,18 @@ fn is_next(here: &CurvePoint, next: &CurvePoint, predicted: Vector2<f64>, sign: 
         && here.likeness(next) >= LEAST_LIKENESS
 }
 
-/// Whether the curve goes through a known point, with a frequency that is zero of divergence, between two of its points.
-pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, at: Vector2<f64>, omega: f64) -> bool {
+/// A point of the boundary found on a line of the grid.
+pub(super) struct KnownPoint {
+    pub at: Vector2<f64>,
+    /// Its frequency, zero of divergence.
+    pub omega: f64,
+    /// How far it may be from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
+    pub error: f64,
+}
+
+/// Whether the curve goes through a known point between two of its own.
+pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, known: &KnownPoint) -> bool {
+    let &KnownPoint { at, omega, error } = known;
     if here.is_divergence() != (omega == 0.0) {
         return false;
     }
@@ -226,6 +237,7 @@ pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, at: Vector
     let near = vector![cubic(here.at.x, next.at.x, [out.x, back.x]), cubic(here.at.y, next.at.y, [out.y, back.y])];
     let rates = [here, next].map(|point| point.omega_rate() * sign * length);
     let change = (next.omega() - here.omega()).abs() + rates[0].abs();
-    (near - at).norm() <= SAME_POINT * length + ROUNDING
-        && (cubic(here.omega(), next.omega(), rates) - omega).abs() <= SAME_POINT * change + ROUNDING * omega
+    let reach = SAME_POINT * length + error;
+    (near - at).norm() <= reach + ROUNDING
+        && (cubic(here.omega(), next.omega(), rates) - omega).abs() <= change * reach / length + ROUNDING * omega
 }

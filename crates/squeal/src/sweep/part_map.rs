@@ -8,7 +8,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use tracking::{Branches, Onsets, find_onsets, follow_branch};
 
-use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, Tracer, passes};
+use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
 use super::curve_point::CurvePoint;
 use super::divergence::{DIVERGENCE, SignChanges, sign_changes};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
@@ -40,6 +40,8 @@ struct Met {
     along: f64,
     omega: f64,
     starts: bool,
+    /// Bound of the error of `along`.
+    error: f64,
 }
 
 /// What is found on a line.
@@ -77,7 +79,7 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
     };
     let found = lines.par_iter().map(of_line).collect::<Result<Vec<_>, Error>>()?;
     let mut map = PartMap::default();
-    let mut starts: Vec<(Vector2<f64>, f64)> = Vec::new();
+    let mut starts: Vec<KnownPoint> = Vec::new();
     for OnLine { line, met, unresolved, unstable_at_start, evaluations } in found {
         map.unresolved += unresolved;
         map.evaluations += evaluations;
@@ -85,7 +87,11 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
             let changes = met.iter().map(|met| (met.along, if met.starts { 1 } else { -1 }));
             map.on_left = (unstable_at_start as i64, changes.collect());
         }
-        starts.extend(met.iter().map(|met| (line.place(met.along), met.omega)));
+        starts.extend(met.iter().map(|met| KnownPoint {
+            at: line.place(met.along),
+            omega: met.omega,
+            error: met.error,
+        }));
     }
     let mut tracer = Tracer { part, continued: 0 };
     let mut open: Vec<bool> = vec![true; starts.len()];
@@ -93,7 +99,7 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
         if !open[first] {
             continue;
         }
-        let (at, omega) = starts[first];
+        let KnownPoint { at, omega, .. } = starts[first];
         let Some(start) = CurvePoint::start(part, at, omega)? else {
             map.unresolved += 1;
             continue;
@@ -106,20 +112,18 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
             map.evaluations.whole += u64::from(distance.is_some());
             map.from_whole = map.from_whole.into_iter().chain(distance).reduce(f64::max);
         }
-        let on_curve = |&(at, omega): &(Vector2<f64>, f64)| {
-            points.windows(2).any(|step| passes(&step[0], &step[1], 1.0, at, omega))
-        };
+        let on_curve = |known: &KnownPoint| points.windows(2).any(|step| passes(&step[0], &step[1], 1.0, known));
         let met: Vec<usize> = (0..starts.len()).filter(|&i| i == first || (open[i] && on_curve(&starts[i]))).collect();
         met.iter().for_each(|&i| open[i] = false);
         // The name is that at the point nearest to the medians, where the way there is shortest.
         let medians = part.medians();
         let median = vector![medians[0], medians[1]];
-        let distance = |i: &usize| (starts[*i].0 - median).norm();
+        let distance = |i: &usize| (starts[*i].at - median).norm();
         let named_at = met.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(first);
         let mode = if omega == 0.0 {
             DIVERGENCE.to_owned()
         } else {
-            let (names, evaluations) = name(part, starts[named_at]);
+            let (names, evaluations) = name(part, (starts[named_at].at, starts[named_at].omega));
             map.evaluations += evaluations;
             in_words(&names)
         };
@@ -138,7 +142,12 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
     let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
     let studied = onsets.iter().filter(|onset| part.is_studied(onset.omega));
-    let flutter = studied.map(|onset| Met { along: onset.at, omega: onset.omega, starts: onset.destabilises });
+    let flutter = studied.map(|onset| Met {
+        along: onset.at,
+        omega: onset.omega,
+        starts: onset.destabilises,
+        error: onset.error,
+    });
     let is_counted = |lambda: &&Complex<f64>| lambda.re >= 0.0 && part.is_studied(lambda.im);
     let mut unstable_at_start = branches.lambdas(0.0)?.iter().filter(is_counted).count();
     let mut met: Vec<Met> = flutter.collect();
@@ -146,7 +155,12 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
         let system = |along: f64| part.system(line.place(along).as_slice());
         let SignChanges { found, negative_at_start } = sign_changes(&system, &[])?;
         unstable_at_start += usize::from(negative_at_start);
-        met.extend(found.iter().map(|change| Met { along: change.at, omega: 0.0, starts: change.to_negative }));
+        met.extend(found.iter().map(|change| Met {
+            along: change.at,
+            omega: 0.0,
+            starts: change.to_negative,
+            error: change.width,
+        }));
     }
     let evaluations = Evaluations::of(branches.counters());
     Ok(OnLine { line, met, unresolved: unresolved.len(), unstable_at_start, evaluations })
