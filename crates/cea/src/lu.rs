@@ -184,12 +184,17 @@ impl Lu {
     }
 }
 
-/// `x -= l head` of complex numbers in parts.
+/// `x -= l head` of numbers in parts, all complex or all real.
 #[inline(always)]
 fn subtract_multiple([re, im]: [&mut [f64]; 2], [l_re, l_im]: [&[f64]; 2], head: [f64; 2], is_real: bool) {
     if is_real {
         return subtract_real(re, l_re, head[0]);
     }
+    subtract_complex([re, im], [l_re, l_im], head);
+}
+
+#[inline(always)]
+fn subtract_complex([re, im]: [&mut [f64]; 2], [l_re, l_im]: [&[f64]; 2], head: [f64; 2]) {
     for ((re, im), (&l_re, &l_im)) in re.iter_mut().zip(im).zip(l_re.iter().zip(l_im)) {
         *re -= l_re * head[0] - l_im * head[1];
         *im -= l_re * head[1] + l_im * head[0];

@@ -81,4 +81,16 @@ mod tests {
             assert_eq!(real_times_complex(&a, &real), a.map(Complex::from) * &real);
         }
     }
+
+    #[test]
+    fn columns_beyond_the_last_four_and_diagonal_ones_among_others_are_added() {
+        let n = 11;
+        // Eight diagonal columns, then full ones.
+        let a = DMatrix::from_fn(n, n, |i, j| if j < 8 && i != j { 0.0 } else { (1 + i + 2 * j) as f64 / 8.0 });
+        let x = DVector::from_fn(n, |i, _| Complex::new(0.5 * i as f64 - 2.0, 3.0 - i as f64));
+        for a in [a.clone(), a.transpose(), a.columns(0, 9).into_owned(), a.rows(0, 6).into_owned()] {
+            let expected = a.map(Complex::from) * x.rows(0, a.ncols());
+            assert_eq!(real_times_complex(&a, &x), expected);
+        }
+    }
 }

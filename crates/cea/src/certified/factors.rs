@@ -1,29 +1,30 @@
 //! A strongly damped problem as two eigenproblems, one of its slow and one of its fast eigenvalues, in double-double precision.
 //!
-//! Where r directions s are strongly damped, r eigenvalues are fast. Let s be the first r columns of M, C and K and w the others. A
-//! slow motion has no freedom in s but where it is: `q_s' = S z` with the state `z = (q_s, q_w, q_w')`. With `q_s'' = S z'` the
-//! equation of motion gives
+//! Where r directions s are strongly damped, r eigenvalues are fast. Let s be the first r columns of M, C and K and w the
+//! others. A slow motion has no velocity of its own in s but `q_s' = S z` with the state `z = (q_s, q_w, q_w')`. With
+//! `q_s'' = S z'` the equation of motion gives
 //!
 //! ```text
 //! (q_s', q_w'') = -B^-1 [K, C_w + M_s S_2] z,     B = [C_s + M_s S_1, M_w + M_s S_3],     S = [S_1, S_2, S_3]
 //! ```
 //!
-//! where the parts of S act on q_s', q_w' and q_w''. The first r rows are S again. All of them, with q_w' between, are a matrix G, z' = G z,
-//! which has the 2 n - r slow eigenvalues. F, the first r rows of `-B^-1 M_s`, has the reciprocals of the fast ones. With r = n
+//! where the parts of S act on q_s', q_w' and q_w''. The first r rows are S again. All of them, with q_w' between, are a
+//! matrix G, z' = G z, which has the 2 n - r slow eigenvalues. F, the first r rows of `-B^-1 M_s`, has the reciprocals of the
+//! fast ones. With r = n
 //!
 //! ```text
 //! lambda^2 M + lambda C + K = (lambda M + B) (lambda - S),     B = M S + C,     G = S = -B^-1 K,
 //! ```
 //!
-//! and the fixed-point iteration for S is Bernoulli's (Higham and Kim, IMA J. Numer. Anal. 20, 2000). A step takes an error e of S to `F e G`, so
+//! and the fixed-point iteration for S is Bernoulli's (Higham and Kim, IMA J. Numer. Anal. 20, 2000). A step takes an error e
+//! of S to `F e G`, so
 //!
 //! ```text
 //! |S_i+1 - S| <= 2 q |S_i+1 - S_i|     with  q = |F| |G| < 1/4,
 //! ```
 //!
 //! and what it has of G is wrong by `B^-1 M_s e G`. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
-//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in
-//! double-double are enough.
+//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough.
 
 use num_complex::Complex;
 

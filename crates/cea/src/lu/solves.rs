@@ -5,7 +5,7 @@ use std::ops::Range;
 use num_complex::Complex;
 use pulp::Arch;
 
-use super::{Lu, Vector, subtract_multiple, subtract_real};
+use super::{Lu, Vector, subtract_complex, subtract_real};
 
 impl Lu {
     /// x := A^-1 x.
@@ -69,7 +69,7 @@ impl Lu {
             subtract_real(re, l[0], head[0]);
             subtract_real(im, l[0], head[1]);
         } else {
-            subtract_multiple([re, im], l, head, false);
+            subtract_complex([re, im], l, head);
         }
     }
 

@@ -123,7 +123,7 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
         let mode = if omega == 0.0 {
             DIVERGENCE.to_owned()
         } else {
-            let (names, evaluations) = name(part, (starts[named_at].at, starts[named_at].omega));
+            let (names, evaluations) = name(part, &starts[named_at]);
             map.evaluations += evaluations;
             in_words(&names)
         };
@@ -168,7 +168,7 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
 
 /// The names of the mode that crosses the axis at a point with a frequency, followed on the straight line to the medians; none where
 /// it cannot be followed.
-fn name<B: UncertainBrake>(part: &Part<'_, B>, (at, omega): (Vector2<f64>, f64)) -> (Names, Evaluations) {
+fn name<B: UncertainBrake>(part: &Part<'_, B>, &KnownPoint { at, omega, .. }: &KnownPoint) -> (Names, Evaluations) {
     let start = part.medians();
     let direction = vec![at.x - start[0], at.y - start[1]];
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
