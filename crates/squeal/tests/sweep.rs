@@ -15,6 +15,8 @@ use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stabilit
 
 #[path = "common/cases.rs"]
 mod cases;
+#[path = "sweep/thresholds.rs"]
+mod thresholds;
 
 use cases::{cases, paper};
 

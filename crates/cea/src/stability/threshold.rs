@@ -97,6 +97,13 @@ impl Threshold {
         lambda - normal * distance
     }
 
+    /// The eigenvalue of frequency `omega` >= 0, rad/s, that is this far beyond the threshold: on it where that is zero.
+    #[must_use]
+    pub fn at_margin(&self, margin: f64, omega: f64) -> Complex<f64> {
+        let (c, s) = (-self.ratio, (1.0 - self.ratio * self.ratio).sqrt());
+        Complex::new((margin + self.growth).max((margin + omega * c) / s), omega)
+    }
+
     /// Whether an eigenvalue that is known to within `bound`, rad/s, is beyond the threshold: [`Verdict::Unstable`] where it surely
     /// is, [`Verdict::Stable`] where it surely is not.
     pub fn verdict(&self, lambda: Complex<f64>, bound: f64) -> Verdict {
@@ -130,6 +137,7 @@ mod tests {
         {
             assert_eq!(Threshold::AXIS.margin(lambda).to_bits(), lambda.re.to_bits());
             assert_eq!(Threshold::AXIS.nearest(lambda), Complex::new(0.0, lambda.im));
+            assert_eq!(Threshold::AXIS.at_margin(lambda.re, lambda.im), lambda);
             assert_eq!(Threshold::AXIS.verdict(lambda, 1e-3), Verdict::of(lambda, 1e-3));
         }
     }
@@ -165,6 +173,8 @@ mod tests {
             if margin > 0.0 {
                 prop_assert!(threshold.margin(nearest).abs() <= 1e-9 * lambda.norm().max(1.0));
             }
+            let same = threshold.at_margin(margin, im);
+            prop_assert!(same.im == im && (same.re - re).abs() <= 1e-12 * (1.0 + lambda.norm()));
             let rate = Complex::from_polar(1.0, angle);
             let by_difference = (threshold.margin(lambda + rate * 1e-5) - margin) / 1e-5;
             let near_edge = (threshold.margin(lambda) - (re - growth)).abs() < 1e-3 && ratio != 0.0;

@@ -3,7 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use cea::{EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers, verdict};
+use cea::{
+    EigenSolver, Mode, Modes, QrSolver, Threshold, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers,
+    verdicts_beyond,
+};
 use linsys::OperatingPoint;
 use num_complex::Complex;
 use osc_model::Brake;
@@ -12,7 +15,7 @@ use work::ModeWork;
 
 use super::eig::announce;
 use super::reasons::{first_scene, is_of, reasons, whys};
-use super::scene::{LatticeScene, SceneArgs, bare_sign, chosen};
+use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
@@ -20,9 +23,6 @@ use crate::report::hertz;
 use crate::run::bar;
 use crate::study::{Scene, UncertainBrake, mode_work};
 use crate::why::Why;
-
-/// What is said of verdicts where a case has a threshold.
-const VERDICTS: &str = "verdicts are of the bare sign of the growth rate";
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -76,11 +76,12 @@ impl CeaArgs {
             "contact": contacts.in_contact().iter().map(|i| i + 1).collect::<Vec<_>>(),
             "speed": speed,
         });
-        let sign = bare_sign(&case.threshold, VERDICTS);
-        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters{sign}");
+        let threshold = case.threshold;
+        let counts = counts_from(&threshold);
+        let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters{counts}");
         let whys =
             if self.why { first_scene(&LatticeBrake::new(self.scene.only_lattice(case, None)?)?)? } else { Vec::new() };
-        self.text(lattice.brake(), &lattice.operating_point(&state)?, &heading, &scene, &whys)
+        self.text(lattice.brake(), &lattice.operating_point(&state)?, &threshold, &heading, &scene, &whys)
     }
 
     fn matrices(&self, case: MatricesCase) -> Result<String, Error> {
@@ -88,15 +89,15 @@ impl CeaArgs {
         let medians = case.medians();
         let values =
             case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
-        let sign = bare_sign(&case.threshold, VERDICTS);
-        let heading = format!("median parameters: {}{sign}", values.collect::<Vec<_>>().join(", "));
+        let (threshold, counts) = (case.threshold, counts_from(&case.threshold));
+        let heading = format!("median parameters: {}{counts}", values.collect::<Vec<_>>().join(", "));
         let named: serde_json::Map<String, Value> =
             case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
         let scene = json!({ "constraints": set.name, "parameters": named });
         let (brake, at) = (case.brake(set)?, case.operating_point(&medians)?);
         let whys =
             if self.why { first_scene(&MatricesBrake::new(self.scene.only_matrices(case)?)?)? } else { Vec::new() };
-        self.text(&brake, &at, &heading, &scene, &whys)
+        self.text(&brake, &at, &threshold, &heading, &scene, &whys)
     }
 
     /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
@@ -115,9 +116,11 @@ impl CeaArgs {
         };
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
-        let sign = bare_sign(&brake.plan.threshold, VERDICTS);
-        let heading = format!("{}; median parameters{sign}", brake.plan.describe(scene));
+        let counts = counts_from(&brake.plan.threshold);
+        let heading = format!("{}; median parameters{counts}", brake.plan.describe(scene));
         let rows = modes.lambdas.iter().zip(&modes.residuals);
+        let verdict =
+            |lambda: Complex<f64>| brake.plan.threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         if self.json {
             let list: Vec<Value> = rows
@@ -128,6 +131,7 @@ impl CeaArgs {
                         "frequency_hz": frequency_hz(*lambda),
                         "damping_ratio": damping_ratio(*lambda),
                         "residual": residual,
+                        "verdict": verdict(*lambda).to_string(),
                     });
                     if let Some(why) = whys.iter().find(|why| is_of(*lambda, why)) {
                         mode["why"] = json!(why);
@@ -137,14 +141,17 @@ impl CeaArgs {
                 .collect();
             return Ok(format!("{:#}\n", json!({ "scene": heading, "modes": list })));
         }
-        let mut text =
-            format!("{heading}\n\n{:>12}  {:>14}  {:>14}  {:>9}\n", "Hz", "growth 1/s", "damping ratio", "residual");
+        let mut text = format!(
+            "{heading}\n\n{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
+            "Hz", "growth 1/s", "damping ratio", "residual", "verdict"
+        );
         for (lambda, residual) in rows {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
-            text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}\n", lambda.re);
+            let verdict = verdict(*lambda).to_string();
+            text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);
         }
         Ok(text
-            + "\ndamping ratio: -Re / |lambda|, negative is unstable; residual: of the mode in the unreduced brake\n"
+            + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in the unreduced brake\n"
             + &reasons(&whys, |_| String::new()))
     }
 
@@ -153,11 +160,12 @@ impl CeaArgs {
         &self,
         brake: &Brake,
         at: &OperatingPoint,
+        threshold: &Threshold,
         heading: &str,
         scene: &Value,
         whys: &[Why],
     ) -> Result<String, Error> {
-        let (rows, modes) = analyse(brake, at, self.modes)?;
+        let (rows, modes) = analyse(brake, at, threshold, self.modes)?;
         Ok(match self.json {
             true => json_text(scene, &rows, &modes, whys),
             false => {
@@ -172,14 +180,20 @@ impl CeaArgs {
 }
 
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.
-fn analyse(brake: &Brake, at: &OperatingPoint, wants_shapes: bool) -> Result<(Vec<Row>, Modes), Error> {
+fn analyse(
+    brake: &Brake,
+    at: &OperatingPoint,
+    threshold: &Threshold,
+    wants_shapes: bool,
+) -> Result<(Vec<Row>, Modes), Error> {
     let system = brake.system.assemble(at)?;
     announce(system.order());
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
     let modes = Modes::classify(&system, &spectrum, &mut work)?;
+    let verdicts = verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work)?;
     let mut rows = Vec::with_capacity(modes.oscillatory.len());
-    for (index, &lambda) in modes.oscillatory.iter().enumerate() {
+    for ((index, &lambda), verdict) in modes.oscillatory.iter().enumerate().zip(verdicts) {
         let shape = if wants_shapes {
             let mode = Mode::at(&system, &[lambda], &mut work)?.swap_remove(0);
             let energy = mode_work(brake, at, &mode)?;
@@ -187,7 +201,6 @@ fn analyse(brake: &Brake, at: &OperatingPoint, wants_shapes: bool) -> Result<(Ve
         } else {
             None
         };
-        let verdict = verdict(&system, lambda, &spectrum, &mut work)?;
         rows.push(Row { lambda, rank: modes.rank(index), verdict, shape });
     }
     Ok((rows, modes))
@@ -220,7 +233,7 @@ fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
     if !modes.internal.is_empty() {
         text += &format!("\n{} bristle eigenvalues, which are no modes\n", modes.internal.len());
     }
-    text + "\ndamping ratio: -Re / |lambda|, negative is unstable; rank counts overdamped modes first, of equal frequencies the damped one\n"
+    text + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; rank counts overdamped modes first, of equal frequencies the damped one\n"
 }
 
 /// Shape and work of a mode, a line for each body. A shape with three components for each body is shown in full, others

@@ -24,12 +24,9 @@ pub struct SceneArgs {
     pub speed: Option<f64>,
 }
 
-/// That a command knows the bare sign of Re lambda alone, to end a heading with, where a case counts from a threshold on.
-pub(super) fn bare_sign(threshold: &Threshold, what: &str) -> String {
-    if threshold.is_axis() {
-        return String::new();
-    }
-    format!("; {what}: the case's threshold, {threshold}, is not applied")
+/// From where on a mode counts as unstable, to end a heading with, where that is not the bare sign of Re lambda.
+pub(super) fn counts_from(threshold: &Threshold) -> String {
+    if threshold.is_axis() { String::new() } else { format!("; unstable: with {threshold}") }
 }
 
 /// One scene of a case with a lattice.

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::mesh_shapes::mesh_geometry;
 use super::options::{check_threads, threads};
 use super::results_folder;
-use super::scene::{SceneArgs, bare_sign};
+use super::scene::{SceneArgs, counts_from};
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
@@ -111,9 +111,9 @@ impl SweepArgs {
             Ok((found, modes))
         })?;
         let seconds = start.elapsed().as_secs_f64();
-        let axis = bare_sign(&plan.threshold, "modes that cross the imaginary axis");
+        let counts = counts_from(&plan.threshold);
         let scene =
-            format!("{}: {}; other parameters at their medians{axis}", plan.name, plan.describe(&plan.scenes[0]));
+            format!("{}: {}; other parameters at their medians{counts}", plan.name, plan.describe(&plan.scenes[0]));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| {

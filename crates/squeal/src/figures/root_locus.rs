@@ -23,6 +23,8 @@ pub struct RootLocusFigure {
     pub branches: Vec<LocusBranch>,
     /// Onsets and coalescences.
     pub marks: Vec<LocusMark>,
+    /// What a mode does at an onset, as in "starts to grow" and "stops growing".
+    pub onsets: [&'static str; 2],
     /// Below everything; may be empty.
     pub note: String,
 }
@@ -39,9 +41,9 @@ pub struct LocusBranch {
 /// What happens at a point of a root locus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LocusEvent {
-    /// A mode starts to grow.
+    /// A mode starts to grow, or to count as unstable.
     Starts,
-    /// A mode stops growing.
+    /// It stops.
     Stops,
     /// Two modes coalesce, or nearly.
     Coalescence,
@@ -104,7 +106,7 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
     ];
     let mut y = title(&mut canvas, &data.title);
     y = bar(&mut canvas, y + 4.0, parameter, data.range, &data.parameter);
-    y = legend(&mut canvas, y, &key());
+    y = legend(&mut canvas, y, &key(data.onsets));
     let left = PAGE_MARGIN + locus.left(&canvas, LOCUS_HEIGHT);
     let right = canvas.width - PAGE_MARGIN - 10.0;
     let area = Area { x: left, y: y + 4.0, width: right - left, height: LOCUS_HEIGHT };
@@ -158,7 +160,9 @@ impl Panel {
         }
         frame(canvas, area);
         for mark in &data.marks {
-            canvas.group("mark", mark.title(&data.parameter), |canvas| symbol(canvas, place(&mark.at), mark.event));
+            canvas.group("mark", mark.title(&data.parameter, data.onsets), |canvas| {
+                symbol(canvas, place(&mark.at), mark.event)
+            });
         }
         // Onsets at the axis of growth are beside each other: their names stand on several levels.
         if self.y == 2 {
@@ -200,13 +204,13 @@ impl RootLocusFigure {
 
 impl LocusMark {
     /// What happens there, with its numbers.
-    fn title(&self, parameter: &str) -> String {
+    fn title(&self, parameter: &str, [starts, stops]: [&str; 2]) -> String {
         let Self { event, mode, at: [at, frequency, growth] } = self;
         // A divergence is at rest, and of no mode.
         let name = if *frequency == 0.0 { mode.clone() } else { format!("mode {mode}") };
         let what = match event {
-            LocusEvent::Starts => format!("{name} starts to grow"),
-            LocusEvent::Stops => format!("{name} stops growing"),
+            LocusEvent::Starts => format!("{name} {starts}"),
+            LocusEvent::Stops => format!("{name} {stops}"),
             LocusEvent::Coalescence => format!("modes {mode} coalesce, or nearly, with growth {growth} 1/s"),
         };
         format!("{what} at {parameter} = {at}, {frequency} Hz")
@@ -222,12 +226,12 @@ fn symbol(canvas: &mut Canvas, (x, y): (f64, f64), event: LocusEvent) {
     }
 }
 
-fn key() -> Vec<Entry> {
+fn key([starts, stops]: [&str; 2]) -> Vec<Entry> {
     let entry =
         |event: LocusEvent, text: &str| Entry::new(text, 8.0, move |canvas: &mut Canvas, at| symbol(canvas, at, event));
     vec![
-        entry(LocusEvent::Starts, "the mode named there starts to grow"),
-        entry(LocusEvent::Stops, "it stops growing"),
+        entry(LocusEvent::Starts, &format!("the mode named there {starts}")),
+        entry(LocusEvent::Stops, &format!("it {stops}")),
         entry(LocusEvent::Coalescence, "two modes coalesce, or damping keeps them just apart"),
     ]
 }

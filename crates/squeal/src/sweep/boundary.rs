@@ -103,7 +103,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
         for _ in 0..MOST_CORRECTIONS {
             self.continued += 1;
             let Some(point) = near.moved(self.part, at, guess)? else { return Ok(None) };
-            let (gradient, growth) = (point.gradient(), point.value().re);
+            let (gradient, growth) = (point.gradient(), point.growth());
             let step = match along {
                 Along::Gradient => -gradient * (growth / gradient.norm_squared()),
                 Along::Axis(axis) => {

@@ -1,4 +1,4 @@
-//! A point of the boundary of stability over two parameters: what crosses the axis there, and how it moves.
+//! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
 
 use cea::{Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
@@ -19,14 +19,16 @@ pub(super) struct CurvePoint {
     crossing: Crossing,
     /// d value / d x and d value / d y.
     pub rates: Vector2<Complex<f64>>,
+    /// How far what crosses is beyond the threshold, rad/s, and how fast that changes with x and y.
+    beyond: (f64, Vector2<f64>),
 }
 
-/// What crosses the axis.
+/// What crosses the threshold.
 #[derive(Debug, Clone)]
 pub(super) enum Crossing {
     /// An eigenvalue with its vectors.
     Flutter(Eigenpair),
-    /// A real eigenvalue at zero, where the stiffness is singular.
+    /// A real eigenvalue at zero, where the stiffness is singular, or where Q is at the growth rate from where on growth counts.
     Divergence(NullPair),
 }
 
@@ -48,21 +50,24 @@ pub(super) struct NullPair {
     left: DVector<f64>,
     /// Whether det K has the sign of g; it does not change along a curve.
     has_sign_of_determinant: bool,
+    /// The growth rate at which Q stands in the place of K, 1/s.
+    at: f64,
 }
 
 impl NullPair {
     /// At a singular stiffness.
-    fn of(system: &SecondOrder) -> Result<Option<Self>, Error> {
-        let (zero, mut work) = (Complex::default(), Workspace::default());
-        let [right, left] = [right_vector(system, zero, &mut work)?, left_vector(system, zero, &mut work)?].map(real);
-        let start = Self { growth: 0.0, right, left, has_sign_of_determinant: true };
-        let Some(bordered) = Determinant::of(&start.bordered(&stiffness(system))) else { return Ok(None) };
+    fn of(system: &SecondOrder, at: f64) -> Result<Option<Self>, Error> {
+        let (lambda, mut work) = (Complex::from(at), Workspace::default());
+        let vectors = [right_vector(system, lambda, &mut work)?, left_vector(system, lambda, &mut work)?];
+        let [right, left] = vectors.map(real);
+        let start = Self { growth: 0.0, right, left, has_sign_of_determinant: true, at };
+        let Some(bordered) = Determinant::of(&start.bordered(&stiffness(system, at))) else { return Ok(None) };
         Ok(Self { has_sign_of_determinant: bordered.is_positive, ..start }.of_neighbour(system))
     }
 
     /// Those of a neighbour; `None` where it has another null vector.
     fn of_neighbour(&self, system: &SecondOrder) -> Option<Self> {
-        let bordered = self.bordered(&stiffness(system));
+        let bordered = self.bordered(&stiffness(system, self.at));
         let n = self.right.len();
         let mut unit = DVector::zeros(n + 1);
         unit[n] = 1.0;
@@ -95,12 +100,12 @@ fn real(vector: DVector<Complex<f64>>) -> DVector<f64> {
 }
 
 impl Crossing {
-    /// Of the eigenvalue `i omega` of a system; of divergence for zero. `None` where K has more than one null vector.
-    fn of(system: &SecondOrder, omega: f64) -> Result<Option<Self>, Error> {
-        if omega == 0.0 {
-            return Ok(NullPair::of(system)?.map(Self::Divergence));
+    /// Of an eigenvalue of a system; of divergence for a real one. `None` where K has more than one null vector.
+    fn of(system: &SecondOrder, lambda: Complex<f64>) -> Result<Option<Self>, Error> {
+        if lambda.im == 0.0 {
+            return Ok(NullPair::of(system, lambda.re)?.map(Self::Divergence));
         }
-        let pair = Eigenpair::of(system, Complex::new(0.0, omega), &mut Workspace::default())?;
+        let pair = Eigenpair::of(system, lambda, &mut Workspace::default())?;
         Ok(Some(Self::Flutter(pair)))
     }
 
@@ -124,7 +129,7 @@ impl Crossing {
         match self {
             Self::Flutter(pair) => pair.rate(system, systems, distance),
             Self::Divergence(pair) => {
-                let [below, above] = systems.map(stiffness);
+                let [below, above] = systems.map(|system| stiffness(system, pair.at));
                 Complex::from(pair.rate(&((above - below) / distance)))
             }
         }
@@ -138,7 +143,9 @@ impl CurvePoint {
     /// Those of the brake and of the vectors.
     pub fn start<B: UncertainBrake>(part: &Part<'_, B>, at: Vector2<f64>, omega: f64) -> Result<Option<Self>, Error> {
         let system = part.system(&[at.x, at.y])?;
-        Crossing::of(&system, omega)?.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
+        Crossing::of(&system, part.threshold().at_margin(0.0, omega))?
+            .map(|crossing| Self::new(part, at, &system, crossing))
+            .transpose()
     }
 
     fn new<B: UncertainBrake>(
@@ -155,7 +162,12 @@ impl CurvePoint {
             let systems = [part.system(&[below.x, below.y])?, part.system(&[above.x, above.y])?];
             rates[axis] = crossing.rate(system, systems.each_ref(), above[axis] - below[axis]);
         }
-        Ok(Self { at, crossing, rates })
+        let (threshold, value) = (part.threshold(), crossing.value());
+        let beyond = match crossing {
+            Crossing::Flutter(_) => (threshold.margin(value), rates.map(|rate| threshold.margin_rate(value, rate))),
+            Crossing::Divergence(_) => (value.re, rates.map(|rate| rate.re)),
+        };
+        Ok(Self { at, crossing, rates, beyond })
     }
 
     /// What crosses the axis here at another place, with a value that is guessed; `None` where it is not found.
@@ -188,9 +200,14 @@ impl CurvePoint {
         matches!(self.crossing, Crossing::Divergence(_))
     }
 
+    /// How far it is beyond the threshold, rad/s; of divergence without a unit.
+    pub fn growth(&self) -> f64 {
+        self.beyond.0
+    }
+
     /// The gradient of the growth.
     pub fn gradient(&self) -> Vector2<f64> {
-        self.rates.map(|rate| rate.re)
+        self.beyond.1
     }
 
     /// The direction of the curve, of unit length, unstable on the right.
@@ -229,6 +246,6 @@ impl CurvePoint {
             return Ok(None);
         }
         let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.value())?;
-        Ok(found.map(|found| found.lambda.re.abs() / self.gradient().norm()))
+        Ok(found.map(|found| part.threshold().margin(found.lambda).abs() / self.gradient().norm()))
     }
 }

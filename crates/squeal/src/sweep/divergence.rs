@@ -2,7 +2,8 @@
 //!
 //! At zero `Q = K`, and with M positive definite `det K < 0` where an odd number of real eigenvalues is above zero. So a sign of det K
 //! that changes between two places brackets an onset, which bisection finds to the last bits. Two onsets between neighbouring places,
-//! and modes that cross zero in pairs, do not change the sign and are not seen.
+//! and modes that cross zero in pairs, do not change the sign and are not seen. Where growth counts from a rate g on, the same holds
+//! of `Q(g) = g^2 M + g C + K` and the real eigenvalues above g.
 
 use cea::{Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
@@ -45,12 +46,13 @@ pub(super) struct SignChanges {
     pub negative_at_start: bool,
 }
 
-/// Where the sign of det K changes; `places` of the line are looked at too.
+/// Where the sign of det Q(growth) changes; `places` of the line are looked at too.
 ///
 /// # Errors
 /// Those of the brake.
 pub(super) fn sign_changes(
     system: &dyn Fn(f64) -> Result<SecondOrder, Error>,
+    growth: f64,
     places: &[f64],
 ) -> Result<SignChanges, Error> {
     let mut all: Vec<f64> = (0..=STEPS).map(|step| step as f64 / STEPS as f64).chain(places.iter().copied()).collect();
@@ -58,22 +60,22 @@ pub(super) fn sign_changes(
     all.dedup();
     let mut signs = Vec::with_capacity(all.len());
     for &at in &all {
-        signs.extend(sign(&system(at)?).map(|is_positive| (at, is_positive)));
+        signs.extend(sign(&system(at)?, growth).map(|is_positive| (at, is_positive)));
     }
     let mut found = Vec::new();
     for step in signs.windows(2).filter(|step| step[0].1 != step[1].1) {
-        found.push(bisected(system, [step[0].0, step[1].0], step[0].1)?);
+        found.push(bisected(system, growth, [step[0].0, step[1].0], step[0].1)?);
     }
     Ok(SignChanges { found, negative_at_start: signs.first() == Some(&(0.0, false)) })
 }
 
-/// Whether det K is positive; `None` of a stiffness that is singular, or nearly.
-pub(super) fn sign(system: &SecondOrder) -> Option<bool> {
-    Determinant::of(&stiffness(system)).filter(|it| it.smallest > SINGULAR).map(|it| it.is_positive)
+/// Whether det Q(growth) is positive; `None` where Q is singular there, or nearly.
+pub(super) fn sign(system: &SecondOrder, growth: f64) -> Option<bool> {
+    Determinant::of(&stiffness(system, growth)).filter(|it| it.smallest > SINGULAR).map(|it| it.is_positive)
 }
 
 /// The onsets of divergence of a sector between the ends of the range of the parameter, ascending, and whether an odd number of real
-/// eigenvalues is above zero at the lower end; `places` of the range are looked at too.
+/// eigenvalues is beyond the threshold at the lower end; `places` of the range are looked at too.
 ///
 /// # Errors
 /// Those of the brake, and of vectors at an onset.
@@ -82,7 +84,7 @@ pub(super) fn divergences<B: UncertainBrake>(
     parameter: &SweptParameter,
     places: &[f64],
 ) -> Result<(Vec<SweepOnset>, bool), Error> {
-    let SignChanges { found, negative_at_start } = sign_changes(&|at| part.system(&[at]), places)?;
+    let SignChanges { found, negative_at_start } = sign_changes(&|at| part.system(&[at]), part.real_onset(), places)?;
     let onsets = found.iter().map(|change| onset(part, parameter, change)).collect::<Result<_, _>>()?;
     Ok((onsets, negative_at_start))
 }
@@ -109,20 +111,21 @@ impl Determinant {
     }
 }
 
-/// K, with what internal states leave of it at rest.
-pub(super) fn stiffness(system: &SecondOrder) -> DMatrix<f64> {
-    system.dynamic_stiffness(Complex::default()).map(|entry| entry.re)
+/// Q at a real growth rate, 1/s: at zero K, with what internal states leave of it at rest.
+pub(super) fn stiffness(system: &SecondOrder, growth: f64) -> DMatrix<f64> {
+    system.dynamic_stiffness(Complex::from(growth)).map(|entry| entry.re)
 }
 
 /// The change of sign between two places with different signs.
 fn bisected(
     system: &dyn Fn(f64) -> Result<SecondOrder, Error>,
+    growth: f64,
     [mut low, mut high]: [f64; 2],
     is_positive: bool,
 ) -> Result<SignChange, Error> {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        match Determinant::of(&stiffness(&system(middle)?)) {
+        match Determinant::of(&stiffness(&system(middle)?, growth)) {
             None => [low, high] = [middle, middle],
             Some(here) if here.is_positive == is_positive => low = middle,
             Some(_) => high = middle,
@@ -140,14 +143,15 @@ fn onset<B: UncertainBrake>(
     parameter: &SweptParameter,
     &SignChange { at, width, .. }: &SignChange,
 ) -> Result<SweepOnset, Error> {
-    let (system, zero, mut work) = (part.system(&[at])?, Complex::default(), Workspace::default());
-    let (x, y) = (right_vector(&system, zero, &mut work)?, left_vector(&system, zero, &mut work)?);
+    let (system, growth, mut work) = (part.system(&[at])?, part.real_onset(), Workspace::default());
+    let lambda = Complex::from(growth);
+    let (x, y) = (right_vector(&system, lambda, &mut work)?, left_vector(&system, lambda, &mut work)?);
     let [below, above] = [(at - DIFFERENCE).max(0.0), (at + DIFFERENCE).min(1.0)];
-    let change = part.system(&[above])?.dynamic_stiffness(zero) - part.system(&[below])?.dynamic_stiffness(zero);
+    let change = part.system(&[above])?.dynamic_stiffness(lambda) - part.system(&[below])?.dynamic_stiffness(lambda);
     let change = y.dotc(&(change * &x)) / (above - below);
-    // lambda = -change / slope beside the onset; a mode without damping is on the axis before it, and no sweep ends there.
-    let slope = y.dotc(&(system.dynamic_stiffness_derivative(zero) * &x));
-    let error = ROUNDINGS * f64::EPSILON * stiffness(&system).norm() / change.norm() + width;
+    // lambda moves by -change / slope beside the onset; a mode without damping is on the axis before it, and no sweep ends there.
+    let slope = y.dotc(&(system.dynamic_stiffness_derivative(lambda) * &x));
+    let error = ROUNDINGS * f64::EPSILON * stiffness(&system, growth).norm() / change.norm() + width;
     Ok(SweepOnset {
         at: parameter.at(at),
         error: error * parameter.slope(at),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{Counters, EigenSolver};
+use cea::{Counters, EigenSolver, Threshold};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
@@ -183,6 +183,16 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
         let (family, values) = (self.family, self.family.values(parts));
         family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)
+    }
+
+    /// From where on a mode counts as unstable.
+    pub fn threshold(&self) -> Threshold {
+        self.family.study.plan().threshold
+    }
+
+    /// The real eigenvalue, 1/s, from where on divergence counts.
+    pub fn real_onset(&self) -> f64 {
+        self.threshold().growth_above()
     }
 
     /// Whether modes of this frequency, rad/s, are studied.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cea::frequency_hz;
+use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
 use serde_json::{Value, json};
 
@@ -19,15 +19,30 @@ pub enum Found {
     Map(Box<StabilityMap>),
 }
 
-/// The frequency of an eigenvalue on the axis, Hz.
+/// The frequency of an eigenvalue, Hz.
 fn hertz(omega: f64) -> f64 {
     frequency_hz(Complex::new(0.0, omega))
+}
+
+/// What a mode does at an onset of a threshold.
+pub(crate) fn event(starts: bool, threshold: &Threshold) -> &'static str {
+    match (starts, threshold.is_axis()) {
+        (true, true) => "starts to grow",
+        (false, true) => "stops growing",
+        (true, false) => "becomes unstable",
+        (false, false) => "becomes stable",
+    }
 }
 
 impl SweepOnset {
     /// What the mode does where the parameter grows.
     pub fn direction(&self) -> &'static str {
         if self.starts { "starts" } else { "stops" }
+    }
+
+    /// The same in words, of a mode that counts as unstable from a threshold on.
+    pub fn event(&self, threshold: &Threshold) -> &'static str {
+        event(self.starts, threshold)
     }
 }
 
@@ -178,19 +193,19 @@ fn branch_text(sweep: &Sweep) -> String {
     let SweptParameter { name, from, .. } = &sweep.parameter;
     let mut text = format!("{} unstable at {name} = {from}\n", count(sweep.unstable_at_start, "mode", "modes"));
     if sweep.diverges_at_start {
-        text += &format!("divergence at {name} = {from}: a real eigenvalue is above zero\n");
+        let above = match sweep.threshold.growth_above() {
+            0.0 => "zero".to_owned(),
+            growth => format!("{growth} 1/s"),
+        };
+        text += &format!("divergence at {name} = {from}: a real eigenvalue is above {above}\n");
     }
     let width = widest(sweep.onsets.iter().map(|onset| &onset.mode));
     if !sweep.onsets.is_empty() {
         text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}\n", "error", "mode", "Hz");
     }
     for onset in &sweep.onsets {
-        let (hz, direction) = (crate::report::hertz(hertz(onset.omega)), onset.direction());
-        text += &format!(
-            "{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {direction} to grow\n",
-            onset.at, onset.error, onset.mode
-        )
-        .replace("stops to grow", "stops growing");
+        let (hz, event) = (crate::report::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
+        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {event}\n", onset.at, onset.error, onset.mode);
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
@@ -199,7 +214,8 @@ fn branch_text(sweep: &Sweep) -> String {
         );
     }
     for (from, to) in &sweep.unresolved {
-        text += &format!("{name} = {from} to {to}: a mode comes so near the axis that it may cross it or not\n");
+        let line = if sweep.threshold.is_axis() { "axis" } else { "threshold" };
+        text += &format!("{name} = {from} to {to}: a mode comes so near the {line} that it may cross it or not\n");
     }
     if !sweep.coalescences.is_empty() {
         let (off, error) = ("off by", "error");

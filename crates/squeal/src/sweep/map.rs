@@ -1,6 +1,6 @@
 //! The stability map over two parameters.
 
-use cea::{EigenSolver, Workspace};
+use cea::{EigenSolver, Threshold, Workspace};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -19,6 +19,8 @@ use crate::study::{Study, UncertainBrake};
 pub struct StabilityMap {
     /// The two parameters.
     pub parameters: [SweptParameter; 2],
+    /// From where on a mode counts as unstable: what the boundary is of.
+    pub threshold: Threshold,
     /// The boundary.
     pub curves: Vec<BoundaryCurve>,
     /// Regions, the largest first.
@@ -91,6 +93,7 @@ pub fn stability_map<B: UncertainBrake>(
     Ok(StabilityMap {
         contradicted: regions.iter().zip(counts).filter_map(differs).collect(),
         parameters: [family.parameters[0].clone(), family.parameters[1].clone()],
+        threshold: study.plan().threshold,
         curves,
         regions,
         rows,
@@ -102,14 +105,18 @@ pub fn stability_map<B: UncertainBrake>(
     })
 }
 
-/// The number of unstable modes by spectra, of real eigenvalues above zero too where K is regular.
+/// The number of unstable modes by spectra, of real eigenvalues beyond the threshold too where K is regular.
 fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<usize, Error> {
     let of_part = |part: &Part<'_, B>| {
         let system = part.system(at)?;
         let spectrum = part.family.solver.eigenvalues(&system, &mut Workspace::default())?;
-        let flutter = spectrum.oscillatory().filter(|lambda| lambda.re >= 0.0 && part.is_studied(lambda.im)).count();
-        let counts_real = part.is_studied(0.0) && sign(&system).is_some();
-        let is_diverging = |lambda: &&Complex<f64>| counts_real && lambda.im == 0.0 && lambda.re > 0.0;
+        let flutter = spectrum
+            .oscillatory()
+            .filter(|&lambda| part.threshold().margin(lambda) >= 0.0 && part.is_studied(lambda.im))
+            .count();
+        let counts_real = part.is_studied(0.0) && sign(&system, part.real_onset()).is_some();
+        let is_diverging =
+            |lambda: &&Complex<f64>| counts_real && lambda.im == 0.0 && part.threshold().margin(**lambda) > 0.0;
         Ok(flutter + spectrum.eigenvalues.iter().filter(is_diverging).count())
     };
     parts.iter().map(of_part).sum()

@@ -8,6 +8,7 @@
 //! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
 //! branches ask for it: [`Evaluations`] counts them.
 
+mod beyond;
 mod boundary;
 mod coalescence;
 mod curve_point;
@@ -31,6 +32,7 @@ pub use coalescence::Coalescence;
 pub use divergence::DIVERGENCE;
 pub use family::Evaluations;
 pub use found::Found;
+pub(crate) use found::event;
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::{NamedBranch, Sweep, sweep};

@@ -1,4 +1,4 @@
-//! The modes that cross the axis, with their shapes.
+//! The modes that cross the threshold, with their shapes.
 
 use cea::{EigenSolver, Workspace, right_vector};
 use nalgebra::DVector;
@@ -10,7 +10,7 @@ use super::{BoundaryCurve, Found, SweepOnset};
 use crate::Error;
 use crate::study::{Study, UncertainBrake};
 
-/// A mode where it neither grows nor decays.
+/// A mode where it crosses the threshold: of the axis, where it neither grows nor decays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundaryMode {
     /// Candidates for its name; "divergence".
@@ -19,7 +19,7 @@ pub struct BoundaryMode {
     pub at: Vec<f64>,
     /// Whether it grows beyond, of one parameter.
     pub starts: Option<bool>,
-    /// Its eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the axis.
+    /// Its eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the threshold.
     pub lambda: Complex<f64>,
     /// Its right eigenvector over the free degrees of freedom of the scene, of unit norm.
     pub shape: DVector<Complex<f64>>,
@@ -37,13 +37,13 @@ pub fn boundary_modes<B: UncertainBrake>(
     found: &Found,
 ) -> Result<Vec<BoundaryMode>, Error> {
     let family = Family::new(study, scene, over, solver)?;
-    let mut work = Workspace::default();
+    let (threshold, mut work) = (study.plan().threshold, Workspace::default());
     let mut mode = |mode: &str, at: Vec<f64>, omega: f64, starts: Option<bool>| -> Result<BoundaryMode, Error> {
-        let (system, on_axis) = (family.system(&at)?, Complex::new(0.0, omega));
+        let (system, there) = (family.system(&at)?, threshold.at_margin(0.0, omega));
         let eigenvalues = solver.eigenvalues(&system, &mut work)?.eigenvalues;
-        let distance = |lambda: &Complex<f64>| (lambda - on_axis).norm();
+        let distance = |lambda: &Complex<f64>| (lambda - there).norm();
         let nearest = eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let lambda = nearest.unwrap_or(on_axis);
+        let lambda = nearest.unwrap_or(there);
         Ok(BoundaryMode { mode: mode.to_owned(), at, starts, lambda, shape: right_vector(&system, lambda, &mut work)? })
     };
     match found {

@@ -1,11 +1,12 @@
 //! A sweep over one parameter: branches with names, onsets, coalescences.
 
-use cea::EigenSolver;
+use cea::{EigenSolver, Threshold};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
+use tracking::{Ambiguity, BranchPoint, Branches, Onsets, RootLocus, find_onsets, root_locus};
 
+use super::beyond::Beyond;
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
 use super::divergence::divergences;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
@@ -32,19 +33,21 @@ pub struct NamedBranch {
 pub struct Sweep {
     /// The parameter.
     pub parameter: SweptParameter,
+    /// From where on a mode counts as unstable: what onsets cross.
+    pub threshold: Threshold,
     /// Branches, as [`RootLocus`] has them.
     pub branches: Vec<NamedBranch>,
     /// Steps in which branches end and others begin.
     pub ambiguities: Vec<Ambiguity>,
     /// Onsets, ascending.
     pub onsets: Vec<SweepOnset>,
-    /// Steps in which a mode comes so near the axis that it is not known whether it crosses.
+    /// Steps in which a mode comes so near the threshold that it is not known whether it crosses.
     pub unresolved: Vec<(f64, f64)>,
     /// Coalescences, ascending.
     pub coalescences: Vec<Coalescence>,
     /// Unstable modes at the lower end.
     pub unstable_at_start: usize,
-    /// Whether real eigenvalues are above zero there, as far as the sign of det K tells.
+    /// Whether real eigenvalues are beyond the threshold there, as far as the sign of a determinant tells.
     pub diverges_at_start: bool,
     /// What was computed.
     pub evaluations: Evaluations,
@@ -78,7 +81,8 @@ pub fn sweep<B: UncertainBrake>(
     let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
     progress.end();
     let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
-    let mut sweep = found.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter), Sweep::joined);
+    let mut sweep =
+        found.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter, study.plan().threshold), Sweep::joined);
     sweep.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -88,8 +92,9 @@ pub fn sweep<B: UncertainBrake>(
 }
 
 impl Sweep {
-    fn empty(parameter: SweptParameter) -> Self {
+    fn empty(parameter: SweptParameter, threshold: Threshold) -> Self {
         Self {
+            threshold,
             shortest_step: 1.0,
             parameter,
             branches: Vec::new(),
@@ -127,14 +132,15 @@ impl Sweep {
 
 /// The sweep of one sector.
 fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) -> Result<Sweep, Error> {
-    let median = part.medians()[0];
+    let (median, threshold) = (part.medians()[0], part.threshold());
     let mut branches = part.along(Line {
         start: vec![0.0],
         direction: vec![1.0],
         bounds: [median.min(0.0), median.max(1.0)],
         difference: DIFFERENCE,
     });
-    let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let Onsets { onsets, unresolved } =
+        find_onsets(&mut Beyond::new(&mut branches, threshold), 0.0, 1.0, SHORTEST_STEP)?;
     let locus = part.studied(root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?);
     let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
@@ -153,7 +159,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
             error: onset.error * parameter.slope(onset.at),
             omega: onset.omega,
             starts: onset.destabilises,
-            mode: in_words(&names_of_onset(&locus, &names, &reduced)),
+            mode: in_words(&names_of_onset(&locus, &names, reduced.at, threshold.at_margin(0.0, reduced.omega))),
             moved,
         });
     }
@@ -163,7 +169,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
     found.extend(onsets);
     let is_studied = |lambda: &Complex<f64>| part.is_studied(lambda.im);
     let start = branches.lambdas(0.0)?.iter().filter(|lambda| is_studied(lambda));
-    let unstable_at_start = start.filter(|lambda| lambda.re >= 0.0).count();
+    let unstable_at_start = start.filter(|&&lambda| threshold.margin(lambda) >= 0.0).count();
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
         from: parameter.at(ambiguity.from),
@@ -180,7 +186,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         diverges_at_start,
         evaluations,
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
-        ..Sweep::empty(parameter.clone())
+        ..Sweep::empty(parameter.clone(), threshold)
     })
 }
 
@@ -233,19 +239,18 @@ fn branch_names<B: Branches<Error = Error>>(
     Ok(names)
 }
 
-/// Candidates for the mode of an onset: those of the branch that is nearest to the axis there, or of all that end next to it.
-fn names_of_onset(locus: &RootLocus, names: &[Names], onset: &Onset) -> Names {
-    let lambda = Complex::new(0.0, onset.omega);
+/// Candidates for the mode of an onset: those of the branch that is nearest to its eigenvalue there, or of all that end next to it.
+fn names_of_onset(locus: &RootLocus, names: &[Names], at: f64, lambda: Complex<f64>) -> Names {
     let distance = |branch: &tracking::Branch| {
-        let step = branch.points.windows(2).find(|step| step[0].0 <= onset.at && onset.at <= step[1].0)?;
+        let step = branch.points.windows(2).find(|step| step[0].0 <= at && at <= step[1].0)?;
         let [(from, a), (to, b)] = [step[0], step[1]];
-        let forward = a.lambda + a.rate * (onset.at - from);
-        let backward = b.lambda + b.rate * (onset.at - to);
+        let forward = a.lambda + a.rate * (at - from);
+        let backward = b.lambda + b.rate * (at - to);
         Some((forward - lambda).norm().min((backward - lambda).norm()))
     };
     let alive = locus.branches.iter().enumerate().filter_map(|(at, branch)| Some((at, distance(branch)?)));
     let nearest = alive.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| names[at].clone());
-    let ambiguity = locus.ambiguities.iter().find(|step| (step.from..=step.to).contains(&onset.at));
+    let ambiguity = locus.ambiguities.iter().find(|step| (step.from..=step.to).contains(&at));
     let open = ambiguity.map(|step| step.before.iter().flat_map(|&branch| names[branch].clone()).collect::<Names>());
     open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default()
 }

@@ -1,6 +1,5 @@
 //! Where a mode begins or ceases to grow.
 
-use num_complex::Complex;
 use serde::Serialize;
 use tracking::{Branches, Onset};
 
@@ -49,18 +48,19 @@ impl WholeOnset {
         onset: &Onset,
         reduced: &mut impl Branches<Error = Error>,
     ) -> Result<Option<Self>, Error> {
-        let on_axis = Complex::new(0.0, onset.omega);
-        let Some(mut found) = part.whole_eigenvalue(&[onset.at], on_axis)? else { return Ok(None) };
-        let rate = reduced.refined(onset.at, on_axis)?.rate;
-        let (mut at, mut slope) = (onset.at, rate.re);
+        let threshold = part.threshold();
+        let there = threshold.at_margin(0.0, onset.omega);
+        let Some(mut found) = part.whole_eigenvalue(&[onset.at], there)? else { return Ok(None) };
+        let rate = reduced.refined(onset.at, there)?.rate;
+        let (mut at, mut slope) = (onset.at, threshold.margin_rate(found.lambda, rate));
         for solved in 1..=MOST_CORRECTIONS {
-            let (step, error) = (-found.lambda.re / slope, found.bound / slope.abs());
+            let (step, error) = (-threshold.margin(found.lambda) / slope, found.bound / slope.abs());
             if step.abs() <= error.max(2.0 * f64::EPSILON * at.abs()) {
                 let onset = Onset { at, error: error + step.abs(), omega: found.lambda.im, ..*onset };
                 return Ok(Some(Self { onset, solved: solved as u64 }));
             }
             let Some(next) = part.whole_eigenvalue(&[at + step], found.lambda + rate * step)? else { break };
-            let growth = next.lambda.re - found.lambda.re;
+            let growth = threshold.margin(next.lambda) - threshold.margin(found.lambda);
             // Of a mode that runs along the axis the slope of the whole brake may be another one.
             if growth.abs() > 2.0 * next.bound {
                 slope = growth / step;

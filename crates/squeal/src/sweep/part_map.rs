@@ -8,6 +8,7 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use tracking::{Branches, Onsets, find_onsets, follow_branch};
 
+use super::beyond::Beyond;
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
 use super::curve_point::CurvePoint;
 use super::divergence::{DIVERGENCE, SignChanges, sign_changes};
@@ -140,7 +141,8 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
     start[line.axis] = line.at;
     direction[1 - line.axis] = 1.0;
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
-    let Onsets { onsets, unresolved } = find_onsets(&mut branches, 0.0, 1.0, SHORTEST_STEP)?;
+    let Onsets { onsets, unresolved } =
+        find_onsets(&mut Beyond::new(&mut branches, part.threshold()), 0.0, 1.0, SHORTEST_STEP)?;
     let studied = onsets.iter().filter(|onset| part.is_studied(onset.omega));
     let flutter = studied.map(|onset| Met {
         along: onset.at,
@@ -148,12 +150,12 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
         starts: onset.destabilises,
         error: onset.error,
     });
-    let is_counted = |lambda: &&Complex<f64>| lambda.re >= 0.0 && part.is_studied(lambda.im);
+    let is_counted = |lambda: &&Complex<f64>| part.threshold().margin(**lambda) >= 0.0 && part.is_studied(lambda.im);
     let mut unstable_at_start = branches.lambdas(0.0)?.iter().filter(is_counted).count();
     let mut met: Vec<Met> = flutter.collect();
     if part.is_studied(0.0) {
         let system = |along: f64| part.system(line.place(along).as_slice());
-        let SignChanges { found, negative_at_start } = sign_changes(&system, &[])?;
+        let SignChanges { found, negative_at_start } = sign_changes(&system, part.real_onset(), &[])?;
         unstable_at_start += usize::from(negative_at_start);
         met.extend(found.iter().map(|change| Met {
             along: change.at,
@@ -172,7 +174,7 @@ fn name<B: UncertainBrake>(part: &Part<'_, B>, &KnownPoint { at, omega, .. }: &K
     let start = part.medians();
     let direction = vec![at.x - start[0], at.y - start[1]];
     let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
-    let lambda = Complex::new(0.0, omega);
+    let lambda = part.threshold().at_margin(0.0, omega);
     let mut followed = || -> Result<Names, Error> {
         let lambdas = branches.lambdas(1.0)?;
         let nearest = |&a: &usize, &b: &usize| (lambdas[a] - lambda).norm().total_cmp(&(lambdas[b] - lambda).norm());

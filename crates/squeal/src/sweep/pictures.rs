@@ -4,6 +4,7 @@ use cea::frequency_hz;
 use num_complex::Complex;
 
 use super::divergence::DIVERGENCE;
+use super::found::event;
 use super::regions::CELLS;
 use super::{Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
 use crate::Error;
@@ -35,7 +36,7 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
     let onsets = sweep.onsets.iter().map(|onset| LocusMark {
         event: if onset.starts { LocusEvent::Starts } else { LocusEvent::Stops },
         mode: onset.mode.clone(),
-        at: [onset.at, hertz(onset.omega), 0.0],
+        at: [onset.at, hertz(onset.omega), sweep.threshold.at_margin(0.0, onset.omega).re],
     });
     let coalescences = sweep.coalescences.iter().map(|found| LocusMark {
         event: LocusEvent::Coalescence,
@@ -50,6 +51,7 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
         is_logarithmic: parameter.is_logarithmic,
         branches: sweep.branches.iter().map(branch).collect(),
         marks: coalescences.chain(onsets).collect(),
+        onsets: [true, false].map(|starts| event(starts, &sweep.threshold)),
         note: note.into(),
     }
 }

@@ -115,6 +115,12 @@ impl FiniteElementBrake {
         &self.parts[self.of_configurations[scene.configuration]]
     }
 
+    /// Within which part of its size an eigenvalue of a scene is taken to be that of the whole brake: a rule, not a bound.
+    pub fn relative_error(&self, scene: &Scene) -> f64 {
+        let part = self.part(scene);
+        (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR)
+    }
+
     /// The part of a set of constraints in which its modes have their names: with all patches closed.
     pub fn origin(&self, constraints: usize) -> &Part {
         &self.parts[self.of_origins[constraints]]
@@ -269,8 +275,7 @@ impl UncertainBrake for FiniteElementBrake {
     }
 
     fn band_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
-        let (part, threshold) = (self.part(scene), self.plan.threshold);
-        let error = (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR);
+        let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
         let found = part.reduced.modes_among(&self.full_point(scene, at), &may_grow)?;
         let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {

@@ -13,7 +13,7 @@ use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
 use crate::study::Plan;
-use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
+use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter, event};
 use crate::{Error, fingerprint};
 
 /// The tables of a sweep, and what they are about.
@@ -90,9 +90,8 @@ fn of_boundary<'m>(plan: &'m Plan, found: &Found, modes: &'m [BoundaryMode]) -> 
     let scene = &plan.scenes[0];
     let of_mode = |mode: &'m BoundaryMode| {
         let does = match mode.starts {
-            Some(true) => "starts to grow at ",
-            Some(false) => "stops growing at ",
-            None => "",
+            Some(starts) => format!("{} at ", event(starts, &plan.threshold)),
+            None => String::new(),
         };
         let place = |(parameter, value): (&SweptParameter, &f64)| format!("{} = {}", parameter.name, rounded(*value));
         let places: Vec<String> = found.parameters().iter().zip(&mode.at).map(place).collect();
