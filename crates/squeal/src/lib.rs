@@ -96,7 +96,7 @@ pub mod why;
 
 pub use error::Error;
 pub use fingerprint::fingerprint;
-pub use run::{DrawResults, estimate, run_study, run_study_until};
+pub use run::{DrawResults, RunOptions, estimate, run_study, run_study_with};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -46,23 +46,34 @@ pub fn run_study<B: UncertainBrake>(
     threads: Option<usize>,
     draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
-    run_study_until(brake, dir, threads, None, draw)
+    run_study_with(brake, dir, RunOptions { threads, ..RunOptions::default() }, draw)
 }
 
-/// As [`run_study`]; with a half width not the samples of the plan, but as many as it takes until every occurrence is known to it, see
-/// [`montecarlo::interim_looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
+/// How a study is run. None of it changes a count.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RunOptions {
+    /// Worker threads; one per core without.
+    pub threads: Option<usize>,
+    /// Not the samples of the plan, but as many as it takes until every occurrence is known to this half width, see
+    /// [`montecarlo::interim_looks`]. The bytes are those of [`run_study`] with the number of samples at which it stops.
+    pub until_half_width: Option<f64>,
+    /// Whether [`StudyTally::kept`] has the samples. A folder has them from its first sample on or never.
+    pub keeps_samples: bool,
+}
+
+/// As [`run_study`], with options.
 ///
 /// # Errors
 /// As [`run_study`].
-pub fn run_study_until<B: UncertainBrake>(
+pub fn run_study_with<B: UncertainBrake>(
     brake: &B,
     dir: &Path,
-    threads: Option<usize>,
-    half_width: Option<f64>,
+    RunOptions { threads, until_half_width, keeps_samples }: RunOptions,
     draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
-    let identity = format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed);
+    let with_samples = if keeps_samples { " with samples" } else { "" };
+    let identity = format!("{} seed {} format {TALLY_VERSION}{with_samples}", plan.identity, plan.seed);
     RunFolder::check(dir, &identity)?;
     let mut seconds = Times::default();
 
@@ -80,9 +91,10 @@ pub fn run_study_until<B: UncertainBrake>(
         let mut sampling = montecarlo::Sampling::new(plan.seed, samples);
         sampling.threads = threads;
         sampling.block = block(samples);
-        run_with(&study, &sampling, || StudyTally::empty(plan), Some(&checkpoint), &bar(EVALUATED))
+        let empty = || if keeps_samples { StudyTally::keeping_samples(plan) } else { StudyTally::empty(plan) };
+        run_with(&study, &sampling, empty, Some(&checkpoint), &bar(EVALUATED))
     };
-    let (summary, stopped) = match half_width {
+    let (summary, stopped) = match until_half_width {
         None => (sampled(plan.samples)?, None),
         Some(half_width) => {
             let (summary, stopped) = sampled_until(half_width, plan, sampled)?;

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
 mod common;
+#[path = "how_sure/kept_samples.rs"]
+mod kept_samples;
 
 use std::path::Path;
 

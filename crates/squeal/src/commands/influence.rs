@@ -13,7 +13,7 @@ use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, SpeedRange};
 use crate::folder::RunFolder;
-use crate::influence::influence;
+use crate::influence::{influence, write_influences};
 use crate::output::{printable, write};
 use crate::run::{bar, workers};
 use crate::study::{Study, UncertainBrake};
@@ -117,7 +117,7 @@ impl InfluenceArgs {
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| {
-                found.write_table(plan, scene, stage)?;
+                write_influences(plan, [(scene, &found)], stage)?;
                 write(&stage.join("summary.md"), summary(&heading, &answer).as_bytes())?;
                 match found.figure("What makes squeal vary", &heading)? {
                     Some(figure) => Ok(figure.save_pictures(stage, "influence")?),

@@ -9,13 +9,14 @@ use super::options::{number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
+use crate::influence::write_kept_samples;
 use crate::output::printable;
 use crate::report::{
     Claim, Estimates, Geometry, Results, Stopped, claims, claims_markdown, draw_occurrence, write_page,
 };
 use crate::run::bar;
 use crate::study::{FullChecks, UncertainBrake};
-use crate::{Error, run_study_until};
+use crate::{Error, RunOptions, run_study_with};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
 const SUMMARISED_PANELS: usize = 4;
@@ -42,6 +43,9 @@ pub struct RunArgs {
     /// As many samples as it takes until every occurrence is known to this half width at 95 %, looks on the way accounted for
     #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = number, conflicts_with = "samples")]
     pub until_half_width: Option<f64>,
+    /// Keep the samples: samples.csv has what was drawn and what grew, influence.csv which input makes squeal vary
+    #[arg(long)]
+    pub keep_samples: bool,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
@@ -128,9 +132,11 @@ impl RunArgs {
         announced(brake.plan());
         let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
         let mut most_failed = None;
-        let until = self.until_half_width;
-        let manifest = run_study_until(brake, &self.out, self.threads, until, &mut |study, results, dir| {
+        let (until_half_width, keeps_samples) = (self.until_half_width, self.keep_samples);
+        let options = RunOptions { threads: self.threads, until_half_width, keeps_samples };
+        let manifest = run_study_with(brake, &self.out, options, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
+            write_kept_samples(brake, &results.summary, dir)?;
             (more.files)(results, dir)?;
             scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {

@@ -4,7 +4,7 @@ use montecarlo::{Experiment as _, Progress};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::study::{ModeLabel, Outcome, Scratch, Study, UncertainBrake};
+use crate::study::{KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Study, UncertainBrake};
 
 /// Samples evaluated together; chosen, so that batched solvers are filled again and again.
 const SAMPLES_PER_BLOCK: u64 = 128;
@@ -23,14 +23,34 @@ pub(super) struct Evaluated {
 }
 
 impl Evaluated {
-    fn new(inputs: Vec<f64>, outcome: &Outcome) -> Self {
-        let named = outcome.unstable.iter().filter_map(|mode| match mode.names[..] {
-            [name] => Some((name, mode.growth)),
-            _ => None,
-        });
-        let modes: Vec<(ModeLabel, f64)> = named.collect();
-        Self { inputs, growth: outcome.growth, is_open: modes.len() < outcome.unstable.len(), modes }
+    /// With what is kept of an unstable sample; `None` of a stable one.
+    fn new(inputs: Vec<f64>, kept: Option<&KeptSample>) -> Self {
+        let Some(KeptSample { growth, modes, .. }) = kept else {
+            return Self { inputs, growth: 0.0, modes: Vec::new(), is_open: false };
+        };
+        let named: Vec<(ModeLabel, f64)> = modes
+            .iter()
+            .filter_map(|(names, growth)| match names[..] {
+                [name] => Some((name, *growth)),
+                _ => None,
+            })
+            .collect();
+        Self { inputs, growth: *growth, is_open: named.len() < modes.len(), modes: named }
     }
+}
+
+/// The samples that a study has kept of a scene, in the order of their indices; `None` for one that failed.
+pub(super) fn of_kept<B: UncertainBrake>(
+    brake: &B,
+    scene: &Scene,
+    drawn: &[Option<B::Sample>],
+    kept: &KeptSamples,
+) -> Vec<Option<Evaluated>> {
+    let evaluated = |(sample, index): (&Option<B::Sample>, u64)| {
+        let sample = sample.as_ref().filter(|_| !kept.has_failed(index))?;
+        Some(Evaluated::new(brake.input_values(scene, sample), kept.sample(index)))
+    };
+    drawn.iter().zip(0..).map(evaluated).collect()
 }
 
 /// Evaluates the samples of the first indices in a scene, in the order of the indices whatever the threads; `None` for one that fails.
@@ -43,18 +63,19 @@ pub(super) fn evaluate<B: UncertainBrake>(
 ) -> Vec<Option<Evaluated>> {
     let of_block = |block: u64| {
         let indices = block * SAMPLES_PER_BLOCK..((block + 1) * SAMPLES_PER_BLOCK).min(count);
+        let first = indices.start;
         let drawn: Vec<Option<B::Sample>> = indices.clone().map(|index| sample(index).ok()).collect();
         let samples: Vec<&B::Sample> = drawn.iter().flatten().collect();
         let mut outcomes = Vec::with_capacity(samples.len());
         study.evaluate_block(scene, &samples, &mut Scratch::default(), &mut outcomes);
         let mut outcomes = outcomes.into_iter();
         let of_scene = &study.plan().scenes[scene];
-        let evaluated = |sample: &Option<B::Sample>| {
+        let evaluated = |(sample, index): (&Option<B::Sample>, u64)| {
             let sample = sample.as_ref()?;
-            let outcome = outcomes.next()?.ok()?;
-            Some(Evaluated::new(study.brake().input_values(of_scene, sample), &outcome))
+            let kept = KeptSample::new(index, &outcomes.next()?.ok()?);
+            Some(Evaluated::new(study.brake().input_values(of_scene, sample), kept.as_ref()))
         };
-        let found: Vec<Option<Evaluated>> = drawn.iter().map(evaluated).collect();
+        let found: Vec<Option<Evaluated>> = drawn.iter().zip(first..).map(evaluated).collect();
         progress.advance(indices.end - indices.start);
         found
     };

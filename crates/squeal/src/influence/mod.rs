@@ -9,14 +9,18 @@ mod output;
 #[cfg(feature = "figures")]
 mod pictures;
 mod report;
+mod samples;
 
 use montecarlo::rand::RngExt as _;
 use montecarlo::{Confidence, PickFreeze, Progress, SobolIndex, first_order_by_ranks, stream};
+use rayon::prelude::*;
 
 use crate::Error;
-use crate::study::{Input, Study, UncertainBrake};
-use evaluated::{Evaluated, evaluate};
+use crate::study::{Input, KeptSamples, Scene, Study, UncertainBrake};
+use evaluated::{Evaluated, evaluate, of_kept};
 pub use output::{Output, OutputKind};
+pub use report::write_influences;
+pub use samples::write_kept_samples;
 
 /// Fewest draws in which an output is not what it is in most: with fewer its indices rest on those few draws. Chosen.
 const FEWEST_UNLIKE: usize = 30;
@@ -58,7 +62,7 @@ pub struct Influence {
     pub failures: u64,
     /// Draws in which an unstable mode has a name that is open; it counts for the scene and for no mode.
     pub open: u64,
-    /// Systems evaluated, those that a certificate covers among them.
+    /// Systems evaluated for it, those that a certificate covers among them.
     pub evaluations: u64,
 }
 
@@ -93,20 +97,24 @@ pub fn influence<B: UncertainBrake>(
         None => None,
     };
     progress.end();
-    let failures = of_draws.iter().filter(|evaluated| evaluated.is_none()).count() as u64;
-    let of_draws: Vec<Evaluated> = of_draws.into_iter().flatten().collect();
-    let columns: Vec<Vec<f64>> =
-        (0..inputs.len()).map(|input| of_draws.iter().map(|row| row.inputs[input]).collect()).collect();
-    let outputs = Output::all(&of_draws);
-    let of_output = |output: Output| OutputInfluence::new(output, &of_draws, &columns, design.as_deref());
-    Ok(Influence {
-        outputs: outputs.into_iter().map(of_output).collect(),
-        inputs,
-        draws,
-        failures,
-        open: of_draws.iter().filter(|row| row.is_open).count() as u64,
-        evaluations: draws + of_design,
-    })
+    Ok(Influence { evaluations: draws + of_design, ..Influence::new(inputs, of_draws, design.as_deref()) })
+}
+
+/// The influence of the inputs of each scene, from samples that its study has kept: nothing is evaluated. `None` for a scene without
+/// inputs.
+pub fn influence_of_kept<B: UncertainBrake>(brake: &B, samples: u64, kept: &[KeptSamples]) -> Vec<Option<Influence>> {
+    let plan = brake.plan();
+    let drawn = drawn_again(brake, samples);
+    let of_scene = |(scene, kept): (&Scene, &KeptSamples)| {
+        let inputs = brake.inputs(scene);
+        (!inputs.is_empty()).then(|| Influence::new(inputs, of_kept(brake, scene, &drawn, kept), None))
+    };
+    plan.scenes.par_iter().zip(kept).map(of_scene).collect()
+}
+
+/// The first samples of a study, `None` for one whose draw fails.
+fn drawn_again<B: UncertainBrake>(brake: &B, samples: u64) -> Vec<Option<B::Sample>> {
+    (0..samples).map(|index| brake.draw(&mut stream(brake.plan().seed, index)).ok()).collect()
 }
 
 impl OutputInfluence {
@@ -142,6 +150,23 @@ impl OutputInfluence {
 }
 
 impl Influence {
+    /// From the samples of the study, `None` for one that failed, and the columns of a design.
+    fn new(inputs: Vec<Input>, of_draws: Vec<Option<Evaluated>>, design: Option<&[Vec<Evaluated>]>) -> Self {
+        let draws = of_draws.len() as u64;
+        let of_draws: Vec<Evaluated> = of_draws.into_iter().flatten().collect();
+        let columns: Vec<Vec<f64>> =
+            (0..inputs.len()).map(|input| of_draws.iter().map(|row| row.inputs[input]).collect()).collect();
+        let of_output = |output: Output| OutputInfluence::new(output, &of_draws, &columns, design);
+        Self {
+            outputs: Output::all(&of_draws).into_iter().map(of_output).collect(),
+            inputs,
+            draws,
+            failures: draws - of_draws.len() as u64,
+            open: of_draws.iter().filter(|row| row.is_open).count() as u64,
+            evaluations: 0,
+        }
+    }
+
     /// The level of all intervals.
     pub const CONFIDENCE: Confidence = Confidence::P95;
 }

@@ -100,21 +100,15 @@ impl Influence {
         text
     }
 
-    /// Writes `influence.csv`: a row for each output, input and kind of index.
-    ///
-    /// # Errors
-    /// [`Error::Write`].
-    pub fn write_table(&self, plan: &Plan, scene: &Scene, dir: &Path) -> Result<(), Error> {
-        let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
+    /// A row of `influence.csv` for each output, input and kind of index.
+    fn rows(&self, plan: &Plan, scene: &Scene) -> Vec<Vec<String>> {
         let mut rows = Vec::new();
         for output in &self.outputs {
             for (input, found) in self.inputs.iter().zip(&output.inputs) {
                 let indices = [Some(("first-order", found.first_order)), found.total.map(|total| ("total", total))];
                 for (kind, index) in indices.into_iter().flatten() {
                     let interval = index.interval(Self::CONFIDENCE);
-                    let mut row = plan.labels.key_columns(scene.key).to_vec();
-                    let panel = &plan.labels.panels[scene.key.panel];
-                    row.extend([panel.in_contact.to_string(), panel.arrangements[scene.members[0]].clone()]);
+                    let mut row = plan.labels.scene_columns(scene);
                     row.push(output.output.mode.map_or("any".into(), |mode| mode.to_string()));
                     row.extend([output.output.kind.name(), &input.name, &input.unit, kind].map(str::to_owned));
                     let numbers = [index.value, interval.lower, interval.upper, index.standard_error];
@@ -124,9 +118,23 @@ impl Influence {
                 }
             }
         }
-        let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-        write_csv(&dir.join("influence.csv"), &header, rows)
+        rows
     }
+}
+
+/// Writes `influence.csv`: the rows of some scenes.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write_influences<'a>(
+    plan: &Plan,
+    of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Influence)>,
+    dir: &Path,
+) -> Result<(), Error> {
+    let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
+    let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
+    let rows = of_scenes.into_iter().flat_map(|(scene, influence)| influence.rows(plan, scene));
+    write_csv(&dir.join("influence.csv"), &header, rows)
 }
 
 /// "83 % (80 to 86 %)".

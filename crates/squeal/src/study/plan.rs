@@ -121,6 +121,14 @@ impl SceneLabels {
         [constraints.clone(), law.clone(), self.speed(key.speed).to_owned()]
     }
 
+    /// What stands in all of [`SceneLabels::MODE_COLUMNS`] but the last for a scene, by the first of its arrangements.
+    pub fn scene_columns(&self, scene: &Scene) -> Vec<String> {
+        let PanelLabel { in_contact, arrangements } = &self.panels[scene.key.panel];
+        let mut columns = self.key_columns(scene.key).to_vec();
+        columns.extend([in_contact.to_string(), arrangements[scene.members[0]].clone()]);
+        columns
+    }
+
     /// The first columns of tables with a row for each mode in each arrangement.
     pub const MODE_COLUMNS: [&str; 6] = ["constraints", "law", "speed", "in_contact", "arrangement", "mode"];
 

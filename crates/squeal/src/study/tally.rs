@@ -1,4 +1,4 @@
-//! What is kept of the samples: counts, whose size does not depend on the number of samples.
+//! What is kept of the samples: counts, whose size does not depend on the number of samples; and where it is asked for the samples.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use montecarlo::{
 use serde::{Deserialize, Serialize};
 
 use super::comparison::{Comparison, Panel, comparisons, panels};
-use super::{ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
+use super::{KeptSamples, ModeLabel, Outcome, Plan, Study, UncertainBrake, UnstableMode};
 
 /// Counts of a study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +21,9 @@ pub struct StudyTally {
     /// By comparison: the difference of those numbers of its two panels, each times the number of arrangements of the other, so
     /// that it is a whole number.
     pub comparisons: Vec<IntegerMean>,
+    /// By scene: the samples, in a study that keeps them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept: Option<Vec<KeptSamples>>,
     #[serde(skip)]
     layout: PanelLayout,
 }
@@ -78,8 +81,14 @@ impl StudyTally {
             scenes: vec![SceneTally::default(); plan.scenes.len()],
             panels: vec![IntegerMean::default(); panels.len()],
             comparisons: vec![IntegerMean::default(); comparisons.len()],
+            kept: None,
             layout: PanelLayout { panels, comparisons, weights },
         }
+    }
+
+    /// An empty tally of a plan that keeps the samples too: its size grows with those that are unstable.
+    pub fn keeping_samples(plan: &Plan) -> Self {
+        Self { kept: Some(vec![KeptSamples::default(); plan.scenes.len()]), ..Self::empty(plan) }
     }
 }
 
@@ -222,19 +231,30 @@ impl Merge for StudyTally {
         for (mine, more) in self.comparisons.iter_mut().zip(later.comparisons) {
             mine.merge(more);
         }
+        for (mine, more) in self.kept.iter_mut().flatten().zip(later.kept.into_iter().flatten()) {
+            mine.merge(more);
+        }
     }
 }
 
 impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
     fn record(&mut self, runs: &Runs<'_, Study<'_, B>>) {
-        self.enter(&runs.results.iter().map(|result| result.as_ref().ok()).collect::<Vec<_>>());
+        let outcomes: Vec<Option<&Outcome>> = runs.results.iter().map(|result| result.as_ref().ok()).collect();
+        for (kept, outcome) in self.kept.iter_mut().flatten().zip(&outcomes) {
+            kept.record(runs.index, *outcome);
+        }
+        self.enter(&outcomes);
     }
 
     fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
         let counted = |(tally, &failed): (&SceneTally, &u64)| {
             tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
         };
-        self.scenes.len() == failures.by_scene().len() && self.scenes.iter().zip(failures.by_scene()).all(counted)
+        let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| kept.may_be_of(samples, tally.any_unstable);
+        self.scenes.len() == failures.by_scene().len()
+            && self.scenes.iter().zip(failures.by_scene()).all(counted)
+            && self.kept.as_ref().is_none_or(|kept| kept.len() == self.scenes.len())
+            && self.kept.iter().flatten().zip(&self.scenes).all(may_be_kept)
     }
 }
 

@@ -1,0 +1,69 @@
+//! The samples that a study has kept, as tables: what was drawn and what grew, and which input makes squeal vary.
+
+use std::path::Path;
+
+use montecarlo::Summary;
+
+use super::report::write_influences;
+use super::{drawn_again, influence_of_kept};
+use crate::Error;
+use crate::output::write_csv;
+use crate::study::{KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
+
+/// Writes `samples.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
+/// Nothing is evaluated for them.
+///
+/// A row of `samples.csv` is one sample in one scene: its index, the largest growth rate, 1/s, 0 where nothing is unstable and empty where
+/// the evaluation failed; the unstable modes as `name:growth`, with `;` between, of open names all candidates as in `1|2`; and the values
+/// of what is drawn, empty where the scene does not depend on it. A sample whose draw failed has no row.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write_kept_samples<B: UncertainBrake>(
+    brake: &B,
+    summary: &Summary<StudyTally>,
+    dir: &Path,
+) -> Result<(), Error> {
+    let Some(kept) = &summary.tally.kept else { return Ok(()) };
+    let plan = brake.plan();
+    let found = influence_of_kept(brake, summary.samples, kept);
+    let known = plan.scenes.iter().zip(&found).filter_map(|(scene, influence)| Some((scene, influence.as_ref()?)));
+    write_influences(plan, known, dir)?;
+
+    let inputs: Vec<Vec<String>> =
+        plan.scenes.iter().map(|scene| brake.inputs(scene).into_iter().map(|input| input.name).collect()).collect();
+    let mut columns: Vec<&str> = Vec::new();
+    for name in inputs.iter().flatten() {
+        if !columns.contains(&name.as_str()) {
+            columns.push(name);
+        }
+    }
+    let drawn = drawn_again(brake, summary.samples);
+    let of_scene = |((scene, kept), own): ((&Scene, &KeptSamples), &Vec<String>)| {
+        let places: Vec<Option<usize>> = columns.iter().map(|name| own.iter().position(|it| it == name)).collect();
+        let row = |(sample, index): (&Option<B::Sample>, u64)| {
+            let values = brake.input_values(scene, sample.as_ref()?);
+            let mut row = plan.labels.scene_columns(scene);
+            row.push(index.to_string());
+            row.extend(in_words(kept, index));
+            row.extend(places.iter().map(|place| place.map_or(String::new(), |place| values[place].to_string())));
+            Some(row)
+        };
+        drawn.iter().zip(0..).filter_map(row).collect::<Vec<_>>()
+    };
+    let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
+    let header = [scene_columns, &["sample", "growth", "unstable"], &columns].concat();
+    write_csv(&dir.join("samples.csv"), &header, plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene))
+}
+
+/// The largest growth rate and the unstable modes of a sample.
+fn in_words(kept: &KeptSamples, index: u64) -> [String; 2] {
+    let Some(KeptSample { growth, modes, .. }) = kept.sample(index) else {
+        return [if kept.has_failed(index) { String::new() } else { "0".into() }, String::new()];
+    };
+    let modes = modes.iter().map(|(names, growth)| {
+        let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+        format!("{}:{growth}", if names.is_empty() { "?".into() } else { names.join("|") })
+    });
+    [growth.to_string(), modes.collect::<Vec<_>>().join(";")]
+}

@@ -1,0 +1,81 @@
+//! The samples of a study, kept where they are asked for: in which anything was unstable, what, and how fast it grows.
+//!
+//! Inputs are not among them: a sample is drawn again from the seed and its index.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ModeLabel, Outcome};
+
+/// The samples of one scene. Those in neither list are stable.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct KeptSamples {
+    /// Ascending in the index.
+    pub unstable: Vec<KeptSample>,
+    /// Indices of the samples whose evaluation failed, ascending. Samples whose draw failed are in no list.
+    pub failed: Vec<u64>,
+}
+
+/// A sample in which anything is unstable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KeptSample {
+    /// Its index.
+    pub index: u64,
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s.
+    pub growth: f64,
+    /// The unstable modes, ascending in frequency: the names that each may have, and its growth rate, 1/s.
+    pub modes: Vec<(Vec<ModeLabel>, f64)>,
+}
+
+impl KeptSample {
+    /// A sample with its outcome; `None` of a stable one.
+    pub(crate) fn new(index: u64, outcome: &Outcome) -> Option<Self> {
+        let is_stable = outcome.unstable.is_empty() && outcome.divergent == 0;
+        let modes = || outcome.unstable.iter().map(|mode| (mode.names.clone(), mode.growth)).collect();
+        (!is_stable).then(|| Self { index, growth: outcome.growth, modes: modes() })
+    }
+}
+
+impl KeptSamples {
+    /// Enters a sample; without an outcome one that failed.
+    pub(super) fn record(&mut self, index: u64, outcome: Option<&Outcome>) {
+        match outcome {
+            Some(outcome) => self.unstable.extend(KeptSample::new(index, outcome)),
+            None => self.failed.push(index),
+        }
+    }
+
+    pub(super) fn merge(&mut self, later: Self) {
+        self.unstable.extend(later.unstable);
+        self.failed.extend(later.failed);
+    }
+
+    /// What a sample was, if it was unstable.
+    #[must_use]
+    pub fn sample(&self, index: u64) -> Option<&KeptSample> {
+        let at = self.unstable.binary_search_by_key(&index, |sample| sample.index).ok()?;
+        Some(&self.unstable[at])
+    }
+
+    /// Whether the evaluation of a sample failed.
+    #[must_use]
+    pub fn has_failed(&self, index: u64) -> bool {
+        self.failed.binary_search(&index).is_ok()
+    }
+
+    /// Whether these can be samples of a run of so many, of which so many were unstable.
+    pub(super) fn may_be_of(&self, samples: u64, unstable: u64) -> bool {
+        self.unstable.len() as u64 == unstable
+            && ascend(self.unstable.iter().map(|sample| sample.index), samples)
+            && ascend(self.failed.iter().copied(), samples)
+    }
+}
+
+/// Whether indices ascend, below the number of samples.
+fn ascend(mut indices: impl Iterator<Item = u64>, samples: u64) -> bool {
+    let mut least = 0;
+    indices.all(|index| {
+        let is_next = (least..samples).contains(&index);
+        least = index + 1;
+        is_next
+    })
+}
