@@ -24,7 +24,7 @@ fn hertz(omega: f64) -> f64 {
     frequency_hz(Complex::new(0.0, omega))
 }
 
-/// What a mode does at an onset of a threshold.
+/// What a mode does at an onset, in words.
 pub(crate) fn event(starts: bool, threshold: &Threshold) -> &'static str {
     match (starts, threshold.is_axis()) {
         (true, true) => "starts to grow",
@@ -38,11 +38,6 @@ impl SweepOnset {
     /// What the mode does where the parameter grows.
     pub fn direction(&self) -> &'static str {
         if self.starts { "starts" } else { "stops" }
-    }
-
-    /// The same in words, of a mode that counts as unstable from a threshold on.
-    pub fn event(&self, threshold: &Threshold) -> &'static str {
-        event(self.starts, threshold)
     }
 }
 
@@ -204,8 +199,8 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}\n", "error", "mode", "Hz");
     }
     for onset in &sweep.onsets {
-        let (hz, event) = (crate::report::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
-        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {event}\n", onset.at, onset.error, onset.mode);
+        let (hz, does) = (crate::report::hertz(hertz(onset.omega)), event(onset.starts, &sweep.threshold));
+        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {does}\n", onset.at, onset.error, onset.mode);
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");

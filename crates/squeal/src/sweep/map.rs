@@ -1,6 +1,6 @@
 //! The stability map over two parameters.
 
-use cea::{EigenSolver, Threshold, Workspace};
+use cea::{EigenSolver, Workspace};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -19,8 +19,6 @@ use crate::study::{Study, UncertainBrake};
 pub struct StabilityMap {
     /// The two parameters.
     pub parameters: [SweptParameter; 2],
-    /// From where on a mode counts as unstable: what the boundary is of.
-    pub threshold: Threshold,
     /// The boundary.
     pub curves: Vec<BoundaryCurve>,
     /// Regions, the largest first.
@@ -93,7 +91,6 @@ pub fn stability_map<B: UncertainBrake>(
     Ok(StabilityMap {
         contradicted: regions.iter().zip(counts).filter_map(differs).collect(),
         parameters: [family.parameters[0].clone(), family.parameters[1].clone()],
-        threshold: study.plan().threshold,
         curves,
         regions,
         rows,

@@ -18,10 +18,10 @@ use crate::{Error, fingerprint};
 
 /// The tables of a sweep, and what they are about.
 const TABLES: [(&str, &str); 5] = [
-    ("onsets.csv", "Where modes start and stop growing"),
+    ("onsets.csv", "Where modes become unstable, or stable again"),
     ("coalescences.csv", "Where two modes meet, or come nearest to each other"),
     ("branches.csv", "The branches at the points where they were computed"),
-    ("boundary.csv", "The boundary: where a mode neither grows nor decays"),
+    ("boundary.csv", "The boundary of stability of each mode"),
     ("regions.csv", "How many modes are unstable in each region, and its share of the map"),
 ];
 
