@@ -32,6 +32,7 @@ pub use coalescence::Coalescence;
 pub use divergence::DIVERGENCE;
 pub use family::Evaluations;
 pub use found::Found;
+#[cfg(feature = "figures")]
 pub(crate) use found::event;
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
