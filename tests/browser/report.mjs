@@ -158,6 +158,12 @@ const crossing = async (page, folder) => {
   const wanted = file === 'onsets.csv' ? rows : [...new Map(rows.map(row => [row.curve, row])).values()];
   const said = await page.value("[...document.querySelectorAll('#shape-mode option')].map(option => option.textContent)");
   assert.equal(said.length, wanted.length);
+  const lead = await page.value("[...document.querySelectorAll('.lead li')].map(item => item.textContent)");
+  const names = [...new Set(rows.map(row => row.mode))].filter(mode => mode !== 'divergence');
+  for (const mode of names.slice(0, 10)) {
+    const isOf = file === 'onsets.csv' ? item => item.startsWith(`Mode ${mode} (`) : item => ` ${item}`.match(/[^ ,:.]+/g).includes(mode);
+    assert.ok(lead.some(isOf), `no sentence on mode ${mode}: ${lead}`);
+  }
   const hertz = text => Number(text.match(/, ([0-9.]+) Hz/)[1]);
   for (const [i, { mode, curve, frequency_hz: frequency }] of wanted.entries()) {
     assert.ok(said[i].startsWith(mode === 'divergence' ? 'Divergence,' : `Mode ${mode},`), `${said[i]} is of mode ${mode}`);

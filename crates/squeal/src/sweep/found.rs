@@ -261,9 +261,9 @@ fn map_text(map: &StabilityMap) -> String {
             format!("{} to {}", crate::report::hertz(hz[0]), crate::report::hertz(hz[1])),
         );
     }
-    text += "\nunstable   share\n";
-    for region in &map.regions {
-        text += &format!("{:>8}  {:>5.2} %\n", region.unstable, 100.0 * region.share);
+    text += "\nunstable     share  regions\n";
+    for (unstable, (share, regions)) in map.shares() {
+        text += &format!("{unstable:>8}  {:>6.2} %  {regions:>7}\n", 100.0 * share);
     }
     text += "\n";
     for region in &map.contradicted {

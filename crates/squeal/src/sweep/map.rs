@@ -1,5 +1,7 @@
 //! The stability map over two parameters.
 
+use std::collections::BTreeMap;
+
 use cea::{EigenSolver, Workspace};
 use montecarlo::Progress;
 use num_complex::Complex;
@@ -38,6 +40,20 @@ pub struct StabilityMap {
     pub evaluations: Evaluations,
     /// Spectra on a grid with one in each cell of the figure, of all sectors.
     pub fine_grid: u64,
+}
+
+impl StabilityMap {
+    /// By number of unstable modes: the part of the map that has so many, and in how many regions.
+    #[must_use]
+    pub fn shares(&self) -> BTreeMap<usize, (f64, usize)> {
+        let mut shares = BTreeMap::new();
+        for region in &self.regions {
+            let (share, regions): &mut (f64, usize) = shares.entry(region.unstable).or_default();
+            *share += region.share;
+            *regions += 1;
+        }
+        shares
+    }
 }
 
 /// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence where frequencies from zero

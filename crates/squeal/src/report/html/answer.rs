@@ -43,10 +43,12 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
         format!("up to {} with {}", with_limits(&range.most.0), escaped(&place(results, range.most.1)))
     });
     let words = match (everywhere.as_str(), somewhere.as_str()) {
-        ("", "") => "no mode squeals in most of the draws, in no panel".to_owned(),
-        ("", some) => format!("no mode squeals in most of the draws in every panel; in some panels do {some}"),
-        (all, "") => format!("in most of the draws, in every panel, squeals {all}"),
-        (all, some) => format!("in most of the draws, in every panel, squeals {all}; in some panels {some}"),
+        ("", "") => "in no panel does any mode squeal in most of the draws".to_owned(),
+        ("", some) => format!("no mode squeals in most of the draws in every panel, but in some panels do {some}"),
+        (all, "") => format!("in every panel most of the draws squeal with {all}"),
+        (all, some) => {
+            format!("in every panel most of the draws squeal with {all}. In some panels they do with {some}")
+        }
     };
     format!("<strong>{}</strong>: {words}.", set_in_words(results, set))
 }

@@ -19,6 +19,8 @@ mod screen;
 mod shapes;
 #[cfg(feature = "program")]
 mod sweep;
+#[cfg(feature = "program")]
+mod sweep_answer;
 mod tables;
 mod text;
 

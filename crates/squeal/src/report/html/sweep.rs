@@ -9,6 +9,7 @@ use super::facts::{case, described, program};
 use super::geometry::{BasisOf, Geometry, ModeOf};
 use super::page::Page;
 use super::shapes::{self, MovingMode, moving};
+use super::sweep_answer::{self, short};
 use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
@@ -47,7 +48,8 @@ pub(crate) fn write_sweep_page(
     };
     let title = format!("{}: {what} over {}", plan.name, names.join(" and "));
     let answer = format!(
-        "<p>{}</p>\n<pre tabindex=\"0\" aria-label=\"What the sweep found\">{}</pre>\n",
+        "{}<p>{}</p>\n<pre tabindex=\"0\" aria-label=\"What the sweep found\">{}</pre>\n",
+        sweep_answer::answer(found),
         escaped(scene),
         escaped(&found.text())
     );
@@ -93,7 +95,7 @@ fn of_boundary<'m>(plan: &'m Plan, found: &Found, modes: &'m [BoundaryMode]) -> 
             Some(starts) => format!("{} at ", event(starts, &plan.threshold)),
             None => String::new(),
         };
-        let place = |(parameter, value): (&SweptParameter, &f64)| format!("{} = {}", parameter.name, rounded(*value));
+        let place = |(parameter, value): (&SweptParameter, &f64)| format!("{} = {}", parameter.name, short(*value));
         let places: Vec<String> = found.parameters().iter().zip(&mode.at).map(place).collect();
         MovingMode {
             group: 0,
@@ -104,9 +106,4 @@ fn of_boundary<'m>(plan: &'m Plan, found: &Found, modes: &'m [BoundaryMode]) -> 
         }
     };
     modes.iter().map(of_mode).collect()
-}
-
-/// To six digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
 }

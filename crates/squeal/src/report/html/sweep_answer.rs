@@ -1,0 +1,115 @@
+//! The answer of a sweep in words: which modes grow from where on, or how much of a map is stable.
+
+use super::text::escaped;
+use crate::report::hertz;
+use crate::sweep::{DIVERGENCE, Found, StabilityMap, Sweep, SweepOnset};
+
+/// Most modes that have a sentence of their own; the table below has all.
+const MOST_MODES: usize = 12;
+
+/// The answer, as HTML.
+pub(super) fn answer(found: &Found) -> String {
+    let sentences = match found {
+        Found::Branches(sweep) => of_branches(sweep),
+        Found::Map(map) => of_map(map),
+    };
+    let items: String = sentences.iter().map(|sentence| format!("<li>{}</li>\n", escaped(sentence))).collect();
+    format!("<ul class=\"lead\">\n{items}</ul>\n")
+}
+
+fn of_branches(sweep: &Sweep) -> Vec<String> {
+    let name = &sweep.parameter.name;
+    let mut sentences = vec![match sweep.unstable_at_start {
+        0 => format!("No mode is unstable at {name} = {}.", sweep.parameter.from),
+        1 => format!("One mode is unstable at {name} = {}.", sweep.parameter.from),
+        number => format!("{number} modes are unstable at {name} = {}.", sweep.parameter.from),
+    }];
+    if sweep.diverges_at_start {
+        sentences.push(format!(
+            "A real eigenvalue is above the threshold there: divergence at {name} = {}.",
+            sweep.parameter.from
+        ));
+    }
+    let mut onsets: Vec<&SweepOnset> = sweep.onsets.iter().collect();
+    onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut modes: Vec<&str> = Vec::new();
+    for onset in &onsets {
+        if !modes.contains(&onset.mode.as_str()) {
+            modes.push(&onset.mode);
+        }
+    }
+    for &mode in modes.iter().take(MOST_MODES) {
+        let own: Vec<&SweepOnset> = onsets.iter().copied().filter(|onset| onset.mode == mode).collect();
+        sentences.push(format!("{} is unstable {}.", in_words(mode, &own), ranges(name, &own)));
+    }
+    if modes.len() > MOST_MODES {
+        sentences.push(format!(
+            "{} more modes become unstable or stable; the table below has them.",
+            modes.len() - MOST_MODES
+        ));
+    }
+    if modes.is_empty() {
+        sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
+    }
+    if !sweep.unresolved.is_empty() {
+        let ranges = if sweep.unresolved.len() == 1 { "one range" } else { "some ranges" };
+        sentences.push(format!("In {ranges}, listed below, a mode comes so near that it may cross or not."));
+    }
+    sentences
+}
+
+/// A mode with its frequency at its first onset.
+fn in_words(mode: &str, onsets: &[&SweepOnset]) -> String {
+    if mode == DIVERGENCE {
+        return "The brake by divergence (a real eigenvalue, no vibration)".into();
+    }
+    let omega = onsets.first().map_or(0.0, |onset| onset.omega);
+    format!("Mode {mode} ({} Hz)", hertz(omega / std::f64::consts::TAU))
+}
+
+/// From where to where a mode is unstable, by its onsets in ascending order.
+fn ranges(name: &str, onsets: &[&SweepOnset]) -> String {
+    let mut words = Vec::new();
+    let mut from: Option<f64> = None;
+    for onset in onsets {
+        match (onset.starts, from.take()) {
+            (true, _) => from = Some(onset.at),
+            (false, Some(start)) => words.push(format!("from {} to {}", short(start), short(onset.at))),
+            (false, None) => words.push(format!("up to {name} = {}", short(onset.at))),
+        }
+    }
+    words.extend(from.map(|start| format!("from {name} = {} on", short(start))));
+    words.join(" and ")
+}
+
+fn of_map(map: &StabilityMap) -> Vec<String> {
+    let mut shares = map.shares();
+    let mut sentences = vec![match shares.remove(&0) {
+        Some((share, _)) => format!("No mode is unstable on {:.1} % of the map.", 100.0 * share),
+        None => "No part of the map is stable.".into(),
+    }];
+    let words = |(number, (share, _)): (usize, (f64, usize))| format!("{number} on {:.1} %", 100.0 * share);
+    let elsewhere: Vec<String> = shares.into_iter().map(words).collect();
+    if !elsewhere.is_empty() {
+        sentences.push(format!("Unstable modes elsewhere: {}.", elsewhere.join(", ")));
+    }
+    let mut crossing: Vec<String> = Vec::new();
+    for curve in &map.curves {
+        let name = if curve.mode == DIVERGENCE { "divergence".to_owned() } else { format!("mode {}", curve.mode) };
+        if !crossing.contains(&name) {
+            crossing.push(name);
+        }
+    }
+    if !crossing.is_empty() {
+        sentences.push(format!("Becomes unstable across a curve of its own: {}.", crossing.join(", ")));
+    }
+    if !map.contradicted.is_empty() {
+        sentences.push("Where a spectrum contradicts the curves, as listed below, one of them is missing.".into());
+    }
+    sentences
+}
+
+/// To six digits.
+pub(super) fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
