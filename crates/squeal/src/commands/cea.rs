@@ -18,7 +18,7 @@ use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
-use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
+use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
 use crate::report::hertz;
 use crate::run::bar;
 use crate::study::{Scene, UncertainBrake, mode_work};
@@ -87,8 +87,11 @@ impl CeaArgs {
     fn matrices(&self, case: MatricesCase) -> Result<String, Error> {
         let set = &case.constraints[self.scene.matrices(&case)?];
         let medians = case.medians();
+        // A number without a unit has "1" or nothing there.
+        let unit =
+            |p: &Parameter| if matches!(p.unit.as_str(), "" | "1") { String::new() } else { format!(" {}", p.unit) };
         let values =
-            case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6} {}", p.name, p.unit));
+            case.parameters.iter().zip(&medians).map(|(p, value)| format!("{} = {value:.6}{}", p.name, unit(p)));
         let (threshold, counts) = (case.threshold, counts_from(&case.threshold));
         let heading = format!("median parameters: {}{counts}", values.collect::<Vec<_>>().join(", "));
         let named: serde_json::Map<String, Value> =

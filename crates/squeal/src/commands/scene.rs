@@ -10,16 +10,16 @@ use crate::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange}
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct SceneArgs {
-    /// Friction law of a lattice [default: the case's first]
+    /// Friction law, where the case has several [default: the case's first]
     #[arg(long, value_name = "LAW")]
     pub law: Option<String>,
-    /// Oscillators in contact, from 1, as in 1,2,5 [default: the case's first arrangement]
+    /// Contacts that are closed (oscillators, patches), from 1, as in 1,2,5 [default: the case's first arrangement]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub contact: Option<Vec<usize>>,
     /// Constraint set by name [default: the case's first]
     #[arg(long, value_name = "NAME")]
     pub constraints: Option<String>,
-    /// Sliding speed of a lattice, m/s [default: the median of the case's first range]
+    /// Sliding speed, m/s, of a lattice or finite elements [default: the median of the case's first range]
     #[arg(long, value_name = "V", allow_negative_numbers = true, value_parser = number)]
     pub speed: Option<f64>,
 }
