@@ -123,9 +123,8 @@ impl<'a> SingleCertifier<'a> {
         let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
         let state = look(problem, self.system, &sigmas, i, work)?;
         sigmas[i] = state.sigma;
-        let first_order = state.first_order();
         let enclosed =
-            if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, first_order, &mut HashSet::new()) };
+            if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, &state, &mut HashSet::new()) };
         let decided = decide(problem, state, gap(&sigmas, i), enclosed.map(|group| group.disc));
         Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
     }

@@ -7,6 +7,7 @@ use num_complex::Complex;
 
 use super::dd::DdComplex;
 use super::expansion::{Disc, Expansion};
+use super::measure::State;
 use super::residual::residual;
 use super::scaled::Scaled;
 use crate::lu::Vector;
@@ -65,26 +66,30 @@ pub(super) struct Enclosed {
     pub(super) space: Option<Semisimple>,
 }
 
-/// The smallest group around eigenvalue `i` that an expansion encloses: it and the nearest others, however few or many; not it
-/// alone where others are as near as its `first_order` bound. Groups join `seen` as they are tried, so that none is tried again around
+/// The smallest group around eigenvalue `i`, of this `state`, that an expansion encloses: it and the nearest others, however few or many; not it
+/// alone where others are as near as its first-order bound. Groups join `seen` as they are tried, so that none is tried again around
 /// another of its members.
 pub(super) fn enclose(
     s: &Scaled,
     eigenvalues: &[Complex<f64>],
     i: usize,
-    first_order: f64,
+    state: &State,
     seen: &mut HashSet<Vec<usize>>,
 ) -> Option<Enclosed> {
-    let mut nearest: Vec<usize> = (0..eigenvalues.len()).collect();
     let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
-    nearest.sort_by(|&a, &b| distance(a, eigenvalues[i]).total_cmp(&distance(b, eigenvalues[i])));
+    let mut nearest: Vec<_> = (0..eigenvalues.len()).map(|j| (distance(j, eigenvalues[i]), j)).collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let nearest: Vec<usize> = nearest.into_iter().map(|(_, j)| j).collect();
     let mut tried = 0;
     for count in 1..=nearest.len() {
         let (members, others) = nearest.split_at(count);
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
+        if others.iter().any(|&j| distance(j, mean) < CLEARANCE * spread) {
+            continue;
+        }
         let next = others.iter().map(|&j| distance(j, mean)).fold(f64::INFINITY, f64::min);
-        if next < CLEARANCE * spread || next == 0.0 || (count == 1 && next < first_order) {
+        if next == 0.0 || (count == 1 && next < state.first_order()) {
             continue;
         }
         if tried == MOST_EXPANSIONS {
@@ -96,7 +101,11 @@ pub(super) fn enclose(
         if !seen.insert(group) {
             continue;
         }
-        let Some(expansion) = Expansion::new(s, mean, count) else { continue };
+        let expansion = match count {
+            1 => Some(Expansion::of_one(s, mean, &state.x, &state.y)),
+            _ => Expansion::new(s, mean, count),
+        };
+        let Some(expansion) = expansion else { continue };
         if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
             let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();
             let semisimple = count > 1 && expansion.is_semisimple();

@@ -26,7 +26,7 @@ use num_complex::Complex;
 
 use super::measure::{FIRST_ORDER_SAFETY, UNIT_ROUNDOFF};
 use super::scaled::Scaled;
-use super::vectors::{Factor, NORM_ESTIMATES, frobenius_norm};
+use super::vectors::{Factor, by_norms};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
@@ -64,8 +64,13 @@ pub(super) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow or too many of them have chains, as they do where
-    /// there are more eigenvalues than vectors.
+    /// Around one eigenvalue that is alone, with its unit vectors.
+    pub(super) fn of_one(problem: &'a Scaled, sigma: Complex<f64>, right: &Vector, left: &Vector) -> Self {
+        Self::with_vectors(problem, sigma, 1, vec![right.clone()], vec![left.clone()])
+    }
+
+    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow, where too many of them have chains, as they do
+    /// where there are more eigenvalues than vectors, and where rounding makes Q as singular with these vectors left out.
     pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
         let n = problem.order();
         if count > n.max(LARGEST_CHAINED) {
@@ -80,8 +85,23 @@ impl<'a> Expansion<'a> {
         if corank < count && count > LARGEST_CHAINED {
             return None;
         }
+        // |E| is its reciprocal, and too large for any disc.
+        if singular.get(corank).is_some_and(|&next| next <= 2.0 * noise(problem, centre.norm())) {
+            return None;
+        }
         right.truncate(corank);
         left.truncate(corank);
+        Some(Self::with_vectors(problem, centre, count, right, left))
+    }
+
+    fn with_vectors(
+        problem: &'a Scaled,
+        centre: Complex<f64>,
+        count: usize,
+        right: Vec<Vector>,
+        left: Vec<Vector>,
+    ) -> Self {
+        let (n, corank) = (problem.order(), right.len());
         let bordered = Bordered::new(problem, centre, &right, &left);
         let (mut terms, mut series) = bordered.unit_columns();
         let residual = bordered.residual(problem, centre, &terms, &series, &left);
@@ -104,7 +124,7 @@ impl<'a> Expansion<'a> {
             norm(&rows.iter().map(|v| problem.mass_adjoint_times(v)).collect::<Vec<_>>()),
             norm(&rows),
         ];
-        Some(Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual })
+        Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual }
     }
 
     /// Whether there are as many vectors as eigenvalues.
@@ -119,18 +139,13 @@ impl<'a> Expansion<'a> {
         let most = most.min(self.centre.norm().max(1.0));
         // Without a solve where no norms would do.
         self.disc_by([0.0; 3], least, most)?;
-        NORM_ESTIMATES.iter().find_map(|&estimate| self.disc_by(self.inner_norms(estimate), least, most))
+        let e = |g| self.bordered.solve(g).0;
+        let e_slope = |g: Vector| e(self.problem.derivative_times(self.centre, &g));
+        let e_mass = |g: Vector| e(self.problem.mass_times(&g));
+        by_norms(self.problem.order(), [&e_slope, &e_mass, &e], |inner| self.disc_by(inner, least, most))
     }
 
-    /// Norms of E Q', E M and E.
-    fn inner_norms(&self, estimate: (usize, f64)) -> [f64; 3] {
-        let norm = |of: &dyn Fn(Vector) -> Vector| {
-            frobenius_norm(self.problem.order(), estimate, |g| self.bordered.solve(of(g)).0)
-        };
-        let slope = |g: Vector| self.problem.derivative_times(self.centre, &g);
-        [norm(&slope), norm(&|g| self.problem.mass_times(&g)), norm(&|g| g)]
-    }
-
+    /// By norms of E Q', E M and E.
     fn disc_by(&self, inner: [f64; 3], least: f64, most: f64) -> Option<Disc> {
         let mut radius = least.max(UNIT_ROUNDOFF * self.centre.norm().max(UNIT_ROUNDOFF));
         while radius <= most {
@@ -166,8 +181,7 @@ impl<'a> Expansion<'a> {
         let w: f64 = (0..=last).map(term).sum::<f64>() + rest;
         let e = e / (1.0 - contraction);
         let v = v + (slope + mass) * e;
-        let size = self.problem.norms.size(self.centre.norm() + radius);
-        let noise = FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * size + self.residual;
+        let noise = noise(self.problem, self.centre.norm() + radius) + self.residual;
         (e * noise < 0.5).then(|| omitted + v * w * noise / (1.0 - e * noise))
     }
 
@@ -210,6 +224,11 @@ impl<'a> Expansion<'a> {
         };
         (0..points).map(coefficient).collect()
     }
+}
+
+/// What rounding the data changes Q by, and what is allowed for computing it.
+fn noise(problem: &Scaled, sigma: f64) -> f64 {
+    FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(sigma)
 }
 
 fn norm(vectors: &[Vector]) -> f64 {

@@ -24,8 +24,7 @@ pub(super) fn enclose_groups(
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
         }
-        let first_order = found[i].first_order();
-        let enclosed = enclose(&problem.scaled, &sigmas, i, first_order, &mut seen);
+        let enclosed = enclose(&problem.scaled, &sigmas, i, &found[i], &mut seen);
         let Some(Enclosed { members, disc, space }) = enclosed else {
             continue;
         };

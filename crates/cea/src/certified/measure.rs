@@ -10,7 +10,7 @@ use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
 use super::structure::nullity;
-use super::vectors::{Factor, NORM_ESTIMATES, frobenius_norm, orthonormalise};
+use super::vectors::{Factor, by_norms, orthonormalise};
 use crate::lu::Vector;
 use crate::{CeaError, Verdict};
 
@@ -151,10 +151,10 @@ impl Measure {
         ];
         // Without a solve where no norm would do.
         self.second_order_is_small(state, gap, couplings, 0.0)
-            && NORM_ESTIMATES.iter().any(|&estimate| {
-                let inverse = frobenius_norm(self.scaled.order(), estimate, solve);
-                self.second_order_is_small(state, gap, couplings, inverse)
+            && by_norms(self.scaled.order(), [&solve], |[inverse]| {
+                self.second_order_is_small(state, gap, couplings, inverse).then_some(())
             })
+            .is_some()
     }
 
     /// Whether exactly one eigenvalue, of every problem as near as the bound says, is within the first-order bound r.

@@ -51,8 +51,10 @@ pub(crate) fn newton(s: &Scaled, start: Complex<f64>, x0: &Vector, enough: f64, 
             }
             x.iter_mut().zip(dx.iter()).for_each(|(z, &d)| *z = *z + d.into());
             sigma = sigma + shift.into();
+            // What this step leaves is as much less as it was less than the one before.
+            let expected = if last.is_finite() { size * (size / last) } else { size };
             last = size;
-            if size == 0.0 {
+            if size == 0.0 || (size <= enough && expected <= DOUBLE_DOUBLE_ROUNDING * start.norm()) {
                 break;
             }
         }

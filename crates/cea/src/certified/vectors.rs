@@ -83,13 +83,36 @@ impl<'a> Factor<'a> {
 /// Vectors for the norm of a linear map, and how many times it may exceed what they show. If their phases were random it would
 /// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
 /// the next line is for where the one before leaves a doubt.
-pub(crate) const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
+const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
+/// What vectors show times this is no more than the norm but with a chance of 4e-4, as what they show exceeds its square r times with
+/// one of exp(-r) at most. What fails even for that is given up before more of them are tried.
+const SURELY_SHOWN: f64 = 0.35;
 
-/// The Frobenius norm of a linear map of n-vectors, from above: `safety` times what `probes` vectors of phases without a pattern
-/// give, or exactly from the unit vectors where these are no more.
-pub(crate) fn frobenius_norm(n: usize, (probes, safety): (usize, f64), apply: impl Fn(Vector) -> Vector) -> f64 {
+/// What follows from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
+/// estimate that suffices tells.
+pub(crate) fn by_norms<const N: usize, R>(
+    n: usize,
+    maps: [&dyn Fn(Vector) -> Vector; N],
+    conclude: impl Fn([f64; N]) -> Option<R>,
+) -> Option<R> {
+    for (probes, safety) in NORM_ESTIMATES {
+        let shown = maps.map(|map| shown_norm(n, probes, map));
+        if n <= probes {
+            return conclude(shown);
+        }
+        if let Some(found) = conclude(shown.map(|norm| safety * norm)) {
+            return Some(found);
+        }
+        conclude(shown.map(|norm| SURELY_SHOWN * norm))?;
+    }
+    None
+}
+
+/// What `probes` vectors of phases without a pattern show of the Frobenius norm of a linear map, or all of it from the unit vectors
+/// where these are no more.
+fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector) -> f64 {
     let squares = |count: usize, vector: &dyn Fn(usize) -> Vector| {
-        (0..count).map(|k| apply(vector(k)).norm_squared()).sum::<f64>()
+        (0..count).map(|k| map(vector(k)).norm_squared()).sum::<f64>()
     };
     if n <= probes {
         return squares(n, &|k| Vector::from_fn(n, |i, _| Complex::from(f64::from(u8::from(i == k))))).sqrt();
@@ -98,7 +121,7 @@ pub(crate) fn frobenius_norm(n: usize, (probes, safety): (usize, f64), apply: im
     let phases = |k: usize| {
         Vector::from_fn(n, |i, _| Complex::cis(2.399_963_229_728_653 * ((i + 1) * (i + 3 + 5 * k) + k * k) as f64))
     };
-    safety * (squares(probes, &phases) / probes as f64).sqrt()
+    (squares(probes, &phases) / probes as f64).sqrt()
 }
 
 /// Gram and Schmidt, twice; nothing where a vector is not finite or depends on the others.

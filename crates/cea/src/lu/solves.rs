@@ -48,17 +48,28 @@ impl Lu {
 
     fn substitute_adjoint(&self, [re, im]: [&mut [f64]; 2]) {
         let n = re.len();
+        // The vectors of real eigenvalues.
+        let all_real = self.is_real && im.iter().all(|&x| x == 0.0);
         Arch::new().dispatch(|| {
             for k in 0..n {
-                let sum = adjoint_product(self.column(k, 0..k), [&re[..k], &im[..k]]);
+                let sum = self.adjoint_product(self.column(k, 0..k), [&re[..k], &im[..k]], all_real);
                 let head = (Complex::new(re[k], im[k]) - sum) / self.pivot(k).conj();
                 (re[k], im[k]) = (head.re, head.im);
             }
             for k in (0..n).rev() {
-                let sum = adjoint_product(self.column(k, k + 1..n), [&re[k + 1..], &im[k + 1..]]);
+                let sum = self.adjoint_product(self.column(k, k + 1..n), [&re[k + 1..], &im[k + 1..]], all_real);
                 (re[k], im[k]) = (re[k] - sum.re, im[k] - sum.im);
             }
         });
+    }
+
+    #[inline(always)]
+    fn adjoint_product(&self, l: [&[f64]; 2], [re, im]: [&[f64]; 2], all_real: bool) -> Complex<f64> {
+        match (self.is_real, all_real) {
+            (true, true) => Complex::from(real_product(l[0], re)),
+            (true, false) => Complex::new(real_product(l[0], re), real_product(l[0], im)),
+            _ => adjoint_product(l, [re, im]),
+        }
     }
 
     /// x -= some rows of column k times `head`.
@@ -67,7 +78,10 @@ impl Lu {
         let l = self.column(k, rows);
         if self.is_real {
             subtract_real(re, l[0], head[0]);
-            subtract_real(im, l[0], head[1]);
+            // The vectors of real eigenvalues.
+            if head[1] != 0.0 {
+                subtract_real(im, l[0], head[1]);
+            }
         } else {
             subtract_complex([re, im], l, head);
         }
@@ -106,4 +120,16 @@ fn adjoint_product([l_re, l_im]: [&[f64]; 2], [re, im]: [&[f64]; 2]) -> Complex<
         add(k, l_re, l_im_rest[k], re_rest[k], im_rest[k]);
     }
     Complex::new(sums[0].iter().sum(), sums[1].iter().sum())
+}
+
+/// The sum of the products of real entries.
+#[inline(always)]
+fn real_product(l: &[f64], x: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let [(l, l_rest), (x, x_rest)] = [l, x].map(<[f64]>::as_chunks::<SUMS>);
+    for (l, x) in l.iter().zip(x) {
+        (0..SUMS).for_each(|k| sums[k] += l[k] * x[k]);
+    }
+    l_rest.iter().zip(x_rest).zip(&mut sums).for_each(|((l, x), sum)| *sum += l * x);
+    sums.iter().sum()
 }
