@@ -58,6 +58,12 @@ impl Lu {
         self.swap_rows(middle..end, start..middle);
     }
 
+    /// How many pivots are no larger than `limit`: as many directions are nearly in the null space.
+    pub(crate) fn pivots_up_to(&self, limit: f64) -> usize {
+        let [re, im] = &self.parts;
+        re.diagonal().iter().zip(im.diagonal().iter()).filter(|(re, im)| re.hypot(**im) <= limit).count()
+    }
+
     fn order(&self) -> usize {
         self.parts[0].nrows()
     }

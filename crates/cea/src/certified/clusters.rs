@@ -66,7 +66,8 @@ pub(super) struct Enclosed {
     pub(super) space: Option<Semisimple>,
 }
 
-/// The smallest group around eigenvalue `i`, of this `state`, that an expansion encloses: it and the nearest others, however few or many; not it
+/// The smallest group around eigenvalue `i`, of this `state`, that an expansion encloses: it and the nearest others, as many as
+/// rounding hides directions or more; not it
 /// alone where others are as near as its first-order bound. Groups join `seen` as they are tried, so that none is tried again around
 /// another of its members.
 pub(super) fn enclose(
@@ -80,8 +81,11 @@ pub(super) fn enclose(
     let mut nearest: Vec<_> = (0..eigenvalues.len()).map(|j| (distance(j, eigenvalues[i]), j)).collect();
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
     let nearest: Vec<usize> = nearest.into_iter().map(|(_, j)| j).collect();
-    let mut tried = 0;
+    let (mut tried, mut least) = (0, state.hidden);
     for count in 1..=nearest.len() {
+        if count < least {
+            continue;
+        }
         let (members, others) = nearest.split_at(count);
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
@@ -102,10 +106,16 @@ pub(super) fn enclose(
             continue;
         }
         let expansion = match count {
-            1 => Some(Expansion::of_one(s, mean, &state.x, &state.y)),
+            1 => Ok(Expansion::of_one(s, mean, &state.x, &state.y)),
             _ => Expansion::new(s, mean, count),
         };
-        let Some(expansion) = expansion else { continue };
+        let expansion = match expansion {
+            Ok(expansion) => expansion,
+            Err(hidden) => {
+                least = hidden.unwrap_or(least);
+                continue;
+            }
+        };
         if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
             let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();
             let semisimple = count > 1 && expansion.is_semisimple();

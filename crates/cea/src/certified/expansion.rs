@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::measure::{FIRST_ORDER_SAFETY, UNIT_ROUNDOFF};
+use super::measure::{UNIT_ROUNDOFF, data_noise};
 use super::scaled::Scaled;
 use super::vectors::{Factor, by_norms};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
@@ -69,29 +69,34 @@ impl<'a> Expansion<'a> {
         Self::with_vectors(problem, sigma, 1, vec![right.clone()], vec![left.clone()])
     }
 
-    /// Around `centre`, for `count` eigenvalues; `None` where the vectors overflow, where too many of them have chains, as they do
-    /// where there are more eigenvalues than vectors, and where rounding makes Q as singular with these vectors left out.
-    pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
+    /// Around `centre`, for `count` eigenvalues. None where the vectors overflow or too many of them have chains, as they do where
+    /// there are more eigenvalues than vectors; and where rounding hides more directions than there are eigenvalues, with their number:
+    /// |E| is too large for any disc then.
+    pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Result<Self, Option<usize>> {
         let n = problem.order();
         if count > n.max(LARGEST_CHAINED) {
-            return None;
+            return Err(None);
         }
+        let noise = data_noise(problem, centre.norm());
         let factor = Factor::for_several(problem, centre);
-        let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
+        let hidden = factor.nullity_to(noise);
+        if hidden > count {
+            return Err(Some(hidden));
+        }
+        let (mut right, mut left) = factor.null_pairs((count + 1).min(n)).ok_or(None)?;
         let size = problem.norms.size(centre.norm());
         let singular: Vec<f64> = right.iter().map(|x| factor.residual(x).norm()).collect();
         let jump = |q: usize| singular.get(q).unwrap_or(&size) / singular[q - 1].max(UNIT_ROUNDOFF * size);
-        let corank = (1..=count.min(n)).max_by(|&a, &b| jump(a).total_cmp(&jump(b)))?;
+        let corank = (1..=count.min(n)).max_by(|&a, &b| jump(a).total_cmp(&jump(b))).ok_or(None)?;
         if corank < count && count > LARGEST_CHAINED {
-            return None;
+            return Err(None);
         }
-        // |E| is its reciprocal, and too large for any disc.
-        if singular.get(corank).is_some_and(|&next| next <= 2.0 * noise(problem, centre.norm())) {
-            return None;
+        if singular.get(corank).is_some_and(|&next| next <= 2.0 * noise) {
+            return Err(None);
         }
         right.truncate(corank);
         left.truncate(corank);
-        Some(Self::with_vectors(problem, centre, count, right, left))
+        Ok(Self::with_vectors(problem, centre, count, right, left))
     }
 
     fn with_vectors(
@@ -181,7 +186,7 @@ impl<'a> Expansion<'a> {
         let w: f64 = (0..=last).map(term).sum::<f64>() + rest;
         let e = e / (1.0 - contraction);
         let v = v + (slope + mass) * e;
-        let noise = noise(self.problem, self.centre.norm() + radius) + self.residual;
+        let noise = data_noise(self.problem, self.centre.norm() + radius) + self.residual;
         (e * noise < 0.5).then(|| omitted + v * w * noise / (1.0 - e * noise))
     }
 
@@ -224,11 +229,6 @@ impl<'a> Expansion<'a> {
         };
         (0..points).map(coefficient).collect()
     }
-}
-
-/// What rounding the data changes Q by, and what is allowed for computing it.
-fn noise(problem: &Scaled, sigma: f64) -> f64 {
-    FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(sigma)
 }
 
 fn norm(vectors: &[Vector]) -> f64 {

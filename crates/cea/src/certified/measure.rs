@@ -21,6 +21,11 @@ pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
 /// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
 /// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
 pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
+/// What rounding the data changes Q(sigma) by, |sigma| = `size`, and what is allowed for computing it.
+pub(super) fn data_noise(problem: &Scaled, size: f64) -> f64 {
+    FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(size)
+}
+
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
 const REFINED_PART: f64 = 1e-6;
 
@@ -41,6 +46,8 @@ pub(super) struct State {
     pub(super) verdict: Verdict,
     /// Whether the first-order bound holds: section 3 of docs/error-bounds.md.
     pub(super) is_simple: bool,
+    /// How many directions rounding does not tell from null vectors; one of an eigenvalue that is alone.
+    pub(super) hidden: usize,
 }
 
 impl State {
@@ -115,6 +122,7 @@ impl Measure {
             // Exactly zero for the matrices as given.
             verdict: Verdict::Marginal { tolerance: 0.0 },
             is_simple: true,
+            hidden: nullity,
             x,
             y,
         };
@@ -139,6 +147,7 @@ impl Measure {
                 _ => {}
             }
         }
+        state.hidden = factor.nullity_to(data_noise(&self.scaled, sigma.norm()));
         Ok((state, factor))
     }
 
@@ -186,8 +195,20 @@ impl Measure {
         let (scaled_error, backward_error) = self.errors(sigma, &x);
         let verdict = Verdict::Undecided { bound: f64::INFINITY };
         let bound = f64::INFINITY;
-        let is_simple = false;
-        State { sigma, x, y, backward_error, condition, scaled_error, scaled_condition, bound, verdict, is_simple }
+        let (is_simple, hidden) = (false, 0);
+        State {
+            sigma,
+            x,
+            y,
+            backward_error,
+            condition,
+            scaled_error,
+            scaled_condition,
+            bound,
+            verdict,
+            is_simple,
+            hidden,
+        }
     }
 
     /// Backward errors of the scaled and of the given problem.

@@ -52,6 +52,11 @@ impl<'a> Factor<'a> {
         Some((x, y))
     }
 
+    /// How many directions Q(sigma) leaves no more of than `limit`.
+    pub(crate) fn nullity_to(&self, limit: f64) -> usize {
+        self.lu.pivots_up_to(limit)
+    }
+
     /// An estimate of the smallest singular value of Q(sigma).
     pub(crate) fn smallest(&self) -> f64 {
         self.null_pairs(1).map_or(f64::INFINITY, |(x, _)| self.residual(&x[0]).norm())
@@ -111,9 +116,8 @@ pub(crate) fn by_norms<const N: usize, R>(
 /// What `probes` vectors of phases without a pattern show of the Frobenius norm of a linear map, or all of it from the unit vectors
 /// where these are no more.
 fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector) -> f64 {
-    let squares = |count: usize, vector: &dyn Fn(usize) -> Vector| {
-        (0..count).map(|k| map(vector(k)).norm_squared()).sum::<f64>()
-    };
+    let squares =
+        |count: usize, vector: &dyn Fn(usize) -> Vector| (0..count).map(|k| map(vector(k)).norm_squared()).sum::<f64>();
     if n <= probes {
         return squares(n, &|k| Vector::from_fn(n, |i, _| Complex::from(f64::from(u8::from(i == k))))).sqrt();
     }
