@@ -38,6 +38,11 @@ use super::standard::{Quotients, of_matrix, quotients};
 const LARGEST_CONTRACTION: f64 = 0.25;
 /// Steps in double precision, each of which multiplies the error by q.
 const STEPS_IN_DOUBLE: usize = 6;
+/// Most steps in double-double. One doubles the digits of a double where q is small; more are for splits that are not wide.
+const MOST_EXTENDED_STEPS: usize = 6;
+/// Ratio of two rates of damping that splits slow from fast wherever it occurs. Of several such ratios the last one counts: what is
+/// left is not strongly damped then.
+const WIDE_GAP: f64 = 1e5;
 
 /// The eigenvalues, complex ones in exact conjugate pairs; none where slow and fast ones are not far enough apart, what is to
 /// be inverted is too nearly singular or the iteration fails.
@@ -49,25 +54,34 @@ pub(super) fn eigenvalues(s: &Scaled) -> Option<Vec<Complex<f64>>> {
     for _ in 0..STEPS_IN_DOUBLE {
         before = double.step(&before).of[0].block(0..r, 0..2 * n - r);
     }
-    let before = Planar::from_fn(r, 2 * n - r, |i, j| Dd::from(before.get(i, j)));
-    let before = turned.step(&before).of[0].block(0..r, 0..2 * n - r);
-    let Quotients { of: [rates, masses], error } = turned.step(&before);
-    // -G and -F.
-    let slow = Planar::from_fn(2 * n - r, 2 * n - r, |i, j| match i {
-        _ if i < r => rates.get(i, j),
-        _ if i < n => Dd::from(if j == i + n - r { -1.0 } else { 0.0 }),
-        _ => rates.get(i + r - n, j),
-    });
-    let fast = masses.block(0..r, 0..r);
-    let contraction = slow.norm() * fast.norm();
-    if contraction.is_nan() || contraction > LARGEST_CONTRACTION {
+    if before.norm().is_nan() {
         return None;
     }
-    let change = Planar::<f64>::from_fn(r, 2 * n - r, |i, j| (rates.get(i, j) - before.get(i, j)).value());
-    let error = error + 2.0 * masses.norm() * change.norm();
-    let mut found = of_matrix(slow, error)?;
-    let error = error * masses.norm() / fast.norm();
-    found.extend(of_matrix(fast, error)?.into_iter().map(|mu| mu.inv()));
+    let mut before = Planar::from_fn(r, 2 * n - r, |i, j| Dd::from(before.get(i, j)));
+    let (mut slow, mut fast, mut errors) = (before.clone(), before.clone(), [f64::INFINITY; 2]);
+    for _ in 0..MOST_EXTENDED_STEPS {
+        let Quotients { of: [rates, masses], error } = turned.step(&before);
+        // -G and -F.
+        slow = Planar::from_fn(2 * n - r, 2 * n - r, |i, j| match i {
+            _ if i < r => rates.get(i, j),
+            _ if i < n => Dd::from(if j == i + n - r { -1.0 } else { 0.0 }),
+            _ => rates.get(i + r - n, j),
+        });
+        fast = masses.block(0..r, 0..r);
+        let contraction = slow.norm() * fast.norm();
+        if contraction.is_nan() || contraction > LARGEST_CONTRACTION {
+            return None;
+        }
+        let change = Planar::<f64>::from_fn(r, 2 * n - r, |i, j| (rates.get(i, j) - before.get(i, j)).value());
+        let of_steps = 2.0 * masses.norm() * change.norm();
+        errors = [1.0, masses.norm() / fast.norm()].map(|factor| (error + of_steps) * factor);
+        if of_steps <= error {
+            break;
+        }
+        before = rates.block(0..r, 0..2 * n - r);
+    }
+    let mut found = of_matrix(slow, errors[0])?;
+    found.extend(of_matrix(fast, errors[1])?.into_iter().map(|mu| mu.inv()));
     Some(found.into_iter().map(|sigma| -sigma).collect())
 }
 
@@ -135,7 +149,8 @@ fn before_the_widest_gap(rates: &Planar<Dd>) -> usize {
     let found = reveal_rank(&mut rounded(rates), &mut Planar::from_fn(n, 0, |_, _| 0.0), n);
     let rate = |k: usize| found.get(k).map_or(1.0, |rate| rate.max(1.0));
     let gap = |r: usize| rate(r - 1) / rate(r);
-    (1..=n).max_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(n)
+    let wide = (1..=n).rev().find(|&r| gap(r) >= WIDE_GAP);
+    wide.or_else(|| (1..=n).max_by(|&a, &b| gap(a).total_cmp(&gap(b)))).unwrap_or(n)
 }
 
 fn rounded(a: &Planar<Dd>) -> Planar<f64> {
