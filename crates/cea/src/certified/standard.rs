@@ -7,6 +7,7 @@
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::balance::balanced;
 use super::hessenberg::reduce_to_hessenberg;
 use super::lane::Lane;
 use super::planar::{Planar, triangularise};
@@ -46,11 +47,12 @@ pub(super) fn quotients<T: Lane, const N: usize>(of: [&Planar<T>; N], b: &Planar
 
 /// The eigenvalues of a matrix with this relative error, by the QR iteration; none where the least of them may be wrong by more
 /// than [`LARGEST_ERROR`], relative to it, or the iteration fails.
-pub(super) fn of_matrix<T: Lane>(mut matrix: Planar<T>, error: f64) -> Option<Vec<Complex<f64>>> {
+pub(super) fn of_matrix<T: Lane>(matrix: Planar<T>, error: f64) -> Option<Vec<Complex<f64>>> {
     if error.is_nan() || error > LARGEST_ERROR {
         return None;
     }
     let error = error * matrix.norm();
+    let mut matrix = balanced(matrix);
     reduce_to_hessenberg(&mut matrix);
     let found = francis::of_hessenberg(matrix, MOST_QR_STEPS)?;
     let least = found.iter().map(|l| l.norm()).fold(f64::INFINITY, f64::min);
