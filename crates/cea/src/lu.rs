@@ -8,6 +8,8 @@ use pulp::Arch;
 
 mod solves;
 
+pub(crate) use solves::real_product;
+
 /// Columns that are eliminated one after the other instead of by halves: of 8, 16, 32 and 64 the fastest for n = 100 to 400.
 const FEW: usize = 32;
 

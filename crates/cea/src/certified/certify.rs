@@ -6,9 +6,9 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::clusters::{Cluster, ClusterKind, enclose};
+use super::clusters::{Alone, Cluster, ClusterKind, MOST_EXPANSIONS, enclose, enclose_alone};
 use super::groups::{Group, enclose_groups, nearly_defective_pairs};
-use super::measure::{Measure, ROUNDING_ONLY, State};
+use super::measure::{Measure, ROUNDING_ONLY, State, data_noise};
 use super::solve::{GeneralSpectrum, extend};
 use super::vectors::Factor;
 use super::verdict::{decide, gap};
@@ -123,9 +123,9 @@ impl<'a> SingleCertifier<'a> {
         let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
         let state = look(problem, self.system, &sigmas, i, work)?;
         sigmas[i] = state.sigma;
-        let enclosed =
-            if state.is_simple { None } else { enclose(&problem.scaled, &sigmas, i, &state, &mut HashSet::new()) };
-        let decided = decide(problem, state, gap(&sigmas, i), enclosed.map(|group| group.disc));
+        let group = || enclose(&problem.scaled, &sigmas, i, &state, &mut HashSet::new());
+        let disc = if state.is_simple { None } else { state.alone.disc().or_else(|| Some(group()?.disc)) };
+        let decided = decide(problem, state, gap(&sigmas, i), disc);
         Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
     }
 }
@@ -139,8 +139,19 @@ fn look(
     work: &mut Workspace,
 ) -> Result<State, CeaError> {
     let (state, factor) = first_look(problem, system, sigmas, i, work)?;
-    let is_simple = problem.is_simple(&state, &factor, gap(sigmas, i));
-    Ok(State { is_simple, ..state })
+    let gap = gap(sigmas, i);
+    let is_simple = problem.is_simple(&state, &factor, gap);
+    let alone = if is_simple { Alone::Open } else { enclose_alone(&factor, &state, gap) };
+    let hidden =
+        if alone == Alone::Crowded { hidden(&factor, data_noise(&problem.scaled, state.sigma.norm())) } else { 1 };
+    Ok(State { is_simple, alone, hidden, ..state })
+}
+
+/// How many directions Q is as good as zero in, 2 where their number is not clear. Pivots tell, but count those of a single long chain
+/// too: vectors bear them out, as many as groups are tried one after the other.
+fn hidden(factor: &Factor, noise: f64) -> usize {
+    let pivots = factor.pivots_up_to(noise);
+    if pivots > 2 && factor.hides(pivots.min(MOST_EXPANSIONS + 2), noise) { pivots } else { 2 }
 }
 
 fn first_look<'a>(

@@ -10,6 +10,7 @@ use super::expansion::{Disc, Expansion};
 use super::measure::State;
 use super::residual::residual;
 use super::scaled::Scaled;
+use super::vectors::Factor;
 use crate::lu::Vector;
 
 /// Relative distance within which a pair is called nearly defective: a convention, for a reader's attention alone.
@@ -50,7 +51,7 @@ impl Cluster {
 }
 
 /// Expansions tried around one eigenvalue: each costs a factorisation. Chosen.
-const MOST_EXPANSIONS: usize = 6;
+pub(super) const MOST_EXPANSIONS: usize = 6;
 /// A group is tried where the next eigenvalue is this many times as far from its mean as its own farthest member: on a circle
 /// between them the group's own power of the distance is to outweigh the other terms of its series. Chosen.
 const CLEARANCE: f64 = 1.5;
@@ -66,10 +67,46 @@ pub(super) struct Enclosed {
     pub(super) space: Option<Semisimple>,
 }
 
-/// The smallest group around eigenvalue `i`, of this `state`, that an expansion encloses: it and the nearest others, as many as
-/// rounding hides directions or more; not it
-/// alone where others are as near as its first-order bound. Groups join `seen` as they are tried, so that none is tried again around
-/// another of its members.
+/// Whether an eigenvalue was enclosed by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Alone {
+    /// In this disc.
+    Enclosed(Disc),
+    /// Not yet, or not by these vectors.
+    Open,
+    /// It cannot be: rounding hides more directions than its own.
+    Crowded,
+}
+
+impl Alone {
+    pub(super) fn disc(self) -> Option<Disc> {
+        match self {
+            Self::Enclosed(disc) => Some(disc),
+            _ => None,
+        }
+    }
+}
+
+/// A disc around one eigenvalue alone, of which no other is nearer than `gap`.
+pub(super) fn enclose_alone(factor: &Factor, state: &State, gap: f64) -> Alone {
+    if gap < state.first_order() {
+        return Alone::Open;
+    }
+    let outcome = |expansion: Expansion| match expansion.disc(0.0, gap / MARGIN) {
+        Some(disc) => Alone::Enclosed(disc),
+        None if expansion.is_crowded() => Alone::Crowded,
+        None => Alone::Open,
+    };
+    if state.sigma == factor.sigma {
+        return outcome(Expansion::alone(factor, &state.x, &state.y));
+    }
+    let factor = Factor::new(factor.problem, state.sigma);
+    factor.null_pairs(1).map_or(Alone::Open, |(x, y)| outcome(Expansion::alone(&factor, &x[0], &y[0])))
+}
+
+/// The smallest group around eigenvalue `i`, of this state, that an expansion encloses: it and the nearest others, however few or many,
+/// but not fewer than the directions that rounding hides; not it alone where others are as near as its first-order bound. Groups join
+/// `seen` as they are tried, so that none is tried again around another of its members.
 pub(super) fn enclose(
     s: &Scaled,
     eigenvalues: &[Complex<f64>],
@@ -81,11 +118,9 @@ pub(super) fn enclose(
     let mut nearest: Vec<_> = (0..eigenvalues.len()).map(|j| (distance(j, eigenvalues[i]), j)).collect();
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
     let nearest: Vec<usize> = nearest.into_iter().map(|(_, j)| j).collect();
-    let (mut tried, mut least) = (0, state.hidden);
-    for count in 1..=nearest.len() {
-        if count < least {
-            continue;
-        }
+    let least = if state.alone == Alone::Crowded { state.hidden.max(2) } else { 1 };
+    let mut tried = 0;
+    for count in least..=nearest.len() {
         let (members, others) = nearest.split_at(count);
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
@@ -105,17 +140,7 @@ pub(super) fn enclose(
         if !seen.insert(group) {
             continue;
         }
-        let expansion = match count {
-            1 => Ok(Expansion::of_one(s, mean, &state.x, &state.y)),
-            _ => Expansion::new(s, mean, count),
-        };
-        let expansion = match expansion {
-            Ok(expansion) => expansion,
-            Err(hidden) => {
-                least = hidden.unwrap_or(least);
-                continue;
-            }
-        };
+        let Some(expansion) = Expansion::new(s, mean, count) else { continue };
         if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
             let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();
             let semisimple = count > 1 && expansion.is_semisimple();

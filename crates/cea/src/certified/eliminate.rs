@@ -8,9 +8,10 @@ pub(super) fn rotation<T: Lane>(a: T, b: T) -> Rotation<T> {
     if b.value() == 0.0 || largest.is_nan() {
         return (T::from(1.0), T::default());
     }
-    let (a, b) = (a / T::from(largest), b / T::from(largest));
-    let r = (a * a + b * b).root();
-    (a / r, b / r)
+    let scale = T::from(reciprocal_power(largest));
+    let (a, b) = (a * scale, b * scale);
+    let inverse = T::from(1.0) / (a * a + b * b).root();
+    (a * inverse, b * inverse)
 }
 
 /// The reflection that takes v to `[*; 0; 0]`.
@@ -19,10 +20,20 @@ pub(super) fn householder<T: Lane>(v: [T; 3]) -> Reflection<T> {
     if largest == 0.0 {
         return ([T::default(); 2], [T::default(); 3]);
     }
-    let v = v.map(|x| x / T::from(largest));
+    let scale = T::from(reciprocal_power(largest));
+    let v = v.map(|x| x * scale);
     let norm = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
     let head = if v[0].value() < 0.0 { v[0] - norm } else { v[0] + norm };
-    let u = [v[1] / head, v[2] / head];
+    let inverse = T::from(1.0) / head;
+    let u = [v[1] * inverse, v[2] * inverse];
     let beta = T::from(2.0) / (T::from(1.0) + u[0] * u[0] + u[1] * u[1]);
     (u, [beta, beta * u[0], beta * u[1]])
+}
+
+/// The power of two that takes a positive number to between 1 and 2: a product with it is exact. Of numbers near the ends of a
+/// double's range one.
+fn reciprocal_power(x: f64) -> f64 {
+    const MANTISSA: u64 = (1 << 52) - 1;
+    let power = f64::from_bits(x.to_bits() & !MANTISSA);
+    if (1e-290..1e290).contains(&x) { 1.0 / power } else { 1.0 }
 }

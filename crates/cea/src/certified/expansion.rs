@@ -26,7 +26,7 @@ use num_complex::Complex;
 
 use super::measure::{UNIT_ROUNDOFF, data_noise};
 use super::scaled::Scaled;
-use super::vectors::{Factor, by_norms};
+use super::vectors::{Factor, SURELY_SHOWN, by_norms, shown_norm};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
 /// Terms of the series beyond the one that is to outweigh the others. Chosen: each costs a solve, and what is left out shrinks with each.
@@ -43,6 +43,17 @@ pub(super) struct Disc {
     pub(super) radius: f64,
 }
 
+/// `E b` and `V b` of b.
+type Inverse<'a> = dyn Fn(Vector) -> (Vector, Vector) + 'a;
+
+/// The columns of W_0 and S_0, the rows of V, adjoint, and `|Q W_0 + Y S_0|`, which is zero but for rounding.
+struct First {
+    terms: Vec<Vector>,
+    series: Vec<Vector>,
+    rows: Vec<Vector>,
+    residual: f64,
+}
+
 /// The series of S around the mean of a group, and what bounds the rest.
 pub(super) struct Expansion<'a> {
     problem: &'a Scaled,
@@ -52,7 +63,7 @@ pub(super) struct Expansion<'a> {
     /// Orthonormal right and left vectors, q each.
     pub(super) right: Vec<Vector>,
     pub(super) left: Vec<Vector>,
-    bordered: Bordered,
+    inverse: Box<Inverse<'a>>,
     /// S_0, S_1, ..., S_K.
     series: Vec<DMatrix<Complex<f64>>>,
     /// |W_0|, ..., |W_K|.
@@ -64,52 +75,61 @@ pub(super) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    /// Around one eigenvalue that is alone, with its unit vectors.
-    pub(super) fn of_one(problem: &'a Scaled, sigma: Complex<f64>, right: &Vector, left: &Vector) -> Self {
-        Self::with_vectors(problem, sigma, 1, vec![right.clone()], vec![left.clone()])
-    }
-
-    /// Around `centre`, for `count` eigenvalues. None where the vectors overflow or too many of them have chains, as they do where
-    /// there are more eigenvalues than vectors; and where rounding hides more directions than there are eigenvalues, with their number:
-    /// |E| is too large for any disc then.
-    pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Result<Self, Option<usize>> {
+    /// Around `centre`, for `count` eigenvalues. `None` where the vectors overflow, where too many of them have chains, as they do
+    /// where there are more eigenvalues than vectors, and where rounding hides one direction more: |E| is too large for any disc then.
+    pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
         let n = problem.order();
         if count > n.max(LARGEST_CHAINED) {
-            return Err(None);
+            return None;
         }
-        let noise = data_noise(problem, centre.norm());
         let factor = Factor::for_several(problem, centre);
-        let hidden = factor.nullity_to(noise);
-        if hidden > count {
-            return Err(Some(hidden));
-        }
-        let (mut right, mut left) = factor.null_pairs((count + 1).min(n)).ok_or(None)?;
+        let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
         let size = problem.norms.size(centre.norm());
         let singular: Vec<f64> = right.iter().map(|x| factor.residual(x).norm()).collect();
         let jump = |q: usize| singular.get(q).unwrap_or(&size) / singular[q - 1].max(UNIT_ROUNDOFF * size);
-        let corank = (1..=count.min(n)).max_by(|&a, &b| jump(a).total_cmp(&jump(b))).ok_or(None)?;
+        let corank = (1..=count.min(n)).max_by(|&a, &b| jump(a).total_cmp(&jump(b)))?;
         if corank < count && count > LARGEST_CHAINED {
-            return Err(None);
+            return None;
         }
-        if singular.get(corank).is_some_and(|&next| next <= 2.0 * noise) {
-            return Err(None);
+        if singular.get(corank).is_some_and(|&next| next <= 0.5 * data_noise(problem, centre.norm())) {
+            return None;
         }
         right.truncate(corank);
         left.truncate(corank);
-        Ok(Self::with_vectors(problem, centre, count, right, left))
+        let bordered = Bordered::new(problem, centre, &right, &left);
+        let (terms, series) = bordered.unit_columns();
+        let residual = bordered.residual(problem, centre, &terms, &series, &left);
+        let first = First { terms, series, rows: bordered.unit_rows(), residual };
+        let inverse = Box::new(move |b| bordered.solve(b));
+        Some(Self::from_first((problem, centre), count, (right, left), first, inverse))
     }
 
-    fn with_vectors(
-        problem: &'a Scaled,
-        centre: Complex<f64>,
+    /// Around one eigenvalue with its unit vectors, by the factorisation that these were found with.
+    pub(super) fn alone(factor: &'a Factor<'a>, x: &'a Vector, y: &'a Vector) -> Self {
+        let (problem, centre) = (factor.problem, factor.sigma);
+        let e = |b: Vector| factor.deflated_solve(x, y, b);
+        let w = x - e(factor.residual(x));
+        let image = factor.residual(&w);
+        let s = -y.dotc(&image);
+        let residual = (image + y * s).norm();
+        let v = y - factor.deflated_solve_adjoint(x, y, problem.adjoint_times(centre, y));
+        let first = First { terms: vec![w], series: vec![Vector::from_element(1, s)], rows: vec![v.clone()], residual };
+        let inverse = move |b: Vector| {
+            let lower = Vector::from_element(1, v.dotc(&b));
+            (factor.deflated_solve(x, y, b), lower)
+        };
+        Self::from_first((problem, centre), 1, (vec![x.clone()], vec![y.clone()]), first, Box::new(inverse))
+    }
+
+    /// The series continued from its first terms.
+    fn from_first(
+        (problem, centre): (&'a Scaled, Complex<f64>),
         count: usize,
-        right: Vec<Vector>,
-        left: Vec<Vector>,
+        (right, left): (Vec<Vector>, Vec<Vector>),
+        First { mut terms, mut series, rows, residual }: First,
+        inverse: Box<Inverse<'a>>,
     ) -> Self {
         let (n, corank) = (problem.order(), right.len());
-        let bordered = Bordered::new(problem, centre, &right, &left);
-        let (mut terms, mut series) = bordered.unit_columns();
-        let residual = bordered.residual(problem, centre, &terms, &series, &left);
         let mut sizes = vec![norm(&terms)];
         let mut series_of = vec![columns(&mut series)];
         let mut before = vec![Vector::zeros(n); corank];
@@ -119,17 +139,16 @@ impl<'a> Expansion<'a> {
             };
             let images: Vec<_> = terms.iter().zip(&before).map(image).collect();
             before = terms;
-            (terms, series) = images.into_iter().map(|b| bordered.solve(b)).unzip();
+            (terms, series) = images.into_iter().map(&inverse).unzip();
             sizes.push(norm(&terms));
             series_of.push(columns(&mut series));
         }
-        let rows = bordered.unit_rows();
         let outer = [
             norm(&rows.iter().map(|v| problem.derivative_adjoint_times(centre, v)).collect::<Vec<_>>()),
             norm(&rows.iter().map(|v| problem.mass_adjoint_times(v)).collect::<Vec<_>>()),
             norm(&rows),
         ];
-        Self { problem, centre, count, right, left, bordered, series: series_of, sizes, outer, residual }
+        Self { problem, centre, count, right, left, inverse, series: series_of, sizes, outer, residual }
     }
 
     /// Whether there are as many vectors as eigenvalues.
@@ -144,10 +163,17 @@ impl<'a> Expansion<'a> {
         let most = most.min(self.centre.norm().max(1.0));
         // Without a solve where no norms would do.
         self.disc_by([0.0; 3], least, most)?;
-        let e = |g| self.bordered.solve(g).0;
+        let e = |g| (self.inverse)(g).0;
         let e_slope = |g: Vector| e(self.problem.derivative_times(self.centre, &g));
         let e_mass = |g: Vector| e(self.problem.mass_times(&g));
         by_norms(self.problem.order(), [&e_slope, &e_mass, &e], |inner| self.disc_by(inner, least, most))
+    }
+
+    /// Whether |E| alone, as one vector shows it, leaves no disc.
+    pub(super) fn is_crowded(&self) -> bool {
+        let e = |g| (self.inverse)(g).0;
+        let noise = data_noise(self.problem, self.centre.norm());
+        SURELY_SHOWN * shown_norm(self.problem.order(), 1, &e) * noise >= 0.5
     }
 
     /// By norms of E Q', E M and E.

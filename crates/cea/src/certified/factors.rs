@@ -24,7 +24,7 @@
 //! ```
 //!
 //! and what it has of G is wrong by `B^-1 M_s e G`. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
-//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough.
+//! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough then.
 
 use num_complex::Complex;
 

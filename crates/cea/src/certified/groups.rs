@@ -19,7 +19,8 @@ pub(super) fn enclose_groups(
     conjugates: &[Option<usize>],
 ) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
-    let (mut discs, mut groups, mut seen) = (vec![None; found.len()], Vec::new(), HashSet::new());
+    let mut discs: Vec<_> = found.iter().map(|s| s.alone.disc()).collect();
+    let (mut groups, mut seen) = (Vec::new(), HashSet::new());
     for i in 0..found.len() {
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;

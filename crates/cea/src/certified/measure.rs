@@ -6,6 +6,7 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::clusters::Alone;
 use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
 use super::scaled::{Norms, Scaled};
@@ -46,8 +47,10 @@ pub(super) struct State {
     pub(super) verdict: Verdict,
     /// Whether the first-order bound holds: section 3 of docs/error-bounds.md.
     pub(super) is_simple: bool,
-    /// How many directions rounding does not tell from null vectors; one of an eigenvalue that is alone.
+    /// How many directions rounding hides, if more than its own, where it cannot be enclosed alone.
     pub(super) hidden: usize,
+    /// Whether a disc holds it alone, sought where the first-order bound does not.
+    pub(super) alone: Alone,
 }
 
 impl State {
@@ -123,6 +126,7 @@ impl Measure {
             verdict: Verdict::Marginal { tolerance: 0.0 },
             is_simple: true,
             hidden: nullity,
+            alone: Alone::Open,
             x,
             y,
         };
@@ -147,7 +151,6 @@ impl Measure {
                 _ => {}
             }
         }
-        state.hidden = factor.nullity_to(data_noise(&self.scaled, sigma.norm()));
         Ok((state, factor))
     }
 
@@ -195,7 +198,7 @@ impl Measure {
         let (scaled_error, backward_error) = self.errors(sigma, &x);
         let verdict = Verdict::Undecided { bound: f64::INFINITY };
         let bound = f64::INFINITY;
-        let (is_simple, hidden) = (false, 0);
+        let (is_simple, hidden, alone) = (false, 0, Alone::Open);
         State {
             sigma,
             x,
@@ -208,6 +211,7 @@ impl Measure {
             verdict,
             is_simple,
             hidden,
+            alone,
         }
     }
 

@@ -9,8 +9,10 @@
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use pulp::Arch;
 
 use crate::CeaError;
+use crate::lu::real_product;
 
 /// Rounds of choosing gamma and equilibrating in turn, as each changes what the other saw. Chosen.
 const SCALING_ROUNDS: usize = 5;
@@ -148,6 +150,12 @@ impl Scaled {
         adjoint_times(&self.m, y) * (sigma.conj() * 2.0) + adjoint_times(&self.c, y)
     }
 
+    /// `Q~(sigma)^H y`.
+    pub(crate) fn adjoint_times(&self, sigma: Complex<f64>, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        let sigma = sigma.conj();
+        (adjoint_times(&self.m, y) * sigma + adjoint_times(&self.c, y)) * sigma + adjoint_times(&self.k, y)
+    }
+
     /// `M~^H y`.
     pub(crate) fn mass_adjoint_times(&self, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         adjoint_times(&self.m, y)
@@ -166,11 +174,13 @@ impl Scaled {
 
 /// `A^T y`.
 fn adjoint_times(a: &DMatrix<f64>, y: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    // The vectors of real eigenvalues.
-    if y.iter().all(|z| z.im == 0.0) {
-        return a.tr_mul(&y.map(|z| z.re)).map(Complex::from);
-    }
-    DVector::from_fn(a.ncols(), |j, _| a.column(j).iter().zip(y).map(|(&entry, z)| z * entry).sum())
+    let (re, im): (Vec<f64>, Vec<f64>) = y.iter().map(|z| (z.re, z.im)).unzip();
+    // The vectors of real eigenvalues have one part.
+    let is_real = im.iter().all(|&x| x == 0.0);
+    Arch::new().dispatch(|| {
+        let product = |j: usize, part: &[f64]| real_product(&a.as_slice()[j * re.len()..(j + 1) * re.len()], part);
+        DVector::from_fn(a.ncols(), |j, _| Complex::new(product(j, &re), if is_real { 0.0 } else { product(j, &im) }))
+    })
 }
 
 /// gamma: sqrt(|K| / |M|), or what the damping says where one of them vanishes.

@@ -7,15 +7,16 @@
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::balance::balanced;
+use super::balance::{Balanced, balanced};
 use super::hessenberg::reduce_to_hessenberg;
 use super::lane::Lane;
 use super::planar::{Planar, triangularise};
 use super::scaled::power_of_two;
 use crate::francis;
 
-/// QR steps allowed per eigenvalue before QZ takes over; a healthy matrix takes 2 to 4.
-const MOST_QR_STEPS: usize = 60;
+/// QR steps allowed per eigenvalue before QZ takes over. A healthy matrix takes 2 to 4, but of hundreds of small eigenvalues of one size
+/// the first may take a hundred.
+const MOST_QR_STEPS: usize = 300;
 /// Largest relative error of the smallest eigenvalue, if nothing but norms is known: that of B^-1 A is at most
 /// `eps cond(B) |B^-1 A|`.
 pub(super) const LARGEST_ERROR: f64 = 1e-10;
@@ -24,7 +25,14 @@ pub(super) const LARGEST_ERROR: f64 = 1e-10;
 /// [`LARGEST_ERROR`] or the iteration fails.
 pub(super) fn eigenvalues<T: Lane>(a: &Planar<T>, b: &Planar<T>) -> Option<Vec<Complex<f64>>> {
     let Quotients { of: [state], error } = quotients([a], b);
-    of_matrix(state, error)
+    if error.is_nan() || error > LARGEST_ERROR {
+        return None;
+    }
+    // The columns of the quotient are wrong by as much of each, and QR by as much of the whole.
+    let whole = state.norm();
+    let Balanced { matrix, columns } = balanced(state);
+    let error = (error * whole).min(error * columns + T::EPSILON * matrix.norm());
+    iterate(matrix, error)
 }
 
 /// `B^-1 A` for some A, and the relative error of each by norms: not finite where B is singular.
@@ -52,7 +60,11 @@ pub(super) fn of_matrix<T: Lane>(matrix: Planar<T>, error: f64) -> Option<Vec<Co
         return None;
     }
     let error = error * matrix.norm();
-    let mut matrix = balanced(matrix);
+    iterate(balanced(matrix).matrix, error)
+}
+
+/// The same of a matrix with this absolute error.
+fn iterate<T: Lane>(mut matrix: Planar<T>, error: f64) -> Option<Vec<Complex<f64>>> {
     reduce_to_hessenberg(&mut matrix);
     let found = francis::of_hessenberg(matrix, MOST_QR_STEPS)?;
     let least = found.iter().map(|l| l.norm()).fold(f64::INFINITY, f64::min);

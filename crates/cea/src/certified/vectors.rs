@@ -12,8 +12,8 @@ const NULL_PAIR_ROUNDS: usize = 2;
 /// The scaled Q at one sigma, factored.
 #[derive(Debug)]
 pub(crate) struct Factor<'a> {
-    problem: &'a Scaled,
-    sigma: Complex<f64>,
+    pub(super) problem: &'a Scaled,
+    pub(super) sigma: Complex<f64>,
     lu: Lu,
 }
 
@@ -52,9 +52,16 @@ impl<'a> Factor<'a> {
         Some((x, y))
     }
 
-    /// How many directions Q(sigma) leaves no more of than `limit`.
-    pub(crate) fn nullity_to(&self, limit: f64) -> usize {
+    /// How many pivots are no larger than `limit`.
+    pub(crate) fn pivots_up_to(&self, limit: f64) -> usize {
         self.lu.pivots_up_to(limit)
+    }
+
+    /// Whether Q(sigma) leaves no more than `limit` of so many orthonormal vectors.
+    pub(crate) fn hides(&self, count: usize, limit: f64) -> bool {
+        let mut x: Vec<_> = (0..count).map(|v| self.start(v)).collect();
+        x.iter_mut().for_each(|v| self.lu.solve(v));
+        orthonormalise(&mut x).is_some() && x.iter().all(|x| self.residual(x).norm() <= limit)
     }
 
     /// An estimate of the smallest singular value of Q(sigma).
@@ -67,6 +74,14 @@ impl<'a> Factor<'a> {
         g.axpy(-y.dotc(&g), y, Complex::from(1.0));
         self.lu.solve(&mut g);
         g.axpy(-x.dotc(&g), x, Complex::from(1.0));
+        g
+    }
+
+    /// The adjoint of [`deflated_solve`](Self::deflated_solve).
+    pub(crate) fn deflated_solve_adjoint(&self, x: &Vector, y: &Vector, mut g: Vector) -> Vector {
+        g.axpy(-x.dotc(&g), x, Complex::from(1.0));
+        self.lu.solve_adjoint(&mut g);
+        g.axpy(-y.dotc(&g), y, Complex::from(1.0));
         g
     }
 
@@ -89,9 +104,9 @@ impl<'a> Factor<'a> {
 /// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
 /// the next line is for where the one before leaves a doubt.
 const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
-/// What vectors show times this is no more than the norm but with a chance of 4e-4, as what they show exceeds its square r times with
-/// one of exp(-r) at most. What fails even for that is given up before more of them are tried.
-const SURELY_SHOWN: f64 = 0.35;
+/// What vectors show times this is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
+/// the norm r times with one of exp(-r) at most. What fails even for that is given up before more of them are tried.
+pub(super) const SURELY_SHOWN: f64 = 0.2;
 
 /// What follows from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
 /// estimate that suffices tells.
@@ -115,7 +130,7 @@ pub(crate) fn by_norms<const N: usize, R>(
 
 /// What `probes` vectors of phases without a pattern show of the Frobenius norm of a linear map, or all of it from the unit vectors
 /// where these are no more.
-fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector) -> f64 {
+pub(super) fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector) -> f64 {
     let squares =
         |count: usize, vector: &dyn Fn(usize) -> Vector| (0..count).map(|k| map(vector(k)).norm_squared()).sum::<f64>();
     if n <= probes {

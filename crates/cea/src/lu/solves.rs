@@ -124,7 +124,7 @@ fn adjoint_product([l_re, l_im]: [&[f64]; 2], [re, im]: [&[f64]; 2]) -> Complex<
 
 /// The sum of the products of real entries.
 #[inline(always)]
-fn real_product(l: &[f64], x: &[f64]) -> f64 {
+pub(crate) fn real_product(l: &[f64], x: &[f64]) -> f64 {
     let mut sums = [0.0; SUMS];
     let [(l, l_rest), (x, x_rest)] = [l, x].map(<[f64]>::as_chunks::<SUMS>);
     for (l, x) in l.iter().zip(x) {
