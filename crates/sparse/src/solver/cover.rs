@@ -1,10 +1,11 @@
 //! All eigenvalues of a rectangle: discs until they cover it.
 
+use faer::Mat;
 use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::disc::Problem;
-use super::pencil::Pencil;
+use super::pencil::{Pencil, Side};
 use super::reach::{least_reach, reach};
 use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
@@ -197,7 +198,8 @@ fn both_halves(pencil: &Pencil, upper: Vec<Eigenpair>, rectangle: &Rectangle) ->
             let real = |v: &DVector<Complex<f64>>| v.map(|z| Complex::from(z.re));
             let (lambda, right, left) = (Complex::from(pair.lambda.re), real(&pair.right), real(&pair.left));
             let (right, left) = (right.normalize(), left.normalize());
-            let backward_error = pencil.times(&pencil.weights(lambda), &right).norm() / pencil.size(lambda);
+            let parts = pencil.parts(Side::Right, &Mat::from_fn(right.len(), 1, |i, _| right[i]));
+            let backward_error = parts[0].sum(&pencil.weights(lambda)).norm() / pencil.size(lambda);
             all.push(Eigenpair { lambda, right, left, backward_error, ..pair });
         } else if pair.lambda.im >= 0.0 {
             let (right, left) = (pair.right.conjugate(), pair.left.conjugate());

@@ -4,9 +4,10 @@ use faer::Mat;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::factor::{Factor, Symbolic};
+use super::factor::{Factor, Symbolic, length};
 use super::krylov::Krylov;
 use super::pencil::{Pencil, Side};
+use super::products::Parts;
 use super::ritz::Ritz;
 use super::types::{Counters, Disc, Options, Rectangle};
 use crate::unpatterned::unpatterned;
@@ -14,15 +15,22 @@ use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
 const SEEN: f64 = 1e-6;
-/// Residual of a right Ritz vector that is wanted; chosen, so that nearly all need no other improvement.
+/// The same of a right Ritz vector that is wanted: where all backward errors are down to rounding, and where they are not; chosen.
+const NEARLY: f64 = 1e-10;
 const CONVERGED: f64 = 1e-13;
 /// The same for a left vector, of which lambda depends on the product of both residuals.
-const CONVERGED_LEFT: f64 = 1e-12;
+const CONVERGED_LEFT: f64 = 1e-7;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
-/// Columns before the first look at the Ritz values, and growth of the basis between two looks; chosen.
+/// Columns before the first look at the Ritz values.
 const FIRST_LOOK: usize = 40;
-const GROWTH: f64 = 1.25;
+/// The radius grows about evenly from this many columns on; after a look the basis grows by this part of what is missing by that
+/// rule. Chosen.
+const HIDDEN: usize = 20;
+const OF_MISSING: f64 = 0.75;
+/// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
+const LEFT_LOOK: f64 = 0.7;
+const LEFT_GROWTH: f64 = 1.08;
 /// How often another shift is tried where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
 /// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.
@@ -94,7 +102,7 @@ impl Problem {
         let scale = sigma.norm().max(needed);
         let capacity = options.columns.max(2 * options.block);
         let start = starting_block(self.extended_order(), options.block);
-        let mut krylov = Krylov::new(&factor, Side::Right, scale, start, capacity)?;
+        let mut krylov = Krylov::new(&factor, Side::Right, scale, &start, capacity)?;
         let mut next = FIRST_LOOK;
         let (ritz, radius) = loop {
             krylov.step()?;
@@ -102,21 +110,26 @@ impl Problem {
             if krylov.dimension() < next && !is_last {
                 continue;
             }
-            next = ((next as f64 * GROWTH) as usize).max(next + options.block);
             let ritz = Ritz::of(&krylov, sigma)?;
-            let radius = TRUSTED * known_within(&ritz, sigma, target);
+            let mut radius = TRUSTED * known_within(&ritz, sigma, target, NEARLY);
+            if is_last || radius >= needed {
+                let wanted = wanted(&ritz, sigma, radius, target);
+                if self.largest_error(&krylov, &ritz, &wanted) > f64::EPSILON {
+                    radius = TRUSTED * known_within(&ritz, sigma, target, CONVERGED);
+                }
+            }
             if is_last || radius >= needed {
                 break (ritz, radius);
             }
+            let columns = krylov.dimension();
+            let missing = (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64;
+            next = columns + ((OF_MISSING * missing) as usize).min(columns).max(options.block);
         };
         counters.solves += krylov.dimension() + options.block;
-        let margin = 1e-6 * needed;
-        let in_disc = |&j: &usize| (ritz.lambdas[j] - sigma).norm() < radius;
-        let known: Vec<_> = (0..ritz.lambdas.len()).take_while(in_disc).collect();
-        let wanted: Vec<_> = known.iter().copied().filter(|&j| target.contains(ritz.lambdas[j], margin)).collect();
-        let coordinates = Mat::from_fn(ritz.vectors.nrows(), wanted.len(), |i, j| ritz.vectors[(i, wanted[j])]);
-        let right = krylov.displacements(&coordinates);
-        let disc = Disc { centre: sigma, radius, eigenvalues: known.len(), columns: krylov.dimension() };
+        let wanted = wanted(&ritz, sigma, radius, target);
+        let right = krylov.displacements(&ritz.vectors_of(&wanted));
+        let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
+        let disc = Disc { centre: sigma, radius, eigenvalues: known, columns: krylov.dimension() };
         drop(krylov);
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
@@ -124,10 +137,22 @@ impl Problem {
         } else if self.pencil.is_symmetric() {
             (0..lambdas.len()).map(|j| Some(right.col_as_slice(j).to_vec())).collect()
         } else {
-            left_vectors(&factor, scale, &lambdas, &right, options, counters)?
+            left_vectors(&factor, scale, &lambdas, &right, disc.columns, options, counters)?
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
         Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))
+    }
+
+    /// The largest backward error of some Ritz pairs.
+    fn largest_error(&self, krylov: &Krylov<'_>, ritz: &Ritz, wanted: &[usize]) -> f64 {
+        let vectors = krylov.displacements(&ritz.vectors_of(wanted));
+        let parts = self.pencil.parts(Side::Right, &vectors);
+        let error = |(&j, (at, parts)): (&usize, (usize, &Parts<'_>))| {
+            let lambda = ritz.lambdas[j];
+            let size = self.pencil.size(lambda) * length(vectors.col_as_slice(at));
+            parts.sum(&self.pencil.weights(lambda)).norm() / size
+        };
+        wanted.iter().zip(parts.iter().enumerate()).map(error).fold(0.0, f64::max)
     }
 
     /// n + n + s.
@@ -153,10 +178,18 @@ impl Problem {
     }
 }
 
-/// Distance from the shift to the nearest Ritz value that is not known; infinite where all are.
-fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
+/// The Ritz values of the target that are in the disc.
+fn wanted(ritz: &Ritz, sigma: Complex<f64>, radius: f64, target: &Rectangle) -> Vec<usize> {
+    let margin = 1e-6 * (target.half_diagonal() + (sigma - target.centre()).norm());
+    let is_wanted = |lambda: Complex<f64>| (lambda - sigma).norm() < radius && target.contains(lambda, margin);
+    (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
+}
+
+/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a residual of at most `converged`;
+/// infinite where all are.
+fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle, converged: f64) -> f64 {
     let is_known =
-        |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { CONVERGED } else { SEEN };
+        |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { converged } else { SEEN };
     let all = ritz.lambdas.iter().zip(&ritz.residuals);
     all.filter(|&(&lambda, &residual)| !is_known(lambda, residual))
         .map(|(lambda, _)| (lambda - sigma).norm())
@@ -170,6 +203,7 @@ fn left_vectors(
     scale: f64,
     lambdas: &[Complex<f64>],
     right: &Block,
+    columns: usize,
     options: &Options,
     counters: &mut Counters,
 ) -> Result<Vec<Option<Vec<Complex<f64>>>>, SparseError> {
@@ -198,15 +232,15 @@ fn left_vectors(
         }
     }
     let capacity = options.columns.max(2 * block);
-    let mut krylov = Krylov::new(factor, Side::Left, scale, start, capacity)?;
-    let mut next = lambdas.len() + block;
+    let mut krylov = Krylov::new(factor, Side::Left, scale, &start, capacity)?;
+    let mut next = (LEFT_LOOK * columns as f64) as usize;
     loop {
         krylov.step()?;
         let is_last = krylov.is_complete() || krylov.dimension() + krylov.pending() > capacity;
         if krylov.dimension() < next && !is_last {
             continue;
         }
-        next = ((next as f64 * GROWTH) as usize).max(next + block);
+        next = ((next as f64 * LEFT_GROWTH) as usize).max(next + block);
         let ritz = Ritz::of(&krylov, sigma)?;
         let partners = partners(lambdas, sigma, &ritz);
         if is_last || partners.iter().all(Option::is_some) {
@@ -238,7 +272,7 @@ fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<O
 }
 
 /// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
-fn starting_block(rows: usize, columns: usize) -> Block {
+pub(super) fn starting_block(rows: usize, columns: usize) -> Block {
     Mat::from_fn(rows, columns, |i, j| {
         let k = (i * columns + j + 1) as f64;
         Complex::from(unpatterned(k) * 2.0 - 1.0 + unpatterned((k % 97.0) * (k % 89.0)) - 0.5)

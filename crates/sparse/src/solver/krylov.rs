@@ -5,21 +5,19 @@
 //!
 //! `u' = -Q(sigma)^-1 (M v + (C + sigma M) u - F (a + sigma)^-1 (E^T u - z))`, `v' = sigma u' + u`,
 //! `z' = (a + sigma)^-1 (E^T v' - z)`.
+//!
+//! So all u and v are in one space, which grows by u' alone. Its orthonormal basis S has vectors of n entries; those of the Krylov
+//! space, `w = (S a, S b, z)`, are kept by their coordinates (a, b, z), orthonormal themselves: the two-level Arnoldi method of Lu, Su
+//! and Bai, SIAM J. Matrix Anal. Appl. 37 (2016).
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat};
 use num_complex::Complex;
 
-use super::factor::{Factor, PAR, length};
-use super::pencil::{Side, Weights};
+use super::factor::{Factor, PAR};
+use super::orthogonal::Orthogonal;
+use super::pencil::{Entries, Side, Weights};
 use crate::SparseError;
-
-/// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
-const DEPENDENT: f64 = 1e-12;
-
-/// Part of every vector that has to be left by one pass of orthogonalisation for a second one to be left out: the basis is
-/// orthonormal to ten times rounding.
-const KEPT: f64 = 0.1;
 
 type Block = Mat<Complex<f64>>;
 
@@ -32,10 +30,13 @@ pub(crate) struct Krylov<'a> {
     /// `scale * M` and `C + sigma M`.
     mass: Vec<Complex<f64>>,
     damping: Vec<Complex<f64>>,
-    basis: Block,
+    /// S.
+    space: Orthogonal,
+    /// V: z in the first rows, and below it a and b by turns.
+    vectors: Orthogonal,
+    /// Columns of V that have not been multiplied, as u and v.
+    pending: [Block; 2],
     projected: Block,
-    /// Columns of the basis, and how many of them have been multiplied.
-    columns: usize,
     multiplied: usize,
 }
 
@@ -46,7 +47,7 @@ impl<'a> Krylov<'a> {
         factor: &'a Factor<'a>,
         side: Side,
         scale: f64,
-        start: Block,
+        start: &Block,
         capacity: usize,
     ) -> Result<Self, SparseError> {
         let pencil = factor.pencil();
@@ -54,21 +55,25 @@ impl<'a> Krylov<'a> {
         let zero = Complex::default();
         let mass = Weights { mass: Complex::from(scale), damping: zero, stiffness: zero, states: states.clone() };
         let damping = Weights { mass: factor.shift(), damping: Complex::from(1.0), stiffness: zero, states };
-        let values = |weights| pencil.by_rows(&pencil.values(weights), side);
-        let rows = start.nrows();
+        let values = |weights| pencil.by_rows(Entries::Inertial, &pencil.values(weights), side);
+        let (n, block) = (pencil.order(), start.ncols());
+        let (most, rank) = (capacity + block, capacity + 3 * block);
+        let [u, v] = [0, n].map(|from| start.subrows(from, n).to_owned());
+        let mut space = Orthogonal::new(n, rank);
+        let before = space.append(u.clone());
         let mut krylov = Self {
             factor,
             side,
             scale,
             mass: values(&mass),
             damping: values(&damping),
-            basis: Mat::zeros(rows, capacity + start.ncols()),
-            projected: Mat::zeros(capacity + start.ncols(), capacity),
-            columns: 0,
+            space,
+            vectors: Orthogonal::new(pencil.states().len() + 2 * rank, most),
+            pending: [u, v],
+            projected: Mat::zeros(most, capacity),
             multiplied: 0,
         };
-        let start = krylov.apply(&start)?;
-        krylov.append(start, None);
+        krylov.extend(&before, start.subrows(2 * n, pencil.states().len()).to_owned())?;
         Ok(krylov)
     }
 
@@ -79,28 +84,33 @@ impl<'a> Krylov<'a> {
 
     /// Columns that a step would multiply.
     pub(crate) fn pending(&self) -> usize {
-        self.columns - self.multiplied
+        self.vectors.columns() - self.multiplied
     }
 
     /// Whether the basis spans an invariant subspace.
     pub(crate) fn is_complete(&self) -> bool {
-        self.columns == self.multiplied
+        self.pending() == 0
     }
 
     /// H, and below it the rows by which the subspace is not invariant.
     pub(crate) fn projected(&self) -> (Block, Block) {
-        let (m, k) = (self.multiplied, self.columns);
+        let (m, k) = (self.multiplied, self.vectors.columns());
         let block = self.projected.as_ref();
         (block.submatrix(0, 0, m, m).to_owned(), block.submatrix(m, 0, k - m, m).to_owned())
     }
 
     /// The parts u of `V s` for the columns of s.
     pub(crate) fn displacements(&self, s: &Block) -> Block {
-        let n = self.factor.pencil().order();
-        let mut out = Mat::zeros(n, s.ncols());
-        let basis = self.basis.submatrix(0, 0, n, self.multiplied);
-        matmul(out.as_mut(), Accum::Replace, basis, s.as_ref(), Complex::from(1.0), PAR);
-        out
+        let coordinates = self.coordinates(0, 0, self.multiplied);
+        let mut combined = Mat::zeros(coordinates.nrows(), s.ncols());
+        matmul(combined.as_mut(), Accum::Replace, coordinates.as_ref(), s.as_ref(), Complex::from(1.0), PAR);
+        self.space.times(&combined)
+    }
+
+    /// The coordinates a, with `part` 0, or b, with 1, of some columns of V.
+    fn coordinates(&self, part: usize, from: usize, to: usize) -> Block {
+        let (vectors, states) = (self.vectors.basis(), self.factor.pencil().states().len());
+        Mat::from_fn(self.space.columns(), to - from, |i, j| vectors[(states + 2 * i + part, from + j)])
     }
 
     /// Multiplies the columns that have not been and appends the result.
@@ -108,83 +118,70 @@ impl<'a> Krylov<'a> {
     /// # Errors
     /// A solution with Q(sigma) that is not accurate.
     pub(crate) fn step(&mut self) -> Result<(), SparseError> {
-        let (from, to) = (self.multiplied, self.columns);
-        let block = self.basis.as_ref().subcols(from, to - from).to_owned();
-        let image = self.apply(&block)?;
+        let (from, to) = (self.multiplied, self.vectors.columns());
+        let before = self.coordinates(0, from, to);
+        let states = self.vectors.basis().submatrix(0, from, self.factor.pencil().states().len(), to - from).to_owned();
+        let coefficients = self.extend(&before, states)?;
+        self.projected.as_mut().submatrix_mut(0, from, coefficients.nrows(), to - from).copy_from(&coefficients);
         self.multiplied = to;
-        self.append(image, Some(from));
         Ok(())
     }
 
-    /// `(A - sigma B)^-1 B x`.
-    pub(crate) fn apply(&self, x: &Block) -> Result<Block, SparseError> {
+    /// Appends the image of the pending columns, whose u have the coordinates `before`; that of the image in V.
+    fn extend(&mut self, before: &Block, mut states: Block) -> Result<Block, SparseError> {
+        let (sigma, scale) = (self.factor.shift(), self.scale);
+        let image = self.apply(&mut states)?;
+        let a = self.space.append(image);
+        let z = states.nrows();
+        let mut coordinates = Mat::zeros(z + 2 * self.space.columns(), a.ncols());
+        coordinates.as_mut().subrows_mut(0, z).copy_from(&states);
+        for j in 0..a.ncols() {
+            for i in 0..self.space.columns() {
+                let u = if i < before.nrows() { before[(i, j)] } else { Complex::default() };
+                coordinates[(z + 2 * i, j)] = a[(i, j)];
+                coordinates[(z + 2 * i + 1, j)] = (sigma * a[(i, j)] + u) / scale;
+            }
+        }
+        let from = self.vectors.columns();
+        let coefficients = self.vectors.append(coordinates);
+        let to = self.vectors.columns();
+        // u and v in one product.
+        let [a, b] = [0, 1].map(|part| self.coordinates(part, from, to));
+        let both =
+            Mat::from_fn(
+                a.nrows(),
+                2 * (to - from),
+                |i, j| if j < to - from { a[(i, j)] } else { b[(i, j + from - to)] },
+            );
+        let both = self.space.times(&both);
+        self.pending = [0, to - from].map(|at| both.subcols(at, to - from).to_owned());
+        Ok(coefficients)
+    }
+
+    /// u' of the pending columns and, in place, their z'.
+    fn apply(&self, states: &mut Block) -> Result<Block, SparseError> {
         let (pencil, sigma) = (self.factor.pencil(), self.factor.shift());
-        let (n, p) = (pencil.order(), x.ncols());
-        let (u, v, z) = (x.subrows(0, n), x.subrows(n, n), x.subrows(2 * n, pencil.states().len()));
-        let mut b = pencil.gathered([(&self.mass, v), (&self.damping, u)]);
+        let [u, v] = &self.pending;
+        let mut b = pencil.gathered(Entries::Inertial, [(&self.mass, v), (&self.damping, u)]);
+        let driven = |drive: &[(usize, f64)], x: &Block, j: usize| -> Complex<f64> {
+            drive.iter().map(|&(dof, e)| x[(dof, j)] * e).sum()
+        };
         for (i, state) in pencil.states().iter().enumerate() {
             let (drive, force) = state.sides(self.side);
-            for j in 0..p {
-                let driven: Complex<f64> = drive.iter().map(|&(dof, e)| u[(dof, j)] * e).sum();
-                let change = (driven - z[(i, j)]) / (sigma + state.decay);
+            for j in 0..u.ncols() {
+                let change = (driven(drive, u, j) - states[(i, j)]) / (sigma + state.decay);
                 force.iter().for_each(|&(dof, f)| b[(dof, j)] -= change * f);
             }
         }
-        let solved = self.factor.solve(self.side, &b)?;
-        let mut out = Mat::zeros(x.nrows(), p);
-        for j in 0..p {
-            for i in 0..n {
-                out[(i, j)] = -solved[(i, j)];
-                out[(n + i, j)] = (u[(i, j)] - sigma * solved[(i, j)]) / self.scale;
-            }
-            for (i, state) in pencil.states().iter().enumerate() {
-                let (drive, _) = state.sides(self.side);
-                let driven: Complex<f64> = drive.iter().map(|&(dof, e)| out[(n + dof, j)] * (e * self.scale)).sum();
-                out[(2 * n + i, j)] = (driven - z[(i, j)]) / (sigma + state.decay);
+        let mut image = self.factor.solve(self.side, &b)?;
+        image *= faer::Scale(Complex::from(-1.0));
+        for (i, state) in pencil.states().iter().enumerate() {
+            let (drive, _) = state.sides(self.side);
+            for j in 0..u.ncols() {
+                let velocity = sigma * driven(drive, &image, j) + driven(drive, u, j);
+                states[(i, j)] = (velocity - states[(i, j)]) / (sigma + state.decay);
             }
         }
-        Ok(out)
-    }
-
-    /// Orthogonalises a block and appends what is left of it. What a first pass takes away most of goes through a second one. `multiplied` is the first of the columns whose image it is.
-    fn append(&mut self, mut block: Block, multiplied: Option<usize>) {
-        let (k, p) = (self.columns, block.ncols());
-        let before: Vec<_> = (0..p).map(|j| length(block.col_as_slice(j))).collect();
-        let mut coefficients = Mat::zeros(k + p, p);
-        for pass in 0..2 {
-            let is_kept = |j: usize| length(block.col_as_slice(j)) > KEPT * before[j];
-            if pass > 0 && (0..p).all(is_kept) {
-                break;
-            }
-            let basis = self.basis.as_ref().subcols(0, k);
-            let mut part = Mat::zeros(k, p);
-            matmul(part.as_mut(), Accum::Replace, basis.adjoint(), block.as_ref(), Complex::from(1.0), PAR);
-            matmul(block.as_mut(), Accum::Add, basis, part.as_ref(), Complex::from(-1.0), PAR);
-            let mut sum = coefficients.as_mut().subrows_mut(0, k);
-            sum += part;
-        }
-        for j in 0..p {
-            let added = self.columns - k;
-            for _ in 0..2 {
-                let others = self.basis.as_ref().subcols(k, added);
-                let mut part = Mat::zeros(added, 1);
-                let column = block.as_mut().subcols_mut(j, 1);
-                matmul(part.as_mut(), Accum::Replace, others.adjoint(), column.as_ref(), Complex::from(1.0), PAR);
-                matmul(column, Accum::Add, others, part.as_ref(), Complex::from(-1.0), PAR);
-                let mut sum = coefficients.as_mut().submatrix_mut(k, j, added, 1);
-                sum += part;
-            }
-            let column = block.col_as_slice(j);
-            let left = length(column);
-            if left > DEPENDENT * before[j] {
-                coefficients[(self.columns, j)] = Complex::from(left);
-                let target = self.basis.col_as_slice_mut(self.columns);
-                target.iter_mut().zip(column).for_each(|(t, c)| *t = c / left);
-                self.columns += 1;
-            }
-        }
-        if let Some(first) = multiplied {
-            self.projected.as_mut().submatrix_mut(0, first, k + p, p).copy_from(&coefficients);
-        }
+        Ok(image)
     }
 }

@@ -3,12 +3,17 @@
 mod cover;
 mod disc;
 mod factor;
+mod fronts;
 mod krylov;
+mod lanes;
 mod near;
+mod orthogonal;
 mod pencil;
 mod polish;
+mod products;
 mod reach;
 mod ritz;
+mod substitution;
 mod types;
 
 pub use cover::eigenpairs_in;

@@ -1,10 +1,10 @@
 //! M, C and K on one sparsity pattern, and what the solver multiplies with them.
 
-use faer::{Mat, MatRef};
-use nalgebra::DVector;
+use faer::Mat;
 use num_complex::Complex;
-use pulp::{Arch, NullaryFnOnce};
 
+use super::lanes::narrow;
+use super::products::{PartProducts, Parts, Product, Rows};
 use crate::{SparseSecondOrder, State};
 
 /// Q(lambda) and its parts on the union of the patterns of M, C, K, the internal states and their transposes, by compressed
@@ -16,6 +16,9 @@ pub(crate) struct Pencil {
     rows: Vec<usize>,
     /// Where the transposed entry stands: the pattern is symmetric.
     mirror: Vec<usize>,
+    /// The rows of all entries, and of those that M or C has.
+    all: Rows,
+    inertial: Rows,
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
@@ -23,6 +26,15 @@ pub(crate) struct Pencil {
     coupling: Vec<Vec<usize>>,
     states: Vec<State>,
     norms: Norms,
+}
+
+/// Which entries a product reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Entries {
+    /// All.
+    All,
+    /// Those that M or C has.
+    Inertial,
 }
 
 /// Frobenius norms of M, C and K, and of each state `|f_i| |e_i|`.
@@ -44,7 +56,7 @@ pub(crate) struct Weights {
 }
 
 /// Vectors in columns.
-type Block<'a> = MatRef<'a, Complex<f64>>;
+type Block = Mat<Complex<f64>>;
 
 /// Whether a matrix acts as it is or transposed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +112,7 @@ impl Pencil {
         let mirrored = |column: usize| {
             rows[column_starts[column]..column_starts[column + 1]].iter().map(move |&row| place(column, row))
         };
-        let mirror = (0..order).flat_map(mirrored).collect();
+        let mirror: Vec<usize> = (0..order).flat_map(mirrored).collect();
         let spread = |matrix: &nalgebra_sparse::CscMatrix<f64>| {
             let mut values = vec![0.0; rows.len()];
             matrix.triplet_iter().for_each(|(row, column, &value)| values[place(row, column)] += value);
@@ -122,7 +134,10 @@ impl Pencil {
             states: system.states.iter().map(|s| length(&s.drive) * length(&s.force)).collect(),
         };
         let states = system.states.clone();
-        Self { order, column_starts, rows, mirror, mass, damping, stiffness, coupling, states, norms }
+        let is_inertial = |at: usize| mass[at] != 0.0 || damping[at] != 0.0;
+        let all = Rows::new(&column_starts, &rows, |_| true);
+        let inertial = Rows::new(&column_starts, &rows, |at| is_inertial(at) || is_inertial(mirror[at]));
+        Self { order, column_starts, rows, mirror, all, inertial, mass, damping, stiffness, coupling, states, norms }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -142,6 +157,18 @@ impl Pencil {
     /// Starts of the columns and rows of the entries, ascending in each column.
     pub(crate) fn pattern(&self) -> (&[usize], &[usize]) {
         (&self.column_starts, &self.rows)
+    }
+
+    /// Where the transposed entry of each one stands.
+    pub(crate) fn mirror(&self) -> &[usize] {
+        &self.mirror
+    }
+
+    fn rows(&self, entries: Entries) -> &Rows {
+        match entries {
+            Entries::All => &self.all,
+            Entries::Inertial => &self.inertial,
+        }
     }
 
     /// Q(lambda).
@@ -168,35 +195,18 @@ impl Pencil {
         values
     }
 
-    /// A sum of the parts times a vector.
-    pub(crate) fn times(&self, weights: &Weights, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        self.product(weights, Side::Right, x)
-    }
-
-    /// The transposed sum times a vector.
-    pub(crate) fn times_transposed(&self, weights: &Weights, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        self.product(weights, Side::Left, x)
-    }
-
-    fn product(&self, weights: &Weights, side: Side, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-        let mut product = DVector::zeros(self.order);
-        for column in 0..self.order {
-            for at in self.column_starts[column]..self.column_starts[column + 1] {
-                let value = weights.mass * self.mass[at]
-                    + weights.damping * self.damping[at]
-                    + weights.stiffness * self.stiffness[at];
-                match side {
-                    Side::Right => product[self.rows[at]] += value * x[column],
-                    Side::Left => product[column] += value * x[self.rows[at]],
-                }
-            }
-        }
-        for (state, &weight) in self.states.iter().zip(&weights.states) {
-            let (drive, force) = state.sides(side);
-            let driven: Complex<f64> = drive.iter().map(|&(dof, e)| x[dof] * e).sum();
-            force.iter().for_each(|&(dof, f)| product[dof] += weight * driven * f);
-        }
-        product
+    /// The parts times each vector of a block, or the transposed parts.
+    pub(crate) fn parts(&self, side: Side, x: &Block) -> Vec<Parts<'_>> {
+        let mut products = [(); 3].map(|()| Mat::zeros(self.order, x.ncols()));
+        let values = [&self.mass[..], &self.damping, &self.stiffness];
+        let places = (side == Side::Right).then_some(&self.mirror[..]);
+        narrow(PartProducts { rows: &self.all, values, places, x, products: &mut products });
+        let parts = |j: usize| {
+            let driven = |state: &State| state.sides(side).0.iter().map(|&(dof, e)| x[(dof, j)] * e).sum();
+            let products = products.each_ref().map(|product| product.col_as_slice(j).to_vec());
+            Parts { products, driven: self.states.iter().map(driven).collect(), states: &self.states, side }
+        };
+        (0..x.ncols()).map(parts).collect()
     }
 
     /// `|lambda|^2 |M| + |lambda| |C| + |K|` and the terms of the internal states, as [`cea::backward_error`] has it.
@@ -209,80 +219,24 @@ impl Pencil {
     }
 
     /// Values on the pattern in the order in which [`gathered`](Self::gathered) reads them on a side.
-    pub(crate) fn by_rows<T: Copy>(&self, values: &[T], side: Side) -> Vec<T> {
+    pub(crate) fn by_rows<T: Copy>(&self, entries: Entries, values: &[T], side: Side) -> Vec<T> {
+        let places = &self.rows(entries).places;
         match side {
-            Side::Right => self.mirror.iter().map(|&at| values[at]).collect(),
-            Side::Left => values.to_vec(),
+            Side::Right => places.iter().map(|&at| values[self.mirror[at]]).collect(),
+            Side::Left => places.iter().map(|&at| values[at]).collect(),
         }
     }
 
     /// `sum_k A_k x_k`, or `sum_k A_k^T x_k`, of blocks x_k, for values [`by_rows`](Self::by_rows) of that side.
     pub(crate) fn gathered<const TERMS: usize>(
         &self,
-        terms: [(&[Complex<f64>], Block<'_>); TERMS],
-    ) -> Mat<Complex<f64>> {
+        entries: Entries,
+        terms: [(&[Complex<f64>], &Block); TERMS],
+    ) -> Block {
         let columns = terms.first().map_or(0, |(_, x)| x.ncols());
-        let mut out = Mat::zeros(self.order, columns);
-        let mut sums = vec![Lanes::default(); self.order];
-        for from in (0..columns).step_by(LANES) {
-            let count = LANES.min(columns - from);
-            let rows = terms.map(|(_, x)| interleaved(x.subcols(from, count)));
-            let terms: [_; TERMS] = std::array::from_fn(|k| (terms[k].0, &rows[k][..]));
-            Arch::new().dispatch(Product { starts: &self.column_starts, columns: &self.rows, terms, sums: &mut sums });
-            for j in 0..count {
-                let target = &mut out.col_as_slice_mut(from + j)[..];
-                target.iter_mut().zip(&sums).for_each(|(t, s)| *t = Complex::new(s.re[j], s.im[j]));
-            }
-        }
-        out
-    }
-}
-
-/// Columns of a block that are multiplied together.
-const LANES: usize = 4;
-
-/// One row of at most [`LANES`] columns, filled up with zeros.
-#[derive(Debug, Clone, Copy, Default)]
-struct Lanes {
-    re: [f64; LANES],
-    im: [f64; LANES],
-}
-
-fn interleaved(block: Block<'_>) -> Vec<Lanes> {
-    let mut rows = vec![Lanes::default(); block.nrows()];
-    for j in 0..block.ncols() {
-        rows.iter_mut().zip(block.col(j).iter()).for_each(|(row, x)| (row.re[j], row.im[j]) = (x.re, x.im));
-    }
-    rows
-}
-
-/// The products of all rows, a function that is compiled for each kind of processor.
-struct Product<'a, const TERMS: usize> {
-    starts: &'a [usize],
-    columns: &'a [usize],
-    terms: [(&'a [Complex<f64>], &'a [Lanes]); TERMS],
-    sums: &'a mut [Lanes],
-}
-
-impl<const TERMS: usize> NullaryFnOnce for Product<'_, TERMS> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for (row, target) in self.sums.iter_mut().enumerate() {
-            let entries = self.starts[row]..self.starts[row + 1];
-            let mut sum = Lanes::default();
-            for (values, x) in self.terms {
-                for (value, &column) in values[entries.clone()].iter().zip(&self.columns[entries.clone()]) {
-                    let x = &x[column];
-                    for lane in 0..LANES {
-                        sum.re[lane] += value.re * x.re[lane] - value.im * x.im[lane];
-                        sum.im[lane] += value.re * x.im[lane] + value.im * x.re[lane];
-                    }
-                }
-            }
-            *target = sum;
-        }
+        let mut product = Mat::zeros(self.order, columns);
+        narrow(Product { rows: self.rows(entries), terms, product: &mut product });
+        product
     }
 }
 

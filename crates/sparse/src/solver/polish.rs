@@ -7,11 +7,14 @@ use num_complex::Complex;
 use super::disc::{Candidate, Problem};
 use super::factor::{Factor, length};
 use super::pencil::{Pencil, Side};
+use super::products::Parts;
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 
 /// Steps of the Rayleigh quotient: it converges twice as many digits at each.
 const STEPS: usize = 3;
+/// Candidates whose products are formed together.
+const TOGETHER: usize = 4;
 /// Steps of inverse iteration with a factorisation at the eigenvalue itself.
 const INVERSE_STEPS: usize = 3;
 /// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space.
@@ -34,15 +37,24 @@ impl Problem {
     ) -> Result<Vec<Eigenpair>, SparseError> {
         let pencil = &self.pencil;
         let mut trials = Vec::with_capacity(candidates.len());
-        for Candidate { lambda, right, left } in candidates {
-            let right = unit(right);
-            let trial = left.map(|left| Trial::new(pencil, lambda, right.clone(), unit(left)));
-            trials.push(match trial {
-                Some(trial) if trial.error.max(trial.left_error(pencil)) <= tolerance => trial,
-                _ => self.by_inverse_iteration(lambda, right, counters)?,
-            });
+        for some in candidates.chunks(TOGETHER) {
+            let right: Vec<_> = some.iter().map(|c| unit(&c.right)).collect();
+            let left: Vec<_> = some.iter().map(|c| unit(c.left.as_ref().unwrap_or(&c.right))).collect();
+            let parts = [(Side::Right, &right), (Side::Left, &left)].map(|(side, x)| pencil.parts(side, &columns(x)));
+            let [right_parts, left_parts] = parts;
+            let vectors = right.into_iter().zip(left).zip(right_parts.iter().zip(&left_parts));
+            for (candidate, ((x, y), (right, left))) in some.iter().zip(vectors) {
+                let trial = Trial::new(pencil, candidate.lambda, x, y, right);
+                let error = trial.error.max(left.sum(&pencil.weights(trial.lambda)).norm() / pencil.size(trial.lambda));
+                let is_good = candidate.left.is_some() && error <= tolerance;
+                trials.push(if is_good {
+                    trial
+                } else {
+                    self.by_inverse_iteration(candidate.lambda, trial.x, counters)?
+                });
+            }
         }
-        pair_groups(pencil, &mut trials);
+        pair_groups(&mut trials);
         trials.into_iter().map(|trial| trial.finish(pencil, tolerance)).collect()
     }
 
@@ -53,21 +65,23 @@ impl Problem {
         right: Vector,
         counters: &mut Counters,
     ) -> Result<Trial, SparseError> {
-        let (mut x, mut y) = (right.clone(), right);
-        let mut shift = lambda;
+        let mut trial = Trial::of(&self.pencil, lambda, right.clone(), right);
+        // A quotient of the right vector alone is no better than the eigenvalue that is known.
+        trial.lambda = lambda;
         for _ in 0..2 {
             // Beside the eigenvalue, where the factors are regular.
-            let beside = shift * (1.0 + 8.0 * f64::EPSILON);
+            let beside = trial.lambda * (1.0 + 8.0 * f64::EPSILON);
             counters.factorisations += 1;
             let factor = Factor::new(&self.symbolic, &self.pencil, beside)?;
+            let (mut x, mut y) = (trial.x, trial.y);
             for _ in 0..INVERSE_STEPS {
-                x = unit(factor.solve(Side::Right, &column(&x))?.col_as_slice(0).to_vec());
-                y = unit(factor.solve(Side::Left, &column(&y))?.col_as_slice(0).to_vec());
+                x = unit(factor.solve(Side::Right, &columns(&[x]))?.col_as_slice(0));
+                y = unit(factor.solve(Side::Left, &columns(&[y]))?.col_as_slice(0));
                 counters.solves += 2;
             }
-            shift = Trial::new(&self.pencil, shift, x.clone(), y.clone()).lambda;
+            trial = Trial::of(&self.pencil, trial.lambda, x, y);
         }
-        Ok(Trial::new(&self.pencil, shift, x, y))
+        Ok(trial)
     }
 }
 
@@ -77,47 +91,50 @@ struct Trial {
     x: Vector,
     y: Vector,
     error: f64,
+    /// `Q'(lambda) x`.
+    slope: Vector,
 }
 
 impl Trial {
+    fn of(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector) -> Self {
+        let x = [x];
+        let parts = pencil.parts(Side::Right, &columns(&x));
+        let [x] = x;
+        Self::new(pencil, lambda, x, y, &parts[0])
+    }
+
     /// The eigenvalue by Rayleigh quotients, where they make the residual no larger.
-    fn new(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector) -> Self {
-        let residual_at = |lambda: Complex<f64>, x: &Vector| pencil.times(&pencil.weights(lambda), x);
+    fn new(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector, parts: &Parts<'_>) -> Self {
         let error_of = |lambda: Complex<f64>, residual: &Vector| residual.norm() / pencil.size(lambda);
-        let mut residual = residual_at(lambda, &x);
-        let mut trial = Self { lambda, error: error_of(lambda, &residual), x, y };
+        let mut residual = parts.sum(&pencil.weights(lambda));
+        let (mut best, mut error) = (lambda, error_of(lambda, &residual));
         for _ in 0..STEPS {
-            let value = y_dot(&trial.y, &residual);
-            let slope = y_dot(&trial.y, &pencil.times(&pencil.slope_weights(trial.lambda), &trial.x));
-            let better = trial.lambda - value / slope;
+            let slope = parts.sum(&pencil.slope_weights(best));
+            let better = best - y_dot(&y, &residual) / y_dot(&y, &slope);
             if !(better.re.is_finite() && better.im.is_finite()) {
                 break;
             }
-            residual = residual_at(better, &trial.x);
-            let error = error_of(better, &residual);
+            residual = parts.sum(&pencil.weights(better));
+            let new_error = error_of(better, &residual);
             // Rounding of the residual is no reason to keep an eigenvalue of half the digits.
-            if error > 2.0 * trial.error.max(f64::EPSILON) {
+            if new_error > 2.0 * error.max(f64::EPSILON) {
                 break;
             }
-            let change = (better - trial.lambda).norm();
-            (trial.lambda, trial.error) = (better, error);
+            let change = (better - best).norm();
+            (best, error) = (better, new_error);
             if change <= f64::EPSILON * better.norm() {
                 break;
             }
         }
-        trial
-    }
-
-    /// The backward error of the left vector.
-    fn left_error(&self, pencil: &Pencil) -> f64 {
-        pencil.times_transposed(&pencil.weights(self.lambda), &self.y).norm() / pencil.size(self.lambda)
+        let slope = parts.sum(&pencil.slope_weights(best));
+        Self { lambda: best, x, y, error, slope }
     }
 
     fn finish(mut self, pencil: &Pencil, tolerance: f64) -> Result<Eigenpair, SparseError> {
         if self.error.is_nan() || self.error > tolerance {
             return Err(SparseError::NotConverged { lambda: self.lambda, residual: self.error });
         }
-        let coupling = y_dot(&self.y, &pencil.times(&pencil.slope_weights(self.lambda), &self.x)).norm();
+        let coupling = y_dot(&self.y, &self.slope).norm();
         let condition = pencil.size(self.lambda) / (self.lambda.norm() * coupling);
         cea::fix_phase(&mut self.x);
         let mut left = self.y.conjugate();
@@ -129,7 +146,7 @@ impl Trial {
 }
 
 /// Left vectors of nearly equal eigenvalues, turned so that each couples with its right vector alone.
-fn pair_groups(pencil: &Pencil, trials: &mut [Trial]) {
+fn pair_groups(trials: &mut [Trial]) {
     let mut is_done = vec![false; trials.len()];
     for first in 0..trials.len() {
         let lambda = trials[first].lambda;
@@ -139,15 +156,15 @@ fn pair_groups(pencil: &Pencil, trials: &mut [Trial]) {
         if group.len() < 2 {
             continue;
         }
-        let slopes: Vec<_> = group.iter().map(|&i| pencil.times(&pencil.slope_weights(lambda), &trials[i].x)).collect();
-        let couplings = DMatrix::from_fn(group.len(), group.len(), |i, j| y_dot(&trials[group[i]].y, &slopes[j]));
+        let coupling = |i: usize, j: usize| y_dot(&trials[group[i]].y, &trials[group[j]].slope);
+        let couplings = DMatrix::from_fn(group.len(), group.len(), coupling);
         let size = couplings.norm();
         let Some(inverse) = couplings.try_inverse().filter(|inverse| inverse.norm() * size * PAIRED < 1.0) else {
             continue;
         };
         let turned: Vec<Vector> = (0..group.len())
             .map(|i| {
-                let zero = Vector::zeros(pencil.order());
+                let zero = Vector::zeros(trials[first].x.len());
                 let sum =
                     group.iter().enumerate().fold(zero, |sum, (k, &member)| sum + &trials[member].y * inverse[(i, k)]);
                 sum.normalize()
@@ -162,11 +179,11 @@ fn y_dot(y: &Vector, v: &Vector) -> Complex<f64> {
     y.dot(v)
 }
 
-fn unit(x: Vec<Complex<f64>>) -> Vector {
-    let norm = length(&x);
-    DVector::from_vec(x) / Complex::from(norm)
+fn unit(x: &[Complex<f64>]) -> Vector {
+    let norm = Complex::from(length(x));
+    DVector::from_iterator(x.len(), x.iter().map(|value| value / norm))
 }
 
-fn column(x: &Vector) -> Mat<Complex<f64>> {
-    Mat::from_fn(x.len(), 1, |i, _| x[i])
+fn columns(vectors: &[Vector]) -> Mat<Complex<f64>> {
+    Mat::from_fn(vectors.first().map_or(0, Vector::len), vectors.len(), |i, j| vectors[j][i])
 }

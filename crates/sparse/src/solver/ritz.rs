@@ -44,4 +44,9 @@ impl Ritz {
             vectors: Mat::from_fn(m, m, |i, j| vectors[(i, order[j])]),
         })
     }
+
+    /// The coordinates of some of the vectors.
+    pub(crate) fn vectors_of(&self, wanted: &[usize]) -> Mat<Complex<f64>> {
+        Mat::from_fn(self.vectors.nrows(), wanted.len(), |i, j| self.vectors[(i, wanted[j])])
+    }
 }

@@ -1,0 +1,155 @@
+//! LU by fronts of a matrix with a symmetric pattern: the elimination of a group of rows adds to the dense matrix of the group that
+//! comes next.
+//!
+//! Pivots are sought within a group only, so the order is that of a symmetric matrix, which fills much less than one that leaves room
+//! for any pivot. Where the pivots of a group are too small the factors are useless, which a solution shows.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place};
+use faer::prelude::ReborrowMut;
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::{Accum, Mat, MatMut, Side, Spec};
+use num_complex::Complex;
+
+use super::factor::PAR;
+use super::pencil::Pencil;
+
+/// Only a supernodal analysis has groups of rows; it is taken where operations by entry exceed this.
+const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+
+/// Rows that are eliminated together, and those that they change.
+struct Group {
+    from: usize,
+    to: usize,
+    /// Ascending, all after `to`.
+    below: Vec<usize>,
+    /// The group that comes next: of the first row below.
+    next: Option<usize>,
+}
+
+/// The elimination order of a pattern, by approximate minimum degree, and its groups.
+pub(super) struct Elimination {
+    /// The row at each place, and the place of each row.
+    order: Vec<usize>,
+    place: Vec<usize>,
+    groups: Vec<Group>,
+}
+
+impl Elimination {
+    /// `None` where it does not fit into memory.
+    pub(super) fn new(pencil: &Pencil) -> Option<Self> {
+        let n = pencil.order();
+        let (starts, rows) = pencil.pattern();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
+        let parameters = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
+            ..CholeskySymbolicParams::default()
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, parameters).ok()?;
+        let SymbolicCholeskyRaw::Supernodal(groups) = symbolic.raw() else { return None };
+        let mut group_of = vec![0; n];
+        let borders = groups.supernode_begin().iter().zip(groups.supernode_end());
+        borders.enumerate().for_each(|(s, (&from, &to))| group_of[from..to].fill(s));
+        let group = |s: usize| {
+            let (from, to) = (groups.supernode_begin()[s], groups.supernode_end()[s]);
+            let below = groups.supernode(s).pattern().to_vec();
+            let next = below.first().map(|&row| group_of[row]);
+            Group { from, to, below, next }
+        };
+        let groups = (0..groups.n_supernodes()).map(group).collect();
+        let (order, place) = symbolic.perm()?.arrays();
+        Some(Self { order: order.to_vec(), place: place.to_vec(), groups })
+    }
+
+    pub(super) fn order(&self) -> &[usize] {
+        &self.order
+    }
+}
+
+/// The factors of one group: `P A11 = L11 U11`, `L21 = A21 U11^-1`, `U12 = L11^-1 P A12`.
+pub(super) struct Eliminated {
+    pub(super) from: usize,
+    /// L11 below the diagonal, U11 above it, and on it the inverse of that of U11; by columns.
+    pub(super) diagonal: Mat<Complex<f64>>,
+    /// The row of A11 at each place of `P A11`.
+    pub(super) pivots: Vec<usize>,
+    pub(super) below: Vec<usize>,
+    /// L21 by rows, U12 by columns.
+    pub(super) lower: Vec<Complex<f64>>,
+    pub(super) upper: Vec<Complex<f64>>,
+}
+
+/// The factors of a matrix given on the pattern of `pencil`. A pivot of zero leaves entries that are not finite. `None` where they do
+/// not fit into memory.
+pub(super) fn factorised(
+    elimination: &Elimination,
+    pencil: &Pencil,
+    values: &[Complex<f64>],
+) -> Option<Vec<Eliminated>> {
+    let Elimination { order, place, groups } = elimination;
+    let ((starts, rows), mirror) = (pencil.pattern(), pencil.mirror());
+    let mut local = vec![0; order.len()];
+    let mut waiting: Vec<Vec<(usize, Mat<Complex<f64>>)>> = groups.iter().map(|_| Vec::new()).collect();
+    let mut done = Vec::with_capacity(groups.len());
+    for (s, group) in groups.iter().enumerate() {
+        let (from, to) = (group.from, group.to);
+        let (width, height) = (to - from, to - from + group.below.len());
+        (from..to).chain(group.below.iter().copied()).enumerate().for_each(|(at, row)| local[row] = at);
+        let mut entries = Vec::new();
+        entries.try_reserve_exact(height * height).ok()?;
+        entries.resize(height * height, Complex::default());
+        let mut front = MatMut::from_column_major_slice_mut(&mut entries, height, height);
+        for j in from..to {
+            for at in starts[order[j]]..starts[order[j] + 1] {
+                let i = place[rows[at]];
+                if i >= from {
+                    front[(local[i], j - from)] += values[at];
+                }
+                if i >= to {
+                    front[(j - from, local[i])] += values[mirror[at]];
+                }
+            }
+        }
+        for (child, change) in std::mem::take(&mut waiting[s]) {
+            let below = &groups[child].below;
+            for (j, &column) in below.iter().enumerate() {
+                let mut target = front.rb_mut().col_mut(local[column]);
+                below.iter().zip(change.col_as_slice(j)).for_each(|(&row, value)| target[local[row]] += value);
+            }
+        }
+        let (eliminated, change) = eliminate(front, group, width);
+        done.push(eliminated);
+        if let Some(next) = group.next {
+            waiting[next].push((s, change));
+        }
+    }
+    Some(done)
+}
+
+/// The factors of a group, and what its elimination leaves of the rows below.
+fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &Group, width: usize) -> (Eliminated, Mat<Complex<f64>>) {
+    let count = group.below.len();
+    let (mut pivots, mut inverse) = (vec![0; width], vec![0; width]);
+    let mut buffer = MemBuffer::new(lu_in_place_scratch::<usize, Complex<f64>>(width, width, PAR, Spec::default()));
+    let block = front.rb_mut().submatrix_mut(0, 0, width, width);
+    lu_in_place(block, &mut pivots, &mut inverse, PAR, MemStack::new(&mut buffer), Spec::default());
+    let front = front.as_ref();
+    let mut diagonal = front.submatrix(0, 0, width, width).to_owned();
+    let mut upper = Mat::from_fn(width, count, |i, j| front[(pivots[i], width + j)]);
+    solve_unit_lower_triangular_in_place(diagonal.as_ref(), upper.as_mut(), PAR);
+    let mut lower = front.submatrix(width, 0, count, width).transpose().to_owned();
+    solve_lower_triangular_in_place(diagonal.transpose(), lower.as_mut(), PAR);
+    let mut change = front.submatrix(width, width, count, count).to_owned();
+    let minus = Complex::from(-1.0);
+    matmul(change.as_mut(), Accum::Add, lower.transpose(), upper.as_ref(), minus, PAR);
+    (0..width).for_each(|i| diagonal[(i, i)] = diagonal[(i, i)].inv());
+    let flat = |m: &Mat<Complex<f64>>| (0..count).flat_map(|j| m.col_as_slice(j).to_vec()).collect();
+    let (lower, upper) = (flat(&lower), flat(&upper));
+    (Eliminated { from: group.from, diagonal, pivots, below: group.below.clone(), lower, upper }, change)
+}

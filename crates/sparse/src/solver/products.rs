@@ -1,0 +1,129 @@
+//! Sparse matrices times blocks of vectors.
+
+use faer::Mat;
+use nalgebra::DVector;
+use num_complex::Complex;
+use pulp::{Simd, WithSimd};
+
+use super::lanes::{Row, add, gathered, joined, scatter, zero};
+use super::pencil::{Side, Weights};
+use crate::State;
+
+type Block = Mat<Complex<f64>>;
+
+/// The entries of each row that a product reads.
+#[derive(Debug, Clone)]
+pub(super) struct Rows {
+    pub(super) starts: Vec<usize>,
+    pub(super) columns: Vec<usize>,
+    /// Where the transposed entries stand in the pattern.
+    pub(super) places: Vec<usize>,
+}
+
+impl Rows {
+    /// Of the entries of a symmetric pattern that are wanted.
+    pub(super) fn new(starts: &[usize], others: &[usize], is_wanted: impl Fn(usize) -> bool) -> Self {
+        let mut rows = Self { starts: vec![0], columns: Vec::new(), places: Vec::new() };
+        for row in starts.windows(2) {
+            let places = (row[0]..row[1]).filter(|&at| is_wanted(at));
+            places.for_each(|at| {
+                rows.columns.push(others[at]);
+                rows.places.push(at);
+            });
+            rows.starts.push(rows.columns.len());
+        }
+        rows
+    }
+}
+
+/// M, C, K and what drives each state, times one vector.
+pub(crate) struct Parts<'a> {
+    pub(super) products: [Vec<Complex<f64>>; 3],
+    pub(super) driven: Vec<Complex<f64>>,
+    pub(super) states: &'a [State],
+    pub(super) side: Side,
+}
+
+impl Parts<'_> {
+    /// Their weighted sum.
+    pub(crate) fn sum(&self, weights: &Weights) -> DVector<Complex<f64>> {
+        let Weights { mass, damping, stiffness, states } = weights;
+        let [m, c, k] = &self.products;
+        let rows = m.iter().zip(c).zip(k).map(|((m, c), k)| mass * m + damping * c + stiffness * k);
+        let mut sum = DVector::from_iterator(m.len(), rows);
+        for ((state, driven), weight) in self.states.iter().zip(&self.driven).zip(states) {
+            state.sides(self.side).1.iter().for_each(|&(dof, f)| sum[dof] += weight * driven * f);
+        }
+        sum
+    }
+}
+
+/// M, C and K times a block.
+pub(super) struct PartProducts<'a> {
+    pub(super) rows: &'a Rows,
+    /// The values of each, in the order of the rows but for the places that are given.
+    pub(super) values: [&'a [f64]; 3],
+    pub(super) places: Option<&'a [usize]>,
+    pub(super) x: &'a Block,
+    pub(super) products: &'a mut [Block; 3],
+}
+
+impl WithSimd for PartProducts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Rows { starts, columns, .. } = self.rows;
+        for from in (0..self.x.ncols()).step_by(S::F64_LANES) {
+            let x = gathered(simd, self.x, from, |i| i);
+            let mut sums = [(); 3].map(|()| Vec::with_capacity(x.len()));
+            for entries in starts.windows(2) {
+                let mut sum = [zero(simd); 3];
+                for at in entries[0]..entries[1] {
+                    let (x, place) = (x[columns[at]], self.places.map_or(at, |places| places[at]));
+                    for (sum, values) in sum.iter_mut().zip(self.values) {
+                        let value = simd.splat_f64s(values[place]);
+                        *sum = [simd.mul_add_f64s(value, x[0], sum[0]), simd.mul_add_f64s(value, x[1], sum[1])];
+                    }
+                }
+                for (sums, sum) in sums.iter_mut().zip(sum) {
+                    sums.push(sum);
+                }
+            }
+            for (product, sums) in self.products.iter_mut().zip(&sums) {
+                scatter::<S>(sums, product, from, |i| i);
+            }
+        }
+    }
+}
+
+/// A sum of products with blocks.
+pub(super) struct Product<'a, const TERMS: usize> {
+    pub(super) rows: &'a Rows,
+    pub(super) terms: [(&'a [Complex<f64>], &'a Block); TERMS],
+    pub(super) product: &'a mut Block,
+}
+
+impl<const TERMS: usize> WithSimd for Product<'_, TERMS> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Rows { starts, columns, .. } = self.rows;
+        for from in (0..self.product.ncols()).step_by(S::F64_LANES) {
+            let blocks = self.terms.map(|(values, x)| (values, gathered(simd, x, from, |i| i)));
+            let mut sums: Vec<Row<S>> = Vec::with_capacity(self.product.nrows());
+            for entries in starts.windows(2) {
+                let entries = entries[0]..entries[1];
+                let mut sum = [zero(simd); 2];
+                for (values, x) in &blocks {
+                    for (&value, &column) in values[entries.clone()].iter().zip(&columns[entries.clone()]) {
+                        add(simd, &mut sum, value, x[column]);
+                    }
+                }
+                sums.push(joined(simd, sum));
+            }
+            scatter::<S>(&sums, self.product, from, |i| i);
+        }
+    }
+}
