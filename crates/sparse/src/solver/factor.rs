@@ -55,7 +55,7 @@ impl Symbolic {
 /// The factors of one shift.
 enum Numeric<'a> {
     Symmetric(&'a Elimination, Vec<Eliminated>),
-    Pivoted(&'a SymbolicLu<usize>, NumericLu<usize, Complex<f64>>),
+    Pivoted(&'a SymbolicLu<usize>, Box<NumericLu<usize, Complex<f64>>>),
 }
 
 /// The pattern as the library takes it.
@@ -207,7 +207,7 @@ fn pivoted<'a>(
             LuError::Generic(_) => memory(),
         },
     )?;
-    Ok(Numeric::Pivoted(symbolic, numeric))
+    Ok(Numeric::Pivoted(symbolic, Box::new(numeric)))
 }
 
 /// The 2-norm, summed in eight parts, which a processor adds at once.

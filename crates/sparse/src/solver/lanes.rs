@@ -143,8 +143,8 @@ impl WithSimd for Dots<'_> {
                         let mut sums = [dots[0], dots[1], dots[2], dots[3]];
                         for (i, &x) in x.iter().enumerate() {
                             let y = negative(simd, turned(simd, x));
-                            for k in 0..GROUP {
-                                sums[k] = plus(simd, sums[k], columns[k][i], x, y);
+                            for (sum, column) in sums.iter_mut().zip(columns) {
+                                *sum = plus(simd, *sum, column[i], x, y);
                             }
                         }
                         dots[..GROUP].copy_from_slice(&sums);
@@ -190,8 +190,8 @@ impl WithSimd for Sums<'_> {
                         }
                         for (i, x) in x.iter_mut().enumerate() {
                             let mut sum = *x;
-                            for k in 0..GROUP {
-                                sum = plus(simd, sum, columns[k][i], factors[k], others[k]);
+                            for ((column, &factor), &other) in columns.iter().zip(&factors).zip(&others) {
+                                sum = plus(simd, sum, column[i], factor, other);
                             }
                             *x = sum;
                         }

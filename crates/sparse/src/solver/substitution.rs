@@ -123,8 +123,8 @@ fn subtract_rows<S: Simd>(simd: S, rest: &mut [Row<S>], group: &Eliminated, a: &
             let mut sums = [zero(simd); GROUP];
             for (at, &x) in own.iter().enumerate() {
                 let y = turned(simd, x);
-                for k in 0..GROUP {
-                    sums[k] = plus(simd, sums[k], values[k][at], x, y);
+                for (sum, values) in sums.iter_mut().zip(values) {
+                    *sum = plus(simd, *sum, values[at], x, y);
                 }
             }
             for (&row, sum) in rows.iter().zip(sums) {
@@ -147,14 +147,14 @@ fn subtract_columns<S: Simd>(simd: S, own: &mut [Row<S>], group: &Eliminated, a:
         if rows.len() == GROUP {
             let values = split(values, width);
             let (mut factors, mut others) = ([zero(simd); GROUP], [zero(simd); GROUP]);
-            for k in 0..GROUP {
-                factors[k] = negative(simd, rest[rows[k] - first]);
-                others[k] = turned(simd, factors[k]);
+            for ((factor, other), &row) in factors.iter_mut().zip(&mut others).zip(rows) {
+                *factor = negative(simd, rest[row - first]);
+                *other = turned(simd, *factor);
             }
             for (at, x) in own.iter_mut().enumerate() {
                 let mut sum = *x;
-                for k in 0..GROUP {
-                    sum = plus(simd, sum, values[k][at], factors[k], others[k]);
+                for ((values, &factor), &other) in values.iter().zip(&factors).zip(&others) {
+                    sum = plus(simd, sum, values[at], factor, other);
                 }
                 *x = sum;
             }

@@ -68,7 +68,7 @@ pub struct Options {
     pub tolerance: f64,
     /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
     pub block: usize,
-    /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom, twice, and column.
+    /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom and column.
     pub columns: usize,
     /// Most shifts; a rectangle that needs more is refused, as soon as the first ones show it.
     pub shifts: usize,
