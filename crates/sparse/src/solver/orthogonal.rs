@@ -10,8 +10,8 @@ use super::lanes::{add_times, adjoint_times};
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
 const DEPENDENT: f64 = 1e-12;
 /// Part of every vector that has to be left by one pass of orthogonalisation for a second one to be left out: the basis is
-/// orthonormal to a hundred times rounding.
-const KEPT: f64 = 1e-2;
+/// orthonormal to ten times rounding.
+const KEPT: f64 = 0.1;
 
 type Block = Mat<Complex<f64>>;
 
