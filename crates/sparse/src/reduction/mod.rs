@@ -33,6 +33,7 @@ mod reduced;
 mod report;
 mod residual;
 mod responses;
+mod shared;
 mod split;
 mod within;
 

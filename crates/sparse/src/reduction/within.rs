@@ -12,7 +12,7 @@ use super::basis::{ROUNDING, directions, fewest};
 use super::compared::{Compared, compared};
 use super::full::{largest, outside};
 use super::norms::{Norms, NormsAt};
-use super::residual::reduced_residual;
+use super::shared::{Friction, Smaller, Structures};
 use super::{Options, Wanted, dense, split};
 use crate::{SparseAffineSystem, SparseError};
 
@@ -63,34 +63,33 @@ pub fn within(
     search.first =
         search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();
-    let (mut basis, mut next, mut passed, mut quiet) = (search.basis()?, 0, 0, 0);
-    let mut small = reduced.projected(&basis)?;
-    while !training.is_empty() && !search.is_exhausted(&basis) {
+    let (mut small, mut next, mut passed, mut quiet) = (search.smaller()?, 0, 0, 0);
+    while !training.is_empty() && !search.is_exhausted(small.basis()) {
         if passed < training.len() {
             let at = training[next];
-            if search.residual(&small, &basis, at)? <= options.tolerance {
+            if search.judged(&mut small, at)?.1 <= options.tolerance {
                 (next, passed) = ((next + 1) % training.len(), passed + 1);
                 continue;
             }
-            search.improve(&small, &basis, at)?;
+            search.improve(&mut small, at)?;
             passed = 0;
         } else {
             if quiet >= options.probes {
                 break;
             }
             let Some(at) = search.farthest()? else { break };
-            if search.probe(&small, at)? {
+            if search.probe(&mut small, at)? {
                 quiet += 1;
                 continue;
             }
             (passed, quiet) = (0, 0);
         }
-        basis = search.basis()?;
-        small = reduced.projected(&basis)?;
+        small = search.smaller()?;
     }
-    let is_reached = passed == training.len() && !search.is_exhausted(&basis);
+    let is_reached = passed == training.len() && !search.is_exhausted(small.basis());
     let solved = search.known.iter().filter(|known| known.is_complete());
     let solved = solved.map(|known| (*search.points[known.point].at).clone()).collect();
+    let basis = small.into_basis();
     Ok(Within { basis, solved, missed: search.missed, first: search.first, distance: search.distance, is_reached })
 }
 
@@ -121,14 +120,15 @@ pub fn rungs(
     let search = Search::new(system, reduced, wanted, &options)?;
     let rung = |&columns: &usize| {
         let basis = basis.columns(0, columns.min(basis.ncols())).into_owned();
-        let small = reduced.projected(&basis)?;
+        let columns = basis.ncols();
+        let mut small = Smaller::new(basis, reduced);
         let (mut first, mut residual) = (None, 0.0_f64);
         for at in 0..search.points.len() {
-            let (lambdas, largest) = search.judged(&small, &basis, at)?;
+            let (lambdas, largest) = search.judged(&mut small, at)?;
             residual = residual.max(largest);
             first.get_or_insert(lambdas);
         }
-        Ok(Rung { columns: basis.ncols(), residual, first: first.unwrap_or_default() })
+        Ok(Rung { columns, residual, first: first.unwrap_or_default() })
     };
     columns.iter().map(rung).collect()
 }
@@ -143,8 +143,6 @@ struct Point<'a> {
 struct Known {
     /// Its place.
     point: usize,
-    /// The larger system there.
-    system: SecondOrder,
     lambdas: Vec<Complex<f64>>,
     /// Of unit length, split, k x 2 p.
     shapes: DMatrix<f64>,
@@ -164,6 +162,8 @@ struct Search<'a> {
     options: &'a Options,
     /// The given points, then the training points.
     points: Vec<Point<'a>>,
+    structures: Structures,
+    friction: Friction,
     known: Vec<Known>,
     missed: Vec<Complex<f64>>,
     first: Vec<Complex<f64>>,
@@ -181,8 +181,11 @@ impl<'a> Search<'a> {
     ) -> Result<Self, SparseError> {
         let norms = Norms::new(system);
         wanted.points.iter().chain(wanted.training).try_for_each(|at| reduced.check(at))?;
-        let points = wanted.points.iter().chain(wanted.training).map(|at| Point { at, norms: norms.at(at) }).collect();
+        let points: Vec<Point<'_>> =
+            wanted.points.iter().chain(wanted.training).map(|at| Point { at, norms: norms.at(at) }).collect();
         Ok(Self {
+            structures: Structures::new(reduced, points.iter().map(|point| point.at))?,
+            friction: Friction::new(reduced),
             reduced,
             wanted,
             options,
@@ -209,14 +212,14 @@ impl<'a> Search<'a> {
         let system = self.reduced.assemble(self.points[point].at)?;
         let (lambdas, shapes) = self.modes(&system)?;
         self.known.retain(|known| known.point != point);
-        self.known.push(Known { point, system, lambdas, shapes, corrections: 0 });
+        self.known.push(Known { point, lambdas, shapes, corrections: 0 });
         Ok(())
     }
 
     /// Makes the modes of the smaller system at a point better ones of the larger system: `x - Q_0(i omega)^-1 Q(lambda) x`, with Q_0 that of
     /// the first point at the nearest of some frequencies, leaves of an error what lies along x, and what both Q differ in. Where that
     /// does not help often enough all modes are found.
-    fn improve(&mut self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<(), SparseError> {
+    fn improve(&mut self, small: &mut Smaller, point: usize) -> Result<(), SparseError> {
         let before = self.known.iter().position(|known| known.point == point);
         let corrections = 1 + before.map_or(0, |at| self.known[at].corrections);
         if corrections > MOST_CORRECTIONS {
@@ -231,10 +234,9 @@ impl<'a> Search<'a> {
                 self.inverses.push((omega, dense::Factored::new(&q)));
             }
         }
-        let at = self.points[point].at;
-        let (system, (lambdas, shapes)) = (self.reduced.assemble(at)?, self.modes(&small.assemble(at)?)?);
-        let mut shapes = basis * shapes;
-        let residual = reduced_residual(&system, &lambdas, &shapes);
+        let (lambdas, shapes) = self.modes(&self.small_system(small, point)?)?;
+        let mut shapes = small.basis() * shapes;
+        let residual = self.residual(point, &lambdas, &shapes);
         for (at, lambda) in lambdas.iter().enumerate() {
             let distance = |(omega, _): &&(f64, dense::Factored)| (lambda.im - omega).abs();
             let Some((_, inverse)) = self.inverses.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
@@ -243,7 +245,7 @@ impl<'a> Search<'a> {
             let better = split::vector(&shapes, at) - inverse.solve(&split::vector(&residual, at))?;
             split::set(&mut shapes, at, better.normalize().iter().copied());
         }
-        let known = Known { point, system, lambdas, shapes, corrections };
+        let known = Known { point, lambdas, shapes, corrections };
         match before {
             Some(at) => self.known[at] = known,
             None => self.known.push(known),
@@ -253,8 +255,8 @@ impl<'a> Search<'a> {
 
     /// Finds all modes of the larger system at a point whose residuals are small; those that the smaller system does not have are missed
     /// ones. Whether there is none.
-    fn probe(&mut self, small: &AffineSystem, point: usize) -> Result<bool, SparseError> {
-        let (held, _) = self.modes(&small.assemble(self.points[point].at)?)?;
+    fn probe(&mut self, small: &mut Smaller, point: usize) -> Result<bool, SparseError> {
+        let (held, _) = self.modes(&self.small_system(small, point)?)?;
         self.solve(point)?;
         let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
@@ -278,8 +280,8 @@ impl<'a> Search<'a> {
         Ok((near.iter().map(|&at| all[at]).collect(), shapes))
     }
 
-    /// The fewest principal directions of all shapes that hold them at the points where they were found.
-    fn basis(&self) -> Result<DMatrix<f64>, SparseError> {
+    /// The system on the fewest principal directions of all shapes that hold them at the points where they were found.
+    fn smaller(&self) -> Result<Smaller, SparseError> {
         let columns: Vec<_> = self.known.iter().flat_map(|known| known.shapes.column_iter()).collect();
         if columns.is_empty() {
             return Err(SparseError::Option {
@@ -291,7 +293,8 @@ impl<'a> Search<'a> {
         let empty = DMatrix::zeros(columns[0].len(), 0);
         let found = directions(&empty, DMatrix::from_columns(&columns), ROUNDING)?;
         let wanted = AT_KNOWN_POINTS * self.options.tolerance;
-        Ok(fewest(&empty, &found, self.options.most_columns, wanted, |basis| self.projection_error(basis)))
+        let basis = fewest(&empty, &found, self.options.most_columns, wanted, |basis| self.projection_error(basis));
+        Ok(Smaller::new(basis, self.reduced))
     }
 
     /// The largest residual of the known modes' parts in a basis.
@@ -299,49 +302,58 @@ impl<'a> Search<'a> {
         let transposed = basis.transpose();
         let of_point = |known: &Known| {
             let missing = &known.shapes - basis * (&transposed * &known.shapes);
-            let residual = reduced_residual(&known.system, &known.lambdas, &missing);
+            let residual = self.residual(known.point, &known.lambdas, &missing);
             largest_residual(&self.points[known.point].norms, &known.lambdas, &residual, &known.shapes)
         };
         self.known.iter().map(of_point).fold(0.0, f64::max)
     }
 
-    /// The largest residual, in the larger system, of a mode of the smaller one in the rectangle.
-    fn residual(&self, small: &AffineSystem, basis: &DMatrix<f64>, point: usize) -> Result<f64, SparseError> {
-        Ok(self.judged(small, basis, point)?.1)
+    /// The smaller system at a point.
+    fn small_system(&self, small: &mut Smaller, point: usize) -> Result<SecondOrder, SparseError> {
+        small.at(self.structures.of(point), &self.points[point].at.channels)
     }
 
-    /// The modes of the smaller system in the rectangle, with that residual.
-    fn judged(
-        &self,
-        small: &AffineSystem,
-        basis: &DMatrix<f64>,
-        point: usize,
-    ) -> Result<(Vec<Complex<f64>>, f64), SparseError> {
-        let Point { at, norms } = &self.points[point];
-        let (lambdas, shapes) = self.modes(&small.assemble(at)?)?;
+    /// `Q(lambda_j) x_j` of the larger system at a point, split.
+    fn residual(&self, point: usize, lambdas: &[Complex<f64>], shapes: &DMatrix<f64>) -> DMatrix<f64> {
+        let (_, SecondOrder { m, c, k, .. }) = self.structures.of(point);
+        let mut out = split::quadratic([m, c, k], lambdas, shapes);
+        self.friction.add(&self.points[point].at.channels, lambdas, shapes, &mut out);
+        out
+    }
+
+    /// The modes of the smaller system in the rectangle, with the largest of their residuals in the larger system.
+    fn judged(&self, small: &mut Smaller, point: usize) -> Result<(Vec<Complex<f64>>, f64), SparseError> {
+        let (lambdas, shapes) = self.modes(&self.small_system(small, point)?)?;
         let is_wanted = |at: &usize| self.wanted.rectangle.contains(lambdas[*at], 0.0);
         let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
         let (lambdas, shapes): (Vec<_>, _) =
-            (wanted.iter().map(|&at| lambdas[at]).collect(), basis * split::selected(&shapes, &wanted));
-        let residual = reduced_residual(&self.reduced.assemble(at)?, &lambdas, &shapes);
-        let largest = largest_residual(norms, &lambdas, &residual, &shapes);
+            (wanted.iter().map(|&at| lambdas[at]).collect(), small.basis() * split::selected(&shapes, &wanted));
+        let residual = self.residual(point, &lambdas, &shapes);
+        let largest = largest_residual(&self.points[point].norms, &lambdas, &residual, &shapes);
         Ok((lambdas, largest))
+    }
+
+    /// The Frobenius norm of the change of Q from one point to another.
+    fn change(&self, from: usize, to: usize, lambda: Complex<f64>) -> f64 {
+        let mut change = self.friction.change([from, to].map(|at| &self.points[at].at.channels[..]), lambda);
+        let [(first, a), (second, b)] = [from, to].map(|at| self.structures.of(at));
+        if first != second {
+            change += b.dynamic_stiffness(lambda) - a.dynamic_stiffness(lambda);
+        }
+        change.norm()
     }
 
     /// The point whose Q, in the middle of the band, differs most from those at which all modes were found; `None` where they were at
     /// every point.
     fn farthest(&self) -> Result<Option<usize>, SparseError> {
         let [from, to] = self.wanted.rectangle.im;
-        let q = |system: &SecondOrder| system.dynamic_stiffness(Complex::new(0.0, 0.5 * (from + to)));
-        let complete = || self.known.iter().filter(|known| known.is_complete());
-        let known: Vec<_> = complete().map(|known| q(&known.system)).collect();
+        let middle = Complex::new(0.0, 0.5 * (from + to));
+        let complete: Vec<usize> =
+            self.known.iter().filter(|known| known.is_complete()).map(|known| known.point).collect();
         let mut farthest: Option<(f64, usize)> = None;
-        for (place, point) in self.points.iter().enumerate() {
-            if complete().any(|known| known.point == place) {
-                continue;
-            }
-            let here = q(&self.reduced.assemble(point.at)?);
-            let distance = known.iter().map(|other| (other - &here).norm()).fold(f64::INFINITY, f64::min);
+        for place in (0..self.points.len()).filter(|place| !complete.contains(place)) {
+            let distance =
+                complete.iter().map(|&other| self.change(place, other, middle)).fold(f64::INFINITY, f64::min);
             if farthest.is_none_or(|(largest, _)| distance > largest) {
                 farthest = Some((distance, place));
             }
@@ -365,7 +377,7 @@ fn largest_residual(norms: &NormsAt, lambdas: &[Complex<f64>], residual: &DMatri
 /// With `z = [y; lambda y / gamma; t s]` and internal states s the system is `A z = lambda z`,
 /// `A = [0, gamma I, 0; -M^-1 K / gamma, -M^-1 C, M^-1 F / (gamma t); 0, gamma t E, -diag(a)]`; t makes both couplings of a state alike in
 /// size.
-fn eigen(system: &SecondOrder, gamma: f64) -> Result<dense::Eigen, SparseError> {
+pub(super) fn eigen(system: &SecondOrder, gamma: f64) -> Result<dense::Eigen, SparseError> {
     let (n, s) = (system.order(), system.states());
     let SecondOrder { m, c, k, internal } = system;
     let right = {
