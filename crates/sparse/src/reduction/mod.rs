@@ -9,6 +9,7 @@
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them | [`Reduced::modes_among`] |
 //! | compare eigenvalues of two systems | [`compared`] |
+//! | hold the modes on the way from one of two dense systems to the other | [`path_directions`] |
 //! | see what fewer columns would hold | [`rungs`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
@@ -29,6 +30,7 @@ mod mixing;
 mod modal;
 mod norms;
 mod options;
+mod path;
 mod reduced;
 mod report;
 mod residual;
@@ -43,6 +45,7 @@ pub use compared::{Compared, compared};
 pub use follow::Doubt;
 pub use modal::real_modes;
 pub use options::Options;
+pub use path::path_directions;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};

@@ -1,6 +1,9 @@
 //! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
+//!
+//! They hold the modes of both in the followed band, and those on the way.
 
 use nalgebra::DMatrix;
+use sparse::reduction::path_directions;
 
 use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
@@ -20,18 +23,24 @@ pub(super) fn bridge(brake: &FiniteElementBrake, configuration: usize) -> Result
     }
     let [origin_part, own_part]: [&Part; 2] = [&brake.parts[origin], &brake.parts[own]];
     let [from, to] = [&origin_part.within.basis, &own_part.within.basis];
-    let both = union(from, to);
-    let transposed = both.transpose();
     let all = all_patches(&brake.case);
-    let system = |closed: &[usize]| {
+    let system = |closed: &[usize], on: &DMatrix<f64>| {
         let at = of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?);
-        Ok::<_, Error>(brake.sets[set].reduced.assemble(&at)?.projected(&both)?)
+        Ok::<_, Error>(brake.sets[set].reduced.assemble(&at)?.projected(on)?)
     };
+    let both = union(from, to);
+    let ends = [system(&all, &both)?, system(&brake.closed[configuration], &both)?];
+    // Modes are followed on no more columns than hold them: both bases are made for the friction of all draws.
+    let few = match brake.plan.followed_band() {
+        Some(band) => path_directions(&ends[0], &ends[1], band)?,
+        None => DMatrix::identity(both.ncols(), both.ncols()),
+    };
+    let onto = few.transpose() * both.transpose();
     Ok(Some(Bridge {
-        from: system(&all)?,
-        to: system(&brake.closed[configuration])?,
-        origin: &transposed * from,
-        own: &transposed * to,
+        from: ends[0].projected(&few)?,
+        to: ends[1].projected(&few)?,
+        origin: &onto * from,
+        own: &onto * to,
     }))
 }
 
