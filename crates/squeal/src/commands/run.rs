@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::check::announced;
+use super::check::{announce_bases, announced};
 use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
 use super::options::{number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
@@ -95,6 +95,7 @@ impl RunArgs {
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
+                announce_bases(&case);
                 let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
                 let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;

@@ -25,7 +25,7 @@ use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::study::{
-    BandMode, Bridge, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake,
+    BandMode, Bridge, Cost, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake,
     WholeContact, WholeEigenvalue,
 };
 use crate::sweep::Over;
@@ -36,6 +36,8 @@ const ALLOWANCE: f64 = 100.0;
 /// The least that it is taken to be, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were solved
 /// with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
+/// Columns that a basis of an arrangement is expected to have, before it is made; chosen.
+const EXPECTED_COLUMNS: usize = 80;
 
 /// The brake of a case in all its configurations, reduced.
 ///
@@ -108,6 +110,20 @@ impl FiniteElementBrake {
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
         let (plan, closed) = layout::plan(&case, &of_origins_parts, &of_configurations_parts)?;
         Ok(Self { case, plan, sets, parts, of_origins, of_configurations, closed })
+    }
+
+    /// Memory and processor time of the bases of a case, roughly, before any of them is made: as many columns are taken for each as those of
+    /// cases/disc-pad have.
+    pub fn expected_cost(case: &FiniteElementCase) -> Cost {
+        let of_panel = |(_, arrangements): &(usize, Vec<_>)| arrangements.len();
+        let arrangements = case.contact.as_ref().map_or(1, |contact| contact.panels.iter().map(of_panel).sum());
+        Cost::of_bases(case.dofs.len(), &vec![EXPECTED_COLUMNS; arrangements * case.constraints.len()])
+    }
+
+    /// Memory and processor time of its bases, roughly.
+    pub fn cost_of_bases(&self) -> Cost {
+        let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
+        Cost::of_bases(self.case.dofs.len(), &columns)
     }
 
     /// The part of the reduction that a scene is on.

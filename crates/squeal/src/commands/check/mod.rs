@@ -72,7 +72,7 @@ impl CheckArgs {
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
         let classes = "one per symmetry class; laws without speed in them once for all speeds";
         text += &line("to be solved", &format!("{} ({classes})", plan.scenes.len() as u64 * plan.samples));
-        Ok(text + &cost(brake)?)
+        Ok(text + &cost(brake, 0.0)?)
     }
 
     fn matrices(&self, brake: &MatricesBrake) -> Result<String, Error> {
@@ -90,7 +90,7 @@ impl CheckArgs {
         text += &health::of_plan(plan)?;
         text += &line("samples", &format!("{} per constraint set, seed {}", plan.samples, plan.seed));
         text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-        Ok(text + &cost(brake)?)
+        Ok(text + &cost(brake, 0.0)?)
     }
 
     /// What a finite element case is made of, and whether its matrices are sound.
@@ -118,6 +118,7 @@ impl CheckArgs {
 /// What the reduction of a finite element brake took, and its study takes.
 fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
     let reduction = case.reduction;
+    announce_bases(&case);
     let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
     let plan = &brake.plan;
     let mut text = String::new();
@@ -145,7 +146,7 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
     }
     text += &line("samples", &format!("{} per scene, seed {}", plan.samples, plan.seed));
     text += &line("CEAs", &(plan.analyses_per_sample() * plan.samples).to_string());
-    Ok(text + &cost(&brake)?)
+    Ok(text + &cost(&brake, brake.cost_of_bases().bytes)?)
 }
 
 fn line(name: &str, value: &str) -> String {
@@ -158,7 +159,7 @@ fn listed(items: impl Iterator<Item = String>) -> String {
 
 /// What the study takes: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
 /// takes too long for a check.
-fn cost<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
+fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Error> {
     let cost = announced(brake.plan());
     let seconds = match cost.seconds {
         long if long > LONGEST_PREPARATION => {
@@ -166,7 +167,16 @@ fn cost<B: UncertainBrake>(brake: &B) -> Result<String, Error> {
         }
         _ => format!("roughly {} on this machine", in_words(estimate(brake)?.as_secs_f64())),
     };
-    Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes))) + &line("time", &seconds))
+    Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases))) + &line("time", &seconds))
+}
+
+/// Says what the bases of a case take, where that is more than some seconds.
+pub(super) fn announce_bases(case: &FiniteElementCase) {
+    let cost = FiniteElementBrake::expected_cost(case);
+    if cost.seconds > ANNOUNCED {
+        let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
+        note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
+    }
 }
 
 /// What a study takes, which is said at once where its preparation takes more than some seconds.
