@@ -37,7 +37,7 @@ const ALLOWANCE: f64 = 100.0;
 /// with the whole brake.
 const LEAST_ERROR: f64 = 1e-5;
 /// Columns that a basis of an arrangement is expected to have, before it is made; chosen.
-const EXPECTED_COLUMNS: usize = 80;
+const EXPECTED_COLUMNS: usize = 75;
 
 /// The brake of a case in all its configurations, reduced.
 ///
