@@ -6,9 +6,11 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::clusters::{Alone, Cluster, ClusterKind, MOST_EXPANSIONS, enclose, enclose_alone};
+use super::clusters::{Cluster, ClusterKind, MOST_EXPANSIONS, enclose, enclose_alone};
+use super::expansion::Alone;
 use super::groups::{Group, enclose_groups, nearly_defective_pairs};
-use super::measure::{Measure, ROUNDING_ONLY, State, data_noise};
+use super::measure::{Measure, ROUNDING_ONLY, State};
+use super::scaled::data_noise;
 use super::solve::{GeneralSpectrum, extend};
 use super::vectors::Factor;
 use super::verdict::{decide, gap};

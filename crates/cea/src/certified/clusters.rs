@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
 use super::dd::DdComplex;
-use super::expansion::{Disc, Expansion};
+use super::expansion::{Alone, Disc, Expansion};
 use super::measure::State;
 use super::residual::residual;
 use super::scaled::Scaled;
@@ -65,26 +65,6 @@ pub(super) struct Enclosed {
     pub(super) disc: Disc,
     /// Members of a semisimple group from its common null space.
     pub(super) space: Option<Semisimple>,
-}
-
-/// Whether an eigenvalue was enclosed by itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Alone {
-    /// In this disc.
-    Enclosed(Disc),
-    /// Not yet, or not by these vectors.
-    Open,
-    /// It cannot be: rounding hides more directions than its own.
-    Crowded,
-}
-
-impl Alone {
-    pub(super) fn disc(self) -> Option<Disc> {
-        match self {
-            Self::Enclosed(disc) => Some(disc),
-            _ => None,
-        }
-    }
 }
 
 /// A disc around one eigenvalue alone, of which no other is nearer than `gap`.

@@ -24,8 +24,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::measure::{UNIT_ROUNDOFF, data_noise};
-use super::scaled::Scaled;
+use super::scaled::{Scaled, UNIT_ROUNDOFF, data_noise};
 use super::vectors::{Factor, SURELY_SHOWN, by_norms, shown_norm};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
 
@@ -41,6 +40,26 @@ const LARGEST_CHAINED: usize = 12;
 pub(super) struct Disc {
     pub(super) centre: Complex<f64>,
     pub(super) radius: f64,
+}
+
+/// Whether an eigenvalue was enclosed by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Alone {
+    /// In this disc.
+    Enclosed(Disc),
+    /// Not yet, or not by these vectors.
+    Open,
+    /// It cannot be: rounding hides more directions than its own.
+    Crowded,
+}
+
+impl Alone {
+    pub(super) fn disc(self) -> Option<Disc> {
+        match self {
+            Self::Enclosed(disc) => Some(disc),
+            _ => None,
+        }
+    }
 }
 
 /// `E b` and `V b` of b.

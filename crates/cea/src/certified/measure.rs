@@ -6,27 +6,17 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::clusters::Alone;
+use super::expansion::Alone;
 use super::planar::{Planar, reveal_rank};
 use super::refine::{Refined, newton};
-use super::scaled::{Norms, Scaled};
+use super::scaled::{FIRST_ORDER_SAFETY, Norms, Scaled, UNIT_ROUNDOFF};
 use super::structure::nullity;
 use super::vectors::{Factor, by_norms, orthonormalise};
 use crate::lu::Vector;
 use crate::{CeaError, Verdict};
 
-/// Half the distance from 1 to the next double: the relative size of a rounding error.
-pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 /// Backward errors up to this many units are rounding and not worth a Newton step.
 pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
-/// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
-/// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
-pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
-/// What rounding the data changes Q(sigma) by, |sigma| = `size`, and what is allowed for computing it.
-pub(super) fn data_noise(problem: &Scaled, size: f64) -> f64 {
-    FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(size)
-}
-
 /// A refined eigenvalue is known to this part of what rounded data move it by, or better.
 const REFINED_PART: f64 = 1e-6;
 

@@ -20,6 +20,12 @@ const SCALING_ROUNDS: usize = 5;
 /// rounding to powers of two.
 const EQUILIBRATION_SWEEPS: usize = 8;
 
+/// Half the distance from 1 to the next double: the relative size of a rounding error.
+pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+/// Factor on `condition x backward error` in every bound: it is a first-order estimate with estimated factors.
+/// Chosen; docs/error-bounds.md has the largest ratio of error to bound that was measured.
+pub(super) const FIRST_ORDER_SAFETY: f64 = 4.0;
+
 /// The scaled problem, and the scaling that takes its solutions back.
 #[derive(Debug, Clone)]
 pub(crate) struct Scaled {
@@ -34,6 +40,11 @@ pub(crate) struct Scaled {
     pub(crate) right: DVector<f64>,
     /// Frobenius norms of the scaled matrices.
     pub(crate) norms: Norms,
+}
+
+/// What rounding the data changes Q(sigma) by, |sigma| = `size`, and what is allowed for computing it.
+pub(super) fn data_noise(problem: &Scaled, size: f64) -> f64 {
+    FIRST_ORDER_SAFETY * UNIT_ROUNDOFF * problem.norms.size(size)
 }
 
 /// Frobenius norms of M, C and K.

@@ -3,7 +3,8 @@
 use num_complex::Complex;
 
 use super::expansion::Disc;
-use super::measure::{FIRST_ORDER_SAFETY, Measure, State};
+use super::measure::{Measure, State};
+use super::scaled::FIRST_ORDER_SAFETY;
 use crate::Verdict;
 
 /// [`Verdict::Marginal`] is said only where its tolerance is at most this times the larger of |lambda| and gamma:

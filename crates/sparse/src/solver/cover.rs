@@ -5,7 +5,8 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::disc::Problem;
-use super::pencil::{Pencil, Side};
+use super::pencil::Pencil;
+use super::products::Side;
 use super::reach::{least_reach, reach};
 use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};

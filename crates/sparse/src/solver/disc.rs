@@ -4,13 +4,13 @@ use faer::Mat;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::factor::{Factor, Symbolic, length};
+use super::blocks::{length, starting_block};
+use super::factor::{Factor, Symbolic};
 use super::krylov::Krylov;
-use super::pencil::{Pencil, Side};
-use super::products::Parts;
+use super::pencil::Pencil;
+use super::products::{Parts, Side};
 use super::ritz::Ritz;
 use super::types::{Counters, Disc, Options, Rectangle};
-use crate::unpatterned::unpatterned;
 use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
@@ -269,12 +269,4 @@ fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<O
         })
     };
     lambdas.iter().map(&mut partner).collect()
-}
-
-/// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
-pub(super) fn starting_block(rows: usize, columns: usize) -> Block {
-    Mat::from_fn(rows, columns, |i, j| {
-        let k = (i * columns + j + 1) as f64;
-        Complex::from(unpatterned(k) * 2.0 - 1.0 + unpatterned((k % 97.0) * (k % 89.0)) - 0.5)
-    })
 }

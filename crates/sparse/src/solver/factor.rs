@@ -6,18 +6,17 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::LuError;
 use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, Par, Spec};
+use faer::{Conj, Mat, Spec};
 use num_complex::Complex;
 
-use super::disc::starting_block;
+use super::blocks::{PAR, length, starting_block};
 use super::fronts::{Eliminated, Elimination, factorised};
 use super::lanes::narrow;
-use super::pencil::{Entries, Pencil, Side};
+use super::pencil::{Entries, Pencil};
+use super::products::Side;
 use super::substitution::Substitution;
 use crate::SparseError;
 
-/// One thread: the bits of a factorisation depend on their number, and this library has none without it.
-pub(crate) const PAR: Par = Par::Seq;
 /// Backward error of a first solution above which the pivots of the symmetric order were too small; chosen.
 const STABLE: f64 = 1e-13;
 /// Backward error of a solution, |Q x - b| / (|Q| |x| + |b|), up to which it is not refined: some rounding errors.
@@ -208,16 +207,6 @@ fn pivoted<'a>(
         },
     )?;
     Ok(Numeric::Pivoted(symbolic, Box::new(numeric)))
-}
-
-/// The 2-norm, summed in eight parts, which a processor adds at once.
-pub(crate) fn length(x: &[Complex<f64>]) -> f64 {
-    let (blocks, rest) = x.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for block in blocks {
-        sums.iter_mut().zip(block).for_each(|(sum, z)| *sum += z.norm_sqr());
-    }
-    (sums.iter().sum::<f64>() + rest.iter().map(Complex::norm_sqr).sum::<f64>()).sqrt()
 }
 
 #[cfg(test)]

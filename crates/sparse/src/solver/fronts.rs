@@ -17,7 +17,7 @@ use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::{Accum, Mat, MatMut, Side, Spec};
 use num_complex::Complex;
 
-use super::factor::PAR;
+use super::blocks::PAR;
 use super::pencil::Pencil;
 
 /// Only a supernodal analysis has groups of rows; it is taken where operations by entry exceed this.

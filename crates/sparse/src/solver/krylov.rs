@@ -14,9 +14,11 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat};
 use num_complex::Complex;
 
-use super::factor::{Factor, PAR};
+use super::blocks::PAR;
+use super::factor::Factor;
 use super::orthogonal::Orthogonal;
-use super::pencil::{Entries, Side, Weights};
+use super::pencil::Entries;
+use super::products::{Side, Weights};
 use crate::SparseError;
 
 type Block = Mat<Complex<f64>>;

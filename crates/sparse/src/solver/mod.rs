@@ -1,5 +1,6 @@
 //! Eigenvalues of large sparse systems.
 
+mod blocks;
 mod cover;
 mod disc;
 mod factor;
@@ -16,8 +17,8 @@ mod ritz;
 mod substitution;
 mod types;
 
+pub(crate) use blocks::PAR;
 pub use cover::eigenpairs_in;
 pub(crate) use disc::Problem;
-pub(crate) use factor::PAR;
 pub use near::eigenpair_near;
 pub use types::{Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef};
 use num_complex::Complex;
 
-use super::factor::{PAR, length};
+use super::blocks::{PAR, length};
 use super::lanes::{add_times, adjoint_times};
 
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.

@@ -4,7 +4,7 @@ use faer::Mat;
 use num_complex::Complex;
 
 use super::lanes::narrow;
-use super::products::{PartProducts, Parts, Product, Rows};
+use super::products::{PartProducts, Parts, Product, Rows, Side, Weights};
 use crate::{SparseSecondOrder, State};
 
 /// Q(lambda) and its parts on the union of the patterns of M, C, K, the internal states and their transposes, by compressed
@@ -46,26 +46,8 @@ struct Norms {
     states: Vec<f64>,
 }
 
-/// Factors of M, C and K in a sum, and of each `f_i e_i^T`.
-#[derive(Debug, Clone)]
-pub(crate) struct Weights {
-    pub(crate) mass: Complex<f64>,
-    pub(crate) damping: Complex<f64>,
-    pub(crate) stiffness: Complex<f64>,
-    pub(crate) states: Vec<Complex<f64>>,
-}
-
 /// Vectors in columns.
 type Block = Mat<Complex<f64>>;
-
-/// Whether a matrix acts as it is or transposed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Side {
-    /// As it is: right vectors.
-    Right,
-    /// Transposed: conjugates of left vectors.
-    Left,
-}
 
 /// Degrees of freedom with coefficients.
 type Coefficients = [(usize, f64)];

@@ -4,10 +4,11 @@ use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
+use super::blocks::length;
 use super::disc::{Candidate, Problem};
-use super::factor::{Factor, length};
-use super::pencil::{Pencil, Side};
-use super::products::Parts;
+use super::factor::Factor;
+use super::pencil::Pencil;
+use super::products::{Parts, Side};
 use super::types::{Counters, Eigenpair};
 use crate::SparseError;
 

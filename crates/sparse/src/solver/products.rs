@@ -6,10 +6,27 @@ use num_complex::Complex;
 use pulp::{Simd, WithSimd};
 
 use super::lanes::{Row, add, gathered, joined, scatter, zero};
-use super::pencil::{Side, Weights};
 use crate::State;
 
 type Block = Mat<Complex<f64>>;
+
+/// Whether a matrix acts as it is or transposed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// As it is: right vectors.
+    Right,
+    /// Transposed: conjugates of left vectors.
+    Left,
+}
+
+/// Factors of M, C and K in a sum, and of each `f_i e_i^T`.
+#[derive(Debug, Clone)]
+pub(crate) struct Weights {
+    pub(crate) mass: Complex<f64>,
+    pub(crate) damping: Complex<f64>,
+    pub(crate) stiffness: Complex<f64>,
+    pub(crate) states: Vec<Complex<f64>>,
+}
 
 /// The entries of each row that a product reads.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use faer::linalg::evd::{ComputeEigenvectors, evd_cplx, evd_scratch};
 use faer::{Mat, Spec};
 use num_complex::Complex;
 
-use super::factor::{PAR, length};
+use super::blocks::{PAR, length};
 use super::krylov::Krylov;
 use crate::SparseError;
 

@@ -6,7 +6,7 @@ use pulp::{Simd, WithSimd};
 
 use super::fronts::Eliminated;
 use super::lanes::{GROUP, Row, add, gathered, joined, minus, negative, plus, scatter, times, turned, zero};
-use super::pencil::Side;
+use super::products::Side;
 
 /// `A^-1 x`, or `A^-T x`, in place, of the columns of a block.
 pub(super) struct Substitution<'a> {

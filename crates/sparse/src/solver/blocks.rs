@@ -1,0 +1,27 @@
+//! What all that computes with blocks of vectors shares.
+
+use faer::{Mat, Par};
+use num_complex::Complex;
+
+use crate::unpatterned::unpatterned;
+
+/// One thread: the bits of a factorisation depend on their number, and this library has none without it.
+pub(crate) const PAR: Par = Par::Seq;
+
+/// The 2-norm, summed in eight parts, which a processor adds at once.
+pub(crate) fn length(x: &[Complex<f64>]) -> f64 {
+    let (blocks, rest) = x.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for block in blocks {
+        sums.iter_mut().zip(block).for_each(|(sum, z)| *sum += z.norm_sqr());
+    }
+    (sums.iter().sum::<f64>() + rest.iter().map(Complex::norm_sqr).sum::<f64>()).sqrt()
+}
+
+/// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
+pub(super) fn starting_block(rows: usize, columns: usize) -> Mat<Complex<f64>> {
+    Mat::from_fn(rows, columns, |i, j| {
+        let k = (i * columns + j + 1) as f64;
+        Complex::from(unpatterned(k) * 2.0 - 1.0 + unpatterned((k % 97.0) * (k % 89.0)) - 0.5)
+    })
+}
