@@ -87,7 +87,7 @@ fn the_table_says_what_covers_the_rectangle_and_marks_its_border() {
     let output = eig(&matrices, &[&format!("--box=-1:0,{}:250", first[1])]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("20 eigenvalues in the rectangle: 0 unstable, 20 stable, 0 undecided; 1 discs cover it"),
+        text.contains("20 eigenvalues in the rectangle: 0 unstable, 20 stable, 0 undecided\ndiscs that cover it: 1,"),
         "{text}"
     );
     assert_eq!(text.matches("stable, on the border\n").count(), 1, "{text}");

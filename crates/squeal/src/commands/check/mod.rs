@@ -129,8 +129,8 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
         let not_reached = sum(&|part| usize::from(!part.within.is_reached));
         let reached = if not_reached == 0 { String::new() } else { format!(", NOT reached by {not_reached}") };
         let found = format!(
-            "{name}: {} columns for all arrangements, within them {} bases of {} to {} columns from {} complete solutions (residual asked: \
-             {:.0e}{reached}), {} modes found missing on the way; at the medians {} of {} modes of the whole brake, within {:.1e}",
+            "{name}: {} columns for all arrangements, bases within them: {}, of {} to {} columns, from {} complete solutions (residual asked: \
+             {:.0e}{reached}); {} modes found missing on the way; at the medians {} of {} modes of the whole brake, within {:.1e}",
             set.basis.ncols(),
             parts.len(),
             columns.clone().min().unwrap_or(0),

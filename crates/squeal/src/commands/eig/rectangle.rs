@@ -141,8 +141,8 @@ fn table(found: &Found, vectors: bool) -> String {
     }
     let count = |wanted: &str| found.pairs.iter().filter(|pair| verdict(pair).to_string() == wanted).count();
     text + &format!(
-        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} undecided; {} discs cover it, {} factorisations, {} \
-         solutions\ndamping = -Re lambda / |lambda|; verdicts by first-order bounds, completeness: docs/large-problems.md\n",
+        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} undecided\ndiscs that cover it: {}, factorisations: {}, solutions: \
+         {}\ndamping = -Re lambda / |lambda|; verdicts by first-order bounds, completeness: docs/large-problems.md\n",
         found.pairs.len(),
         count("unstable"),
         count("stable"),
