@@ -48,7 +48,7 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
             modes.len() - MOST_MODES
         ));
     }
-    if modes.is_empty() {
+    if modes.is_empty() && sweep.unresolved.is_empty() {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
     if !sweep.unresolved.is_empty() {
