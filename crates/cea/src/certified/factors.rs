@@ -26,6 +26,7 @@
 //! and what it has of G is wrong by `B^-1 M_s e G`. q is of the size of a slow eigenvalue over a fast one, 1e-10 where damping
 //! outweighs mass and stiffness 1e5 times. After some steps in double precision two in double-double are enough then.
 
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::dd::Dd;
@@ -33,6 +34,7 @@ use super::lane::Lane;
 use super::planar::{Planar, reveal_rank};
 use super::scaled::{Scaled, power_of_two};
 use super::standard::{Quotients, of_matrix, quotients};
+use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
@@ -44,10 +46,10 @@ const MOST_EXTENDED_STEPS: usize = 6;
 /// left is not strongly damped then.
 const WIDE_GAP: f64 = 1e5;
 
-/// The eigenvalues, complex ones in exact conjugate pairs; none where slow and fast ones are not far enough apart, what is to
-/// be inverted is too nearly singular or the iteration fails.
-pub(super) fn eigenvalues(s: &Scaled) -> Option<Vec<Complex<f64>>> {
-    let turned = Turned::new(s);
+/// The eigenvalues that are neither zero nor infinite, complex ones in exact conjugate pairs; none where slow and fast ones are not
+/// far enough apart, what is to be inverted is too nearly singular or the iteration fails.
+pub(super) fn eigenvalues(s: &Scaled, structure: &Structure) -> Option<Vec<Complex<f64>>> {
+    let turned = Turned::new(s, structure.infinite.is_empty());
     let (n, r) = (s.order(), turned.strong);
     let double = turned.in_double();
     let mut before = Planar::<f64>::from_fn(r, 2 * n - r, |_, _| 0.0);
@@ -80,9 +82,26 @@ pub(super) fn eigenvalues(s: &Scaled) -> Option<Vec<Complex<f64>>> {
         }
         before = rates.block(0..r, 0..2 * n - r);
     }
-    let mut found = of_matrix(slow, errors[0])?;
-    found.extend(of_matrix(fast, errors[1])?.into_iter().map(|mu| mu.inv()));
+    let mut found = nonzero(slow, &structure.zero, errors[0])?;
+    found.extend(nonzero(fast, &structure.infinite, errors[1])?.into_iter().map(|mu| mu.inv()));
     Some(found.into_iter().map(|sigma| -sigma).collect())
+}
+
+/// The eigenvalues of a matrix with this relative error that are not zero; the null spaces of those that are come off with these
+/// dimensions.
+fn nonzero(mut matrix: Planar<Dd>, widths: &[usize], error: f64) -> Option<Vec<Complex<f64>>> {
+    let whole = matrix.norm();
+    for &width in widths {
+        let (size, rest) = (matrix.rows(), matrix.rows() - width);
+        // V^T A V, V with the null space in its last columns: these vanish, and what is in the rows below does not count.
+        let (mut left, mut turn) = (matrix.transpose(), Planar::from(&DMatrix::identity(size, size)));
+        reveal_rank(&mut left, &mut turn, rest);
+        let right = left.block(0..rest, 0..size).transpose();
+        matrix = Planar::from_fn(rest, rest, |_, _| Dd::default());
+        matrix.add_product(&turn.block(0..rest, 0..size), &right);
+    }
+    let norm = matrix.norm();
+    if norm == 0.0 { Some(Vec::new()) } else { of_matrix(matrix, error * whole / norm) }
 }
 
 /// M, C and K with the strongly damped directions in their first columns.
@@ -94,17 +113,21 @@ struct Turned<T> {
 }
 
 impl Turned<Dd> {
-    fn new(s: &Scaled) -> Self {
+    /// All directions count as strongly damped where M is singular.
+    fn new(s: &Scaled, mass_is_regular: bool) -> Self {
         let n = s.order();
         let [mut m, mut c, mut k] = [&s.m, &s.c, &s.k].map(Planar::<Dd>::from);
-        let Quotients { of: [rates], .. } = quotients([&c], &m);
-        let mut rates = rates.transpose();
-        let strong = before_the_widest_gap(&rates);
-        if strong < n {
-            let others = [&m, &c, &k];
-            let mut others = Planar::from_fn(n, 3 * n, |i, j| others[j / n].get(j % n, i));
-            reveal_rank(&mut rates, &mut others, strong);
-            [m, c, k] = [0, 1, 2].map(|p| others.block(0..n, p * n..(p + 1) * n).transpose());
+        let mut strong = n;
+        if mass_is_regular {
+            let Quotients { of: [rates], .. } = quotients([&c], &m);
+            let mut rates = rates.transpose();
+            strong = before_the_widest_gap(&rates);
+            if strong < n {
+                let others = [&m, &c, &k];
+                let mut others = Planar::from_fn(n, 3 * n, |i, j| others[j / n].get(j % n, i));
+                reveal_rank(&mut rates, &mut others, strong);
+                [m, c, k] = [0, 1, 2].map(|p| others.block(0..n, p * n..(p + 1) * n).transpose());
+            }
         }
         // In units in which the columns of B are of one size.
         let size = |j: usize| {
@@ -143,7 +166,7 @@ impl<T: Lane> Turned<T> {
 }
 
 /// The number of directions, one or more, before the widest gap in the rates `(M^-1 C)^T` of damping, in units of gamma; what is
-/// slower than gamma is no damping that outweighs mass and stiffness. All of them where M is singular.
+/// slower than gamma is no damping that outweighs mass and stiffness. All of them where M is singular to rounding.
 fn before_the_widest_gap(rates: &Planar<Dd>) -> usize {
     let n = rates.rows();
     let found = reveal_rank(&mut rounded(rates), &mut Planar::from_fn(n, 0, |_, _| 0.0), n);
@@ -162,7 +185,7 @@ mod tests {
     use super::*;
     use crate::certified::pencil::{Pencil, companion};
     use linsys::SecondOrder;
-    use nalgebra::{DMatrix, dmatrix};
+    use nalgebra::dmatrix;
     use proptest::prelude::*;
 
     fn scaled(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Scaled {
@@ -171,7 +194,10 @@ mod tests {
 
     #[test]
     fn what_has_no_gap_between_slow_and_fast_is_left_to_others() {
-        let split = |c: DMatrix<f64>| eigenvalues(&scaled(DMatrix::identity(2, 2), c, dmatrix![2.0, 1.0; 1.0, 3.0]));
+        let regular = Structure { infinite: vec![], zero: vec![] };
+        let split = |c: DMatrix<f64>| {
+            eigenvalues(&scaled(DMatrix::identity(2, 2), c, dmatrix![2.0, 1.0; 1.0, 3.0]), &regular)
+        };
         assert_eq!(split(DMatrix::identity(2, 2) * 1e8).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 1.0]).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 0.0]).unwrap().len(), 4);
@@ -181,12 +207,14 @@ mod tests {
     }
 
     /// Each of the eigenvalues of QZ, which inverts nothing and splits nothing, is found, and no others.
-    fn compare_with_qz(problem: &Scaled) -> Result<(), TestCaseError> {
-        let found = eigenvalues(problem);
+    fn compare_with_qz(problem: &Scaled, structure: &Structure) -> Result<(), TestCaseError> {
+        let found = eigenvalues(problem, structure);
         // A motion that neither springs nor dashpots hold back has no digits to spare.
         prop_assume!(found.is_some());
         let mut found = found.unwrap_or_default();
-        let expected = Pencil::<Dd>::new(&companion(problem)).eigenvalues(false).unwrap();
+        let pencil = Pencil::<Dd>::new(&companion(problem));
+        let pencil = pencil.without_infinite(&structure.infinite).without_zero(&structure.zero);
+        let expected = pencil.eigenvalues(false).unwrap();
         prop_assert_eq!(found.len(), expected.len());
         for e in &expected {
             let distance = |l: &Complex<f64>| (l - e).norm();
@@ -222,7 +250,27 @@ mod tests {
                 dashpots = part.columns(0, strong) * part.columns(0, strong).transpose();
             }
             let damping = dashpots * 10f64.powi(exponent) + part(1) * 0.1;
-            compare_with_qz(&scaled(definite(0), damping, stiffness))?;
+            compare_with_qz(&scaled(definite(0), damping, stiffness), &Structure { infinite: vec![], zero: vec![] })?;
+        }
+
+        /// All directions damped, some without mass and some, others or the same, without stiffness.
+        #[test]
+        fn strong_damping_without_mass_or_stiffness_has_the_eigenvalues_of_qz(
+            entries in prop::collection::vec(-1.0..1.0f64, 3 * 49),
+            massless in 0..4usize,
+            free in 0..4usize,
+            exponent in 6..14i32,
+        ) {
+            let part = |k: usize| DMatrix::from_column_slice(7, 7, &entries[49 * k..49 * (k + 1)]);
+            let definite = |k: usize| part(k) * part(k).transpose() + DMatrix::identity(7, 7) * 0.3;
+            let (mut mass, mut stiffness) = (definite(0), part(2) + DMatrix::identity(7, 7) * 0.3);
+            mass.rows_mut(0, massless).fill(0.0);
+            mass.columns_mut(0, massless).fill(0.0);
+            stiffness.columns_mut(2, free).fill(0.0);
+            stiffness.rows_mut(3, free).fill(0.0);
+            let damping = (definite(1) + part(0) - part(0).transpose()) * 10f64.powi(exponent);
+            let system = SecondOrder::new(mass, damping, stiffness).unwrap();
+            compare_with_qz(&Scaled::new(&system), &Structure::of(&system).unwrap())?;
         }
     }
 }

@@ -148,7 +148,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     {
         return Ok((Route::Standard, sigmas));
     }
-    let factors = || if singular { None } else { factors::eigenvalues(scaled).filter(|sigmas| found(sigmas)) };
+    let factors = || factors::eigenvalues(scaled, structure).filter(|sigmas| found(sigmas));
     if strongly_damped && let Some(sigmas) = factors() {
         return Ok((Route::ExtendedFactors, sigmas));
     }
@@ -176,7 +176,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
         {
             return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
         }
-        if let Some(sigmas) = factors() {
+        if !singular && let Some(sigmas) = factors() {
             return Ok((Route::ExtendedFactors, sigmas));
         }
         if let Some(sigmas) = extended.standard_eigenvalues(reversed)
