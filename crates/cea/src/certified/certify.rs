@@ -6,6 +6,7 @@ use linsys::SecondOrder;
 use nalgebra::DVector;
 use num_complex::Complex;
 
+use super::blur::blur;
 use super::clusters::{Cluster, ClusterKind, MOST_EXPANSIONS, enclose, enclose_alone};
 use super::expansion::Alone;
 use super::groups::{Group, enclose_groups, nearly_defective_pairs};
@@ -125,7 +126,9 @@ impl<'a> SingleCertifier<'a> {
         let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
         let state = look(problem, self.system, &sigmas, i, work)?;
         sigmas[i] = state.sigma;
-        let group = || enclose(&problem.scaled, &sigmas, i, &state, &mut HashSet::new());
+        // Of the others nothing is known.
+        let blurs: Vec<_> = (0..sigmas.len()).map(|j| if i == j { state.blur } else { 0.0 }).collect();
+        let group = || enclose(&problem.scaled, &sigmas, &blurs, i, &state, &mut HashSet::new());
         let disc = if state.is_simple { None } else { state.alone.disc().or_else(|| Some(group()?.disc)) };
         let decided = decide(problem, state, gap(&sigmas, i), disc);
         Ok(JudgedEigenvalue { lambda: decided.sigma * gamma, bound: decided.bound * gamma, verdict: decided.verdict })
@@ -143,10 +146,12 @@ fn look(
     let (state, factor) = first_look(problem, system, sigmas, i, work)?;
     let gap = gap(sigmas, i);
     let is_simple = problem.is_simple(&state, &factor, gap);
+    let blur = if is_simple { 0.0 } else { blur(&problem.scaled, &factor, &state) };
+    let state = State { is_simple, blur, ..state };
     let alone = if is_simple { Alone::Open } else { enclose_alone(&factor, &state, gap) };
     let hidden =
         if alone == Alone::Crowded { hidden(&factor, data_noise(&problem.scaled, state.sigma.norm())) } else { 1 };
-    Ok(State { is_simple, alone, hidden, ..state })
+    Ok(State { alone, hidden, ..state })
 }
 
 /// How many directions Q is as good as zero in, 2 where their number is not clear. Pivots tell, but count those of a single long chain

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Schur};
 use num_complex::Complex;
 
 use super::dd::DdComplex;
-use super::expansion::{Alone, Disc, Expansion};
+use super::expansion::{Alone, Disc, Expansion, LARGEST_CHAINED};
 use super::measure::State;
 use super::residual::residual;
 use super::scaled::Scaled;
@@ -72,7 +72,9 @@ pub(super) fn enclose_alone(factor: &Factor, state: &State, gap: f64) -> Alone {
     if gap < state.first_order() {
         return Alone::Open;
     }
-    let outcome = |expansion: Expansion| match expansion.disc(0.0, gap / MARGIN) {
+    let most = largest_radius(state.sigma, gap);
+    let disc = |expansion: &Expansion| if state.blur > most { None } else { expansion.disc(0.0, most) };
+    let outcome = |expansion: Expansion| match disc(&expansion) {
         Some(disc) => Alone::Enclosed(disc),
         None if expansion.is_crowded() => Alone::Crowded,
         None => Alone::Open,
@@ -86,10 +88,12 @@ pub(super) fn enclose_alone(factor: &Factor, state: &State, gap: f64) -> Alone {
 
 /// The smallest group around eigenvalue `i`, of this state, that an expansion encloses: it and the nearest others, however few or many,
 /// but not fewer than the directions that rounding hides; not it alone where others are as near as its first-order bound. Groups join
-/// `seen` as they are tried, so that none is tried again around another of its members.
+/// `seen` as they are tried, so that none is tried again around another of its members, and count as tried where `blurs`, one for each
+/// eigenvalue, leave no circle between members and others.
 pub(super) fn enclose(
     s: &Scaled,
     eigenvalues: &[Complex<f64>],
+    blurs: &[f64],
     i: usize,
     state: &State,
     seen: &mut HashSet<Vec<usize>>,
@@ -100,7 +104,7 @@ pub(super) fn enclose(
     let nearest: Vec<usize> = nearest.into_iter().map(|(_, j)| j).collect();
     let least = if state.alone == Alone::Crowded { state.hidden.max(2) } else { 1 };
     let mut tried = 0;
-    for count in least..=nearest.len() {
+    for count in least..=nearest.len().min(s.order().max(LARGEST_CHAINED)) {
         let (members, others) = nearest.split_at(count);
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
@@ -120,8 +124,16 @@ pub(super) fn enclose(
         if !seen.insert(group) {
             continue;
         }
+        let inner = members.iter().map(|&j| distance(j, mean) + blurs[j]).fold(0.0, f64::max);
+        // Of eigenvalues that are no larger than the circle: rounding moves what is on it by no less.
+        let blurred = |&j: &usize| eigenvalues[j].norm() <= mean.norm() + inner;
+        let outer = others.iter().copied().filter(blurred).map(|j| distance(j, mean) - blurs[j]);
+        let most = largest_radius(mean, next);
+        if inner > outer.fold(most, f64::min) {
+            continue;
+        }
         let Some(expansion) = Expansion::new(s, mean, count) else { continue };
-        if let Some(disc) = expansion.disc(MARGIN * spread, next / MARGIN) {
+        if let Some(disc) = expansion.disc(MARGIN * spread, most) {
             let own: Vec<_> = members.iter().map(|&j| eigenvalues[j]).collect();
             let semisimple = count > 1 && expansion.is_semisimple();
             let space = semisimple.then(|| project(s, mean, &own, expansion.right, expansion.left)).flatten();
@@ -129,6 +141,11 @@ pub(super) fn enclose(
         }
     }
     None
+}
+
+/// Of a disc that the next eigenvalue is so far outside of; one larger than its centre and than gamma says nothing.
+fn largest_radius(centre: Complex<f64>, next: f64) -> f64 {
+    (next / MARGIN).min(centre.norm().max(1.0))
 }
 
 /// Two eigenvalues that are told apart, with nearly parallel vectors.

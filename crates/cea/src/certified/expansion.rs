@@ -33,7 +33,7 @@ const TERMS_BEYOND: usize = 4;
 /// Ratio of the radii that are tried.
 const RADIUS_STEP: f64 = 1.25;
 /// Largest group with chains, and most vectors of one: the cost of det S grows with the square of their product.
-const LARGEST_CHAINED: usize = 12;
+pub(super) const LARGEST_CHAINED: usize = 12;
 
 /// A disc of the scaled plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,9 +98,6 @@ impl<'a> Expansion<'a> {
     /// where there are more eigenvalues than vectors, and where rounding hides one direction more: |E| is too large for any disc then.
     pub(super) fn new(problem: &'a Scaled, centre: Complex<f64>, count: usize) -> Option<Self> {
         let n = problem.order();
-        if count > n.max(LARGEST_CHAINED) {
-            return None;
-        }
         let factor = Factor::for_several(problem, centre);
         let (mut right, mut left) = factor.null_pairs((count + 1).min(n))?;
         let size = problem.norms.size(centre.norm());
@@ -110,7 +107,9 @@ impl<'a> Expansion<'a> {
         if corank < count && count > LARGEST_CHAINED {
             return None;
         }
-        if singular.get(corank).is_some_and(|&next| next <= 0.5 * data_noise(problem, centre.norm())) {
+        // |E| is the reciprocal of the next singular value at least, which these vectors bound from above.
+        let next = singular.iter().take(corank + 1).map(|s| s * s).sum::<f64>().sqrt();
+        if corank < n && next <= 2.0 * data_noise(problem, centre.norm()) {
             return None;
         }
         right.truncate(corank);
@@ -178,8 +177,6 @@ impl<'a> Expansion<'a> {
     /// The smallest disc found with a radius between `least` and `most` that holds `count` eigenvalues of every problem within
     /// rounding of this one.
     pub(super) fn disc(&self, least: f64, most: f64) -> Option<Disc> {
-        // A larger disc says nothing.
-        let most = most.min(self.centre.norm().max(1.0));
         // Without a solve where no norms would do.
         self.disc_by([0.0; 3], least, most)?;
         let e = |g| (self.inverse)(g).0;

@@ -19,13 +19,14 @@ pub(super) fn enclose_groups(
     conjugates: &[Option<usize>],
 ) -> (Vec<Option<Disc>>, Vec<Group>) {
     let sigmas: Vec<_> = found.iter().map(|s| s.sigma).collect();
+    let blurs: Vec<_> = found.iter().map(|s| s.blur).collect();
     let mut discs: Vec<_> = found.iter().map(|s| s.alone.disc()).collect();
     let (mut groups, mut seen) = (Vec::new(), HashSet::new());
     for i in 0..found.len() {
         if found[i].is_simple || conjugates[i].is_some() || discs[i].is_some() {
             continue;
         }
-        let enclosed = enclose(&problem.scaled, &sigmas, i, &found[i], &mut seen);
+        let enclosed = enclose(&problem.scaled, &sigmas, &blurs, i, &found[i], &mut seen);
         let Some(Enclosed { members, disc, space }) = enclosed else {
             continue;
         };

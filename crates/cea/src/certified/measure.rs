@@ -39,6 +39,8 @@ pub(super) struct State {
     pub(super) is_simple: bool,
     /// How many directions rounding hides, if more than its own, where it cannot be enclosed alone.
     pub(super) hidden: usize,
+    /// No circle that any disc may have passes nearer, sought where the first-order bound does not hold.
+    pub(super) blur: f64,
     /// Whether a disc holds it alone, sought where the first-order bound does not.
     pub(super) alone: Alone,
 }
@@ -116,6 +118,7 @@ impl Measure {
             verdict: Verdict::Marginal { tolerance: 0.0 },
             is_simple: true,
             hidden: nullity,
+            blur: 0.0,
             alone: Alone::Open,
             x,
             y,
@@ -188,7 +191,7 @@ impl Measure {
         let (scaled_error, backward_error) = self.errors(sigma, &x);
         let verdict = Verdict::Undecided { bound: f64::INFINITY };
         let bound = f64::INFINITY;
-        let (is_simple, hidden, alone) = (false, 0, Alone::Open);
+        let (is_simple, hidden, blur, alone) = (false, 0, 0.0, Alone::Open);
         State {
             sigma,
             x,
@@ -201,6 +204,7 @@ impl Measure {
             verdict,
             is_simple,
             hidden,
+            blur,
             alone,
         }
     }

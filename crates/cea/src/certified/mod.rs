@@ -30,6 +30,7 @@
 //! ```
 
 mod balance;
+mod blur;
 mod certify;
 mod chase;
 mod clusters;

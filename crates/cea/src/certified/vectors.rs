@@ -104,28 +104,44 @@ impl<'a> Factor<'a> {
 /// be more with a chance of at most 4e-6, and that only if a single vector has it all. Few vectors are cheap, many tell more:
 /// the next line is for where the one before leaves a doubt.
 const NORM_ESTIMATES: [(usize, f64); 3] = [(1, 1e3), (4, 16.0), (16, 2.0)];
-/// What vectors show times this is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
-/// the norm r times with one of exp(-r) at most. What fails even for that is given up before more of them are tried.
+/// What a vector shows times this is no more than the norm but with a chance of 1e-10, as the square of what one shows exceeds that of
+/// the norm r times with one of exp(-r) at most.
 pub(super) const SURELY_SHOWN: f64 = 0.2;
 
 /// What follows from the Frobenius norms of linear maps of n-vectors: `conclude` gets them from above, as well as the cheapest
-/// estimate that suffices tells.
+/// estimate that suffices tells. What is not concluded from some norms is not from larger ones: no more vectors are tried where those
+/// tried leave nothing to conclude from the last estimate.
 pub(crate) fn by_norms<const N: usize, R>(
     n: usize,
     maps: [&dyn Fn(Vector) -> Vector; N],
     conclude: impl Fn([f64; N]) -> Option<R>,
 ) -> Option<R> {
+    let (mut squares, mut made) = ([0.0; N], 0);
     for (probes, safety) in NORM_ESTIMATES {
-        let shown = maps.map(|map| shown_norm(n, probes, map));
         if n <= probes {
-            return conclude(shown);
+            return conclude(maps.map(|map| shown_norm(n, probes, map)));
         }
-        if let Some(found) = conclude(shown.map(|norm| safety * norm)) {
+        while made < probes {
+            for (sum, map) in squares.iter_mut().zip(maps) {
+                *sum += map(phases(n, made)).norm_squared();
+            }
+            made += 1;
+            if made.is_power_of_two() {
+                conclude(squares.map(|sum| least_conclusion(n, made, sum)))?;
+            }
+        }
+        if let Some(found) = conclude(squares.map(|sum| safety * (sum / probes as f64).sqrt())) {
             return Some(found);
         }
-        conclude(shown.map(|norm| SURELY_SHOWN * norm))?;
     }
     None
+}
+
+/// No more than the norm that [`by_norms`] concludes from at the end, whatever vectors are still to come: all of it, which is that of a
+/// vector's image over the vector's own at least, or what the last line of [`NORM_ESTIMATES`] makes of the sum of squares.
+fn least_conclusion(n: usize, made: usize, squares: f64) -> f64 {
+    let (probes, safety) = NORM_ESTIMATES[NORM_ESTIMATES.len() - 1];
+    if n <= probes { (squares / (made * n) as f64).sqrt() } else { safety * (squares / probes as f64).sqrt() }
 }
 
 /// What `probes` vectors of phases without a pattern show of the Frobenius norm of a linear map, or all of it from the unit vectors
@@ -136,11 +152,12 @@ pub(super) fn shown_norm(n: usize, probes: usize, map: &dyn Fn(Vector) -> Vector
     if n <= probes {
         return squares(n, &|k| Vector::from_fn(n, |i, _| Complex::from(f64::from(u8::from(i == k))))).sqrt();
     }
-    // The golden angle times a polynomial of degree two, another one for each vector.
-    let phases = |k: usize| {
-        Vector::from_fn(n, |i, _| Complex::cis(2.399_963_229_728_653 * ((i + 1) * (i + 3 + 5 * k) + k * k) as f64))
-    };
-    (squares(probes, &phases) / probes as f64).sqrt()
+    (squares(probes, &|k| phases(n, k)) / probes as f64).sqrt()
+}
+
+/// The golden angle times a polynomial of degree two, another one for each vector.
+fn phases(n: usize, k: usize) -> Vector {
+    Vector::from_fn(n, |i, _| Complex::cis(2.399_963_229_728_653 * ((i + 1) * (i + 3 + 5 * k) + k * k) as f64))
 }
 
 /// Gram and Schmidt, twice; nothing where a vector is not finite or depends on the others.
