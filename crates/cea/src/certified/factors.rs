@@ -38,6 +38,8 @@ use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
+/// Relative error of a contraction found in double precision up to which one twice as large as allowed is believed. Chosen.
+const LARGEST_DOUBT: f64 = 0.1;
 /// Steps in double precision, each of which multiplies the error by q.
 const STEPS_IN_DOUBLE: usize = 6;
 /// Most steps in double-double. One doubles the digits of a double where q is small; more are for splits that are not wide.
@@ -51,14 +53,7 @@ const WIDE_GAP: f64 = 1e5;
 pub(super) fn eigenvalues(s: &Scaled, structure: &Structure) -> Option<Vec<Complex<f64>>> {
     let turned = Turned::new(s, structure.infinite.is_empty());
     let (n, r) = (s.order(), turned.strong);
-    let double = turned.in_double();
-    let mut before = Planar::<f64>::from_fn(r, 2 * n - r, |_, _| 0.0);
-    for _ in 0..STEPS_IN_DOUBLE {
-        before = double.step(&before).of[0].block(0..r, 0..2 * n - r);
-    }
-    if before.norm().is_nan() {
-        return None;
-    }
+    let before = turned.in_double().split()?;
     let mut before = Planar::from_fn(r, 2 * n - r, |i, j| Dd::from(before.get(i, j)));
     let (mut slow, mut fast, mut errors) = (before.clone(), before.clone(), [f64::INFINITY; 2]);
     for _ in 0..MOST_EXTENDED_STEPS {
@@ -145,6 +140,23 @@ impl Turned<Dd> {
     }
 }
 
+impl Turned<f64> {
+    /// -S after some steps; none where the last one contracts by far less than is asked for, and has digits to tell.
+    fn split(&self) -> Option<Planar<f64>> {
+        let (n, r) = (self.m.rows(), self.strong);
+        let mut split = Planar::from_fn(r, 2 * n - r, |_, _| 0.0);
+        let mut contracts = true;
+        for _ in 0..STEPS_IN_DOUBLE {
+            let Quotients { of: [rates, masses], error } = self.step(&split);
+            split = rates.block(0..r, 0..2 * n - r);
+            // |G| is no less than that of the rates.
+            let contraction = rates.norm() * masses.block(0..r, 0..r).norm();
+            contracts = error > LARGEST_DOUBT || contraction <= 2.0 * LARGEST_CONTRACTION;
+        }
+        (contracts && !split.norm().is_nan()).then_some(split)
+    }
+}
+
 impl<T: Lane> Turned<T> {
     /// `B^-1 [K, C_w + M_s S_2]` and `B^-1 M_s` from `-S`.
     fn step(&self, minus_s: &Planar<T>) -> Quotients<T, 2> {
@@ -195,9 +207,8 @@ mod tests {
     #[test]
     fn what_has_no_gap_between_slow_and_fast_is_left_to_others() {
         let regular = Structure { infinite: vec![], zero: vec![] };
-        let split = |c: DMatrix<f64>| {
-            eigenvalues(&scaled(DMatrix::identity(2, 2), c, dmatrix![2.0, 1.0; 1.0, 3.0]), &regular)
-        };
+        let split =
+            |c: DMatrix<f64>| eigenvalues(&scaled(DMatrix::identity(2, 2), c, dmatrix![2.0, 1.0; 1.0, 3.0]), &regular);
         assert_eq!(split(DMatrix::identity(2, 2) * 1e8).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 1.0]).unwrap().len(), 4);
         assert_eq!(split(dmatrix![1e8, 0.0; 0.0, 0.0]).unwrap().len(), 4);

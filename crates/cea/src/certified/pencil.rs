@@ -87,7 +87,8 @@ impl<T: Lane> Pencil<T> {
     }
 }
 
-fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
+/// 1 / mu; an infinite one is a rounding error, replaced by one of its size.
+pub(super) fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
     if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
 }
 

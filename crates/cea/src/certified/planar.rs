@@ -12,6 +12,7 @@ use pulp::Arch;
 use super::columns::{AddProduct, ReflectManyRows, SolveTriangle};
 use super::kernels::{ReflectColumns, ReflectRows, RotateColumns, RotateRows, Rows};
 use super::lane::{Lane, Reflection, Rotation};
+use crate::lu::real_product;
 
 /// A matrix of entries `T`, column by column.
 #[derive(Debug, Clone)]
@@ -227,7 +228,7 @@ pub(crate) fn reveal_rank<T: Lane>(a: &mut Planar<T>, other: &mut Planar<T>, ran
     let mut left: Vec<usize> = (0..a.columns()).collect();
     let mut sizes = Vec::with_capacity(rank);
     for k in 0..rank.min(a.rows()) {
-        let size = |j: usize| a.rounded(j)[k..].iter().map(|v| v * v).sum::<f64>();
+        let size = |j: usize| real_product(&a.rounded(j)[k..], &a.rounded(j)[k..]);
         let Some((at, square)) = left.iter().map(|&j| size(j)).enumerate().max_by(|x, y| x.1.total_cmp(&y.1)) else {
             break;
         };

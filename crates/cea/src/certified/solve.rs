@@ -157,11 +157,15 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
     let extended = LazyCell::new(|| {
         Pencil::<Dd>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero)
     });
+    let standard = |reversed| match singular {
+        true => extended.standard_eigenvalues(reversed),
+        false => standard::of_quadratic(scaled, reversed),
+    };
     // The eigenvalues are spread over tau^2, and digits are lost to as much.
     let spread = scaled.overdamping().powi(2);
     if strongly_damped
         && spread * Dd::EPSILON <= standard::LARGEST_ERROR
-        && let Some(sigmas) = extended.standard_eigenvalues(false)
+        && let Some(sigmas) = standard(false)
         && found(&sigmas)
     {
         return Ok((Route::ExtendedStandard, sigmas));
@@ -179,7 +183,7 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
         if !singular && let Some(sigmas) = factors() {
             return Ok((Route::ExtendedFactors, sigmas));
         }
-        if let Some(sigmas) = extended.standard_eigenvalues(reversed)
+        if let Some(sigmas) = standard(reversed)
             && found(&sigmas)
         {
             return Ok((Route::ExtendedStandard, sigmas));
