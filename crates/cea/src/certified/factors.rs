@@ -38,9 +38,9 @@ use super::structure::Structure;
 
 /// Largest q with which the iteration is known to converge.
 const LARGEST_CONTRACTION: f64 = 0.25;
-/// Relative error of a contraction found in double precision up to which one twice as large as allowed is believed. Chosen.
+/// Relative error up to which it is believed in double precision that a step does not contract. Chosen.
 const LARGEST_DOUBT: f64 = 0.1;
-/// Steps in double precision, each of which multiplies the error by q.
+/// Most steps in double precision, each of which multiplies the error by q.
 const STEPS_IN_DOUBLE: usize = 6;
 /// Most steps in double-double. One doubles the digits of a double where q is small; more are for splits that are not wide.
 const MOST_EXTENDED_STEPS: usize = 6;
@@ -141,19 +141,24 @@ impl Turned<Dd> {
 }
 
 impl Turned<f64> {
-    /// -S after some steps; none where the last one contracts by far less than is asked for, and has digits to tell.
+    /// -S to the digits of a double; none where a step does not contract, or none is left of it.
     fn split(&self) -> Option<Planar<f64>> {
         let (n, r) = (self.m.rows(), self.strong);
-        let mut split = Planar::from_fn(r, 2 * n - r, |_, _| 0.0);
-        let mut contracts = true;
+        let (mut split, mut left) = (Planar::from_fn(r, 2 * n - r, |_, _| 0.0), 1.0);
         for _ in 0..STEPS_IN_DOUBLE {
             let Quotients { of: [rates, masses], error } = self.step(&split);
             split = rates.block(0..r, 0..2 * n - r);
             // |G| is no less than that of the rates.
             let contraction = rates.norm() * masses.block(0..r, 0..r).norm();
-            contracts = error > LARGEST_DOUBT || contraction <= 2.0 * LARGEST_CONTRACTION;
+            if error <= LARGEST_DOUBT && contraction > 1.0 {
+                return None;
+            }
+            left *= contraction;
+            if left <= f64::EPSILON {
+                break;
+            }
         }
-        (contracts && !split.norm().is_nan()).then_some(split)
+        (!split.norm().is_nan()).then_some(split)
     }
 }
 

@@ -211,11 +211,11 @@ fn equilibrate(system: &SecondOrder, gamma: f64, left: &mut DVector<f64>, right:
     let weights = DMatrix::from_fn(n, n, weight);
     for _ in 0..EQUILIBRATION_SWEEPS {
         let (mut rows, mut columns) = (DVector::<f64>::zeros(n), DVector::<f64>::zeros(n));
-        for j in 0..n {
-            for i in 0..n {
-                let w = left[i] * weights[(i, j)] * right[j];
-                rows[i] = rows[i].max(w);
-                columns[j] = columns[j].max(w);
+        for ((weights, largest), right) in weights.column_iter().zip(columns.iter_mut()).zip(right.iter()) {
+            for ((weight, left), row) in weights.iter().zip(left.iter()).zip(rows.iter_mut()) {
+                let w = left * weight * right;
+                *row = row.max(w);
+                *largest = largest.max(w);
             }
         }
         left.zip_apply(&rows, |l, r| *l /= if r > 0.0 { r.sqrt() } else { 1.0 });

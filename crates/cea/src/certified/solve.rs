@@ -9,7 +9,7 @@ use num_complex::Complex;
 
 use super::dd::Dd;
 use super::factors;
-use super::pencil::{Pencil, companion};
+use super::pencil::{Pencil, companion, depths_of_quadratic};
 use super::real::Real;
 use super::scaled::Scaled;
 use super::standard;
@@ -171,11 +171,14 @@ fn by_iteration(scaled: &Scaled, structure: &Structure) -> Result<(Route, Vec<Co
         return Ok((Route::ExtendedStandard, sigmas));
     }
     let pencil = Pencil::<f64>::new(&companion).without_infinite(&structure.infinite).without_zero(&structure.zero);
-    let (a, b) = pencil.depths();
-    let reversed = a > b;
+    let depths = LazyCell::new(|| pencil.depths());
+    let (of_stiffness, of_mass) = if singular { *depths } else { depths_of_quadratic(scaled) };
+    let reversed = of_stiffness > of_mass;
     if !strongly_damped {
-        if a.min(b) > LEAST_PIVOT_IN_DOUBLE
-            && let Ok(sigmas) = pencil.eigenvalues(reversed)
+        // B has the pivots of M.
+        if of_mass > LEAST_PIVOT_IN_DOUBLE
+            && depths.0.min(depths.1) > LEAST_PIVOT_IN_DOUBLE
+            && let Ok(sigmas) = pencil.clone().eigenvalues(depths.0 > depths.1)
             && found(&sigmas)
         {
             return Ok((if singular { Route::DeflatedQz } else { Route::Qz }, sigmas));
