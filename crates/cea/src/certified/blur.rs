@@ -13,6 +13,7 @@
 use super::measure::State;
 use super::scaled::{Scaled, UNIT_ROUNDOFF, data_noise};
 use super::vectors::Factor;
+use crate::lu::Vector;
 
 /// Part of what rounding the data changes that the terms may amount to: computing them hides a quarter, one rounding of the data.
 const TERMS_PART: f64 = 0.75;
@@ -21,15 +22,17 @@ const RADIUS_STEP: f64 = 1.1;
 
 /// The radius of a disc around an eigenvalue that no certifiable circle meets; `factor` is Q next to it. A lower bound.
 pub(super) fn blur(s: &Scaled, factor: &Factor, state: &State) -> f64 {
-    let (sigma, x) = (state.sigma, &state.x);
-    let slope = s.derivative_times(sigma, x);
-    let w = -factor.deflated_solve(x, &state.y, slope.clone());
-    let terms = [
-        s.times(sigma, x).norm(),
-        (slope + s.times(sigma, &w)).norm(),
-        (s.mass_times(x) + s.derivative_times(sigma, &w)).norm(),
-        s.mass_times(&w).norm(),
-    ];
+    let sigma = state.sigma;
+    // Q v, Q' v and M v.
+    let images = |v: &Vector| {
+        let (mass, damping) = (s.mass_times(v), s.damping_times(v));
+        let slope = &mass * (sigma * 2.0) + &damping;
+        ((&mass * sigma + damping) * sigma + s.stiffness_times(v), slope, mass)
+    };
+    let (image, slope, mass) = images(&state.x);
+    let w = -factor.deflated_solve(&state.x, &state.y, slope.clone());
+    let (image_of_w, slope_of_w, mass_of_w) = images(&w);
+    let terms = [image, slope + image_of_w, mass + slope_of_w, mass_of_w].map(|term| term.norm());
     let (noise, bend) = (TERMS_PART * data_noise(s, sigma.norm()), w.norm());
     let most = sigma.norm().max(1.0);
     let (mut inside, mut radius) = (0.0, UNIT_ROUNDOFF * sigma.norm());

@@ -177,6 +177,11 @@ impl Scaled {
         real_times_complex(&self.c, x)
     }
 
+    /// `K~ x`.
+    pub(crate) fn stiffness_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+        real_times_complex(&self.k, x)
+    }
+
     /// `M~ x`.
     pub(crate) fn mass_times(&self, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
         real_times_complex(&self.m, x)
