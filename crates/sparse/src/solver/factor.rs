@@ -11,7 +11,7 @@ use num_complex::Complex;
 
 use super::blocks::{PAR, length, starting_block};
 use super::fronts::{Eliminated, Elimination, factorised};
-use super::lanes::narrow;
+use super::lanes::compute;
 use super::pencil::{Entries, Pencil};
 use super::products::Side;
 use super::substitution::Substitution;
@@ -173,7 +173,7 @@ impl<'a> Factor<'a> {
     fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {
         match &self.numeric {
             Numeric::Symmetric(elimination, groups) => {
-                narrow(Substitution { groups, order: elimination.order(), side, x });
+                compute(Substitution { groups, order: elimination.order(), side, x });
             }
             Numeric::Pivoted(symbolic, numeric) => {
                 let lu = LuRef::new_unchecked(symbolic, numeric);

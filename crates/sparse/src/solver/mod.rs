@@ -1,6 +1,7 @@
 //! Eigenvalues of large sparse systems.
 
 mod blocks;
+mod combinations;
 mod cover;
 mod disc;
 mod factor;

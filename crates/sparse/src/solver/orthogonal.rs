@@ -5,7 +5,7 @@ use faer::{Accum, Mat, MatRef};
 use num_complex::Complex;
 
 use super::blocks::{PAR, length};
-use super::lanes::{add_times, adjoint_times};
+use super::combinations::{add_times, adjoint_times};
 
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
 const DEPENDENT: f64 = 1e-12;

@@ -3,7 +3,7 @@
 use faer::Mat;
 use num_complex::Complex;
 
-use super::lanes::narrow;
+use super::lanes::compute;
 use super::products::{PartProducts, Parts, Product, Rows, Side, Weights};
 use crate::{SparseSecondOrder, State};
 
@@ -182,7 +182,7 @@ impl Pencil {
         let mut products = [(); 3].map(|()| Mat::zeros(self.order, x.ncols()));
         let values = [&self.mass[..], &self.damping, &self.stiffness];
         let places = (side == Side::Right).then_some(&self.mirror[..]);
-        narrow(PartProducts { rows: &self.all, values, places, x, products: &mut products });
+        compute(PartProducts { rows: &self.all, values, places, x, products: &mut products });
         let parts = |j: usize| {
             let driven = |state: &State| state.sides(side).0.iter().map(|&(dof, e)| x[(dof, j)] * e).sum();
             let products = products.each_ref().map(|product| product.col_as_slice(j).to_vec());
@@ -217,7 +217,7 @@ impl Pencil {
     ) -> Block {
         let columns = terms.first().map_or(0, |(_, x)| x.ncols());
         let mut product = Mat::zeros(self.order, columns);
-        narrow(Product { rows: self.rows(entries), terms, product: &mut product });
+        compute(Product { rows: self.rows(entries), terms, product: &mut product });
         product
     }
 }

@@ -3,9 +3,9 @@
 use faer::Mat;
 use nalgebra::DVector;
 use num_complex::Complex;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::lanes::{Row, add, gathered, joined, scatter, zero};
+use super::lanes::{Kernel, Row, add, columns, gathered, joined, plus_real, scatter, zero};
 use crate::State;
 
 type Block = Mat<Complex<f64>>;
@@ -85,22 +85,19 @@ pub(super) struct PartProducts<'a> {
     pub(super) products: &'a mut [Block; 3],
 }
 
-impl WithSimd for PartProducts<'_> {
-    type Output = ();
-
+impl Kernel for PartProducts<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Rows { starts, columns, .. } = self.rows;
-        for from in (0..self.x.ncols()).step_by(S::F64_LANES) {
-            let x = gathered(simd, self.x, from, |i| i);
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let rows = self.rows;
+        for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
+            let x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| i);
             let mut sums = [(); 3].map(|()| Vec::with_capacity(x.len()));
-            for entries in starts.windows(2) {
-                let mut sum = [zero(simd); 3];
+            for entries in rows.starts.windows(2) {
+                let mut sum = [zero::<S, N>(simd); 3];
                 for at in entries[0]..entries[1] {
-                    let (x, place) = (x[columns[at]], self.places.map_or(at, |places| places[at]));
+                    let (x, place) = (x[rows.columns[at]], self.places.map_or(at, |places| places[at]));
                     for (sum, values) in sum.iter_mut().zip(self.values) {
-                        let value = simd.splat_f64s(values[place]);
-                        *sum = [simd.mul_add_f64s(value, x[0], sum[0]), simd.mul_add_f64s(value, x[1], sum[1])];
+                        *sum = plus_real(simd, *sum, values[place], x);
                     }
                 }
                 for (sums, sum) in sums.iter_mut().zip(sum) {
@@ -108,7 +105,7 @@ impl WithSimd for PartProducts<'_> {
                 }
             }
             for (product, sums) in self.products.iter_mut().zip(&sums) {
-                scatter::<S>(sums, product, from, |i| i);
+                scatter::<S, N>(sums, product, from, |i| i);
             }
         }
     }
@@ -121,26 +118,24 @@ pub(super) struct Product<'a, const TERMS: usize> {
     pub(super) product: &'a mut Block,
 }
 
-impl<const TERMS: usize> WithSimd for Product<'_, TERMS> {
-    type Output = ();
-
+impl<const TERMS: usize> Kernel for Product<'_, TERMS> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Rows { starts, columns, .. } = self.rows;
-        for from in (0..self.product.ncols()).step_by(S::F64_LANES) {
-            let blocks = self.terms.map(|(values, x)| (values, gathered(simd, x, from, |i| i)));
-            let mut sums: Vec<Row<S>> = Vec::with_capacity(self.product.nrows());
-            for entries in starts.windows(2) {
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let rows = self.rows;
+        for from in (0..self.product.ncols()).step_by(columns::<S, N>()) {
+            let blocks = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from, |i| i)));
+            let mut sums: Vec<Row<S, N>> = Vec::with_capacity(self.product.nrows());
+            for entries in rows.starts.windows(2) {
                 let entries = entries[0]..entries[1];
-                let mut sum = [zero(simd); 2];
+                let mut sum = [zero::<S, N>(simd); 2];
                 for (values, x) in &blocks {
-                    for (&value, &column) in values[entries.clone()].iter().zip(&columns[entries.clone()]) {
+                    for (&value, &column) in values[entries.clone()].iter().zip(&rows.columns[entries.clone()]) {
                         add(simd, &mut sum, value, x[column]);
                     }
                 }
                 sums.push(joined(simd, sum));
             }
-            scatter::<S>(&sums, self.product, from, |i| i);
+            scatter::<S, N>(&sums, self.product, from, |i| i);
         }
     }
 }

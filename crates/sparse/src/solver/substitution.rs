@@ -2,10 +2,13 @@
 
 use faer::Mat;
 use num_complex::Complex;
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 use super::fronts::Eliminated;
-use super::lanes::{GROUP, Row, add, gathered, joined, minus, negative, plus, scatter, times, turned, zero};
+use super::lanes::{
+    GROUP, Kernel, PIECE, Row, add, bring, columns, gathered, joined, minus, negative, plus, scatter, times, turned,
+    zero,
+};
 use super::products::Side;
 
 /// `A^-1 x`, or `A^-T x`, in place, of the columns of a block.
@@ -17,24 +20,22 @@ pub(super) struct Substitution<'a> {
     pub(super) x: &'a mut Mat<Complex<f64>>,
 }
 
-impl WithSimd for Substitution<'_> {
-    type Output = ();
-
+impl Kernel for Substitution<'_> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for from in (0..self.x.ncols()).step_by(S::F64_LANES) {
-            let mut rows = gathered(simd, self.x, from, |i| self.order[i]);
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
+            let mut rows: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| self.order[i]);
             match self.side {
                 Side::Right => right(simd, self.groups, &mut rows),
                 Side::Left => left(simd, self.groups, &mut rows),
             }
-            scatter::<S>(&rows, self.x, from, |i| self.order[i]);
+            scatter::<S, N>(&rows, self.x, from, |i| self.order[i]);
         }
     }
 }
 
 #[inline(always)]
-fn right<S: Simd>(simd: S, groups: &[Eliminated], x: &mut [Row<S>]) {
+fn right<S: Simd, const N: usize>(simd: S, groups: &[Eliminated], x: &mut [Row<S, N>]) {
     let mut permuted = Vec::new();
     for group in groups {
         let width = group.pivots.len();
@@ -62,7 +63,7 @@ fn right<S: Simd>(simd: S, groups: &[Eliminated], x: &mut [Row<S>]) {
 }
 
 #[inline(always)]
-fn left<S: Simd>(simd: S, groups: &[Eliminated], x: &mut [Row<S>]) {
+fn left<S: Simd, const N: usize>(simd: S, groups: &[Eliminated], x: &mut [Row<S, N>]) {
     let mut permuted = Vec::new();
     for group in groups {
         let width = group.pivots.len();
@@ -89,7 +90,7 @@ fn left<S: Simd>(simd: S, groups: &[Eliminated], x: &mut [Row<S>]) {
 }
 
 #[inline(always)]
-fn subtract_column<S: Simd>(simd: S, x: &mut [Row<S>], column: &[Complex<f64>], factor: Row<S>) {
+fn subtract_column<S: Simd, const N: usize>(simd: S, x: &mut [Row<S, N>], column: &[Complex<f64>], factor: Row<S, N>) {
     let factor = negative(simd, factor);
     let other = turned(simd, factor);
     for (x, &value) in x.iter_mut().zip(column) {
@@ -98,7 +99,7 @@ fn subtract_column<S: Simd>(simd: S, x: &mut [Row<S>], column: &[Complex<f64>], 
 }
 
 #[inline(always)]
-fn dot<S: Simd>(simd: S, column: &[Complex<f64>], x: &[Row<S>]) -> Row<S> {
+fn dot<S: Simd, const N: usize>(simd: S, column: &[Complex<f64>], x: &[Row<S, N>]) -> Row<S, N> {
     let mut sum = [zero(simd); 2];
     for (&value, &x) in column.iter().zip(x) {
         add(simd, &mut sum, value, x);
@@ -112,27 +113,44 @@ fn split(values: &[Complex<f64>], width: usize) -> [&[Complex<f64>]; GROUP] {
     std::array::from_fn(|k| &values[k * width..(k + 1) * width])
 }
 
+/// Some rows below the group at a time, with their parts of a factor.
+#[inline(always)]
+fn pieces<'a>(group: &'a Eliminated, a: &'a [Complex<f64>]) -> impl Iterator<Item = (&'a [usize], &'a [Complex<f64>])> {
+    let width = group.pivots.len();
+    let rows = GROUP * (PIECE / (GROUP * width)).max(1);
+    group.below.chunks(rows).zip(a.chunks(rows * width))
+}
+
 /// `x_below -= A own`, A by rows.
 #[inline(always)]
-fn subtract_rows<S: Simd>(simd: S, rest: &mut [Row<S>], group: &Eliminated, a: &[Complex<f64>], own: &[Row<S>]) {
+fn subtract_rows<S: Simd, const N: usize>(
+    simd: S,
+    rest: &mut [Row<S, N>],
+    group: &Eliminated,
+    a: &[Complex<f64>],
+    own: &[Row<S, N>],
+) {
     let width = own.len();
     let first = group.from + width;
-    for (rows, values) in group.below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
-        if rows.len() == GROUP {
-            let values = split(values, width);
-            let mut sums = [zero(simd); GROUP];
-            for (at, &x) in own.iter().enumerate() {
-                let y = turned(simd, x);
-                for (sum, values) in sums.iter_mut().zip(values) {
-                    *sum = plus(simd, *sum, values[at], x, y);
+    for (below, a) in pieces(group, a) {
+        bring(a);
+        for (rows, values) in below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
+            if rows.len() == GROUP {
+                let values = split(values, width);
+                let mut sums = [zero(simd); GROUP];
+                for (at, &x) in own.iter().enumerate() {
+                    let y = turned(simd, x);
+                    for (sum, values) in sums.iter_mut().zip(values) {
+                        *sum = plus(simd, *sum, values[at], x, y);
+                    }
                 }
-            }
-            for (&row, sum) in rows.iter().zip(sums) {
-                rest[row - first] = minus(simd, rest[row - first], sum);
-            }
-        } else {
-            for (&row, values) in rows.iter().zip(values.chunks(width)) {
-                rest[row - first] = minus(simd, rest[row - first], dot(simd, values, own));
+                for (&row, sum) in rows.iter().zip(sums) {
+                    rest[row - first] = minus(simd, rest[row - first], sum);
+                }
+            } else {
+                for (&row, values) in rows.iter().zip(values.chunks(width)) {
+                    rest[row - first] = minus(simd, rest[row - first], dot(simd, values, own));
+                }
             }
         }
     }
@@ -140,27 +158,36 @@ fn subtract_rows<S: Simd>(simd: S, rest: &mut [Row<S>], group: &Eliminated, a: &
 
 /// `own -= A x_below`, A by columns.
 #[inline(always)]
-fn subtract_columns<S: Simd>(simd: S, own: &mut [Row<S>], group: &Eliminated, a: &[Complex<f64>], rest: &[Row<S>]) {
+fn subtract_columns<S: Simd, const N: usize>(
+    simd: S,
+    own: &mut [Row<S, N>],
+    group: &Eliminated,
+    a: &[Complex<f64>],
+    rest: &[Row<S, N>],
+) {
     let width = own.len();
     let first = group.from + width;
-    for (rows, values) in group.below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
-        if rows.len() == GROUP {
-            let values = split(values, width);
-            let (mut factors, mut others) = ([zero(simd); GROUP], [zero(simd); GROUP]);
-            for ((factor, other), &row) in factors.iter_mut().zip(&mut others).zip(rows) {
-                *factor = negative(simd, rest[row - first]);
-                *other = turned(simd, *factor);
-            }
-            for (at, x) in own.iter_mut().enumerate() {
-                let mut sum = *x;
-                for ((values, &factor), &other) in values.iter().zip(&factors).zip(&others) {
-                    sum = plus(simd, sum, values[at], factor, other);
+    for (below, a) in pieces(group, a) {
+        bring(a);
+        for (rows, values) in below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
+            if rows.len() == GROUP {
+                let values = split(values, width);
+                let (mut factors, mut others) = ([zero(simd); GROUP], [zero(simd); GROUP]);
+                for ((factor, other), &row) in factors.iter_mut().zip(&mut others).zip(rows) {
+                    *factor = negative(simd, rest[row - first]);
+                    *other = turned(simd, *factor);
                 }
-                *x = sum;
-            }
-        } else {
-            for (&row, values) in rows.iter().zip(values.chunks(width)) {
-                subtract_column(simd, own, values, rest[row - first]);
+                for (at, x) in own.iter_mut().enumerate() {
+                    let mut sum = *x;
+                    for ((values, &factor), &other) in values.iter().zip(&factors).zip(&others) {
+                        sum = plus(simd, sum, values[at], factor, other);
+                    }
+                    *x = sum;
+                }
+            } else {
+                for (&row, values) in rows.iter().zip(values.chunks(width)) {
+                    subtract_column(simd, own, values, rest[row - first]);
+                }
             }
         }
     }

@@ -1,0 +1,136 @@
+//! Products of the columns of a basis with a block, and of a basis with coordinates.
+
+use std::ops::Range;
+
+use faer::Mat;
+use num_complex::Complex;
+use pulp::Simd;
+
+use super::lanes::{
+    GROUP, Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, plus, scatter, turned, zero,
+};
+
+/// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache.
+const CHUNK: usize = 256;
+
+type Block = Mat<Complex<f64>>;
+
+/// `V^H X` with the first columns of V, and as many of its rows as X has.
+pub(super) fn adjoint_times(v: &Block, columns: usize, x: &Block) -> Block {
+    let mut product = Mat::zeros(columns, x.ncols());
+    let columns: Vec<_> = (0..columns).map(|j| &v.col_as_slice(j)[..x.nrows()]).collect();
+    compute(Dots { columns: &columns, x, product: &mut product });
+    product
+}
+
+/// `X + V C` with as many columns of V as C has rows, and as many of its rows as X has.
+pub(super) fn add_times(x: &mut Block, v: &Block, c: &Block) {
+    let columns: Vec<_> = (0..c.nrows()).map(|j| &v.col_as_slice(j)[..x.nrows()]).collect();
+    compute(Sums { columns: &columns, c, x });
+}
+
+struct Dots<'a> {
+    columns: &'a [&'a [Complex<f64>]],
+    x: &'a Block,
+    product: &'a mut Block,
+}
+
+impl Kernel for Dots<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
+        let groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
+        let mut dots = vec![vec![[zero::<S, N>(simd); 2]; self.columns.len()]; groups.len()];
+        for from in (0..self.x.nrows()).step_by(CHUNK) {
+            let chunk = from..self.x.nrows().min(from + CHUNK);
+            for (x, dots) in groups.iter().zip(&mut dots) {
+                // As many sums at once as registers hold.
+                if N == 1 {
+                    add_dots::<S, N, 4>(simd, self.columns, chunk.clone(), x, dots);
+                } else {
+                    add_dots::<S, N, 2>(simd, self.columns, chunk.clone(), x, dots);
+                }
+            }
+        }
+        for (from, dots) in starts.zip(dots) {
+            let mut rows: Vec<Row<S, N>> = Vec::with_capacity(dots.len());
+            for halves in dots {
+                rows.push(joined_conjugate(simd, halves));
+            }
+            scatter::<S, N>(&rows, self.product, from, |i| i);
+        }
+    }
+}
+
+/// Adds the products of some rows, T columns at a time.
+#[inline(always)]
+fn add_dots<S: Simd, const N: usize, const T: usize>(
+    simd: S,
+    columns: &[&[Complex<f64>]],
+    rows: Range<usize>,
+    x: &[Row<S, N>],
+    dots: &mut [Halves<S, N>],
+) {
+    let x = &x[rows.clone()];
+    let (together, rest) = columns.as_chunks::<T>();
+    let (sums, rest_sums) = dots.as_chunks_mut::<T>();
+    for (columns, dots) in together.iter().zip(sums) {
+        let columns = columns.map(|column| &column[rows.clone()]);
+        let mut sums = *dots;
+        for (i, &x) in x.iter().enumerate() {
+            for (sum, column) in sums.iter_mut().zip(columns) {
+                add(simd, sum, column[i], x);
+            }
+        }
+        *dots = sums;
+    }
+    for (column, sum) in rest.iter().zip(rest_sums) {
+        for (&value, &x) in column[rows.clone()].iter().zip(x) {
+            add(simd, sum, value, x);
+        }
+    }
+}
+
+struct Sums<'a> {
+    columns: &'a [&'a [Complex<f64>]],
+    c: &'a Block,
+    x: &'a mut Block,
+}
+
+impl Kernel for Sums<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
+        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
+        let factors: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.c, from, |i| i)).collect();
+        let (together, rest) = self.columns.as_chunks::<GROUP>();
+        for from in (0..self.x.nrows()).step_by(CHUNK) {
+            let chunk = from..self.x.nrows().min(from + CHUNK);
+            for (x, factors) in groups.iter_mut().zip(&factors) {
+                let x = &mut x[chunk.clone()];
+                let (factors, rest_factors) = factors.as_chunks::<GROUP>();
+                for (columns, &factors) in together.iter().zip(factors) {
+                    let columns = columns.map(|column| &column[chunk.clone()]);
+                    let mut others = factors;
+                    for other in &mut others {
+                        *other = turned(simd, *other);
+                    }
+                    for (i, x) in x.iter_mut().enumerate() {
+                        let mut sum = *x;
+                        for ((column, factor), other) in columns.iter().zip(factors).zip(others) {
+                            sum = plus(simd, sum, column[i], factor, other);
+                        }
+                        *x = sum;
+                    }
+                }
+                for (column, &factor) in rest.iter().zip(rest_factors) {
+                    let other = turned(simd, factor);
+                    for (&value, x) in column[chunk.clone()].iter().zip(&mut *x) {
+                        *x = plus(simd, *x, value, factor, other);
+                    }
+                }
+            }
+        }
+        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
+    }
+}
