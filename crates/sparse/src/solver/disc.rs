@@ -18,8 +18,10 @@ const SEEN: f64 = 1e-6;
 /// The same of a right Ritz vector that is wanted: where all backward errors are down to rounding, and where they are not; chosen.
 const NEARLY: f64 = 1e-10;
 const CONVERGED: f64 = 1e-13;
-/// The same for a left vector, of which lambda depends on the product of both residuals.
-const CONVERGED_LEFT: f64 = 1e-7;
+/// The same for a left vector, of which lambda depends on the product of both residuals, and the part of the backward error of an
+/// eigenpair that is left to it; chosen.
+const CONVERGED_LEFT: f64 = 1e-6;
+const OF_TOLERANCE_LEFT: f64 = 0.5;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values.
@@ -28,6 +30,9 @@ const FIRST_LOOK: usize = 40;
 /// rule. Chosen.
 const HIDDEN: usize = 20;
 const OF_MISSING: f64 = 0.75;
+/// By what a block more divides backward errors, at least, and those from which on they are not yet near rounding. Chosen.
+const FALL: f64 = 2.5;
+const FALLING: f64 = 4.0 * f64::EPSILON;
 /// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
 const LEFT_LOOK: f64 = 0.7;
 const LEFT_GROWTH: f64 = 1.08;
@@ -104,30 +109,37 @@ impl Problem {
         let start = starting_block(self.extended_order(), options.block);
         let mut krylov = Krylov::new(&factor, Side::Right, scale, &start, capacity)?;
         let mut next = FIRST_LOOK;
-        let (ritz, radius) = loop {
+        let (ritz, radius, wanted, right) = loop {
             krylov.step()?;
             let is_last = krylov.is_complete() || krylov.dimension() + krylov.pending() > capacity;
             if krylov.dimension() < next && !is_last {
                 continue;
             }
             let ritz = Ritz::of(&krylov, sigma)?;
-            let mut radius = TRUSTED * known_within(&ritz, sigma, target, NEARLY);
+            let (mut radius, mut error) = (TRUSTED * known_within(&ritz, sigma, target, NEARLY), 0.0);
             if is_last || radius >= needed {
-                let wanted = wanted(&ritz, sigma, radius, target);
-                if self.largest_error(&krylov, &ritz, &wanted) > f64::EPSILON {
+                let mut inside = wanted(&ritz, sigma, radius, target);
+                let right = krylov.displacements(&ritz.vectors_of(&inside));
+                let lambdas: Vec<_> = inside.iter().map(|&j| ritz.lambdas[j]).collect();
+                error = largest_error(&self.pencil, Side::Right, &lambdas, &right);
+                if error > f64::EPSILON {
                     radius = TRUSTED * known_within(&ritz, sigma, target, CONVERGED);
+                    // The nearest come first.
+                    inside.truncate(inside.partition_point(|&j| (ritz.lambdas[j] - sigma).norm() < radius));
+                }
+                if is_last || radius >= needed {
+                    break (ritz, radius, inside, right);
                 }
             }
-            if is_last || radius >= needed {
-                break (ritz, radius);
-            }
             let columns = krylov.dimension();
-            let missing = (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64;
-            next = columns + ((OF_MISSING * missing) as usize).min(columns).max(options.block);
+            let missing = if error > FALLING {
+                (error / f64::EPSILON).log(FALL) * options.block as f64
+            } else {
+                OF_MISSING * (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64
+            };
+            next = columns + (missing as usize).min(columns).max(options.block);
         };
         counters.solves += krylov.dimension() + options.block;
-        let wanted = wanted(&ritz, sigma, radius, target);
-        let right = krylov.displacements(&ritz.vectors_of(&wanted));
         let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
         let disc = Disc { centre: sigma, radius, eigenvalues: known, columns: krylov.dimension() };
         drop(krylov);
@@ -141,18 +153,6 @@ impl Problem {
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
         Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))
-    }
-
-    /// The largest backward error of some Ritz pairs.
-    fn largest_error(&self, krylov: &Krylov<'_>, ritz: &Ritz, wanted: &[usize]) -> f64 {
-        let vectors = krylov.displacements(&ritz.vectors_of(wanted));
-        let parts = self.pencil.parts(Side::Right, &vectors);
-        let error = |(&j, (at, parts)): (&usize, (usize, &Parts<'_>))| {
-            let lambda = ritz.lambdas[j];
-            let size = self.pencil.size(lambda) * length(vectors.col_as_slice(at));
-            parts.sum(&self.pencil.weights(lambda)).norm() / size
-        };
-        wanted.iter().zip(parts.iter().enumerate()).map(error).fold(0.0, f64::max)
     }
 
     /// n + n + s.
@@ -176,6 +176,15 @@ impl Problem {
         }
         Err(SparseError::Singular { shift: target.centre() })
     }
+}
+
+/// The largest backward error of some eigenvalues with their vectors on one side.
+fn largest_error(pencil: &Pencil, side: Side, lambdas: &[Complex<f64>], vectors: &Block) -> f64 {
+    let parts = pencil.parts(side, vectors);
+    let error = |(&lambda, (at, parts)): (&Complex<f64>, (usize, &Parts<'_>))| {
+        parts.sum(&pencil.weights(lambda)).norm() / (pencil.size(lambda) * length(vectors.col_as_slice(at)))
+    };
+    lambdas.iter().zip(parts.iter().enumerate()).map(error).fold(0.0, f64::max)
 }
 
 /// The Ritz values of the target that are in the disc.
@@ -243,13 +252,16 @@ fn left_vectors(
         next = ((next as f64 * LEFT_GROWTH) as usize).max(next + block);
         let ritz = Ritz::of(&krylov, sigma)?;
         let partners = partners(lambdas, sigma, &ritz);
-        if is_last || partners.iter().all(Option::is_some) {
+        let found: Vec<usize> = partners.iter().flatten().copied().collect();
+        if found.len() < lambdas.len() && !is_last {
+            continue;
+        }
+        let vectors = krylov.displacements(&ritz.vectors_of(&found));
+        let allowed = OF_TOLERANCE_LEFT * options.tolerance;
+        if is_last || largest_error(pencil, Side::Left, lambdas, &vectors) <= allowed {
             counters.solves += krylov.dimension() + block;
-            let vector = |partner: &Option<usize>| {
-                let coordinates = partner.map(|j| Mat::from_fn(ritz.vectors.nrows(), 1, |i, _| ritz.vectors[(i, j)]));
-                coordinates.map(|s| krylov.displacements(&s).col_as_slice(0).to_vec())
-            };
-            return Ok(partners.iter().map(vector).collect());
+            let mut vectors = (0..found.len()).map(|j| vectors.col_as_slice(j).to_vec());
+            return Ok(partners.iter().map(|partner| partner.and_then(|_| vectors.next())).collect());
         }
     }
 }

@@ -89,7 +89,7 @@ impl<'a> Factor<'a> {
         let b = factor.product(Side::Right, &starting_block(pencil.order(), 1));
         let mut x = b.clone();
         factor.substitute(Side::Right, &mut x);
-        let residual = &b - factor.product(Side::Right, &x);
+        let residual = factor.residual(Side::Right, &b, &x);
         let error = factor.backward_error(&b, &x, &residual);
         if error.is_nan() || error > STABLE {
             factor.numeric = pivoted(symbolic.pivoted(pencil)?, pencil, sigma, &values)?;
@@ -122,7 +122,7 @@ impl<'a> Factor<'a> {
         let b = self.product(Side::Right, known);
         match self.solve(Side::Right, &b) {
             Ok(x) => {
-                let residual = &b - self.product(Side::Right, &x);
+                let residual = self.residual(Side::Right, &b, &x);
                 let forward = length((&x - known).col_as_slice(0)) / length(known.col_as_slice(0));
                 Ok((self.backward_error(&b, &x, &residual), forward))
             }
@@ -140,7 +140,7 @@ impl<'a> Factor<'a> {
         self.substitute(side, &mut x);
         let mut best = f64::INFINITY;
         for _ in 0..=REFINEMENTS {
-            let mut residual = b - self.product(side, &x);
+            let mut residual = self.residual(side, b, &x);
             let error = self.backward_error(b, &x, &residual);
             // A NaN is no small error.
             if error <= GOOD || (error <= REFUSED && error > 0.5 * best) {
@@ -168,6 +168,15 @@ impl<'a> Factor<'a> {
     fn product(&self, side: Side, x: &Mat<Complex<f64>>) -> Mat<Complex<f64>> {
         let values = if side == Side::Right { &self.right } else { &self.left };
         self.pencil.gathered(Entries::All, [(values, x)])
+    }
+
+    /// `b - Q(sigma) x`.
+    fn residual(&self, side: Side, b: &Mat<Complex<f64>>, x: &Mat<Complex<f64>>) -> Mat<Complex<f64>> {
+        let mut residual = self.product(side, x);
+        for j in 0..b.ncols() {
+            residual.col_as_slice_mut(j).iter_mut().zip(b.col_as_slice(j)).for_each(|(r, b)| *r = b - *r);
+        }
+        residual
     }
 
     fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {

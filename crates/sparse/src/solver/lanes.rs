@@ -178,3 +178,12 @@ pub(super) fn scatter<S: Simd, const N: usize>(
         }
     }
 }
+
+/// One row of a block, some of its columns.
+#[inline(always)]
+pub(super) fn put<S: Simd, const N: usize>(row: Row<S, N>, block: &mut Block, i: usize, from: usize) {
+    let numbers: &[Complex<f64>] = cast_slice(&row);
+    for (&value, j) in numbers.iter().zip(from..block.ncols()) {
+        block[(i, j)] = value;
+    }
+}

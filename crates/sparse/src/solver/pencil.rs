@@ -82,7 +82,8 @@ impl Pencil {
         }
         let (mut column_starts, mut rows) = (vec![0], Vec::new());
         for mut column in columns {
-            column.sort_unstable();
+            // Of a few ascending runs.
+            column.sort();
             column.dedup();
             rows.extend(column);
             column_starts.push(rows.len());
@@ -97,7 +98,13 @@ impl Pencil {
         let mirror: Vec<usize> = (0..order).flat_map(mirrored).collect();
         let spread = |matrix: &nalgebra_sparse::CscMatrix<f64>| {
             let mut values = vec![0.0; rows.len()];
-            matrix.triplet_iter().for_each(|(row, column, &value)| values[place(row, column)] += value);
+            for (column, &start) in matrix.col_iter().zip(&column_starts) {
+                let mut at = start;
+                for (&row, value) in column.row_indices().iter().zip(column.values()) {
+                    at += rows[at..].iter().take_while(|&&other| other < row).count();
+                    values[at] += value;
+                }
+            }
             values
         };
         let (mass, damping, stiffness) = (spread(&system.m), spread(&system.c), spread(&system.k));
@@ -180,9 +187,12 @@ impl Pencil {
     /// The parts times each vector of a block, or the transposed parts.
     pub(crate) fn parts(&self, side: Side, x: &Block) -> Vec<Parts<'_>> {
         let mut products = [(); 3].map(|()| Mat::zeros(self.order, x.ncols()));
-        let values = [&self.mass[..], &self.damping, &self.stiffness];
-        let places = (side == Side::Right).then_some(&self.mirror[..]);
-        compute(PartProducts { rows: &self.all, values, places, x, products: &mut products });
+        let values = |entries: Entries, matrix: &[f64]| self.by_rows(entries, matrix, side);
+        let [mass, damping] = [&self.mass, &self.damping].map(|matrix| values(Entries::Inertial, matrix));
+        let stiffness = values(Entries::All, &self.stiffness);
+        let [m, c, k] = &mut products;
+        compute(PartProducts { rows: &self.inertial, values: [&mass, &damping], x, products: [m, c] });
+        compute(PartProducts { rows: &self.all, values: [&stiffness], x, products: [k] });
         let parts = |j: usize| {
             let driven = |state: &State| state.sides(side).0.iter().map(|&(dof, e)| x[(dof, j)] * e).sum();
             let products = products.each_ref().map(|product| product.col_as_slice(j).to_vec());

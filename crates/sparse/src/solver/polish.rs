@@ -15,7 +15,7 @@ use crate::SparseError;
 /// Steps of the Rayleigh quotient: it converges twice as many digits at each.
 const STEPS: usize = 3;
 /// Candidates whose products are formed together.
-const TOGETHER: usize = 4;
+const TOGETHER: usize = 16;
 /// Steps of inverse iteration with a factorisation at the eigenvalue itself.
 const INVERSE_STEPS: usize = 3;
 /// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space.

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 use pulp::Simd;
 
-use super::lanes::{Kernel, Row, add, columns, gathered, joined, plus_real, scatter, zero};
+use super::lanes::{Kernel, Row, add, columns, gathered, joined, plus_real, put, zero};
 use crate::State;
 
 type Block = Mat<Complex<f64>>;
@@ -75,37 +75,32 @@ impl Parts<'_> {
     }
 }
 
-/// M, C and K times a block.
-pub(super) struct PartProducts<'a> {
+/// Real matrices on the same rows, each times a block.
+pub(super) struct PartProducts<'a, const TERMS: usize> {
     pub(super) rows: &'a Rows,
-    /// The values of each, in the order of the rows but for the places that are given.
-    pub(super) values: [&'a [f64]; 3],
-    pub(super) places: Option<&'a [usize]>,
+    /// The values of each, in the order of the rows.
+    pub(super) values: [&'a [f64]; TERMS],
     pub(super) x: &'a Block,
-    pub(super) products: &'a mut [Block; 3],
+    pub(super) products: [&'a mut Block; TERMS],
 }
 
-impl Kernel for PartProducts<'_> {
+impl<const TERMS: usize> Kernel for PartProducts<'_, TERMS> {
     #[inline(always)]
-    fn run<S: Simd, const N: usize>(self, simd: S) {
+    fn run<S: Simd, const N: usize>(mut self, simd: S) {
         let rows = self.rows;
         for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
             let x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| i);
-            let mut sums = [(); 3].map(|()| Vec::with_capacity(x.len()));
-            for entries in rows.starts.windows(2) {
-                let mut sum = [zero::<S, N>(simd); 3];
+            for (row, entries) in rows.starts.windows(2).enumerate() {
+                let mut sums = [zero::<S, N>(simd); TERMS];
                 for at in entries[0]..entries[1] {
-                    let (x, place) = (x[rows.columns[at]], self.places.map_or(at, |places| places[at]));
-                    for (sum, values) in sum.iter_mut().zip(self.values) {
-                        *sum = plus_real(simd, *sum, values[place], x);
+                    let x = x[rows.columns[at]];
+                    for (sum, values) in sums.iter_mut().zip(self.values) {
+                        *sum = plus_real(simd, *sum, values[at], x);
                     }
                 }
-                for (sums, sum) in sums.iter_mut().zip(sum) {
-                    sums.push(sum);
+                for (product, sum) in self.products.iter_mut().zip(sums) {
+                    put::<S, N>(sum, product, row, from);
                 }
-            }
-            for (product, sums) in self.products.iter_mut().zip(&sums) {
-                scatter::<S, N>(sums, product, from, |i| i);
             }
         }
     }
@@ -124,8 +119,7 @@ impl<const TERMS: usize> Kernel for Product<'_, TERMS> {
         let rows = self.rows;
         for from in (0..self.product.ncols()).step_by(columns::<S, N>()) {
             let blocks = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from, |i| i)));
-            let mut sums: Vec<Row<S, N>> = Vec::with_capacity(self.product.nrows());
-            for entries in rows.starts.windows(2) {
+            for (row, entries) in rows.starts.windows(2).enumerate() {
                 let entries = entries[0]..entries[1];
                 let mut sum = [zero::<S, N>(simd); 2];
                 for (values, x) in &blocks {
@@ -133,9 +127,8 @@ impl<const TERMS: usize> Kernel for Product<'_, TERMS> {
                         add(simd, &mut sum, value, x[column]);
                     }
                 }
-                sums.push(joined(simd, sum));
+                put::<S, N>(joined(simd, sum), self.product, row, from);
             }
-            scatter::<S, N>(&sums, self.product, from, |i| i);
         }
     }
 }
