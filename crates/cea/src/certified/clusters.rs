@@ -99,6 +99,11 @@ pub(super) fn enclose(
     seen: &mut HashSet<Vec<usize>>,
 ) -> Option<Enclosed> {
     let distance = |j: usize, from: Complex<f64>| (eigenvalues[j] - from).norm();
+    // As `distance(j, from) < limit`, mostly without the root: no part is greater than the whole.
+    let is_nearer = |j: usize, from: Complex<f64>, limit: f64| {
+        let apart = eigenvalues[j] - from;
+        apart.re.abs() < limit && apart.im.abs() < limit && apart.norm() < limit
+    };
     let mut nearest: Vec<_> = (0..eigenvalues.len()).map(|j| (distance(j, eigenvalues[i]), j)).collect();
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
     let nearest: Vec<usize> = nearest.into_iter().map(|(_, j)| j).collect();
@@ -108,10 +113,11 @@ pub(super) fn enclose(
         let (members, others) = nearest.split_at(count);
         let mean = members.iter().map(|&j| eigenvalues[j]).sum::<Complex<f64>>() / count as f64;
         let spread = members.iter().map(|&j| distance(j, mean)).fold(0.0, f64::max);
-        if others.iter().any(|&j| distance(j, mean) < CLEARANCE * spread) {
+        if others.iter().any(|&j| is_nearer(j, mean, CLEARANCE * spread)) {
             continue;
         }
-        let next = others.iter().map(|&j| distance(j, mean)).fold(f64::INFINITY, f64::min);
+        let nearer = |next: f64, &j: &usize| if is_nearer(j, mean, next) { distance(j, mean) } else { next };
+        let next = others.iter().fold(f64::INFINITY, nearer);
         if next == 0.0 || (count == 1 && next < state.first_order()) {
             continue;
         }

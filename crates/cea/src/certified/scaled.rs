@@ -209,6 +209,14 @@ fn time_scale(m: f64, c: f64, k: f64) -> f64 {
     }
 }
 
+/// How many maxima are found side by side.
+const MAXIMA: usize = 8;
+
+/// The greater one of two numbers that are no NaN, in one instruction.
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
 fn equilibrate(system: &SecondOrder, gamma: f64, left: &mut DVector<f64>, right: &mut DVector<f64>) {
     let n = system.order();
     let weight =
@@ -216,12 +224,19 @@ fn equilibrate(system: &SecondOrder, gamma: f64, left: &mut DVector<f64>, right:
     let weights = DMatrix::from_fn(n, n, weight);
     for _ in 0..EQUILIBRATION_SWEEPS {
         let (mut rows, mut columns) = (DVector::<f64>::zeros(n), DVector::<f64>::zeros(n));
-        for ((weights, largest), right) in weights.column_iter().zip(columns.iter_mut()).zip(right.iter()) {
-            for ((weight, left), row) in weights.iter().zip(left.iter()).zip(rows.iter_mut()) {
-                let w = left * weight * right;
-                *row = row.max(w);
-                *largest = largest.max(w);
+        for ((weights, largest), right) in weights.as_slice().chunks(n.max(1)).zip(columns.iter_mut()).zip(right.iter())
+        {
+            // Several maxima side by side: one would wait for the last at every entry.
+            let mut maxima = [0.0; MAXIMA];
+            let groups = weights.chunks(MAXIMA).zip(left.as_slice().chunks(MAXIMA));
+            for ((weights, left), rows) in groups.zip(rows.as_mut_slice().chunks_mut(MAXIMA)) {
+                for (((weight, left), row), maximum) in weights.iter().zip(left).zip(rows).zip(&mut maxima) {
+                    let w = left * weight * right;
+                    *row = greater(*row, w);
+                    *maximum = greater(*maximum, w);
+                }
             }
+            *largest = maxima.into_iter().fold(0.0, greater);
         }
         left.zip_apply(&rows, |l, r| *l /= if r > 0.0 { r.sqrt() } else { 1.0 });
         right.zip_apply(&columns, |r, c| *r /= if c > 0.0 { c.sqrt() } else { 1.0 });
