@@ -88,6 +88,9 @@ fn nonzero(mut matrix: Planar<Dd>, widths: &[usize], error: f64) -> Option<Vec<C
     let whole = matrix.norm();
     for &width in widths {
         let (size, rest) = (matrix.rows(), matrix.rows() - width);
+        if rest == 0 {
+            return Some(Vec::new());
+        }
         // V^T A V, V with the null space in its last columns: these vanish, and what is in the rows below does not count.
         let (mut left, mut turn) = (matrix.transpose(), Planar::from(&DMatrix::identity(size, size)));
         reveal_rank(&mut left, &mut turn, rest);
