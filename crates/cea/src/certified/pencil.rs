@@ -11,6 +11,7 @@ use num_complex::Complex;
 use super::lane::Lane;
 use super::planar::{Planar, reveal_rank, triangularise};
 use super::scaled::Scaled;
+use super::standard::reciprocal;
 use super::{qz, standard};
 use crate::CeaError;
 
@@ -91,11 +92,6 @@ impl<T: Lane> Pencil<T> {
 pub(crate) fn depths_of_quadratic(s: &Scaled) -> (f64, f64) {
     let depth = |a: &DMatrix<f64>, norm: f64| last_pivot(&Planar::<f64>::from(a)) / norm;
     (depth(&s.k, s.norms.k), depth(&s.m, s.norms.m))
-}
-
-/// 1 / mu; an infinite one is a rounding error, replaced by one of its size.
-pub(super) fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
-    if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
 }
 
 /// The smallest diagonal entry of the pivoted QR factor.

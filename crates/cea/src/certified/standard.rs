@@ -11,7 +11,6 @@ use super::balance::{Balanced, balanced};
 use super::dd::Dd;
 use super::hessenberg::reduce_to_hessenberg;
 use super::lane::Lane;
-use super::pencil::reciprocal;
 use super::planar::{Planar, triangularise};
 use super::scaled::{Scaled, power_of_two};
 use crate::francis;
@@ -113,6 +112,11 @@ fn condition<T: Lane>(r: &Planar<T>) -> f64 {
     let mut inverse = Planar::<f64>::from(&DMatrix::identity(size, size));
     r.solve_triangle(&mut inverse);
     r.norm() * inverse.norm() / size as f64
+}
+
+/// 1 / mu; an infinite one is a rounding error, replaced by one of its size.
+pub(super) fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
+    if mu.norm() < T::EPSILON { T::EPSILON.copysign(mu.re).recip().into() } else { mu.inv() }
 }
 
 #[cfg(test)]
