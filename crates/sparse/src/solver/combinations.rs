@@ -7,7 +7,7 @@ use num_complex::Complex;
 use pulp::Simd;
 
 use super::lanes::{
-    GROUP, Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, plus, scatter, turned, zero,
+    Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, plus, scatter, turned, zero,
 };
 
 /// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache.
@@ -46,7 +46,7 @@ impl Kernel for Dots<'_> {
             for (x, dots) in groups.iter().zip(&mut dots) {
                 // As many sums at once as registers hold.
                 if N == 1 {
-                    add_dots::<S, N, 4>(simd, self.columns, chunk.clone(), x, dots);
+                    add_dots::<S, N, 8>(simd, self.columns, chunk.clone(), x, dots);
                 } else {
                     add_dots::<S, N, 2>(simd, self.columns, chunk.clone(), x, dots);
                 }
@@ -103,34 +103,51 @@ impl Kernel for Sums<'_> {
         let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
         let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
         let factors: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.c, from, |i| i)).collect();
-        let (together, rest) = self.columns.as_chunks::<GROUP>();
         for from in (0..self.x.nrows()).step_by(CHUNK) {
             let chunk = from..self.x.nrows().min(from + CHUNK);
             for (x, factors) in groups.iter_mut().zip(&factors) {
-                let x = &mut x[chunk.clone()];
-                let (factors, rest_factors) = factors.as_chunks::<GROUP>();
-                for (columns, &factors) in together.iter().zip(factors) {
-                    let columns = columns.map(|column| &column[chunk.clone()]);
-                    let mut others = factors;
-                    for other in &mut others {
-                        *other = turned(simd, *other);
-                    }
-                    for (i, x) in x.iter_mut().enumerate() {
-                        let mut sum = *x;
-                        for ((column, factor), other) in columns.iter().zip(factors).zip(others) {
-                            sum = plus(simd, sum, column[i], factor, other);
-                        }
-                        *x = sum;
-                    }
-                }
-                for (column, &factor) in rest.iter().zip(rest_factors) {
-                    let other = turned(simd, factor);
-                    for (&value, x) in column[chunk.clone()].iter().zip(&mut *x) {
-                        *x = plus(simd, *x, value, factor, other);
-                    }
+                // As many factors at once as registers hold.
+                if N == 1 {
+                    add_columns::<S, N, 8>(simd, self.columns, chunk.clone(), factors, x);
+                } else {
+                    add_columns::<S, N, 4>(simd, self.columns, chunk.clone(), factors, x);
                 }
             }
         }
         starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
+    }
+}
+
+/// Adds the columns times their factors to some rows, T columns at a time.
+#[inline(always)]
+fn add_columns<S: Simd, const N: usize, const T: usize>(
+    simd: S,
+    columns: &[&[Complex<f64>]],
+    rows: Range<usize>,
+    factors: &[Row<S, N>],
+    x: &mut [Row<S, N>],
+) {
+    let x = &mut x[rows.clone()];
+    let (together, rest) = columns.as_chunks::<T>();
+    let (factors, rest_factors) = factors.as_chunks::<T>();
+    for (columns, &factors) in together.iter().zip(factors) {
+        let columns = columns.map(|column| &column[rows.clone()]);
+        let mut others = factors;
+        for other in &mut others {
+            *other = turned(simd, *other);
+        }
+        for (i, x) in x.iter_mut().enumerate() {
+            let mut sum = *x;
+            for ((column, factor), other) in columns.iter().zip(factors).zip(others) {
+                sum = plus(simd, sum, column[i], factor, other);
+            }
+            *x = sum;
+        }
+    }
+    for (column, &factor) in rest.iter().zip(rest_factors) {
+        let other = turned(simd, factor);
+        for (&value, x) in column[rows.clone()].iter().zip(&mut *x) {
+            *x = plus(simd, *x, value, factor, other);
+        }
     }
 }
