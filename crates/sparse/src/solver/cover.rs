@@ -101,7 +101,8 @@ impl Search<'_> {
             let Some(done) = done else { continue };
             let margin = 1e-7 * whole.reach();
             let here = candidates.into_iter().filter(|c| done.contains(c.lambda, margin)).collect();
-            let pairs = self.problem.polish(here, self.options.tolerance, &mut self.counters)?;
+            let tolerances = [self.options.tolerance, self.options.left_tolerance];
+            let pairs = self.problem.polish(here, tolerances, &mut self.counters)?;
             let number = self.discs.len();
             self.pairs.extend(pairs.into_iter().map(|pair| (number, pair)));
             self.discs.push(disc);

@@ -15,13 +15,17 @@ use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.
 const SEEN: f64 = 1e-6;
-/// The same of a right Ritz vector that is wanted: where all backward errors are down to rounding, and where they are not; chosen.
-const NEARLY: f64 = 1e-10;
+/// The same of a right Ritz vector that is wanted, whose backward error is at most `ENOUGH`, some rounding errors; and where backward
+/// errors do not become so small. Chosen.
+const NEARLY: f64 = 1e-8;
+const ENOUGH: f64 = 16.0 * f64::EPSILON;
 const CONVERGED: f64 = 1e-13;
-/// The same for a left vector, of which lambda depends on the product of both residuals, and the part of the backward error of an
-/// eigenpair that is left to it; chosen.
-const CONVERGED_LEFT: f64 = 1e-6;
-const OF_TOLERANCE_LEFT: f64 = 0.5;
+/// The same for a left vector: this part of the distance to the next eigenvalue, as a part of that to the shift, between these limits,
+/// so that a condition number has two digits or is one of a group; and the part of the backward error that is allowed to a left vector
+/// at which its space ends. Chosen.
+const OF_GAP: f64 = 1e-2;
+const CONVERGED_LEFT: [f64; 2] = [1e-6, 1e-4];
+const OF_TOLERANCE_LEFT: f64 = 0.1;
 /// Part of the distance to the first Ritz value not yet known up to which a disc is trusted; chosen.
 const TRUSTED: f64 = 0.95;
 /// Columns before the first look at the Ritz values.
@@ -30,9 +34,8 @@ const FIRST_LOOK: usize = 40;
 /// rule. Chosen.
 const HIDDEN: usize = 20;
 const OF_MISSING: f64 = 0.75;
-/// By what a block more divides backward errors, at least, and those from which on they are not yet near rounding. Chosen.
+/// By what a block more divides backward errors, at least; chosen.
 const FALL: f64 = 2.5;
-const FALLING: f64 = 4.0 * f64::EPSILON;
 /// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
 const LEFT_LOOK: f64 = 0.7;
 const LEFT_GROWTH: f64 = 1.08;
@@ -116,28 +119,30 @@ impl Problem {
                 continue;
             }
             let ritz = Ritz::of(&krylov, sigma)?;
-            let (mut radius, mut error) = (TRUSTED * known_within(&ritz, sigma, target, NEARLY), 0.0);
+            let (mut radius, mut error) = (TRUSTED * known_within(&ritz, sigma, target), 0.0);
             if is_last || radius >= needed {
                 let mut inside = wanted(&ritz, sigma, radius, target);
-                let right = krylov.displacements(&ritz.vectors_of(&inside));
-                let lambdas: Vec<_> = inside.iter().map(|&j| ritz.lambdas[j]).collect();
-                error = largest_error(&self.pencil, Side::Right, &lambdas, &right);
-                if error > f64::EPSILON {
-                    radius = TRUSTED * known_within(&ritz, sigma, target, CONVERGED);
-                    // The nearest come first.
-                    inside.truncate(inside.partition_point(|&j| (ritz.lambdas[j] - sigma).norm() < radius));
+                let judged = if is_last { inside.clone() } else { ritz.worst(&inside) };
+                let errors = errors(&krylov, &ritz, &judged);
+                for (&j, own) in judged.iter().zip(errors) {
+                    if !(own <= ENOUGH || ritz.residuals[j] <= CONVERGED) {
+                        radius = radius.min(TRUSTED * (ritz.lambdas[j] - sigma).norm());
+                        error = own.max(error);
+                    }
                 }
                 if is_last || radius >= needed {
+                    inside.retain(|&j| (ritz.lambdas[j] - sigma).norm() < radius);
+                    let right = krylov.displacements(&ritz.vectors_of(&inside));
                     break (ritz, radius, inside, right);
                 }
             }
             let columns = krylov.dimension();
-            let missing = if error > FALLING {
-                (error / f64::EPSILON).log(FALL) * options.block as f64
+            let missing = if error > 0.0 {
+                blocks_until(ENOUGH, error) * options.block
             } else {
-                OF_MISSING * (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64
+                (OF_MISSING * (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64) as usize
             };
-            next = columns + (missing as usize).min(columns).max(options.block);
+            next = columns + missing.clamp(options.block, columns.max(options.block));
         };
         counters.solves += krylov.dimension() + options.block;
         let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
@@ -178,13 +183,20 @@ impl Problem {
     }
 }
 
-/// The largest backward error of some eigenvalues with their vectors on one side.
-fn largest_error(pencil: &Pencil, side: Side, lambdas: &[Complex<f64>], vectors: &Block) -> f64 {
-    let parts = pencil.parts(side, vectors);
-    let error = |(&lambda, (at, parts)): (&Complex<f64>, (usize, &Parts<'_>))| {
-        parts.sum(&pencil.weights(lambda)).norm() / (pencil.size(lambda) * length(vectors.col_as_slice(at)))
+/// The backward errors of some Ritz values with their vectors.
+fn errors(krylov: &Krylov<'_>, ritz: &Ritz, some: &[usize]) -> Vec<f64> {
+    let (pencil, vectors) = (krylov.pencil(), krylov.displacements(&ritz.vectors_of(some)));
+    let parts = pencil.parts(krylov.side(), &vectors);
+    let error = |(j, (parts, &at)): (usize, (&Parts<'_>, &usize))| {
+        let lambda = ritz.lambdas[at];
+        parts.sum(&pencil.weights(lambda)).norm() / (pencil.size(lambda) * length(vectors.col_as_slice(j)))
     };
-    lambdas.iter().zip(parts.iter().enumerate()).map(error).fold(0.0, f64::max)
+    parts.iter().zip(some).enumerate().map(error).collect()
+}
+
+/// How many blocks more an error needs to be as small as is wanted.
+fn blocks_until(wanted: f64, error: f64) -> usize {
+    (error / wanted).log(FALL).ceil() as usize
 }
 
 /// The Ritz values of the target that are in the disc.
@@ -194,11 +206,11 @@ fn wanted(ritz: &Ritz, sigma: Complex<f64>, radius: f64, target: &Rectangle) -> 
     (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
 }
 
-/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a residual of at most `converged`;
-/// infinite where all are.
-fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle, converged: f64) -> f64 {
+/// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a smaller residual; infinite where
+/// all are.
+fn known_within(ritz: &Ritz, sigma: Complex<f64>, target: &Rectangle) -> f64 {
     let is_known =
-        |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { converged } else { SEEN };
+        |lambda: Complex<f64>, residual: f64| residual <= if target.contains(lambda, 0.0) { NEARLY } else { SEEN };
     let all = ritz.lambdas.iter().zip(&ritz.residuals);
     all.filter(|&(&lambda, &residual)| !is_known(lambda, residual))
         .map(|(lambda, _)| (lambda - sigma).norm())
@@ -249,32 +261,41 @@ fn left_vectors(
         if krylov.dimension() < next && !is_last {
             continue;
         }
-        next = ((next as f64 * LEFT_GROWTH) as usize).max(next + block);
         let ritz = Ritz::of(&krylov, sigma)?;
         let partners = partners(lambdas, sigma, &ritz);
         let found: Vec<usize> = partners.iter().flatten().copied().collect();
         if found.len() < lambdas.len() && !is_last {
+            next = ((next as f64 * LEFT_GROWTH) as usize).max(next + block);
             continue;
         }
-        let vectors = krylov.displacements(&ritz.vectors_of(&found));
-        let allowed = OF_TOLERANCE_LEFT * options.tolerance;
-        if is_last || largest_error(pencil, Side::Left, lambdas, &vectors) <= allowed {
+        let allowed = OF_TOLERANCE_LEFT * options.left_tolerance;
+        let error = errors(&krylov, &ritz, &ritz.worst(&found)).into_iter().fold(0.0, f64::max);
+        if is_last || error <= allowed {
             counters.solves += krylov.dimension() + block;
+            let vectors = krylov.displacements(&ritz.vectors_of(&found));
             let mut vectors = (0..found.len()).map(|j| vectors.col_as_slice(j).to_vec());
             return Ok(partners.iter().map(|partner| partner.and_then(|_| vectors.next())).collect());
         }
+        next = krylov.dimension() + blocks_until(allowed, error).max(1) * block;
     }
 }
 
 /// The left Ritz value of each right one, each used once, if it has converged.
 fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<Option<usize>> {
     let mut is_free = vec![true; left.lambdas.len()];
+    let enough = |at: usize| {
+        let own = left.lambdas[at];
+        let distance = |(j, other): (usize, &Complex<f64>)| if j == at { f64::INFINITY } else { (other - own).norm() };
+        let gap = left.lambdas.iter().enumerate().map(distance).fold(f64::INFINITY, f64::min);
+        let [least, most] = CONVERGED_LEFT;
+        (OF_GAP * gap / (own - sigma).norm()).clamp(least, most)
+    };
     let mut partner = |lambda: &Complex<f64>| {
         let distance = |&j: &usize| (left.lambdas[j] - lambda).norm();
         let free = (0..is_free.len()).filter(|&j| is_free[j]);
         let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let is_same =
-            distance(&nearest) <= SAME_AS_RIGHT * (lambda - sigma).norm() && left.residuals[nearest] <= CONVERGED_LEFT;
+            distance(&nearest) <= SAME_AS_RIGHT * (lambda - sigma).norm() && left.residuals[nearest] <= enough(nearest);
         is_same.then(|| {
             is_free[nearest] = false;
             nearest

@@ -17,7 +17,7 @@ use num_complex::Complex;
 use super::blocks::PAR;
 use super::factor::Factor;
 use super::orthogonal::Orthogonal;
-use super::pencil::Entries;
+use super::pencil::{Entries, Pencil};
 use super::products::{Side, Weights};
 use crate::SparseError;
 
@@ -79,6 +79,14 @@ impl<'a> Krylov<'a> {
         Ok(krylov)
     }
 
+    pub(crate) fn pencil(&self) -> &Pencil {
+        self.factor.pencil()
+    }
+
+    pub(crate) fn side(&self) -> Side {
+        self.side
+    }
+
     /// Columns that have been multiplied: the order of the projected problem.
     pub(crate) fn dimension(&self) -> usize {
         self.multiplied
@@ -101,9 +109,9 @@ impl<'a> Krylov<'a> {
         (block.submatrix(0, 0, m, m).to_owned(), block.submatrix(m, 0, k - m, m).to_owned())
     }
 
-    /// The parts u of `V s` for the columns of s.
+    /// The parts u of `V s` for the columns of s, which may have rows for the columns that have not been multiplied.
     pub(crate) fn displacements(&self, s: &Block) -> Block {
-        let coordinates = self.coordinates(0, 0, self.multiplied);
+        let coordinates = self.coordinates(0, 0, s.nrows());
         let mut combined = Mat::zeros(coordinates.nrows(), s.ncols());
         matmul(combined.as_mut(), Accum::Replace, coordinates.as_ref(), s.as_ref(), Complex::from(1.0), PAR);
         self.space.times(&combined)

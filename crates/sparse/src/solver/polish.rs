@@ -26,14 +26,15 @@ const PAIRED: f64 = 1e-6;
 type Vector = DVector<Complex<f64>>;
 
 impl Problem {
-    /// The eigenpairs that candidates stand for, each with a backward error of at most `tolerance`.
+    /// The eigenpairs that candidates stand for, each with a backward error of at most `tolerance`; that of the left vector is at
+    /// most `left_tolerance`, or what inverse iteration gives.
     ///
     /// # Errors
     /// [`SparseError::NotConverged`] for a candidate that is none.
     pub(crate) fn polish(
         &self,
         candidates: Vec<Candidate>,
-        tolerance: f64,
+        [tolerance, left_tolerance]: [f64; 2],
         counters: &mut Counters,
     ) -> Result<Vec<Eigenpair>, SparseError> {
         let pencil = &self.pencil;
@@ -46,8 +47,8 @@ impl Problem {
             let vectors = right.into_iter().zip(left).zip(right_parts.iter().zip(&left_parts));
             for (candidate, ((x, y), (right, left))) in some.iter().zip(vectors) {
                 let trial = Trial::new(pencil, candidate.lambda, x, y, right);
-                let error = trial.error.max(left.sum(&pencil.weights(trial.lambda)).norm() / pencil.size(trial.lambda));
-                let is_good = candidate.left.is_some() && error <= tolerance;
+                let left_error = left.sum(&pencil.weights(trial.lambda)).norm() / pencil.size(trial.lambda);
+                let is_good = candidate.left.is_some() && trial.error <= tolerance && left_error <= left_tolerance;
                 trials.push(if is_good {
                     trial
                 } else {

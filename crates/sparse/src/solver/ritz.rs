@@ -9,14 +9,18 @@ use super::blocks::{PAR, length};
 use super::krylov::Krylov;
 use crate::SparseError;
 
+/// Vectors that stand for all others by the errors that they have: as many as a product takes at once.
+const JUDGED: usize = 4;
+
 /// The Ritz values of a Krylov space, nearest to the shift first.
 pub(crate) struct Ritz {
     /// lambda = sigma + 1 / mu.
     pub(crate) lambdas: Vec<Complex<f64>>,
     /// Residual of `(A - sigma B)^-1 B` relative to |mu|.
     pub(crate) residuals: Vec<f64>,
-    /// Coordinates of the vectors in the basis, in columns.
-    pub(crate) vectors: Mat<Complex<f64>>,
+    /// mu, and the coordinates of the images of the vectors in the basis and in what comes after it, in columns.
+    mus: Vec<Complex<f64>>,
+    images: Mat<Complex<f64>>,
 }
 
 impl Ritz {
@@ -38,15 +42,29 @@ impl Ritz {
             let (mu, size) = (values[(j, 0)].norm(), length(vectors.col_as_slice(j)));
             if mu == 0.0 { f64::INFINITY } else { length(outside.col_as_slice(j)) / (size * mu) }
         };
+        let image = |i: usize, j: usize| {
+            let mu = values[(order[j], 0)];
+            if i < m { vectors[(i, order[j])] * mu } else { outside[(i - m, order[j])] }
+        };
         Ok(Self {
             lambdas: order.iter().map(|&j| sigma + values[(j, 0)].inv()).collect(),
             residuals: order.iter().map(residual).collect(),
-            vectors: Mat::from_fn(m, m, |i, j| vectors[(i, order[j])]),
+            mus: order.iter().map(|&j| values[(j, 0)]).collect(),
+            images: Mat::from_fn(m + outside.nrows(), m, image),
         })
     }
 
-    /// The coordinates of some of the vectors.
+    /// The coordinates of some of the vectors, each multiplied once more than the basis was: the image is known anyway, and what is
+    /// far from the shift is less in it.
     pub(crate) fn vectors_of(&self, wanted: &[usize]) -> Mat<Complex<f64>> {
-        Mat::from_fn(self.vectors.nrows(), wanted.len(), |i, j| self.vectors[(i, wanted[j])])
+        Mat::from_fn(self.images.nrows(), wanted.len(), |i, j| self.images[(i, wanted[j])] / self.mus[wanted[j]])
+    }
+
+    /// Of some of the vectors those whose residuals are largest, as many as are multiplied at once.
+    pub(crate) fn worst(&self, wanted: &[usize]) -> Vec<usize> {
+        let mut all = wanted.to_vec();
+        all.sort_by(|&a, &b| self.residuals[b].total_cmp(&self.residuals[a]));
+        all.truncate(JUDGED);
+        all
     }
 }

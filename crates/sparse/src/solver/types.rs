@@ -66,6 +66,8 @@ impl Rectangle {
 pub struct Options {
     /// Largest backward error of an eigenpair.
     pub tolerance: f64,
+    /// The same of its left vector. An eigenvalue has an error of the order of the product of both, and a condition number needs few digits.
+    pub left_tolerance: f64,
     /// Right-hand sides that are solved together, and so the largest multiplicity that a Krylov space surely shows.
     pub block: usize,
     /// Most columns of a Krylov basis at one shift; memory is two doubles for each degree of freedom and column.
@@ -78,7 +80,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-11, block: 4, columns: 220, shifts: 2000, bytes: 2_000_000_000 }
+        Self { tolerance: 1e-11, left_tolerance: 1e-9, block: 4, columns: 220, shifts: 2000, bytes: 2_000_000_000 }
     }
 }
 
@@ -89,7 +91,7 @@ pub struct Eigenpair {
     pub lambda: Complex<f64>,
     /// phi, length n, unit 2-norm: `Q(lambda) phi = 0`.
     pub right: DVector<Complex<f64>>,
-    /// psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`.
+    /// psi, length n, unit 2-norm: `psi^H Q(lambda) = 0`, to a backward error of [`Options::left_tolerance`].
     pub left: DVector<Complex<f64>>,
     /// `|Q(lambda) phi| / ((|lambda|^2 |M| + |lambda| |C| + |K|) |phi|)`, Frobenius norms, as [`cea::backward_error`].
     pub backward_error: f64,
