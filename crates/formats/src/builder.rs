@@ -49,6 +49,11 @@ impl Builder {
         Self { entries: Vec::new(), most: limits.entries }
     }
 
+    /// Makes room for so many entries, of which the file has shown that they are there.
+    pub fn reserve(&mut self, entries: usize) {
+        self.entries.reserve(entries.min(self.most));
+    }
+
     /// Adds an entry; indices from 0, checked by the caller against a size within [`Limits::order`].
     pub fn push(&mut self, row: usize, column: usize, value: f64) -> Result<(), Problem> {
         if !value.is_finite() {

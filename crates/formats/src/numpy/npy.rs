@@ -13,6 +13,9 @@ pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header, bytes; NumPy's own limit against headers that take long to parse.
 const LONGEST: usize = 10_000;
 
+/// Most numbers for which there is room before they are read, whatever a header promises.
+const MADE_ROOM_FOR: usize = 1 << 20;
+
 /// What a header says.
 pub(crate) struct Header {
     /// The kind of numbers, or the letter of a kind that is none.
@@ -133,7 +136,7 @@ impl Header {
         if length > limits.entries {
             return Err(Problem::Limit { what: "entries of a matrix", most: limits.entries as u64 });
         }
-        let mut indices = Vec::new();
+        let mut indices = Vec::with_capacity(length.min(MADE_ROOM_FOR));
         for _ in 0..length {
             indices.push(index(what, storage.read(bytes, what)?, largest)?);
         }

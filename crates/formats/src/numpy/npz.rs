@@ -127,6 +127,7 @@ fn sparse(archive: &mut Archive, limits: &Limits) -> Result<Matrix, FormatsError
             ));
         }
         let mut builder = Builder::new(limits);
+        builder.reserve(length);
         for (&i, &j) in row.iter().zip(&column) {
             builder.push(i, j, header.next(bytes)?)?;
         }

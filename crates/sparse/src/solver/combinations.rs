@@ -15,17 +15,17 @@ const CHUNK: usize = 256;
 
 type Block = Mat<Complex<f64>>;
 
-/// `V^H X` with the first columns of V, and as many of its rows as X has.
-pub(super) fn adjoint_times(v: &Block, columns: usize, x: &Block) -> Block {
-    let mut product = Mat::zeros(columns, x.ncols());
-    let columns: Vec<_> = (0..columns).map(|j| &v.col_as_slice(j)[..x.nrows()]).collect();
+/// `V^H X` of the columns of V, with as many of its rows as X has.
+pub(super) fn adjoint_times(v: &[Vec<Complex<f64>>], x: &Block) -> Block {
+    let mut product = Mat::zeros(v.len(), x.ncols());
+    let columns: Vec<_> = v.iter().map(|column| &column[..x.nrows()]).collect();
     compute(Dots { columns: &columns, x, product: &mut product });
     product
 }
 
 /// `X + V C` with as many columns of V as C has rows, and as many of its rows as X has.
-pub(super) fn add_times(x: &mut Block, v: &Block, c: &Block) {
-    let columns: Vec<_> = (0..c.nrows()).map(|j| &v.col_as_slice(j)[..x.nrows()]).collect();
+pub(super) fn add_times(x: &mut Block, v: &[Vec<Complex<f64>>], c: &Block) {
+    let columns: Vec<_> = v[..c.nrows()].iter().map(|column| &column[..x.nrows()]).collect();
     compute(Sums { columns: &columns, c, x });
 }
 

@@ -154,7 +154,11 @@ fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &Group, width: usize) -
     let minus = Complex::from(-1.0);
     matmul(change.as_mut(), Accum::Add, lower.transpose(), upper.as_ref(), minus, PAR);
     (0..width).for_each(|i| diagonal[(i, i)] = diagonal[(i, i)].inv());
-    let flat = |m: &Mat<Complex<f64>>| (0..count).flat_map(|j| m.col_as_slice(j).to_vec()).collect();
+    let flat = |m: &Mat<Complex<f64>>| {
+        let mut flat = Vec::with_capacity(width * count);
+        (0..count).for_each(|j| flat.extend_from_slice(m.col_as_slice(j)));
+        flat
+    };
     let (lower, upper) = (flat(&lower), flat(&upper));
     (Eliminated { from: group.from, diagonal, pivots, below: group.below.clone(), lower, upper }, change)
 }

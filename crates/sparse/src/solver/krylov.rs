@@ -61,7 +61,7 @@ impl<'a> Krylov<'a> {
         let (n, block) = (pencil.order(), start.ncols());
         let (most, rank) = (capacity + block, capacity + 3 * block);
         let [u, v] = [0, n].map(|from| start.subrows(from, n).to_owned());
-        let mut space = Orthogonal::new(n, rank);
+        let mut space = Orthogonal::new(n);
         let before = space.append(u.clone());
         let mut krylov = Self {
             factor,
@@ -70,7 +70,7 @@ impl<'a> Krylov<'a> {
             mass: values(&mass),
             damping: values(&damping),
             space,
-            vectors: Orthogonal::new(pencil.states().len() + 2 * rank, most),
+            vectors: Orthogonal::new(pencil.states().len() + 2 * rank),
             pending: [u, v],
             projected: Mat::zeros(most, capacity),
             multiplied: 0,
@@ -120,7 +120,7 @@ impl<'a> Krylov<'a> {
     /// The coordinates a, with `part` 0, or b, with 1, of some columns of V.
     fn coordinates(&self, part: usize, from: usize, to: usize) -> Block {
         let (vectors, states) = (self.vectors.basis(), self.factor.pencil().states().len());
-        Mat::from_fn(self.space.columns(), to - from, |i, j| vectors[(states + 2 * i + part, from + j)])
+        Mat::from_fn(self.space.columns(), to - from, |i, j| vectors[from + j][states + 2 * i + part])
     }
 
     /// Multiplies the columns that have not been and appends the result.
@@ -130,7 +130,8 @@ impl<'a> Krylov<'a> {
     pub(crate) fn step(&mut self) -> Result<(), SparseError> {
         let (from, to) = (self.multiplied, self.vectors.columns());
         let before = self.coordinates(0, from, to);
-        let states = self.vectors.basis().submatrix(0, from, self.factor.pencil().states().len(), to - from).to_owned();
+        let vectors = self.vectors.basis();
+        let states = Mat::from_fn(self.factor.pencil().states().len(), to - from, |i, j| vectors[from + j][i]);
         let coefficients = self.extend(&before, states)?;
         self.projected.as_mut().submatrix_mut(0, from, coefficients.nrows(), to - from).copy_from(&coefficients);
         self.multiplied = to;

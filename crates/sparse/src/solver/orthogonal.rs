@@ -1,10 +1,9 @@
 //! Orthonormal columns to which blocks are added.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef};
+use faer::Mat;
 use num_complex::Complex;
 
-use super::blocks::{PAR, length};
+use super::blocks::length;
 use super::combinations::{add_times, adjoint_times};
 
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
@@ -15,29 +14,28 @@ const KEPT: f64 = 0.1;
 
 type Block = Mat<Complex<f64>>;
 
-/// Orthonormal columns, with room for more.
+/// Orthonormal columns, to which more come.
 pub(super) struct Orthogonal {
-    basis: Block,
-    columns: usize,
+    rows: usize,
+    basis: Vec<Vec<Complex<f64>>>,
 }
 
 impl Orthogonal {
-    pub(super) fn new(rows: usize, most: usize) -> Self {
-        Self { basis: Mat::zeros(rows, most), columns: 0 }
+    pub(super) fn new(rows: usize) -> Self {
+        Self { rows, basis: Vec::new() }
     }
 
     pub(super) fn columns(&self) -> usize {
-        self.columns
+        self.basis.len()
     }
 
-    /// The columns and, zero, those that there is room for.
-    pub(super) fn basis(&self) -> MatRef<'_, Complex<f64>> {
-        self.basis.as_ref()
+    pub(super) fn basis(&self) -> &[Vec<Complex<f64>>] {
+        &self.basis
     }
 
     /// The columns times coordinates.
     pub(super) fn times(&self, coordinates: &Block) -> Block {
-        let mut product = Mat::zeros(self.basis.nrows(), coordinates.ncols());
+        let mut product = Mat::zeros(self.rows, coordinates.ncols());
         add_times(&mut product, &self.basis, coordinates);
         product
     }
@@ -45,7 +43,7 @@ impl Orthogonal {
     /// Appends what is left of a block after orthogonalisation: the coordinates of the block in the columns before and after. What a
     /// first pass takes away most of goes through a second one. Rows that the block does not have are zero.
     pub(super) fn append(&mut self, mut block: Block) -> Block {
-        let (k, p) = (self.columns, block.ncols());
+        let (k, p) = (self.basis.len(), block.ncols());
         let before: Vec<_> = (0..p).map(|j| length(block.col_as_slice(j))).collect();
         let mut coefficients = Mat::zeros(k + p, p);
         for pass in 0..2 {
@@ -53,29 +51,28 @@ impl Orthogonal {
             if k == 0 || (pass > 0 && (0..p).all(is_kept)) {
                 break;
             }
-            let part = adjoint_times(&self.basis, k, &block);
+            let part = adjoint_times(&self.basis, &block);
             add_times(&mut block, &self.basis, &-&part);
             let mut sum = coefficients.as_mut().subrows_mut(0, k);
             sum += part;
         }
         for j in 0..p {
-            let added = self.columns - k;
+            let mut column = block.subcols(j, 1).to_owned();
+            let others = &self.basis[k..];
+            let added = others.len();
             for _ in 0..2 {
-                let others = self.basis.submatrix(0, k, block.nrows(), added);
-                let mut part = Mat::zeros(added, 1);
-                let column = block.as_mut().subcols_mut(j, 1);
-                matmul(part.as_mut(), Accum::Replace, others.adjoint(), column.as_ref(), Complex::from(1.0), PAR);
-                matmul(column, Accum::Add, others, part.as_ref(), Complex::from(-1.0), PAR);
+                let part = adjoint_times(others, &column);
+                add_times(&mut column, others, &-&part);
                 let mut sum = coefficients.as_mut().submatrix_mut(k, j, added, 1);
                 sum += part;
             }
-            let column = block.col_as_slice(j);
+            let column = column.col_as_slice(0);
             let left = length(column);
             if left > DEPENDENT * before[j] {
-                coefficients[(self.columns, j)] = Complex::from(left);
-                let target = self.basis.col_as_slice_mut(self.columns);
-                target.iter_mut().zip(column).for_each(|(t, c)| *t = c / left);
-                self.columns += 1;
+                coefficients[(k + added, j)] = Complex::from(left);
+                let mut unit: Vec<_> = column.iter().map(|value| value / left).collect();
+                unit.resize(self.rows, Complex::default());
+                self.basis.push(unit);
             }
         }
         coefficients

@@ -65,37 +65,18 @@ impl State {
 impl Pencil {
     pub(crate) fn new(system: &SparseSecondOrder) -> Self {
         let order = system.order();
-        let mut columns: Vec<Vec<usize>> = vec![Vec::new(); order];
-        for matrix in [&system.m, &system.c, &system.k] {
-            for (row, column, _) in matrix.triplet_iter() {
-                columns[column].push(row);
-                columns[row].push(column);
-            }
-        }
-        for state in &system.states {
-            for &(column, _) in &state.drive {
-                for &(row, _) in &state.force {
-                    columns[column].push(row);
-                    columns[row].push(column);
-                }
-            }
-        }
-        let (mut column_starts, mut rows) = (vec![0], Vec::new());
-        for mut column in columns {
-            // Of a few ascending runs.
-            column.sort();
-            column.dedup();
-            rows.extend(column);
-            column_starts.push(rows.len());
-        }
+        let (column_starts, rows) = symmetric_pattern(system);
         let place = |row: usize, column: usize| {
             let (from, to) = (column_starts[column], column_starts[column + 1]);
             from + rows[from..to].partition_point(|&other| other < row)
         };
-        let mirrored = |column: usize| {
-            rows[column_starts[column]..column_starts[column + 1]].iter().map(move |&row| place(column, row))
+        // Entries of a row come in the order of the columns, as those of the column with its number do.
+        let mut next = column_starts.clone();
+        let mirrored = |&row: &usize| {
+            next[row] += 1;
+            next[row] - 1
         };
-        let mirror: Vec<usize> = (0..order).flat_map(mirrored).collect();
+        let mirror: Vec<usize> = rows.iter().map(mirrored).collect();
         let spread = |matrix: &nalgebra_sparse::CscMatrix<f64>| {
             let mut values = vec![0.0; rows.len()];
             for (column, &start) in matrix.col_iter().zip(&column_starts) {
@@ -230,6 +211,60 @@ impl Pencil {
         compute(Product { rows: self.rows(entries), terms, product: &mut product });
         product
     }
+}
+
+/// The union of the patterns of M, C, K, the internal states and their transposes: starts of the columns, and rows, ascending.
+fn symmetric_pattern(system: &SparseSecondOrder) -> (Vec<usize>, Vec<usize>) {
+    let order = system.order();
+    let (mut starts, mut rows) = (vec![0], Vec::with_capacity(system.k.nnz()));
+    let mut of_states = vec![Vec::new(); if system.states.is_empty() { 0 } else { order }];
+    for state in &system.states {
+        for &(column, _) in &state.drive {
+            of_states[column].extend(state.force.iter().map(|&(row, _)| row));
+        }
+    }
+    let mut column = Vec::new();
+    for j in 0..order {
+        let parts = [&system.m, &system.c, &system.k].map(|matrix| {
+            let offsets = matrix.col_offsets();
+            &matrix.row_indices()[offsets[j]..offsets[j + 1]]
+        });
+        let all = [parts[0], parts[1], parts[2], of_states.get(j).map_or(&[][..], Vec::as_slice)];
+        add_union(&mut rows, &all, &mut column);
+        starts.push(rows.len());
+    }
+    // The transposed pattern: counts of the rows, then each entry in its place.
+    let mut transposed_starts = vec![0; order + 1];
+    rows.iter().for_each(|&row| transposed_starts[row + 1] += 1);
+    (0..order).for_each(|j| transposed_starts[j + 1] += transposed_starts[j]);
+    let (mut next, mut transposed) = (transposed_starts.clone(), vec![0; rows.len()]);
+    for j in 0..order {
+        for &row in &rows[starts[j]..starts[j + 1]] {
+            transposed[next[row]] = j;
+            next[row] += 1;
+        }
+    }
+    let (mut both_starts, mut both) = (vec![0], Vec::with_capacity(rows.len()));
+    for j in 0..order {
+        let own = &rows[starts[j]..starts[j + 1]];
+        add_union(&mut both, &[own, &transposed[transposed_starts[j]..transposed_starts[j + 1]]], &mut column);
+        both_starts.push(both.len());
+    }
+    (both_starts, both)
+}
+
+/// Appends the union of lists, ascending; most are equal.
+fn add_union(all: &mut Vec<usize>, lists: &[&[usize]], union: &mut Vec<usize>) {
+    union.clear();
+    for (at, list) in lists.iter().enumerate() {
+        if !lists[..at].contains(list) {
+            union.extend_from_slice(list);
+        }
+    }
+    // Of a few ascending runs.
+    union.sort();
+    union.dedup();
+    all.extend_from_slice(union);
 }
 
 /// The 2-norm without overflow of the squares.
