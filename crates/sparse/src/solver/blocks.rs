@@ -18,6 +18,18 @@ pub(crate) fn length(x: &[Complex<f64>]) -> f64 {
     (sums.iter().sum::<f64>() + rest.iter().map(Complex::norm_sqr).sum::<f64>()).sqrt()
 }
 
+/// `a^H b` of the rows that b has, summed in four parts.
+pub(super) fn dot(a: &[Complex<f64>], b: &[Complex<f64>]) -> Complex<f64> {
+    let a = &a[..b.len()];
+    let ((a, rest_a), (b, rest_b)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let mut sums = [Complex::<f64>::default(); 4];
+    for (a, b) in a.iter().zip(b) {
+        sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a.conj() * b);
+    }
+    let rest: Complex<f64> = rest_a.iter().zip(rest_b).map(|(a, b)| a.conj() * b).sum();
+    sums.iter().sum::<Complex<f64>>() + rest
+}
+
 /// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
 pub(super) fn starting_block(rows: usize, columns: usize) -> Mat<Complex<f64>> {
     Mat::from_fn(rows, columns, |i, j| {

@@ -7,7 +7,7 @@ use num_complex::Complex;
 use pulp::Simd;
 
 use super::lanes::{
-    Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, plus, scatter, turned, zero,
+    Halves, Kernel, Row, add, columns, compute, gathered, joined_conjugate, negative, plus, scatter, turned, zero,
 };
 
 /// Rows that are multiplied with all columns of a basis before the next ones: they stay in the nearest cache.
@@ -15,11 +15,11 @@ const CHUNK: usize = 256;
 
 type Block = Mat<Complex<f64>>;
 
-/// `V^H X` of the columns of V, with as many of its rows as X has.
-pub(super) fn adjoint_times(v: &[Vec<Complex<f64>>], x: &Block) -> Block {
+/// `V^H X` of the columns of V, with as many of its rows as X has; `X - V V^H X` takes the place of X.
+pub(super) fn remove(v: &[Vec<Complex<f64>>], x: &mut Block) -> Block {
     let mut product = Mat::zeros(v.len(), x.ncols());
     let columns: Vec<_> = v.iter().map(|column| &column[..x.nrows()]).collect();
-    compute(Dots { columns: &columns, x, product: &mut product });
+    compute(Removal { columns: &columns, x, product: &mut product });
     product
 }
 
@@ -29,17 +29,17 @@ pub(super) fn add_times(x: &mut Block, v: &[Vec<Complex<f64>>], c: &Block) {
     compute(Sums { columns: &columns, c, x });
 }
 
-struct Dots<'a> {
+struct Removal<'a> {
     columns: &'a [&'a [Complex<f64>]],
-    x: &'a Block,
+    x: &'a mut Block,
     product: &'a mut Block,
 }
 
-impl Kernel for Dots<'_> {
+impl Kernel for Removal<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
-        let groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
+        let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
         let mut dots = vec![vec![[zero::<S, N>(simd); 2]; self.columns.len()]; groups.len()];
         for from in (0..self.x.nrows()).step_by(CHUNK) {
             let chunk = from..self.x.nrows().min(from + CHUNK);
@@ -52,13 +52,20 @@ impl Kernel for Dots<'_> {
                 }
             }
         }
-        for (from, dots) in starts.zip(dots) {
+        let mut factors: Vec<Vec<Row<S, N>>> = Vec::with_capacity(groups.len());
+        for (from, dots) in starts.clone().zip(dots) {
             let mut rows: Vec<Row<S, N>> = Vec::with_capacity(dots.len());
             for halves in dots {
                 rows.push(joined_conjugate(simd, halves));
             }
             scatter::<S, N>(&rows, self.product, from, |i| i);
+            for row in &mut rows {
+                *row = negative(simd, *row);
+            }
+            factors.push(rows);
         }
+        add_all(simd, self.columns, &factors, &mut groups);
+        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
     }
 }
 
@@ -103,18 +110,30 @@ impl Kernel for Sums<'_> {
         let starts = (0..self.x.ncols()).step_by(columns::<S, N>());
         let mut groups: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.x, from, |i| i)).collect();
         let factors: Vec<Vec<Row<S, N>>> = starts.clone().map(|from| gathered(simd, self.c, from, |i| i)).collect();
-        for from in (0..self.x.nrows()).step_by(CHUNK) {
-            let chunk = from..self.x.nrows().min(from + CHUNK);
-            for (x, factors) in groups.iter_mut().zip(&factors) {
-                // As many factors at once as registers hold.
-                if N == 1 {
-                    add_columns::<S, N, 8>(simd, self.columns, chunk.clone(), factors, x);
-                } else {
-                    add_columns::<S, N, 4>(simd, self.columns, chunk.clone(), factors, x);
-                }
+        add_all(simd, self.columns, &factors, &mut groups);
+        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
+    }
+}
+
+/// Adds the columns times their factors to groups of rows.
+#[inline(always)]
+fn add_all<S: Simd, const N: usize>(
+    simd: S,
+    columns: &[&[Complex<f64>]],
+    factors: &[Vec<Row<S, N>>],
+    groups: &mut [Vec<Row<S, N>>],
+) {
+    let rows = groups.first().map_or(0, Vec::len);
+    for from in (0..rows).step_by(CHUNK) {
+        let chunk = from..rows.min(from + CHUNK);
+        for (x, factors) in groups.iter_mut().zip(factors) {
+            // As many factors at once as registers hold.
+            if N == 1 {
+                add_columns::<S, N, 8>(simd, columns, chunk.clone(), factors, x);
+            } else {
+                add_columns::<S, N, 4>(simd, columns, chunk.clone(), factors, x);
             }
         }
-        starts.zip(&groups).for_each(|(from, rows)| scatter::<S, N>(rows, self.x, from, |i| i));
     }
 }
 

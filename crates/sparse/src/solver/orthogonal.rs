@@ -3,8 +3,8 @@
 use faer::Mat;
 use num_complex::Complex;
 
-use super::blocks::length;
-use super::combinations::{add_times, adjoint_times};
+use super::blocks::{dot, length};
+use super::combinations::{add_times, remove};
 
 /// Part of a vector that has to be left after orthogonalisation; a vector of which less is left lies in the basis.
 const DEPENDENT: f64 = 1e-12;
@@ -51,25 +51,26 @@ impl Orthogonal {
             if k == 0 || (pass > 0 && (0..p).all(is_kept)) {
                 break;
             }
-            let part = adjoint_times(&self.basis, &block);
-            add_times(&mut block, &self.basis, &-&part);
+            let part = remove(&self.basis, &mut block);
             let mut sum = coefficients.as_mut().subrows_mut(0, k);
             sum += part;
         }
         for j in 0..p {
-            let mut column = block.subcols(j, 1).to_owned();
-            let others = &self.basis[k..];
-            let added = others.len();
+            let column = block.col_as_slice_mut(j);
             for _ in 0..2 {
-                let part = adjoint_times(others, &column);
-                add_times(&mut column, others, &-&part);
-                let mut sum = coefficients.as_mut().submatrix_mut(k, j, added, 1);
-                sum += part;
+                let whole = length(column);
+                for (i, other) in self.basis[k..].iter().enumerate() {
+                    let part = dot(other, column);
+                    column.iter_mut().zip(other).for_each(|(value, other)| *value -= part * other);
+                    coefficients[(k + i, j)] += part;
+                }
+                if length(column) > KEPT * whole {
+                    break;
+                }
             }
-            let column = column.col_as_slice(0);
             let left = length(column);
             if left > DEPENDENT * before[j] {
-                coefficients[(k + added, j)] = Complex::from(left);
+                coefficients[(self.basis.len(), j)] = Complex::from(left);
                 let mut unit: Vec<_> = column.iter().map(|value| value / left).collect();
                 unit.resize(self.rows, Complex::default());
                 self.basis.push(unit);

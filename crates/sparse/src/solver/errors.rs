@@ -1,0 +1,25 @@
+//! What is left of the errors of Ritz vectors.
+
+use super::blocks::length;
+use super::krylov::Krylov;
+use super::products::Parts;
+use super::ritz::Ritz;
+
+/// By what a block more divides backward errors, at least; chosen.
+const FALL: f64 = 2.5;
+
+/// The backward errors of some Ritz values with their vectors.
+pub(super) fn errors(krylov: &Krylov<'_>, ritz: &Ritz, some: &[usize]) -> Vec<f64> {
+    let (pencil, vectors) = (krylov.pencil(), krylov.displacements(&ritz.vectors_of(some)));
+    let parts = pencil.parts(krylov.side(), &vectors);
+    let error = |(j, (parts, &at)): (usize, (&Parts<'_>, &usize))| {
+        let lambda = ritz.lambdas[at];
+        parts.sum(&pencil.weights(lambda)).norm() / (pencil.size(lambda) * length(vectors.col_as_slice(j)))
+    };
+    parts.iter().zip(some).enumerate().map(error).collect()
+}
+
+/// How many blocks more an error needs to be as small as is wanted.
+pub(super) fn blocks_until(wanted: f64, error: f64) -> usize {
+    (error / wanted).log(FALL).ceil() as usize
+}

@@ -1,0 +1,114 @@
+//! Left vectors of eigenvalues whose right ones are known.
+
+use faer::Mat;
+use num_complex::Complex;
+
+use super::blocks::starting_block;
+use super::errors::{blocks_until, errors};
+use super::factor::Factor;
+use super::krylov::Krylov;
+use super::products::Side;
+use super::ritz::Ritz;
+use super::types::{Counters, Options};
+use crate::SparseError;
+
+/// Residual of a Ritz vector, relative, that is enough: this part of the distance to the next eigenvalue, as a part of that to the
+/// shift, between these limits, so that a condition number has two digits or is one of a group. Chosen.
+const OF_GAP: f64 = 1e-2;
+const CONVERGED_LEFT: [f64; 2] = [1e-6, 1e-4];
+/// Part of the backward error allowed to a left vector at which the space ends, as it shows in the worst ones; chosen.
+const OF_TOLERANCE_LEFT: f64 = 0.1;
+/// Columns of the left basis at the first look, as a part of those of the right one, and its growth between two looks; chosen.
+const LEFT_LOOK: f64 = 0.7;
+const LEFT_GROWTH: f64 = 1.08;
+/// Distance of a left from a right Ritz value of one eigenvalue, as a part of the distance to the shift.
+const SAME_AS_RIGHT: f64 = 1e-5;
+
+type Block = Mat<Complex<f64>>;
+
+/// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right
+/// vectors, which they are where the matrices are symmetric.
+pub(super) fn left_vectors(
+    factor: &Factor<'_>,
+    scale: f64,
+    lambdas: &[Complex<f64>],
+    right: &Block,
+    columns: usize,
+    options: &Options,
+    counters: &mut Counters,
+) -> Result<Vec<Option<Vec<Complex<f64>>>>, SparseError> {
+    let (pencil, sigma) = (factor.pencil(), factor.shift());
+    let (n, block) = (pencil.order(), options.block);
+    let mix = starting_block(lambdas.len(), block);
+    let mut start: Block = Mat::zeros(2 * n + pencil.states().len(), block);
+    for (j, &lambda) in lambdas.iter().enumerate() {
+        let phi = right.col_as_slice(j);
+        let states: Vec<_> = pencil
+            .states()
+            .iter()
+            .map(|state| {
+                let driven: Complex<f64> = state.force.iter().map(|&(dof, f)| phi[dof] * f).sum();
+                driven * lambda / (lambda + state.decay)
+            })
+            .collect();
+        for column in 0..block {
+            let weight = mix[(j, column)];
+            let target = start.col_as_slice_mut(column);
+            for (i, &value) in phi.iter().enumerate() {
+                target[i] += weight * value;
+                target[n + i] += weight * lambda * value / scale;
+            }
+            target[2 * n..].iter_mut().zip(&states).for_each(|(t, z)| *t += weight * z);
+        }
+    }
+    let capacity = options.columns.max(2 * block);
+    let mut krylov = Krylov::new(factor, Side::Left, scale, &start, capacity)?;
+    let mut next = (LEFT_LOOK * columns as f64) as usize;
+    loop {
+        krylov.step()?;
+        let is_last = krylov.is_complete() || krylov.dimension() + krylov.pending() > capacity;
+        if krylov.dimension() < next && !is_last {
+            continue;
+        }
+        let ritz = Ritz::of(&krylov, sigma)?;
+        let partners = partners(lambdas, sigma, &ritz);
+        let found: Vec<usize> = partners.iter().flatten().copied().collect();
+        if found.len() < lambdas.len() && !is_last {
+            next = ((next as f64 * LEFT_GROWTH) as usize).max(next + block);
+            continue;
+        }
+        let allowed = OF_TOLERANCE_LEFT * options.left_tolerance;
+        let error = errors(&krylov, &ritz, &ritz.worst(&found)).into_iter().fold(0.0, f64::max);
+        if is_last || error <= allowed {
+            counters.solves += krylov.dimension() + block;
+            let vectors = krylov.displacements(&ritz.vectors_of(&found));
+            let mut vectors = (0..found.len()).map(|j| vectors.col_as_slice(j).to_vec());
+            return Ok(partners.iter().map(|partner| partner.and_then(|_| vectors.next())).collect());
+        }
+        next = krylov.dimension() + blocks_until(allowed, error).max(1) * block;
+    }
+}
+
+/// The left Ritz value of each right one, each used once, if it has converged.
+fn partners(lambdas: &[Complex<f64>], sigma: Complex<f64>, left: &Ritz) -> Vec<Option<usize>> {
+    let mut is_free = vec![true; left.lambdas.len()];
+    let enough = |at: usize| {
+        let own = left.lambdas[at];
+        let distance = |(j, other): (usize, &Complex<f64>)| if j == at { f64::INFINITY } else { (other - own).norm() };
+        let gap = left.lambdas.iter().enumerate().map(distance).fold(f64::INFINITY, f64::min);
+        let [least, most] = CONVERGED_LEFT;
+        (OF_GAP * gap / (own - sigma).norm()).clamp(least, most)
+    };
+    let mut partner = |lambda: &Complex<f64>| {
+        let distance = |&j: &usize| (left.lambdas[j] - lambda).norm();
+        let free = (0..is_free.len()).filter(|&j| is_free[j]);
+        let nearest = free.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let is_same =
+            distance(&nearest) <= SAME_AS_RIGHT * (lambda - sigma).norm() && left.residuals[nearest] <= enough(nearest);
+        is_same.then(|| {
+            is_free[nearest] = false;
+            nearest
+        })
+    };
+    lambdas.iter().map(&mut partner).collect()
+}
