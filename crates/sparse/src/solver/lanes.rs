@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// Columns of a basis, or rows of a factor, that are taken together.
 pub(super) const GROUP: usize = 4;
 /// Coefficients that are brought near at once: a small part of the nearest cache.
-pub(super) const PIECE: usize = 512;
+pub(super) const PIECE: usize = 256;
 /// Coefficients in a line of a cache.
 const LINE: usize = 4;
 

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use cea::Verdict;
-use formats::Dof;
+use formats::{Dof, Matrix};
 use montecarlo::{Bar, Progress};
 use nalgebra_sparse::CscMatrix;
 use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
@@ -58,10 +58,12 @@ pub(super) fn parse(text: &str) -> Result<Rectangle, String> {
 pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, Error> {
     let matrices = Matrices::read(args, Sizes { bytes: LARGEST_FILE, order: LARGEST_ORDER, beyond: "" })?;
     let order = matrices.order();
-    let c = matrices.damping.as_ref().map_or_else(|| CscMatrix::zeros(order, order), |c| c.to_csc());
-    let system = SparseSecondOrder::new(matrices.mass.to_csc(), c, matrices.stiffness.to_csc())?;
     let labels = matrices.labels().map(<[Dof]>::to_vec);
-    drop(matrices);
+    let Matrices { mass, damping, stiffness } = matrices;
+    // Each is given back before the next one is copied.
+    let sparse = |matrix: Matrix| matrix.to_csc();
+    let c = damping.map_or_else(|| CscMatrix::zeros(order, order), sparse);
+    let system = SparseSecondOrder::new(sparse(mass), c, sparse(stiffness))?;
     announce(order);
     let mut found = search(&system, rectangle)?;
     if let Some(most) = args.rightmost {
