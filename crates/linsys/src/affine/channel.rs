@@ -61,11 +61,17 @@ impl Channel {
     /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.
     pub(super) fn add(&self, gain: &ChannelGain, state: usize, out: &mut SecondOrder) {
         // By columns, as matrices are stored: the channels of a reduced brake are dense.
+        let rows = out.order();
+        let is_dense = self.force.len() == rows && self.force.iter().enumerate().all(|(at, &(row, _))| at == row);
+        let dense: Vec<f64> = self.force.iter().filter(|_| is_dense).map(|&(_, b)| b).collect();
         let add = |matrix: &mut DMatrix<f64>, factor: f64, across: &[(usize, f64)]| {
-            let rows = matrix.nrows();
             for &(column, r) in across {
                 let column = &mut matrix.as_mut_slice()[column * rows..(column + 1) * rows];
-                self.force.iter().for_each(|&(row, b)| column[row] += factor * (b * r));
+                if is_dense {
+                    column.iter_mut().zip(&dense).for_each(|(entry, b)| *entry += factor * (b * r));
+                } else {
+                    self.force.iter().for_each(|&(row, b)| column[row] += factor * (b * r));
+                }
             }
         };
         if gain.mu != 0.0 {
