@@ -34,7 +34,7 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
     }
     let mode = |(found, at): (Option<(NewtonStep, Shape)>, &PathPoint<'_>)| {
         let (NewtonStep { lambda, rate }, mut shape) = found?;
-        shape.unscale_mut(mass_norm_squared(at.path.inertia(), &shape).abs().sqrt());
+        shape.unscale_mut(mass_norm_squared(&at.path.inertia().m, &shape).abs().sqrt());
         Some(ModeOnPath { mode: Mode { lambda, shape }, rate })
     };
     found.into_iter().zip(at).map(mode).collect()

@@ -9,7 +9,7 @@
 use cea::{CeaError, EigenSolver, Mode, Workspace};
 
 use crate::continuation::continue_modes;
-use crate::mac::{Match, match_modes};
+use crate::mac::clear_matches;
 use crate::path::{Links, Path, PathEnd};
 use crate::subdivision::Subdivision;
 
@@ -52,8 +52,13 @@ fn link_all(
     near: bool,
     work: &mut Workspace,
 ) -> Vec<Result<Links, CeaError>> {
-    let mut ends: Vec<Vec<Option<usize>>> =
-        paths.iter().map(|path| if near { clear_matches(path) } else { vec![None; path.start_modes.len()] }).collect();
+    let mut ends: Vec<Vec<Option<usize>>> = paths
+        .iter()
+        .map(|path| match near {
+            true => clear_matches(path.start_modes, path.end.modes, &path.inertia().m),
+            false => vec![None; path.start_modes.len()],
+        })
+        .collect();
     let lost = link_by_continuation(paths, near, &mut ends, work);
     let lost: Vec<Lost> = lost.chunk_by(|a, b| a.0 == b.0).map(|of_path| Lost::new(of_path, paths, &ends)).collect();
     let sample_points = if near { 0 } else { SAMPLE_POINTS_OF_FAR_PATHS };
@@ -70,12 +75,6 @@ fn link_all(
         }
     }
     links
-}
-
-/// The clear matches by MAC.
-fn clear_matches(path: &Path<'_>) -> Vec<Option<usize>> {
-    let clear = |found: Match| found.to.filter(|_| found.is_clear());
-    match_modes(path.start_modes, path.end.modes, &path.inertia().m).into_iter().map(clear).collect()
 }
 
 /// Continues the modes whose entry in `ends` is empty and fills the entries found; returns the modes that are lost, ascending.

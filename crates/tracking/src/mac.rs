@@ -35,6 +35,14 @@ impl Match {
     }
 }
 
+/// For each of some mass-normalised modes the index of the one of `known` that it clearly is, by the MAC of all of them together;
+/// `None` where that is in doubt.
+#[must_use]
+pub fn clear_matches(modes: &[Mode], known: &[Mode], mass: &DMatrix<f64>) -> Vec<Option<usize>> {
+    let clear = |found: Match| found.to.filter(|_| found.is_clear());
+    match_modes(modes, known, mass).into_iter().map(clear).collect()
+}
+
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).
 ///
 /// A match is clear, by a rule, where its MAC is at least 0.4 and it has no rival. A rival is another new mode with a MAC above

@@ -1,7 +1,7 @@
 //! One oscillating mode: its eigenvalue and its shape.
 
 use linsys::SecondOrder;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::vectors::fix_phase;
@@ -29,16 +29,16 @@ impl Mode {
     pub fn of_all(of: &[(&SecondOrder, &[Complex<f64>])], work: &mut Workspace) -> Vec<Result<Vec<Self>, CeaError>> {
         let shapes = right_vectors_of_all(of, work);
         let modes = |(&(system, lambdas), shapes): (&(&SecondOrder, &[Complex<f64>]), Result<Vec<_>, _>)| {
-            Ok(lambdas.iter().zip(shapes?).map(|(&lambda, shape)| Self::normalised(system, lambda, shape)).collect())
+            Ok(lambdas.iter().zip(shapes?).map(|(&lambda, shape)| Self::normalised(&system.m, lambda, shape)).collect())
         };
         of.iter().zip(shapes).map(modes).collect()
     }
 
-    /// The mode of `system` at `lambda` with this shape, normalised.
+    /// The mode at `lambda` with this shape, of a system with this mass matrix, normalised.
     #[must_use]
-    pub fn normalised(system: &SecondOrder, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
+    pub fn normalised(mass: &DMatrix<f64>, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
         fix_phase(&mut shape);
-        shape.unscale_mut(mass_norm_squared(system, &shape).abs().sqrt());
+        shape.unscale_mut(mass_norm_squared(mass, &shape).abs().sqrt());
         Self { lambda, shape }
     }
 }

@@ -1,7 +1,7 @@
 //! Which eigenvalues are modes, and the two ways of numbering modes by frequency.
 
 use linsys::{SecondOrder, real_times_complex};
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, right_vector};
@@ -148,14 +148,14 @@ fn is_internal(
     let internal: f64 = (0..system.states())
         .map(|s| (lambda * drive[s] / (lambda + decay[s]) / form.state_weights[s]).norm_sqr())
         .sum();
-    let kinetic = mass_norm_squared(system, &phi);
+    let kinetic = mass_norm_squared(&system.m, &phi);
     Ok(internal > kinetic * (1.0 + (lambda / form.gamma).norm_sqr()))
 }
 
 /// `phi^H M phi`, real for symmetric M.
 #[must_use]
-pub fn mass_norm_squared(system: &SecondOrder, phi: &DVector<Complex<f64>>) -> f64 {
-    phi.dotc(&real_times_complex(&system.m, phi)).re
+pub fn mass_norm_squared(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> f64 {
+    phi.dotc(&real_times_complex(mass, phi)).re
 }
 
 #[cfg(test)]

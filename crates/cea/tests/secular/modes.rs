@@ -57,7 +57,7 @@ fn shapes_are_those_of_the_whole_system() {
                 worst_mac.set(worst_mac.get().max(apart));
                 worst_error.set(worst_error.get().max(error));
                 prop_assert!(apart.abs() < 1e-8 && error < 1e-8, "{lambda}: MAC 1 - {apart:e}, {error:e}, {gain:?}");
-                prop_assert!((cea::mass_norm_squared(system, &found.shape) - 1.0).abs() < 1e-12);
+                prop_assert!((cea::mass_norm_squared(&system.m, &found.shape) - 1.0).abs() < 1e-12);
                 let count = if lambda.re > 0.0 { &growing } else { &others };
                 count.set(count.get() + 1);
             }

@@ -7,6 +7,7 @@ use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
 use work::ModeWork;
 
+use super::band::BandNames;
 use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
 use super::memory::{Scratch, timed};
@@ -223,16 +224,22 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         points: &[OperatingPoint],
         scratch: &mut Scratch,
     ) -> Vec<Result<Outcome, Error>> {
-        let (solvers, memory) = (self.solvers(scene), &mut scratch.memory);
+        let memory = &mut scratch.memory;
+        let names = BandNames {
+            solver: self.solver,
+            plan: self.plan(),
+            reference: &self.references[scene],
+            likeness_too: self.options.likeness_too,
+        };
         let scene = &self.plan().scenes[scene];
-        let Some(solver) = solvers.first() else { return Vec::new() };
+        let model = &self.plan().brake(scene).system;
         let mut outcome = |at: &OperatingPoint| {
             let found = timed(&mut memory.spent.search, || self.brake.band_modes(scene, at))?;
             if found.is_empty() {
                 return Ok(Outcome::default());
             }
-            let system = timed(&mut memory.spent.assembly, || self.plan().brake(scene).system.assemble(at))?;
-            let modes = solver.name_band(&system, found, memory)?;
+            let mass = timed(&mut memory.spent.assembly, || model.mass(&at.coefficients))?;
+            let modes = names.sector_modes(found, &mass, || Ok(model.assemble(at)?), memory)?;
             self.outcome(scene, at, &[modes])
         };
         points.iter().map(&mut outcome).collect()

@@ -7,6 +7,7 @@
 //! Nothing here knows what the brake is: it runs on the affine form of [`osc_model::Brake`], and on what an
 //! [`UncertainBrake`] computes.
 
+mod band;
 mod brake;
 mod certificate;
 mod comparison;

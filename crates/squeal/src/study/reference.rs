@@ -133,7 +133,7 @@ impl Reference {
     /// The modes of the whole brake, from those of all its sectors.
     fn joined(system: SecondOrder, sectors: &Sectors, of_sectors: &[Self]) -> Self {
         let named = |(sector, part): (&Sector, &Self)| {
-            let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
+            let whole = |mode: &Mode| Mode::normalised(&system.m, mode.lambda, sector.expand(&mode.shape));
             part.modes.iter().map(whole).zip(part.names.clone()).collect::<Vec<_>>()
         };
         let all: Vec<(Mode, Vec<ModeLabel>)> = sectors.iter().zip(of_sectors).flat_map(named).collect();
@@ -141,7 +141,7 @@ impl Reference {
         let (modes, names) = rank_order(&lambdas).into_iter().map(|at| all[at].clone()).unzip();
         let shapes = |(sector, part): (&Sector, &Self)| {
             let NamedShapes { modes, names } = part.shapes.as_ref()?;
-            let whole = |mode: &Mode| Mode::normalised(&system, mode.lambda, sector.expand(&mode.shape));
+            let whole = |mode: &Mode| Mode::normalised(&system.m, mode.lambda, sector.expand(&mode.shape));
             Some(NamedShapes { modes: modes.iter().map(whole).collect(), names: names.clone() })
         };
         let shapes = sectors.iter().zip(of_sectors).map(shapes).collect::<Option<Vec<_>>>().map(NamedShapes::joined);
@@ -155,7 +155,7 @@ impl Reference {
         for (mode, names) in self.modes.iter().zip(&self.names) {
             let shape = sector.project(&mode.shape);
             if shape.norm_squared() > 0.5 * mode.shape.norm_squared() {
-                part.modes.push(Mode::normalised(&part.system, mode.lambda, shape));
+                part.modes.push(Mode::normalised(&part.system.m, mode.lambda, shape));
                 part.names.push(names.clone());
             }
         }
@@ -294,7 +294,10 @@ fn across(
     let mut work = bounded_workspace(bridge.from.order());
     let (mut next, _) = Reference::unnamed(solver, system, plan, &mut work)?;
     let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
-        modes.iter().map(|mode| Mode::normalised(system, mode.lambda, real_times_complex(onto, &mode.shape))).collect()
+        modes
+            .iter()
+            .map(|mode| Mode::normalised(&system.m, mode.lambda, real_times_complex(onto, &mode.shape)))
+            .collect()
     };
     let own = bridge.own.transpose() * &bridge.origin;
     next.shapes = origin.shapes.as_ref().map(|NamedShapes { modes, names }| NamedShapes {

@@ -9,7 +9,7 @@ use num_complex::Complex;
 use tracking::{Path, PathEnd, PathStart};
 
 use super::memory::{Memory, timed};
-use super::{BandMode, ModeLabel, ModeResidual, Plan, Reference};
+use super::{ModeLabel, ModeResidual, Plan, Reference};
 
 /// The modes of one sector in one sample.
 #[derive(Debug, Clone)]
@@ -109,32 +109,6 @@ impl SectorSolver<'_> {
             found.iter().zip(&judged).map(|((gain, _), judged)| (*gain, judged.lambdas())).collect();
         let named = self.named_at(&lambdas, memory);
         judged.into_iter().zip(named).map(|(judged, named)| Ok(judged.with_names(named?))).collect()
-    }
-
-    /// The modes that a brake found itself in one sample, whose system is given; the unstable ones with names.
-    pub fn name_band(
-        &self,
-        system: &SecondOrder,
-        found: Vec<BandMode>,
-        memory: &mut Memory,
-    ) -> Result<SectorModes, CeaError> {
-        let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
-        let studied: Vec<BandMode> = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda)).collect();
-        let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
-        let undecided = studied.iter().filter(is_open).count() as u32;
-        let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
-        let shaped = unstable.iter().map(|&at| {
-            let BandMode { lambda, shape, .. } = &studied[at];
-            Mode::normalised(system, *lambda, shape.clone())
-        });
-        let named = self.named(&[PathStart::System(system)], vec![Ok(shaped.collect())], memory).remove(0)?;
-        let mode = |(index, NamedMode { mode, names, names_by_likeness }): (usize, NamedMode)| {
-            let residual = studied[index].residual;
-            UnstableSectorMode { index, mode, names, names_by_likeness, residual }
-        };
-        let unstable = unstable.into_iter().zip(named).map(mode).collect();
-        let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
-        Ok(SectorModes { modes: Modes { oscillatory, real: Vec::new(), internal: Vec::new() }, unstable, undecided })
     }
 
     /// The modes at given eigenvalues of some gains, with their names; empty for a sector without a secular equation.

@@ -141,7 +141,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     fn without_influences(&self, triple: &Eigentriple) -> Result<Why, Error> {
         let separation = triple.separation(&self.spectrum.eigenvalues);
         let Separation { nearest, blur } = separation;
-        let mode = Mode::normalised(&self.system, triple.lambda, triple.right.clone());
+        let mode = Mode::normalised(&self.system.m, triple.lambda, triple.right.clone());
         let structure_modes = self.structure.as_ref().map_or(Vec::new(), |modes| {
             let parts = modes.participation(&mode.shape).into_iter().zip(&modes.omega_squared).enumerate();
             let mut list: Vec<StructureMode> = parts

@@ -154,7 +154,7 @@ impl Secular {
             let shapes: Vec<_> = shapes.by_ref().take(lambdas.len()).collect();
             let mode = |(shape, &lambda): (Option<ShapeWithResidual>, &Complex<f64>)| {
                 let ShapeWithResidual { shape, residual } = shape?;
-                (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(&self.structure, lambda, shape))
+                (residual <= LARGEST_RESIDUAL).then(|| Mode::normalised(&self.structure.m, lambda, shape))
             };
             let modes: Option<Vec<Mode>> = shapes.into_iter().zip(lambdas).map(mode).collect();
             modes.filter(|_| !lambdas.windows(2).any(is_close))

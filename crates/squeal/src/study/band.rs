@@ -1,0 +1,97 @@
+//! The modes of a brake that finds them itself, with their names: by likeness to those of the reference, and followed to these only where
+//! that is in doubt, so that most samples need no matrices.
+
+use cea::{EigenSolver, Mode, Modes, Workspace};
+use linsys::SecondOrder;
+use nalgebra::DMatrix;
+use tracking::{Path, PathEnd, PathStart, clear_matches};
+
+use super::memory::{Memory, timed};
+use super::sector_modes::{SectorModes, UnstableSectorMode};
+use super::{BandMode, ModeIdentity, ModeLabel, Plan, Reference};
+use crate::Error;
+
+/// What the modes of a scene are named by.
+#[derive(Clone, Copy)]
+pub(super) struct BandNames<'a> {
+    pub solver: &'a dyn EigenSolver,
+    pub plan: &'a Plan,
+    pub reference: &'a Reference,
+    /// Whether modes are named by likeness to those of the origin too.
+    pub likeness_too: bool,
+}
+
+/// The modes of one sample in the band, with verdicts.
+struct Judged {
+    studied: Vec<BandMode>,
+    /// Indices of the unstable ones.
+    unstable: Vec<usize>,
+    undecided: u32,
+}
+
+impl Judged {
+    fn new(found: Vec<BandMode>, plan: &Plan) -> Self {
+        let margin = |mode: &BandMode| plan.threshold.margin(mode.lambda);
+        let studied: Vec<BandMode> = found.into_iter().filter(|mode| plan.is_studied(mode.lambda)).collect();
+        let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
+        let undecided = studied.iter().filter(is_open).count() as u32;
+        let unstable = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
+        Self { studied, unstable, undecided }
+    }
+
+    fn modes(&self, mass: &DMatrix<f64>) -> Vec<Mode> {
+        let mode = |&at: &usize| Mode::normalised(mass, self.studied[at].lambda, self.studied[at].shape.clone());
+        self.unstable.iter().map(mode).collect()
+    }
+}
+
+impl BandNames<'_> {
+    /// The modes found in one sample, the unstable ones with names. Its mass matrix is given, its `system` made where it is needed.
+    ///
+    /// # Errors
+    /// A system that cannot be made; those of the solver.
+    pub fn sector_modes(
+        &self,
+        found: Vec<BandMode>,
+        mass: &DMatrix<f64>,
+        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        memory: &mut Memory,
+    ) -> Result<SectorModes, Error> {
+        let judged = Judged::new(found, self.plan);
+        let modes = judged.modes(mass);
+        let Memory { work, spent, .. } = memory;
+        let names = timed(&mut spent.names, || self.names(&modes, mass, system, work))?;
+        let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
+        let mut by_likeness = by_likeness.into_iter().flatten();
+        let named = judged.unstable.iter().zip(modes).zip(names);
+        let unstable = named.map(|((&index, mode), names)| {
+            let (names_by_likeness, residual) = (by_likeness.next(), judged.studied[index].residual);
+            UnstableSectorMode { index, mode, names, names_by_likeness, residual }
+        });
+        let unstable = unstable.collect();
+        let oscillatory = judged.studied.iter().map(|mode| mode.lambda).collect();
+        let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
+        Ok(SectorModes { modes, unstable, undecided: judged.undecided })
+    }
+
+    /// The names of some modes of a system.
+    fn names(
+        &self,
+        modes: &[Mode],
+        mass: &DMatrix<f64>,
+        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        work: &mut Workspace,
+    ) -> Result<Vec<Vec<ModeLabel>>, Error> {
+        if self.plan.mode_identity == ModeIdentity::Mac {
+            return Ok(self.reference.names_by_likeness(modes).unwrap_or_default());
+        }
+        let known = self.reference;
+        let clear: Option<Vec<usize>> = clear_matches(modes, &known.modes, mass).into_iter().collect();
+        if let Some(clear) = clear {
+            return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
+        }
+        let (system, end) = (system()?, PathEnd { system: &known.system, modes: &known.modes });
+        let path = Path { start: PathStart::System(&system), start_modes: modes, end };
+        Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
+    }
+}
