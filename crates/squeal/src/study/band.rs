@@ -12,37 +12,12 @@ use super::{BandMode, ModeIdentity, ModeLabel, Plan, Reference};
 use crate::Error;
 
 /// What the modes of a scene are named by.
-#[derive(Clone, Copy)]
 pub(super) struct BandNames<'a> {
     pub solver: &'a dyn EigenSolver,
     pub plan: &'a Plan,
     pub reference: &'a Reference,
     /// Whether modes are named by likeness to those of the origin too.
     pub likeness_too: bool,
-}
-
-/// The modes of one sample in the band, with verdicts.
-struct Judged {
-    studied: Vec<BandMode>,
-    /// Indices of the unstable ones.
-    unstable: Vec<usize>,
-    undecided: u32,
-}
-
-impl Judged {
-    fn new(found: Vec<BandMode>, plan: &Plan) -> Self {
-        let margin = |mode: &BandMode| plan.threshold.margin(mode.lambda);
-        let studied: Vec<BandMode> = found.into_iter().filter(|mode| plan.is_studied(mode.lambda)).collect();
-        let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
-        let undecided = studied.iter().filter(is_open).count() as u32;
-        let unstable = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
-        Self { studied, unstable, undecided }
-    }
-
-    fn modes(&self, mass: &DMatrix<f64>) -> Vec<Mode> {
-        let mode = |&at: &usize| Mode::normalised(mass, self.studied[at].lambda, self.studied[at].shape.clone());
-        self.unstable.iter().map(mode).collect()
-    }
 }
 
 impl BandNames<'_> {
@@ -57,21 +32,26 @@ impl BandNames<'_> {
         system: impl FnOnce() -> Result<SecondOrder, Error>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
-        let judged = Judged::new(found, self.plan);
-        let modes = judged.modes(mass);
+        let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
+        let studied: Vec<BandMode> = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda)).collect();
+        let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
+        let undecided = studied.iter().filter(is_open).count() as u32;
+        let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
+        let mode = |&at: &usize| Mode::normalised(mass, studied[at].lambda, studied[at].shape.clone());
+        let modes: Vec<Mode> = unstable.iter().map(mode).collect();
         let Memory { work, spent, .. } = memory;
         let names = timed(&mut spent.names, || self.names(&modes, mass, system, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
-        let named = judged.unstable.iter().zip(modes).zip(names);
+        let named = unstable.iter().zip(modes).zip(names);
         let unstable = named.map(|((&index, mode), names)| {
-            let (names_by_likeness, residual) = (by_likeness.next(), judged.studied[index].residual);
+            let (names_by_likeness, residual) = (by_likeness.next(), studied[index].residual);
             UnstableSectorMode { index, mode, names, names_by_likeness, residual }
         });
         let unstable = unstable.collect();
-        let oscillatory = judged.studied.iter().map(|mode| mode.lambda).collect();
+        let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
         let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
-        Ok(SectorModes { modes, unstable, undecided: judged.undecided })
+        Ok(SectorModes { modes, unstable, undecided })
     }
 
     /// The names of some modes of a system.
