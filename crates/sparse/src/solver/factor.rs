@@ -10,7 +10,7 @@ use faer::{Conj, Mat, Spec};
 use num_complex::Complex;
 
 use super::blocks::{PAR, length, starting_block};
-use super::fronts::{Eliminated, Elimination, factorised};
+use super::fronts::{Elimination, Factors, factorised};
 use super::lanes::compute;
 use super::pencil::{Entries, Pencil};
 use super::products::Side;
@@ -53,7 +53,7 @@ impl Symbolic {
 
 /// The factors of one shift.
 enum Numeric<'a> {
-    Symmetric(&'a Elimination, Vec<Eliminated>),
+    Symmetric(&'a Elimination, Factors),
     Pivoted(&'a SymbolicLu<usize>, Box<NumericLu<usize, Complex<f64>>>),
 }
 
@@ -81,9 +81,9 @@ impl<'a> Factor<'a> {
     /// [`SparseError::Singular`] where a pivot is zero for every value of the entries, [`SparseError::Memory`].
     pub(crate) fn new(symbolic: &'a Symbolic, pencil: &'a Pencil, sigma: Complex<f64>) -> Result<Self, SparseError> {
         let values = pencil.values(&pencil.weights(sigma));
-        let groups =
+        let factors =
             factorised(&symbolic.symmetric, pencil, &values).ok_or(SparseError::Memory { order: pencil.order() })?;
-        let numeric = Numeric::Symmetric(&symbolic.symmetric, groups);
+        let numeric = Numeric::Symmetric(&symbolic.symmetric, factors);
         let [right, left] = [Side::Right, Side::Left].map(|side| pencil.by_rows(Entries::All, &values, side));
         let mut factor = Self { pencil, numeric, right, left, sigma, size: pencil.size(sigma) };
         let b = factor.product(Side::Right, &starting_block(pencil.order(), 1));
@@ -181,8 +181,8 @@ impl<'a> Factor<'a> {
 
     fn substitute(&self, side: Side, x: &mut Mat<Complex<f64>>) {
         match &self.numeric {
-            Numeric::Symmetric(elimination, groups) => {
-                compute(Substitution { groups, order: elimination.order(), side, x });
+            Numeric::Symmetric(elimination, factors) => {
+                compute(Substitution { factors, order: elimination.order(), side, x });
             }
             Numeric::Pivoted(symbolic, numeric) => {
                 let lu = LuRef::new_unchecked(symbolic, numeric);

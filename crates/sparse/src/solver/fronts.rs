@@ -4,6 +4,8 @@
 //! Pivots are sought within a group only, so the order is that of a symmetric matrix, which fills much less than one that leaves room
 //! for any pivot. Where the pivots of a group are too small the factors are useless, which a solution shows.
 
+use std::ops::Range;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -35,6 +37,14 @@ struct Group {
     below: Vec<usize>,
     /// The group that comes next: of the first row below.
     next: Option<usize>,
+}
+
+impl Group {
+    /// Entries of a factor.
+    fn size(&self) -> usize {
+        let width = self.to - self.from;
+        triangle(width) + width * self.below.len()
+    }
 }
 
 /// The elimination order of a pattern, by approximate minimum degree, and its groups.
@@ -77,34 +87,66 @@ impl Elimination {
     }
 }
 
-/// The factors of one group: `P A11 = L11 U11`, `L21 = A21 U11^-1`, `U12 = L11^-1 P A12`.
+/// The factors of a matrix whose groups are eliminated one after the other: of each, `P A11 = T D U11`, `L21 = A21 U11^-1 D^-1` and
+/// `U12 = T^-1 P A12`, with ones on the diagonals of T and U11.
+pub(super) struct Factors {
+    pub(super) groups: Vec<Eliminated>,
+    /// T without its diagonal and L21 of all groups, by rows.
+    pub(super) lower: Vec<Complex<f64>>,
+    /// The same of the transposed matrix: U11 and `D^-1 U12`, by columns.
+    pub(super) upper: Vec<Complex<f64>>,
+}
+
+/// One group, and where it stands in both factors.
 pub(super) struct Eliminated {
     pub(super) from: usize,
-    /// L11 below the diagonal, U11 above it, and on it the inverse of that of U11; by columns.
-    pub(super) diagonal: Mat<Complex<f64>>,
     /// The row of A11 at each place of `P A11`.
     pub(super) pivots: Vec<usize>,
+    /// `D^-1`.
+    pub(super) inverses: Vec<Complex<f64>>,
     pub(super) below: Vec<usize>,
-    /// L21 by rows, U12 by columns.
-    pub(super) lower: Vec<Complex<f64>>,
-    pub(super) upper: Vec<Complex<f64>>,
+    at: usize,
+}
+
+impl Eliminated {
+    pub(super) fn width(&self) -> usize {
+        self.pivots.len()
+    }
+
+    /// Where row k of T stands, or column k of U11: k entries.
+    #[inline(always)]
+    pub(super) fn own_row(&self, k: usize) -> Range<usize> {
+        let from = self.at + triangle(k);
+        from..from + k
+    }
+
+    /// Where row i of L21 stands, or column i of U12.
+    #[inline(always)]
+    pub(super) fn row_below(&self, i: usize) -> Range<usize> {
+        let from = self.at + triangle(self.width()) + i * self.width();
+        from..from + self.width()
+    }
+}
+
+/// Entries of k rows below a diagonal.
+fn triangle(k: usize) -> usize {
+    k * k.saturating_sub(1) / 2
 }
 
 /// The factors of a matrix given on the pattern of `pencil`. A pivot of zero leaves entries that are not finite. `None` where they do
 /// not fit into memory.
-pub(super) fn factorised(
-    elimination: &Elimination,
-    pencil: &Pencil,
-    values: &[Complex<f64>],
-) -> Option<Vec<Eliminated>> {
+pub(super) fn factorised(elimination: &Elimination, pencil: &Pencil, values: &[Complex<f64>]) -> Option<Factors> {
     let Elimination { order, place, groups } = elimination;
     let ((starts, rows), mirror) = (pencil.pattern(), pencil.mirror());
     let mut local = vec![0; order.len()];
     let mut waiting: Vec<Vec<(usize, Mat<Complex<f64>>)>> = groups.iter().map(|_| Vec::new()).collect();
-    let mut done = Vec::with_capacity(groups.len());
+    let mut factors = Factors { groups: Vec::with_capacity(groups.len()), lower: Vec::new(), upper: Vec::new() };
+    let size: usize = groups.iter().map(Group::size).sum();
+    factors.lower.try_reserve_exact(size).ok()?;
+    factors.upper.try_reserve_exact(size).ok()?;
     for (s, group) in groups.iter().enumerate() {
         let (from, to) = (group.from, group.to);
-        let (width, height) = (to - from, to - from + group.below.len());
+        let height = to - from + group.below.len();
         (from..to).chain(group.below.iter().copied()).enumerate().for_each(|(at, row)| local[row] = at);
         let mut entries = Vec::new();
         entries.try_reserve_exact(height * height).ok()?;
@@ -128,37 +170,40 @@ pub(super) fn factorised(
                 below.iter().zip(change.col_as_slice(j)).for_each(|(&row, value)| target[local[row]] += value);
             }
         }
-        let (eliminated, change) = eliminate(front, group, width);
-        done.push(eliminated);
+        let change = eliminate(front, group, &mut factors);
         if let Some(next) = group.next {
             waiting[next].push((s, change));
         }
     }
-    Some(done)
+    Some(factors)
 }
 
-/// The factors of a group, and what its elimination leaves of the rows below.
-fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &Group, width: usize) -> (Eliminated, Mat<Complex<f64>>) {
-    let count = group.below.len();
+/// Appends the factors of a group: what its elimination leaves of the rows below.
+fn eliminate(mut front: MatMut<'_, Complex<f64>>, group: &Group, factors: &mut Factors) -> Mat<Complex<f64>> {
+    let (width, count) = (group.to - group.from, group.below.len());
     let (mut pivots, mut inverse) = (vec![0; width], vec![0; width]);
     let mut buffer = MemBuffer::new(lu_in_place_scratch::<usize, Complex<f64>>(width, width, PAR, Spec::default()));
     let block = front.rb_mut().submatrix_mut(0, 0, width, width);
     lu_in_place(block, &mut pivots, &mut inverse, PAR, MemStack::new(&mut buffer), Spec::default());
     let front = front.as_ref();
-    let mut diagonal = front.submatrix(0, 0, width, width).to_owned();
+    let diagonal = front.submatrix(0, 0, width, width);
     let mut upper = Mat::from_fn(width, count, |i, j| front[(pivots[i], width + j)]);
-    solve_unit_lower_triangular_in_place(diagonal.as_ref(), upper.as_mut(), PAR);
+    solve_unit_lower_triangular_in_place(diagonal, upper.as_mut(), PAR);
     let mut lower = front.submatrix(width, 0, count, width).transpose().to_owned();
     solve_lower_triangular_in_place(diagonal.transpose(), lower.as_mut(), PAR);
     let mut change = front.submatrix(width, width, count, count).to_owned();
     let minus = Complex::from(-1.0);
     matmul(change.as_mut(), Accum::Add, lower.transpose(), upper.as_ref(), minus, PAR);
-    (0..width).for_each(|i| diagonal[(i, i)] = diagonal[(i, i)].inv());
-    let flat = |m: &Mat<Complex<f64>>| {
-        let mut flat = Vec::with_capacity(width * count);
-        (0..count).for_each(|j| flat.extend_from_slice(m.col_as_slice(j)));
-        flat
-    };
-    let (lower, upper) = (flat(&lower), flat(&upper));
-    (Eliminated { from: group.from, diagonal, pivots, below: group.below.clone(), lower, upper }, change)
+    let inverses: Vec<_> = (0..width).map(|i| diagonal[(i, i)].inv()).collect();
+    let at = factors.lower.len();
+    for k in 0..width {
+        factors.lower.extend((0..k).map(|j| diagonal[(k, j)]));
+        factors.upper.extend((0..k).map(|j| diagonal[(j, k)] * inverses[j]));
+    }
+    for j in 0..count {
+        factors.lower.extend_from_slice(lower.col_as_slice(j));
+        factors.upper.extend(upper.col_as_slice(j).iter().zip(&inverses).map(|(value, inverse)| value * inverse));
+    }
+    factors.groups.push(Eliminated { from: group.from, pivots, inverses, below: group.below.clone(), at });
+    change
 }

@@ -9,8 +9,6 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Columns of a basis, or rows of a factor, that are taken together.
 pub(super) const GROUP: usize = 4;
-/// Coefficients that are brought near at once: a small part of the nearest cache.
-pub(super) const PIECE: usize = 256;
 /// Coefficients in a line of a cache.
 const LINE: usize = 4;
 
@@ -137,8 +135,8 @@ pub(super) fn times<S: Simd, const N: usize>(simd: S, a: Complex<f64>, x: Row<S,
 /// Brings coefficients into the nearest cache by reading one of each line: these reads wait for each other no more than for anything
 /// else, and arithmetic that comes later waits for none.
 #[inline(always)]
-pub(super) fn bring(values: &[Complex<f64>]) {
-    std::hint::black_box(values.iter().step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));
+pub(super) fn bring<'a>(values: impl Iterator<Item = &'a Complex<f64>>) {
+    std::hint::black_box(values.step_by(LINE).fold(0, |bits, value| bits ^ value.re.to_bits()));
 }
 
 /// Some columns of a block, as many as a row has or fewer, side by side; row i is row `order(i)` of the block.

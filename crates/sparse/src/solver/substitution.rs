@@ -1,19 +1,23 @@
 //! Solutions with the factors of [`fronts`](super::fronts), a few right-hand sides at once.
+//!
+//! A factor is larger than the near caches: it is read once, from end to end, and what comes next is brought near meanwhile.
 
 use faer::Mat;
 use num_complex::Complex;
 use pulp::Simd;
 
-use super::fronts::Eliminated;
+use super::fronts::{Eliminated, Factors};
 use super::lanes::{
-    GROUP, Kernel, PIECE, Row, add, bring, columns, gathered, joined, minus, negative, plus, scatter, times, turned,
-    zero,
+    GROUP, Kernel, Row, add, bring, columns, gathered, joined, minus, negative, plus, scatter, times, turned, zero,
 };
 use super::products::Side;
 
+/// Coefficients that are brought near at once: many, so that memory is waited for rarely, and a small part of the second cache. Measured.
+const PIECE: usize = 2048;
+
 /// `A^-1 x`, or `A^-T x`, in place, of the columns of a block.
 pub(super) struct Substitution<'a> {
-    pub(super) groups: &'a [Eliminated],
+    pub(super) factors: &'a Factors,
     /// The row at each place.
     pub(super) order: &'a [usize],
     pub(super) side: Side,
@@ -23,172 +27,210 @@ pub(super) struct Substitution<'a> {
 impl Kernel for Substitution<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
+        let Factors { groups, lower, upper } = self.factors;
+        let (first, last) = if self.side == Side::Right { (lower, upper) } else { (upper, lower) };
+        let mut permuted = Vec::new();
         for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
-            let mut rows: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| self.order[i]);
-            match self.side {
-                Side::Right => right(simd, self.groups, &mut rows),
-                Side::Left => left(simd, self.groups, &mut rows),
+            let mut x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| self.order[i]);
+            let mut near = Near { factor: first, border: 0 };
+            for group in groups {
+                let own = &mut x[group.from..group.from + group.width()];
+                if self.side == Side::Right {
+                    permuted.clear();
+                    permuted.extend(group.pivots.iter().map(|&pivot| own[pivot]));
+                    own.copy_from_slice(&permuted);
+                }
+                forward(simd, group, &mut near, &mut x[group.from..]);
             }
-            scatter::<S, N>(&rows, self.x, from, |i| self.order[i]);
+            let mut near = Near { factor: last, border: last.len() };
+            for group in groups.iter().rev() {
+                backward(simd, group, &mut near, &mut x[group.from..]);
+                let own = &mut x[group.from..group.from + group.width()];
+                if self.side == Side::Left {
+                    permuted.clear();
+                    permuted.extend_from_slice(own);
+                    group.pivots.iter().zip(&permuted).for_each(|(&pivot, value)| own[pivot] = *value);
+                }
+            }
+            scatter::<S, N>(&x, self.x, from, |i| self.order[i]);
         }
     }
 }
 
+/// `own = T^-1 own`, `below -= B own`, then `own = D^-1 own`, with the rows T and B of a factor; x begins with the rows of the group.
 #[inline(always)]
-fn right<S: Simd, const N: usize>(simd: S, groups: &[Eliminated], x: &mut [Row<S, N>]) {
-    let mut permuted = Vec::new();
-    for group in groups {
-        let width = group.pivots.len();
-        let (own, rest) = x[group.from..].split_at_mut(width);
-        permuted.clear();
-        permuted.extend(group.pivots.iter().map(|&pivot| own[pivot]));
-        own.copy_from_slice(&permuted);
-        for k in 0..width {
-            let (done, left) = own.split_at_mut(k + 1);
-            subtract_column(simd, left, &group.diagonal.col_as_slice(k)[k + 1..], done[k]);
+fn forward<S: Simd, const N: usize>(simd: S, group: &Eliminated, near: &mut Near<'_>, x: &mut [Row<S, N>]) {
+    let factor = near.factor;
+    let width = group.width();
+    let whole = width - width % GROUP;
+    let (own, rest) = x.split_at_mut(width);
+    for k in (0..whole).step_by(GROUP) {
+        let (done, left) = own.split_at_mut(k);
+        let rows: [&[Complex<f64>]; GROUP] = std::array::from_fn(|i| &factor[group.own_row(k + i)]);
+        near.up_to(group.own_row(k + GROUP).start);
+        for (x, sum) in left.iter_mut().zip(dots(simd, rows, done)) {
+            *x = minus(simd, *x, sum);
         }
-        subtract_rows(simd, rest, group, &group.lower, own);
+        for (i, row) in rows.iter().enumerate() {
+            let (done, left) = left.split_at_mut(i);
+            left[0] = minus(simd, left[0], dot(simd, &row[k..], done));
+        }
     }
-    for group in groups.iter().rev() {
-        let width = group.pivots.len();
-        let (own, rest) = x[group.from..].split_at_mut(width);
-        subtract_columns(simd, own, group, &group.upper, rest);
-        for k in (0..width).rev() {
-            let column = group.diagonal.col_as_slice(k);
-            let (left, done) = own.split_at_mut(k);
-            done[0] = times(simd, column[k], done[0]);
-            subtract_column(simd, left, &column[..k], done[0]);
+    for k in whole..width {
+        let (done, left) = own.split_at_mut(k);
+        left[0] = minus(simd, left[0], dot(simd, &factor[group.own_row(k)], done));
+    }
+    let first = group.from + width;
+    for (at, below) in group.below.chunks(GROUP).enumerate() {
+        let at = at * GROUP;
+        near.up_to(group.row_below(at + below.len()).start);
+        if below.len() == GROUP {
+            let rows = std::array::from_fn(|i| &factor[group.row_below(at + i)]);
+            for (&row, sum) in below.iter().zip(dots(simd, rows, own)) {
+                rest[row - first] = minus(simd, rest[row - first], sum);
+            }
+        } else {
+            for (i, &row) in below.iter().enumerate() {
+                let sum = dot(simd, &factor[group.row_below(at + i)], own);
+                rest[row - first] = minus(simd, rest[row - first], sum);
+            }
+        }
+    }
+    for (x, &inverse) in own.iter_mut().zip(&group.inverses) {
+        *x = times(simd, inverse, *x);
+    }
+}
+
+/// `own = T^-T (own - B^T below)`, with the rows T and B of a factor; x begins with the rows of the group.
+#[inline(always)]
+fn backward<S: Simd, const N: usize>(simd: S, group: &Eliminated, near: &mut Near<'_>, x: &mut [Row<S, N>]) {
+    let factor = near.factor;
+    let width = group.width();
+    let whole = width - width % GROUP;
+    let (own, rest) = x.split_at_mut(width);
+    let first = group.from + width;
+    for (at, below) in group.below.chunks(GROUP).enumerate().rev() {
+        let at = at * GROUP;
+        near.down_to(group.row_below(at).start);
+        if below.len() == GROUP {
+            let rows = std::array::from_fn(|i| &factor[group.row_below(at + i)]);
+            subtract_all(simd, own, rows, std::array::from_fn(|i| rest[below[i] - first]));
+        } else {
+            for (i, &row) in below.iter().enumerate() {
+                subtract(simd, own, &factor[group.row_below(at + i)], rest[row - first]);
+            }
+        }
+    }
+    for k in (whole..width).rev() {
+        let (left, done) = own.split_at_mut(k);
+        subtract(simd, left, &factor[group.own_row(k)], done[0]);
+    }
+    for k in (0..whole).step_by(GROUP).rev() {
+        let (left, done) = own.split_at_mut(k);
+        let rows: [&[Complex<f64>]; GROUP] = std::array::from_fn(|i| &factor[group.own_row(k + i)]);
+        near.down_to(group.own_row(k).start);
+        for (i, row) in rows.iter().enumerate().rev() {
+            let (left, done) = done.split_at_mut(i);
+            subtract(simd, left, &row[k..], done[0]);
+        }
+        subtract_all(simd, left, rows, std::array::from_fn(|i| done[i]));
+    }
+}
+
+/// A factor, the part of it that is near.
+struct Near<'a> {
+    factor: &'a [Complex<f64>],
+    border: usize,
+}
+
+impl Near<'_> {
+    /// Brings what is before `to`, of a factor that is read from the first entry on.
+    #[inline(always)]
+    fn up_to(&mut self, to: usize) {
+        while self.border < to {
+            let from = self.border;
+            self.border = (from + PIECE).min(self.factor.len());
+            bring(self.factor[from..self.border].iter());
+        }
+    }
+
+    /// Brings what is from `from` on, of a factor that is read from the last entry on.
+    #[inline(always)]
+    fn down_to(&mut self, from: usize) {
+        while self.border > from {
+            let to = self.border;
+            self.border = to.saturating_sub(PIECE);
+            bring(self.factor[self.border..to].iter().rev());
         }
     }
 }
 
+/// `a^T x`.
 #[inline(always)]
-fn left<S: Simd, const N: usize>(simd: S, groups: &[Eliminated], x: &mut [Row<S, N>]) {
-    let mut permuted = Vec::new();
-    for group in groups {
-        let width = group.pivots.len();
-        let (own, rest) = x[group.from..].split_at_mut(width);
-        for k in 0..width {
-            let column = group.diagonal.col_as_slice(k);
-            let (done, left) = own.split_at_mut(k);
-            left[0] = times(simd, column[k], minus(simd, left[0], dot(simd, &column[..k], done)));
-        }
-        subtract_rows(simd, rest, group, &group.upper, own);
-    }
-    for group in groups.iter().rev() {
-        let width = group.pivots.len();
-        let (own, rest) = x[group.from..].split_at_mut(width);
-        subtract_columns(simd, own, group, &group.lower, rest);
-        for k in (0..width).rev() {
-            let (left, done) = own.split_at_mut(k + 1);
-            left[k] = minus(simd, left[k], dot(simd, &group.diagonal.col_as_slice(k)[k + 1..], done));
-        }
-        permuted.clear();
-        permuted.extend_from_slice(own);
-        group.pivots.iter().zip(&permuted).for_each(|(&pivot, value)| own[pivot] = *value);
-    }
-}
-
-#[inline(always)]
-fn subtract_column<S: Simd, const N: usize>(simd: S, x: &mut [Row<S, N>], column: &[Complex<f64>], factor: Row<S, N>) {
-    let factor = negative(simd, factor);
-    let other = turned(simd, factor);
-    for (x, &value) in x.iter_mut().zip(column) {
-        *x = plus(simd, *x, value, factor, other);
-    }
-}
-
-#[inline(always)]
-fn dot<S: Simd, const N: usize>(simd: S, column: &[Complex<f64>], x: &[Row<S, N>]) -> Row<S, N> {
+fn dot<S: Simd, const N: usize>(simd: S, a: &[Complex<f64>], x: &[Row<S, N>]) -> Row<S, N> {
     let mut sum = [zero(simd); 2];
-    for (&value, &x) in column.iter().zip(x) {
+    for (&value, &x) in a.iter().zip(x) {
         add(simd, &mut sum, value, x);
     }
     joined(simd, sum)
 }
 
-/// The rows of a group of [`GROUP`], each of the width of the group.
+/// `a^T x` of a few rows, which may be longer than x.
 #[inline(always)]
-fn split(values: &[Complex<f64>], width: usize) -> [&[Complex<f64>]; GROUP] {
-    std::array::from_fn(|k| &values[k * width..(k + 1) * width])
-}
-
-/// Some rows below the group at a time, with their parts of a factor.
-#[inline(always)]
-fn pieces<'a>(group: &'a Eliminated, a: &'a [Complex<f64>]) -> impl Iterator<Item = (&'a [usize], &'a [Complex<f64>])> {
-    let width = group.pivots.len();
-    let rows = GROUP * (PIECE / (GROUP * width)).max(1);
-    group.below.chunks(rows).zip(a.chunks(rows * width))
-}
-
-/// `x_below -= A own`, A by rows.
-#[inline(always)]
-fn subtract_rows<S: Simd, const N: usize>(
-    simd: S,
-    rest: &mut [Row<S, N>],
-    group: &Eliminated,
-    a: &[Complex<f64>],
-    own: &[Row<S, N>],
-) {
-    let width = own.len();
-    let first = group.from + width;
-    for (below, a) in pieces(group, a) {
-        bring(a);
-        for (rows, values) in below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
-            if rows.len() == GROUP {
-                let values = split(values, width);
-                let mut sums = [zero(simd); GROUP];
-                for (at, &x) in own.iter().enumerate() {
-                    let y = turned(simd, x);
-                    for (sum, values) in sums.iter_mut().zip(values) {
-                        *sum = plus(simd, *sum, values[at], x, y);
-                    }
-                }
-                for (&row, sum) in rows.iter().zip(sums) {
-                    rest[row - first] = minus(simd, rest[row - first], sum);
-                }
-            } else {
-                for (&row, values) in rows.iter().zip(values.chunks(width)) {
-                    rest[row - first] = minus(simd, rest[row - first], dot(simd, values, own));
-                }
+fn dots<S: Simd, const N: usize>(simd: S, rows: [&[Complex<f64>]; GROUP], x: &[Row<S, N>]) -> [Row<S, N>; GROUP] {
+    let rows = rows.map(|row| &row[..x.len()]);
+    let mut sums = [zero(simd); GROUP];
+    // As many sums at once as registers hold.
+    if N == 1 {
+        let mut halves = [[zero(simd); 2]; GROUP];
+        for (at, &x) in x.iter().enumerate() {
+            for (sum, row) in halves.iter_mut().zip(rows) {
+                add(simd, sum, row[at], x);
+            }
+        }
+        for (sum, halves) in sums.iter_mut().zip(halves) {
+            *sum = joined(simd, halves);
+        }
+    } else {
+        for (at, &x) in x.iter().enumerate() {
+            let other = turned(simd, x);
+            for (sum, row) in sums.iter_mut().zip(rows) {
+                *sum = plus(simd, *sum, row[at], x, other);
             }
         }
     }
+    sums
 }
 
-/// `own -= A x_below`, A by columns.
+/// `x -= a factor`.
 #[inline(always)]
-fn subtract_columns<S: Simd, const N: usize>(
+fn subtract<S: Simd, const N: usize>(simd: S, x: &mut [Row<S, N>], a: &[Complex<f64>], factor: Row<S, N>) {
+    let factor = negative(simd, factor);
+    let other = turned(simd, factor);
+    for (x, &value) in x.iter_mut().zip(a) {
+        *x = plus(simd, *x, value, factor, other);
+    }
+}
+
+/// `x -= a factor` of a few rows a, which may be longer than x, each with its factor.
+#[inline(always)]
+fn subtract_all<S: Simd, const N: usize>(
     simd: S,
-    own: &mut [Row<S, N>],
-    group: &Eliminated,
-    a: &[Complex<f64>],
-    rest: &[Row<S, N>],
+    x: &mut [Row<S, N>],
+    rows: [&[Complex<f64>]; GROUP],
+    mut factors: [Row<S, N>; GROUP],
 ) {
-    let width = own.len();
-    let first = group.from + width;
-    for (below, a) in pieces(group, a) {
-        bring(a);
-        for (rows, values) in below.chunks(GROUP).zip(a.chunks(GROUP * width)) {
-            if rows.len() == GROUP {
-                let values = split(values, width);
-                let (mut factors, mut others) = ([zero(simd); GROUP], [zero(simd); GROUP]);
-                for ((factor, other), &row) in factors.iter_mut().zip(&mut others).zip(rows) {
-                    *factor = negative(simd, rest[row - first]);
-                    *other = turned(simd, *factor);
-                }
-                for (at, x) in own.iter_mut().enumerate() {
-                    let mut sum = *x;
-                    for ((values, &factor), &other) in values.iter().zip(&factors).zip(&others) {
-                        sum = plus(simd, sum, values[at], factor, other);
-                    }
-                    *x = sum;
-                }
-            } else {
-                for (&row, values) in rows.iter().zip(values.chunks(width)) {
-                    subtract_column(simd, own, values, rest[row - first]);
-                }
-            }
+    let rows = rows.map(|row| &row[..x.len()]);
+    let mut others = factors;
+    for (factor, other) in factors.iter_mut().zip(&mut others) {
+        *factor = negative(simd, *factor);
+        *other = turned(simd, *factor);
+    }
+    for (at, x) in x.iter_mut().enumerate() {
+        let mut sum = *x;
+        for ((row, &factor), &other) in rows.iter().zip(&factors).zip(&others) {
+            sum = plus(simd, sum, row[at], factor, other);
         }
+        *x = sum;
     }
 }
