@@ -12,7 +12,7 @@ use num_complex::Complex;
 use super::blocks::{PAR, length, starting_block};
 use super::fronts::{Elimination, Factors, factorised};
 use super::lanes::compute;
-use super::pencil::{Entries, Pencil};
+use super::pencil::Pencil;
 use super::products::Side;
 use super::substitution::Substitution;
 use crate::SparseError;
@@ -84,7 +84,7 @@ impl<'a> Factor<'a> {
         let factors =
             factorised(&symbolic.symmetric, pencil, &values).ok_or(SparseError::Memory { order: pencil.order() })?;
         let numeric = Numeric::Symmetric(&symbolic.symmetric, factors);
-        let [right, left] = [Side::Right, Side::Left].map(|side| pencil.by_rows(Entries::All, &values, side));
+        let [right, left] = [Side::Right, Side::Left].map(|side| pencil.by_rows(&values, side));
         let mut factor = Self { pencil, numeric, right, left, sigma, size: pencil.size(sigma) };
         let b = factor.product(Side::Right, &starting_block(pencil.order(), 1));
         let mut x = b.clone();
@@ -167,7 +167,7 @@ impl<'a> Factor<'a> {
 
     fn product(&self, side: Side, x: &Mat<Complex<f64>>) -> Mat<Complex<f64>> {
         let values = if side == Side::Right { &self.right } else { &self.left };
-        self.pencil.gathered(Entries::All, [(values, x)])
+        self.pencil.times(values, x)
     }
 
     /// `b - Q(sigma) x`.

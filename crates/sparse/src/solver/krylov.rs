@@ -17,8 +17,8 @@ use num_complex::Complex;
 use super::blocks::PAR;
 use super::factor::Factor;
 use super::orthogonal::Orthogonal;
-use super::pencil::{Entries, Pencil};
-use super::products::{Side, Weights};
+use super::pencil::Pencil;
+use super::products::Side;
 use crate::SparseError;
 
 type Block = Mat<Complex<f64>>;
@@ -29,14 +29,11 @@ pub(crate) struct Krylov<'a> {
     side: Side,
     /// v is kept in units of `scale * u`.
     scale: f64,
-    /// `scale * M` and `C + sigma M`.
-    mass: Vec<Complex<f64>>,
-    damping: Vec<Complex<f64>>,
     /// S.
     space: Orthogonal,
     /// V: z in the first rows, and below it a and b by turns.
     vectors: Orthogonal,
-    /// Columns of V that have not been multiplied, as u and v.
+    /// Columns of V that have not been multiplied, as u and `v + sigma u`: M and C are multiplied with these, which are real.
     pending: [Block; 2],
     projected: Block,
     multiplied: usize,
@@ -53,22 +50,16 @@ impl<'a> Krylov<'a> {
         capacity: usize,
     ) -> Result<Self, SparseError> {
         let pencil = factor.pencil();
-        let states = vec![Complex::default(); pencil.states().len()];
-        let zero = Complex::default();
-        let mass = Weights { mass: Complex::from(scale), damping: zero, stiffness: zero, states: states.clone() };
-        let damping = Weights { mass: factor.shift(), damping: Complex::from(1.0), stiffness: zero, states };
-        let values = |weights| pencil.by_rows(Entries::Inertial, &pencil.values(weights), side);
         let (n, block) = (pencil.order(), start.ncols());
         let (most, rank) = (capacity + block, capacity + 3 * block);
-        let [u, v] = [0, n].map(|from| start.subrows(from, n).to_owned());
+        let u = start.subrows(0, n).to_owned();
+        let v = Mat::from_fn(n, block, |i, j| scale * start[(n + i, j)] + factor.shift() * start[(i, j)]);
         let mut space = Orthogonal::new(n);
         let before = space.append(u.clone());
         let mut krylov = Self {
             factor,
             side,
             scale,
-            mass: values(&mass),
-            damping: values(&damping),
             space,
             vectors: Orthogonal::new(pencil.states().len() + 2 * rank),
             pending: [u, v],
@@ -156,16 +147,15 @@ impl<'a> Krylov<'a> {
         let from = self.vectors.columns();
         let coefficients = self.vectors.append(coordinates);
         let to = self.vectors.columns();
-        // u and v in one product.
+        // Both in one product.
         let [a, b] = [0, 1].map(|part| self.coordinates(part, from, to));
-        let both =
-            Mat::from_fn(
-                a.nrows(),
-                2 * (to - from),
-                |i, j| if j < to - from { a[(i, j)] } else { b[(i, j + from - to)] },
-            );
+        let count = to - from;
+        let both = Mat::from_fn(a.nrows(), 2 * count, |i, j| match j.checked_sub(count) {
+            None => a[(i, j)],
+            Some(j) => scale * b[(i, j)] + sigma * a[(i, j)],
+        });
         let both = self.space.times(&both);
-        self.pending = [0, to - from].map(|at| both.subcols(at, to - from).to_owned());
+        self.pending = [0, count].map(|at| both.subcols(at, count).to_owned());
         Ok(coefficients)
     }
 
@@ -173,7 +163,7 @@ impl<'a> Krylov<'a> {
     fn apply(&self, states: &mut Block) -> Result<Block, SparseError> {
         let (pencil, sigma) = (self.factor.pencil(), self.factor.shift());
         let [u, v] = &self.pending;
-        let mut b = pencil.gathered(Entries::Inertial, [(&self.mass, v), (&self.damping, u)]);
+        let mut b = pencil.inertial_sum(self.side, v, u);
         let driven = |drive: &[(usize, f64)], x: &Block, j: usize| -> Complex<f64> {
             drive.iter().map(|&(dof, e)| x[(dof, j)] * e).sum()
         };

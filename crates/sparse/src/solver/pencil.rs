@@ -1,10 +1,12 @@
 //! M, C and K on one sparsity pattern, and what the solver multiplies with them.
 
+use std::sync::OnceLock;
+
 use faer::Mat;
 use num_complex::Complex;
 
 use super::lanes::compute;
-use super::products::{PartProducts, Parts, Product, Rows, Side, Weights};
+use super::products::{PartProducts, Parts, Product, Rows, Side, SumOfProducts, Weights};
 use crate::{SparseSecondOrder, State};
 
 /// Q(lambda) and its parts on the union of the patterns of M, C, K, the internal states and their transposes, by compressed
@@ -22,19 +24,20 @@ pub(crate) struct Pencil {
     mass: Vec<f64>,
     damping: Vec<f64>,
     stiffness: Vec<f64>,
+    /// The values by rows, of each side that is asked for.
+    sides: [OnceLock<Values>; 2],
     /// Where the entry `f_k e_l` of each state, k outermost, stands in the pattern.
     coupling: Vec<Vec<usize>>,
     states: Vec<State>,
     norms: Norms,
 }
 
-/// Which entries a product reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Entries {
-    /// All.
-    All,
-    /// Those that M or C has.
-    Inertial,
+/// The values in the order in which products read them: of M and C those that either has, of K all.
+#[derive(Debug, Clone)]
+struct Values {
+    mass: Vec<f64>,
+    damping: Vec<f64>,
+    stiffness: Vec<f64>,
 }
 
 /// Frobenius norms of M, C and K, and of each state `|f_i| |e_i|`.
@@ -107,7 +110,21 @@ impl Pencil {
         let is_inertial = |at: usize| mass[at] != 0.0 || damping[at] != 0.0;
         let all = Rows::new(&column_starts, &rows, |_| true);
         let inertial = Rows::new(&column_starts, &rows, |at| is_inertial(at) || is_inertial(mirror[at]));
-        Self { order, column_starts, rows, mirror, all, inertial, mass, damping, stiffness, coupling, states, norms }
+        Self {
+            order,
+            column_starts,
+            rows,
+            mirror,
+            all,
+            inertial,
+            mass,
+            damping,
+            stiffness,
+            sides: Default::default(),
+            coupling,
+            states,
+            norms,
+        }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -132,13 +149,6 @@ impl Pencil {
     /// Where the transposed entry of each one stands.
     pub(crate) fn mirror(&self) -> &[usize] {
         &self.mirror
-    }
-
-    fn rows(&self, entries: Entries) -> &Rows {
-        match entries {
-            Entries::All => &self.all,
-            Entries::Inertial => &self.inertial,
-        }
     }
 
     /// Q(lambda).
@@ -168,12 +178,10 @@ impl Pencil {
     /// The parts times each vector of a block, or the transposed parts.
     pub(crate) fn parts(&self, side: Side, x: &Block) -> Vec<Parts<'_>> {
         let mut products = [(); 3].map(|()| Mat::zeros(self.order, x.ncols()));
-        let values = |entries: Entries, matrix: &[f64]| self.by_rows(entries, matrix, side);
-        let [mass, damping] = [&self.mass, &self.damping].map(|matrix| values(Entries::Inertial, matrix));
-        let stiffness = values(Entries::All, &self.stiffness);
+        let Values { mass, damping, stiffness } = self.side(side);
         let [m, c, k] = &mut products;
-        compute(PartProducts { rows: &self.inertial, values: [&mass, &damping], x, products: [m, c] });
-        compute(PartProducts { rows: &self.all, values: [&stiffness], x, products: [k] });
+        compute(PartProducts { rows: &self.inertial, values: [mass, damping], x, products: [m, c] });
+        compute(PartProducts { rows: &self.all, values: [stiffness], x, products: [k] });
         let parts = |j: usize| {
             let driven = |state: &State| state.sides(side).0.iter().map(|&(dof, e)| x[(dof, j)] * e).sum();
             let products = products.each_ref().map(|product| product.col_as_slice(j).to_vec());
@@ -191,25 +199,39 @@ impl Pencil {
         (l * self.norms.mass + self.norms.damping) * l + self.norms.stiffness + states
     }
 
-    /// Values on the pattern in the order in which [`gathered`](Self::gathered) reads them on a side.
-    pub(crate) fn by_rows<T: Copy>(&self, entries: Entries, values: &[T], side: Side) -> Vec<T> {
-        let places = &self.rows(entries).places;
+    fn side(&self, side: Side) -> &Values {
+        self.sides[side as usize].get_or_init(|| {
+            let [mass, damping] = [&self.mass, &self.damping].map(|values| self.read(&self.inertial, values, side));
+            Values { mass, damping, stiffness: self.read(&self.all, &self.stiffness, side) }
+        })
+    }
+
+    /// Values on the pattern in the order in which products read them.
+    fn read<T: Copy>(&self, rows: &Rows, values: &[T], side: Side) -> Vec<T> {
         match side {
-            Side::Right => places.iter().map(|&at| values[self.mirror[at]]).collect(),
-            Side::Left => places.iter().map(|&at| values[at]).collect(),
+            Side::Right => rows.places.iter().map(|&at| values[self.mirror[at]]).collect(),
+            Side::Left => rows.places.iter().map(|&at| values[at]).collect(),
         }
     }
 
-    /// `sum_k A_k x_k`, or `sum_k A_k^T x_k`, of blocks x_k, for values [`by_rows`](Self::by_rows) of that side.
-    pub(crate) fn gathered<const TERMS: usize>(
-        &self,
-        entries: Entries,
-        terms: [(&[Complex<f64>], &Block); TERMS],
-    ) -> Block {
-        let columns = terms.first().map_or(0, |(_, x)| x.ncols());
-        let mut product = Mat::zeros(self.order, columns);
-        compute(Product { rows: self.rows(entries), terms, product: &mut product });
+    /// Values on the pattern in the order in which [`times`](Self::times) reads them on a side.
+    pub(crate) fn by_rows(&self, values: &[Complex<f64>], side: Side) -> Vec<Complex<f64>> {
+        self.read(&self.all, values, side)
+    }
+
+    /// `A x`, or `A^T x`, for the values [`by_rows`](Self::by_rows) of that side.
+    pub(crate) fn times(&self, values: &[Complex<f64>], x: &Block) -> Block {
+        let mut product = Mat::zeros(self.order, x.ncols());
+        compute(Product { rows: &self.all, values, x, product: &mut product });
         product
+    }
+
+    /// `M x + C y`, or `M^T x + C^T y`.
+    pub(crate) fn inertial_sum(&self, side: Side, x: &Block, y: &Block) -> Block {
+        let Values { mass, damping, .. } = self.side(side);
+        let mut sum = Mat::zeros(self.order, x.ncols());
+        compute(SumOfProducts { rows: &self.inertial, terms: [(mass, x), (damping, y)], sum: &mut sum });
+        sum
     }
 }
 

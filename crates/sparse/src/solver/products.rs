@@ -32,7 +32,7 @@ pub(crate) struct Weights {
 #[derive(Debug, Clone)]
 pub(super) struct Rows {
     pub(super) starts: Vec<usize>,
-    pub(super) columns: Vec<usize>,
+    pub(super) columns: Vec<u32>,
     /// Where the transposed entries stand in the pattern.
     pub(super) places: Vec<usize>,
 }
@@ -44,7 +44,7 @@ impl Rows {
         for row in starts.windows(2) {
             let places = (row[0]..row[1]).filter(|&at| is_wanted(at));
             places.for_each(|at| {
-                rows.columns.push(others[at]);
+                rows.columns.push(others[at] as u32);
                 rows.places.push(at);
             });
             rows.starts.push(rows.columns.len());
@@ -93,7 +93,7 @@ impl<const TERMS: usize> Kernel for PartProducts<'_, TERMS> {
             for (row, entries) in rows.starts.windows(2).enumerate() {
                 let mut sums = [zero::<S, N>(simd); TERMS];
                 for at in entries[0]..entries[1] {
-                    let x = x[rows.columns[at]];
+                    let x = x[rows.columns[at] as usize];
                     for (sum, values) in sums.iter_mut().zip(self.values) {
                         *sum = plus_real(simd, *sum, values[at], x);
                     }
@@ -106,28 +106,54 @@ impl<const TERMS: usize> Kernel for PartProducts<'_, TERMS> {
     }
 }
 
-/// A sum of products with blocks.
-pub(super) struct Product<'a, const TERMS: usize> {
+/// A complex matrix times a block.
+pub(super) struct Product<'a> {
     pub(super) rows: &'a Rows,
-    pub(super) terms: [(&'a [Complex<f64>], &'a Block); TERMS],
+    pub(super) values: &'a [Complex<f64>],
+    pub(super) x: &'a Block,
     pub(super) product: &'a mut Block,
 }
 
-impl<const TERMS: usize> Kernel for Product<'_, TERMS> {
+impl Kernel for Product<'_> {
     #[inline(always)]
     fn run<S: Simd, const N: usize>(self, simd: S) {
         let rows = self.rows;
-        for from in (0..self.product.ncols()).step_by(columns::<S, N>()) {
-            let blocks = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from, |i| i)));
+        for from in (0..self.x.ncols()).step_by(columns::<S, N>()) {
+            let x: Vec<Row<S, N>> = gathered(simd, self.x, from, |i| i);
             for (row, entries) in rows.starts.windows(2).enumerate() {
                 let entries = entries[0]..entries[1];
                 let mut sum = [zero::<S, N>(simd); 2];
-                for (values, x) in &blocks {
-                    for (&value, &column) in values[entries.clone()].iter().zip(&rows.columns[entries.clone()]) {
-                        add(simd, &mut sum, value, x[column]);
-                    }
+                for (&value, &column) in self.values[entries.clone()].iter().zip(&rows.columns[entries]) {
+                    add(simd, &mut sum, value, x[column as usize]);
                 }
                 put::<S, N>(joined(simd, sum), self.product, row, from);
+            }
+        }
+    }
+}
+
+/// The sum of two real matrices on the same rows, each times a block of its own.
+pub(super) struct SumOfProducts<'a> {
+    pub(super) rows: &'a Rows,
+    pub(super) terms: [(&'a [f64], &'a Block); 2],
+    pub(super) sum: &'a mut Block,
+}
+
+impl Kernel for SumOfProducts<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const N: usize>(self, simd: S) {
+        let rows = self.rows;
+        for from in (0..self.sum.ncols()).step_by(columns::<S, N>()) {
+            let [(a, x), (b, y)] = self.terms.map(|(values, x)| (values, gathered::<S, N>(simd, x, from, |i| i)));
+            for (row, entries) in rows.starts.windows(2).enumerate() {
+                let entries = entries[0]..entries[1];
+                let mut sums = [zero::<S, N>(simd); 2];
+                let values = a[entries.clone()].iter().zip(&b[entries.clone()]);
+                for ((&a, &b), &column) in values.zip(&rows.columns[entries]) {
+                    sums[0] = plus_real(simd, sums[0], a, x[column as usize]);
+                    sums[1] = plus_real(simd, sums[1], b, y[column as usize]);
+                }
+                put::<S, N>(plus_real(simd, sums[0], 1.0, sums[1]), self.sum, row, from);
             }
         }
     }
