@@ -32,6 +32,7 @@ pub(crate) struct Weights {
 #[derive(Debug, Clone)]
 pub(super) struct Rows {
     pub(super) starts: Vec<usize>,
+    /// Of fewer than 2^32: half the memory to read.
     pub(super) columns: Vec<u32>,
     /// Where the transposed entries stand in the pattern.
     pub(super) places: Vec<usize>,
