@@ -157,8 +157,11 @@ impl AffineSystem {
     /// # Errors
     /// As [`AffineSystem::assemble_into`].
     pub fn assemble(&self, at: &OperatingPoint) -> Result<SecondOrder, LinsysError> {
-        let mut out = SecondOrder::zeros(self.order(), 0);
-        self.assemble_into(at, &mut out)?;
+        self.check(at)?;
+        let states = at.channels.iter().filter(|gain| gain.lag.is_some()).count();
+        let mut out = SecondOrder::zeros(self.order(), states);
+        self.add_structure(&at.coefficients, &mut out);
+        self.add_friction(at, |_| true, &mut out);
         Ok(out)
     }
 
@@ -261,9 +264,13 @@ impl AffineSystem {
     }
 
     fn add_structure(&self, coefficients: &[f64], out: &mut SecondOrder) {
-        for (term, &coefficient) in self.terms.iter().zip(coefficients).filter(|(_, coefficient)| **coefficient != 0.0)
-        {
-            term.add(coefficient, out);
+        // Part by part, so that the sums of large matrices stay in the cache.
+        let (entries, terms) = (self.order() * self.order(), self.terms.iter().zip(coefficients));
+        for start in (0..entries).step_by(SUMMED_AT_ONCE) {
+            let part = start..entries.min(start + SUMMED_AT_ONCE);
+            for (term, &coefficient) in terms.clone().filter(|(_, coefficient)| **coefficient != 0.0) {
+                term.add(coefficient, part.clone(), out);
+            }
         }
     }
 
@@ -275,6 +282,9 @@ impl AffineSystem {
         }
     }
 }
+
+/// Entries of a matrix that terms are added to before the next are; chosen.
+const SUMMED_AT_ONCE: usize = 1024;
 
 fn add_scaled(sum: &mut DMatrix<f64>, matrix: &DMatrix<f64>, factor: f64) {
     sum.zip_apply(matrix, |sum, value| *sum += factor * value);

@@ -1,6 +1,7 @@
 //! One term of a structure.
 
-use super::add_scaled;
+use std::ops::Range;
+
 use crate::{LinsysError, SecondOrder};
 
 /// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
@@ -37,12 +38,13 @@ impl Term {
         &self.matrices
     }
 
-    /// Adds `coefficient` times M, C and K, as far as they are not zero.
-    pub(super) fn add(&self, coefficient: f64, out: &mut SecondOrder) {
+    /// Adds `coefficient` times some entries, column by column, of M, C and K, as far as these are not zero.
+    pub(super) fn add(&self, coefficient: f64, entries: Range<usize>, out: &mut SecondOrder) {
         let SecondOrder { m, c, k, .. } = &self.matrices;
         let parts = [(&mut out.m, m), (&mut out.c, c), (&mut out.k, k)];
         for ((sum, matrix), _) in parts.into_iter().zip(self.is_there).filter(|(_, is_there)| *is_there) {
-            add_scaled(sum, matrix, coefficient);
+            let (sum, matrix) = (&mut sum.as_mut_slice()[entries.clone()], &matrix.as_slice()[entries.clone()]);
+            sum.iter_mut().zip(matrix).for_each(|(sum, value)| *sum += coefficient * value);
         }
     }
 

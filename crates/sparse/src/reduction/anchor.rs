@@ -4,7 +4,9 @@ use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::far::Far;
 use super::full::{largest, outside};
+use super::watch::{Vectors, Watch};
 use super::{dense, split};
 use crate::{Rectangle, SparseError};
 
@@ -24,14 +26,10 @@ pub(super) struct Anchor {
     pub point: OperatingPoint,
     /// gamma, rad/s.
     pub gamma: f64,
-    /// One eigenvalue of each pair, the one with Im > 0, and the real ones.
-    pub lambdas: Vec<Complex<f64>>,
-    /// Whether an eigenvalue, and whether its conjugate, is among the near ones.
-    pub is_near: Vec<[bool; 2]>,
-    /// v_j^H of `lambdas`, real parts above imaginary ones, 2 q x k.
-    pub left: DMatrix<f64>,
-    /// y_j of `lambdas`, split, k x 2 q.
-    pub right: DMatrix<f64>,
+    /// The modes that are not near.
+    pub far: Far,
+    /// Whether any of them may come near.
+    pub watch: Watch,
     /// The modes in and near the rectangle.
     pub near: Near,
 }
@@ -60,8 +58,12 @@ pub(super) struct Near {
     of_channels: Vec<[f64; 2]>,
 }
 
+/// How many margins from the rectangle modes are near: those that come in from beyond the margin must be among them. With 1, one of
+/// cases/disc-pad with a narrow band was lost that came from there.
+const NEAR: f64 = 2.0;
+
 impl Anchor {
-    /// Solves the system at a point; modes within `margin` of the rectangle are near.
+    /// Solves the system at a point; modes within twice the `margin` in which modes are followed are near.
     pub fn new(
         system: &AffineSystem,
         point: &OperatingPoint,
@@ -83,12 +85,19 @@ impl Anchor {
         let lower = dense::solve(&mass.transpose(), &inverse.columns(order, order).transpose())?.transpose();
         let upper = inverse.columns(0, order);
 
-        let near_one = |lambda: Complex<f64>| outside(rectangle, lambda) <= margin;
+        let near_one = |lambda: Complex<f64>| outside(rectangle, lambda) <= NEAR * margin;
         let listed: Vec<usize> = (0..all.len()).filter(|&j| all[j].im >= 0.0).collect();
         let near: Vec<usize> = (0..all.len()).filter(|&j| near_one(all[j])).collect();
         let lambdas: Vec<_> = listed.iter().map(|&j| all[j]).collect();
-        let is_near = lambdas.iter().map(|&l| [near_one(l), l.im > 0.0 && near_one(l.conj())]).collect();
         let y = z.rows(0, order).into_owned();
+        let far = Far::new(&lambdas, [&lower.select_rows(&listed), &y.select_columns(&listed)], gamma, near_one);
+        let others: Vec<usize> = listed.iter().copied().filter(|&j| !near_one(all[j])).collect();
+        let vectors = Vectors {
+            y: y.select_columns(&others),
+            velocity: z.rows(order, order).select_columns(&others),
+            lower: lower.select_rows(&others),
+        };
+        let watch = Watch::new(system, others.iter().map(|&j| all[j]).collect(), &vectors, gamma, middle(rectangle));
         let near = Near::new(
             system,
             rectangle,
@@ -99,15 +108,7 @@ impl Anchor {
                 lower: lower.select_rows(&near),
             },
         );
-        Ok(Self {
-            point: point.clone(),
-            gamma,
-            is_near,
-            left: stacked(&lower.select_rows(&listed)),
-            right: split::from_columns(&y.select_columns(&listed)),
-            lambdas,
-            near,
-        })
+        Ok(Self { point: point.clone(), gamma, far, watch, near })
     }
 
     /// How far a point is: the changes of the coefficients, each times what it moves the near modes by, rad/s.
@@ -204,13 +205,13 @@ impl Near {
             }
         }
         let (lambdas, x) = dense::eigen_complex(&dense::solve(&b, &a)?)?;
-        let left = dense::solve(&(b * &x), &DMatrix::identity(x.nrows(), x.ncols()))?;
+        let left = dense::solve(&dense::product(&b, &x), &DMatrix::identity(x.nrows(), x.ncols()))?;
         let [re, im] = [x.map(|x| x.re), x.map(|x| x.im)];
         let [left_re, left_im] = [left.map(|x| x.re), left.map(|x| x.im)];
         Ok(NearModes {
             lambdas,
-            right: &self.right * blocks([&re, &im], [&-&im, &re]),
-            left: blocks([&left_re, &-&left_im], [&left_im, &left_re]) * &self.left,
+            right: dense::product(&self.right, &blocks([&re, &im], [&-&im, &re])),
+            left: dense::product(&blocks([&left_re, &-&left_im], [&left_im, &left_re]), &self.left),
         })
     }
 }

@@ -9,25 +9,29 @@
 //! None is missing: where the other modes do not resonate in the rectangle, the eigenvalues near it are continuous functions
 //! of the strength of the coupling between near and other modes, one starts from each of the small problem, and those
 //! within the margin around the rectangle are followed too. Two that end at one mode are a doubt, and so is one in the rectangle that
-//! ends farther from its start than half of the margin: another one may have come in from beyond it.
+//! ends farther from its start than half of the margin: another one may have come in from beyond it. `watch.rs` predicts whether one does.
 
 use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::anchor::{Anchor, NearModes};
+use super::anchor::Anchor;
+use super::far::Weights;
 use super::full::outside;
-use super::mixing::Mixing;
+use super::mixing::{Mixing, Parts};
 use super::residual::reduced_residual;
-use super::split;
+use super::{dense, split};
 use crate::{Rectangle, SparseError};
 
-/// Corrections after which a mode that has not converged is a doubt; the disc brake of docs/large-problems.md
-/// takes four or five.
-const MOST_CORRECTIONS: usize = 24;
-/// Last change of an eigenvalue, relative to its size, at which it has converged: the next would be smaller.
+/// Corrections after which a mode that has not converged is a doubt, as where one that is not followed is near it; the disc brake of
+/// docs/large-problems.md takes four on average.
+const MOST_CORRECTIONS: usize = 12;
+/// What the next correction would change an eigenvalue by, relative to its size, at which it has converged.
 const CONVERGED_STEP: f64 = 1e-9;
-/// How many times its last two changes an eigenvalue must be away from the rectangle to be left there. Chosen; with 10 one of
+/// Change of an eigenvalue, as a part of the margin, up to which the weights of the other modes are kept: none of them is nearer than about
+/// the margin.
+const WEIGHTS_KEPT: f64 = 0.1;
+/// How many times its last change and the one that would be next an eigenvalue must be away from the rectangle to be left there. Chosen; with 10 one of
 /// 374 modes of the brake of 4,669 degrees of freedom was left that still came in.
 const OUTSIDE: f64 = 30.0;
 /// Largest distance of a mode from its start, as a part of the margin. Chosen; of 6,000 analyses of cases/disc-pad and of one with a
@@ -64,8 +68,15 @@ pub(super) struct Goal<'a> {
 pub(super) struct Followed {
     pub lambdas: Vec<Complex<f64>>,
     pub shapes: DMatrix<f64>,
+    /// Norms of the residuals of the reduced system.
+    pub residuals: Vec<f64>,
     pub corrections: u64,
     pub multiply_adds: u64,
+}
+
+/// Whether a mode that is not near at an anchor may come into the rectangle at `point`, where it would be lost.
+pub(super) fn comes_near(anchor: &Anchor, point: &OperatingPoint, goal: &Goal<'_>) -> bool {
+    anchor.watch.comes_near([&anchor.point, point], goal.rectangle, LARGEST_MOVE * goal.margin)
 }
 
 /// Follows the modes of an anchor to `point`, where the reduced system is `system` and `size` the scale of its residuals.
@@ -77,27 +88,37 @@ pub(super) fn follow(
     goal: &Goal<'_>,
 ) -> Result<Result<Followed, Doubt>, SparseError> {
     let Ok(near) = anchor.near.modes(point) else { return Ok(Err(Doubt::NoStart)) };
-    let (k, p, q) = (system.order() as u64, near.lambdas.len() as u64, anchor.lambdas.len() as u64);
+    let (k, p, q) = (system.order() as u64, near.lambdas.len() as u64, anchor.far.count() as u64);
     let own: Vec<usize> =
         (0..near.lambdas.len()).filter(|&j| outside(goal.rectangle, near.lambdas[j]) <= goal.margin).collect();
     let mut lambdas: Vec<_> = own.iter().map(|&j| near.lambdas[j]).collect();
     let mut shapes = split::selected(&near.right, &own);
+    let (order, lengths) = (system.order(), split::norms(&shapes));
+    let mut weights: Vec<Weights> = lambdas.iter().map(|&lambda| anchor.far.weights(lambda)).collect();
     let mut active: Vec<usize> = (0..own.len()).collect();
     // Internal states move modes by small steps and far: of these all must converge.
     let has_states = system.states() > 0;
-    let mut last_steps = vec![[f64::INFINITY; 2]; own.len()];
+    let (mut last_steps, mut residuals) = (vec![f64::INFINITY; own.len()], vec![f64::INFINITY; own.len()]);
     let mut mixings: Vec<Mixing> = own.iter().map(|_| Mixing::default()).collect();
     let (mut corrections, mut multiply_adds) = (0, 8 * k * p * p + 40 * p * p * p);
     for _ in 0..=MOST_CORRECTIONS {
         let (at, y): (Vec<_>, _) = (active.iter().map(|&j| lambdas[j]).collect(), split::selected(&shapes, &active));
         let residual = reduced_residual(system, &at, &y);
-        multiply_adds += 6 * k * k * active.len() as u64;
+        active.iter().enumerate().for_each(|(place, &j)| residuals[j] = split::norm_squared(&residual, place).sqrt());
+        let near_products = dense::product(&near.left, &residual);
+        multiply_adds += (6 * k * k + 4 * k * p) * active.len() as u64;
+        let along = |i: usize, place: usize| {
+            let [re, im] = [place, active.len() + place].map(|column| near_products.column(column));
+            let i_im = near.lambdas.len() + i;
+            Complex::new(re[i] - im[i_im], im[i] + re[i_im]) / anchor.gamma
+        };
+        // What the next correction would change each eigenvalue by.
+        let steps: Vec<_> = active.iter().enumerate().map(|(place, &j)| -along(own[j], place)).collect();
         let is_open = |place: usize| {
             let allowed = goal.backward_error * size(at[place]) * split::norm_squared(&y, place).sqrt();
-            let [before, step] = last_steps[active[place]];
-            let has_converged =
-                split::norm_squared(&residual, place).sqrt() <= allowed && step <= CONVERGED_STEP * at[place].norm();
-            let stays_outside = !has_states && outside(goal.rectangle, at[place]) > OUTSIDE * step.max(before);
+            let (step, last) = (steps[place].norm(), last_steps[active[place]]);
+            let has_converged = residuals[active[place]] <= allowed && step <= CONVERGED_STEP * at[place].norm();
+            let stays_outside = !has_states && outside(goal.rectangle, at[place]) > OUTSIDE * step.max(last);
             !(has_converged || stays_outside)
         };
         let open: Vec<usize> = (0..active.len()).filter(|&place| is_open(place)).collect();
@@ -105,24 +126,39 @@ pub(super) fn follow(
             active.clear();
             break;
         }
-        let owners: Vec<usize> = open.iter().map(|&place| own[active[place]]).collect();
-        let at: Vec<_> = open.iter().map(|&place| at[place]).collect();
-        let (change, steps) = correction(anchor, &near, &owners, &at, &split::selected(&residual, &open));
-        active = open.iter().map(|&place| active[place]).collect();
-        multiply_adds += 8 * k * (p + q) * active.len() as u64;
-        corrections += active.len() as u64;
-        for (place, &j) in active.iter().enumerate() {
-            // Both unknowns in one vector.
-            let mixed = mixings[j].next(
-                &split::vector(&shapes, j).push(lambdas[j] / anchor.gamma),
-                &split::vector(&change, place).push(steps[place] / anchor.gamma),
-            );
-            let lambda = mixed[mixed.len() - 1] * anchor.gamma;
-            let step = (lambda - lambdas[j]).norm().max(steps[place].norm());
-            last_steps[j] = [last_steps[j][1], step];
-            lambdas[j] = lambda;
-            split::set(&mut shapes, j, mixed.iter().copied());
+        let mut near_weights = split::zeros(2 * near.lambdas.len(), open.len());
+        for (to, &place) in open.iter().enumerate() {
+            for (i, &other) in near.lambdas.iter().enumerate().filter(|&(i, _)| i != own[active[place]]) {
+                let weight = along(i, place) / (other - at[place]);
+                put(&mut near_weights, (i, near.lambdas.len() + i), to, [weight, Complex::new(-weight.im, weight.re)]);
+            }
         }
+        for &place in &open {
+            let weights = &mut weights[active[place]];
+            if (weights.lambda - at[place]).norm() > WEIGHTS_KEPT * goal.margin {
+                *weights = anchor.far.weights(at[place]);
+            }
+        }
+        let of_open: Vec<&Weights> = open.iter().map(|&place| &weights[active[place]]).collect();
+        let change =
+            anchor.far.apply(&split::selected(&residual, &open), &of_open) + dense::product(&near.right, &near_weights);
+        multiply_adds += (8 * k * q + 4 * k * p) * open.len() as u64;
+        corrections += open.len() as u64;
+        for (column, &place) in open.iter().enumerate() {
+            let j = active[place];
+            // Both unknowns in one vector, in parts of the shape's length.
+            let (re, im) = split::parts(&change, column);
+            let of = |part: &[f64], step: f64| {
+                part.iter().map(|value| (value / lengths[j]) as f32).chain([(step / anchor.gamma) as f32]).collect()
+            };
+            let f = Parts { re: of(re.as_slice(), steps[place].re), im: of(im.as_slice(), steps[place].im) };
+            let mixed = mixings[j].next(f);
+            let step = Complex::new(f64::from(mixed.re[order]), f64::from(mixed.im[order])) * anchor.gamma;
+            last_steps[j] = step.norm().max(steps[place].norm());
+            lambdas[j] += step;
+            split::add(&mut shapes, j, [&mixed.re[..order], &mixed.im[..order]], lengths[j]);
+        }
+        active = open.iter().map(|&place| active[place]).collect();
     }
     if !active.is_empty() {
         return Ok(Err(Doubt::NotConverged));
@@ -133,50 +169,11 @@ pub(super) fn follow(
     }
     let (lambdas, shapes): (Vec<_>, _) =
         (inside.iter().map(|&j| lambdas[j]).collect(), split::selected(&shapes, &inside));
+    let residuals = inside.iter().map(|&j| residuals[j]).collect();
     if have_merged(&lambdas, &shapes) {
         return Ok(Err(Doubt::Merged));
     }
-    Ok(Ok(Followed { lambdas, shapes, corrections, multiply_adds }))
-}
-
-/// The corrections of shapes and eigenvalues for these residuals; `owners` are the near modes that they started from.
-fn correction(
-    anchor: &Anchor,
-    near: &NearModes,
-    owners: &[usize],
-    at: &[Complex<f64>],
-    residual: &DMatrix<f64>,
-) -> (DMatrix<f64>, Vec<Complex<f64>>) {
-    let (gamma, q, p, vectors) = (anchor.gamma, anchor.lambdas.len(), near.lambdas.len(), at.len());
-    let (others, own_part) = (&anchor.left * residual, &near.left * residual);
-    let mut other_weights = split::zeros(2 * q, vectors);
-    let mut near_weights = split::zeros(2 * p, vectors);
-    let mut steps = Vec::with_capacity(vectors);
-    let (turn, zero) = (Complex::new(0.0, 1.0), Complex::new(0.0, 0.0));
-    for (place, &lambda) in at.iter().enumerate() {
-        let part = |products: &DMatrix<f64>, row: usize| {
-            Complex::new(products[(row, place)], products[(row, vectors + place)])
-        };
-        for (i, (&other, is_near)) in anchor.lambdas.iter().zip(&anchor.is_near).enumerate() {
-            let (a, b) = (part(&others, i), turn * part(&others, q + i));
-            let upper = if is_near[0] { zero } else { (a + b) / ((other - lambda) * gamma) };
-            let is_left_out = is_near[1] || other.im == 0.0;
-            let lower = if is_left_out { zero } else { (a - b) / ((other.conj() - lambda) * gamma) };
-            put(&mut other_weights, (i, q + i), place, [upper + lower, turn * (upper - lower)]);
-        }
-        let mut step = zero;
-        for (i, &other) in near.lambdas.iter().enumerate() {
-            let product = (part(&own_part, i) + turn * part(&own_part, p + i)) / gamma;
-            if i == owners[place] {
-                step = -product;
-            } else {
-                let weight = product / (other - lambda);
-                put(&mut near_weights, (i, p + i), place, [weight, turn * weight]);
-            }
-        }
-        steps.push(step);
-    }
-    (&anchor.right * other_weights + &near.right * near_weights, steps)
+    Ok(Ok(Followed { lambdas, shapes, residuals, corrections, multiply_adds }))
 }
 
 fn put(weights: &mut DMatrix<f64>, rows: (usize, usize), vector: usize, values: [Complex<f64>; 2]) {

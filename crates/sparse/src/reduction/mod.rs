@@ -24,6 +24,7 @@ mod basis;
 mod build;
 mod compared;
 mod dense;
+mod far;
 mod follow;
 mod full;
 mod mixing;
@@ -35,8 +36,10 @@ mod reduced;
 mod report;
 mod residual;
 mod responses;
+mod rows;
 mod shared;
 mod split;
+mod watch;
 mod within;
 
 pub use basis::Vectors;

@@ -11,26 +11,34 @@
 //! orthogonal to V. Nothing is squared but the last short vector: the usual expansion of `|Q V y|^2` in inner products of the
 //! terms loses half of the digits.
 
-use linsys::{ChannelGain, OperatingPoint, SecondOrder};
+use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::norms::{Norms, NormsAt};
+use super::rows::Rows;
 use super::{dense, split};
 use crate::product::times;
 use crate::{SparseAffineSystem, SparseError};
 
+/// Random combinations of rows that a residual is estimated with, and how many times as many rows there are at least.
+const SKETCH_ROWS: usize = 128;
+const LEAST_SKETCHED: usize = 2;
+/// What an estimate is multiplied by to be a bound. The squared norm of a sketch of 128 rows is that of the vector times a mean of 128
+/// squared normal numbers at least: below a quarter of it with a probability of less than 3e-18 (Chernoff's bound).
+const SKETCH_FACTOR: f64 = 2.0;
+
 /// The parts of the stacked terms that are orthogonal to the basis.
 #[derive(Debug, Clone)]
 pub(super) struct ResidualForm {
-    /// `W^T A_k V` of each term's M, C and K, r x k; no rows where the matrix is zero.
-    terms: Vec<[DMatrix<f64>; 3]>,
-    /// `W^T b_i`, `V^T b_i`, `V^T r_i` of each channel.
-    channels: Vec<[DVector<f64>; 3]>,
+    rows: Rows,
+    /// Random combinations of the rows, where they are fewer by far.
+    sketch: Option<Rows>,
+    /// `V^T b_i`, `V^T r_i` of each channel.
+    channels: Vec<[DVector<f64>; 2]>,
     /// 2-norms at most of what was left out of each term's matrices and of each b_i.
     dropped: (Vec<[f64; 3]>, Vec<f64>),
     norms: Norms,
-    rank: usize,
 }
 
 /// The residual form at one operating point.
@@ -165,19 +173,32 @@ impl ResidualForm {
             terms[block.term][block.power] = columns.rows(0, rank) / block.weight;
             dropped.0[block.term][block.power] = columns.rows(rank, r.nrows() - rank).norm() / block.weight;
         }
-        let mut channels = Vec::with_capacity(sides.len());
+        let (mut channels, mut force_rows) = (Vec::with_capacity(sides.len()), Vec::with_capacity(sides.len()));
         for (at, ((force, reading), weight)) in sides.iter().zip(&weights).enumerate() {
             let column = r.column(of_blocks + at);
             let scale = if *weight > 0.0 { 1.0 / weight } else { 0.0 };
-            channels.push([column.rows(0, rank) * scale, basis.tr_mul(force), basis.tr_mul(reading)]);
+            force_rows.push(column.rows(0, rank) * scale);
+            channels.push([basis.tr_mul(force), basis.tr_mul(reading)]);
             dropped.1[at] = column.rows(rank, r.nrows() - rank).norm() * scale;
         }
-        Ok(Self { terms, channels, dropped, norms, rank })
+        let rows = Rows { count: rank, terms, force: force_rows };
+        let sketch = (rank >= LEAST_SKETCHED * SKETCH_ROWS).then(|| rows.sketched(SKETCH_ROWS));
+        Ok(Self { rows, sketch, channels, dropped, norms })
     }
 
     /// Directions outside of the basis that residuals are computed in.
     pub fn rank(&self) -> usize {
-        self.rank
+        self.rows.count
+    }
+
+    /// `V^T b_i`, `V^T r_i` of each channel.
+    pub fn channels(&self) -> &[[DVector<f64>; 2]] {
+        &self.channels
+    }
+
+    /// Rows that residuals are estimated with, none where all are exact.
+    pub fn sketch_rows(&self) -> usize {
+        self.sketch.as_ref().map_or(0, |sketch| sketch.count)
     }
 
     /// The form at a point that belongs to the system.
@@ -186,7 +207,7 @@ impl ResidualForm {
         for (left_out, theta) in self.dropped.0.iter().zip(&point.coefficients) {
             dropped.iter_mut().zip(left_out).for_each(|(sum, left_out)| *sum += theta.abs() * left_out);
         }
-        for (([_, force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels) {
+        for (([force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels) {
             let lag = gain.lag.map_or(0.0, |lag| lag.force * lag.drive);
             dropped[2] += gain.mu.abs() * left_out * reading.norm() + lag.abs() * left_out * force.norm();
             dropped[1] += gain.slope.abs() * left_out * force.norm();
@@ -196,52 +217,41 @@ impl ResidualForm {
 }
 
 impl ResidualAt<'_> {
-    /// The residual of each pair (lambda_j, V y_j), y_j the split columns of `y`, where `system` is the reduced system at the
-    /// point: an upper bound, above the residual by no more than what the truncation left out.
-    pub fn of(&self, system: &SecondOrder, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> Vec<f64> {
-        let inner = reduced_residual(system, lambdas, y);
-        let outer = self.outside(lambdas, y);
-        let [m, c, k] = self.dropped;
-        let residual = |(at, &lambda): (usize, &Complex<f64>)| {
-            let (size, l) = (split::norm_squared(y, at).sqrt(), lambda.norm());
-            let left_out = (l * l * m + l * c + k) * size;
-            let squared = split::norm_squared(&inner, at) + (split::norm_squared(&outer, at).sqrt() + left_out).powi(2);
-            squared.sqrt() / (self.norms.size(lambda) * size)
-        };
-        lambdas.iter().enumerate().map(residual).collect()
+    /// The residual of each pair (lambda_j, V y_j), y_j the split columns of `y`, where `inner` are the norms of the residuals of the
+    /// reduced system: an upper bound, above the residual by no more than what the truncation left out. Where the sketch
+    /// shows that a residual is below `enough`, the bound of the sketch takes its place.
+    pub fn of(&self, inner: &[f64], lambdas: &[Complex<f64>], y: &DMatrix<f64>, enough: f64) -> Vec<f64> {
+        let all: Vec<usize> = (0..lambdas.len()).collect();
+        let Some(sketch) = &self.form.sketch else { return self.with(&self.form.rows, 1.0, &all, inner, lambdas, y) };
+        let mut out = self.with(sketch, SKETCH_FACTOR, &all, inner, lambdas, y);
+        let open: Vec<usize> = all.into_iter().filter(|&at| out[at].is_nan() || out[at] > enough).collect();
+        if !open.is_empty() {
+            let exact = self.with(&self.form.rows, 1.0, &open, inner, lambdas, y);
+            open.iter().zip(exact).for_each(|(&at, residual)| out[at] = residual);
+        }
+        out
     }
 
-    /// `W^T Q(lambda_j) V y_j`, from term to term: an operating point's own matrices would cost more than the few products.
-    fn outside(&self, lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut outer = split::zeros(self.form.rank, lambdas.len());
-        let mut add = |at: usize, part: &DVector<f64>, [re, im]: [f64; 2]| {
-            outer.column_mut(at).axpy(re, part, 1.0);
-            outer.column_mut(lambdas.len() + at).axpy(im, part, 1.0);
+    /// The residuals of some of the pairs, by all rows or by a sketch whose norms are multiplied by a factor.
+    fn with(
+        &self,
+        rows: &Rows,
+        factor: f64,
+        wanted: &[usize],
+        inner: &[f64],
+        lambdas: &[Complex<f64>],
+        y: &DMatrix<f64>,
+    ) -> Vec<f64> {
+        let (lambdas, y): (Vec<_>, _) = (wanted.iter().map(|&at| lambdas[at]).collect(), split::selected(y, wanted));
+        let outer = rows.of(self.form, self.point, &lambdas, &y);
+        let [m, c, k] = self.dropped;
+        let residual = |(at, &lambda): (usize, &Complex<f64>)| {
+            let (size, l) = (split::norm_squared(&y, at).sqrt(), lambda.norm());
+            let left_out = (l * l * m + l * c + k) * size;
+            let outside = factor * split::norm_squared(&outer, at).sqrt() + left_out;
+            inner[wanted[at]].hypot(outside) / (self.norms.size(lambda) * size)
         };
-        for (term, &theta) in self.form.terms.iter().zip(&self.point.coefficients) {
-            for (power, part) in [2, 1, 0].into_iter().zip(term).filter(|(_, part)| part.nrows() > 0 && theta != 0.0) {
-                let product = part * y;
-                for (at, &lambda) in lambdas.iter().enumerate() {
-                    let factor = lambda.powi(power) * theta;
-                    let (re, im) = (product.column(at).into_owned(), product.column(lambdas.len() + at).into_owned());
-                    add(at, &re, [factor.re, factor.im]);
-                    add(at, &im, [-factor.im, factor.re]);
-                }
-            }
-        }
-        for ([out, force, reading], gain) in self.form.channels.iter().zip(&self.point.channels) {
-            if *gain == ChannelGain::default() {
-                continue;
-            }
-            for (at, &lambda) in lambdas.iter().enumerate() {
-                let (re, im) = split::parts(y, at);
-                let along = |side: &DVector<f64>| Complex::new(side.dot(&re), side.dot(&im));
-                let slope = gain.complex_slope(lambda);
-                let pull = along(reading) * gain.mu + along(force) * lambda * slope;
-                add(at, out, [pull.re, pull.im]);
-            }
-        }
-        outer
+        lambdas.iter().enumerate().map(residual).collect()
     }
 }
 

@@ -5,6 +5,8 @@
 use nalgebra::{DMatrix, DVector, DVectorView};
 use num_complex::Complex;
 
+use super::dense::product;
+
 /// Vectors of length n, split.
 pub(super) fn zeros(length: usize, vectors: usize) -> DMatrix<f64> {
     DMatrix::zeros(length, 2 * vectors)
@@ -45,6 +47,14 @@ pub(super) fn set(split: &mut DMatrix<f64>, at: usize, values: impl Iterator<Ite
     }
 }
 
+/// Adds to vector `at`; what is added may have more entries.
+pub(super) fn add(split: &mut DMatrix<f64>, at: usize, [re, im]: [&[f32]; 2], factor: f64) {
+    let half = count(split);
+    for (column, part) in [(at, re), (half + at, im)] {
+        split.column_mut(column).iter_mut().zip(part).for_each(|(to, &value)| *to += factor * f64::from(value));
+    }
+}
+
 /// Some of the vectors.
 pub(super) fn selected(split: &DMatrix<f64>, wanted: &[usize]) -> DMatrix<f64> {
     let half = count(split);
@@ -58,18 +68,33 @@ pub(super) fn norm_squared(split: &DMatrix<f64>, at: usize) -> f64 {
     re.norm_squared() + im.norm_squared()
 }
 
+/// The norm of each vector.
+pub(super) fn norms(split: &DMatrix<f64>) -> Vec<f64> {
+    (0..count(split)).map(|at| norm_squared(split, at).sqrt()).collect()
+}
+
 /// `(lambda_j^2 M + lambda_j C + K) y_j` of each vector j, for real matrices of any number of rows.
 pub(super) fn quadratic([m, c, k]: [&DMatrix<f64>; 3], lambdas: &[Complex<f64>], y: &DMatrix<f64>) -> DMatrix<f64> {
-    let (mut out, damping, inertia) = (k * y, c * y, m * y);
+    combined([&product(m, y), &product(c, y)], product(k, y), lambdas)
+}
+
+/// The same of the products of the vectors with M, C and K.
+pub(super) fn combined(
+    [inertia, damping]: [&DMatrix<f64>; 2],
+    stiffness: DMatrix<f64>,
+    lambdas: &[Complex<f64>],
+) -> DMatrix<f64> {
+    let mut out = stiffness;
     let (rows, vectors) = (out.nrows(), lambdas.len());
     let (re, im) = out.as_mut_slice().split_at_mut(rows * vectors);
     for (at, &lambda) in lambdas.iter().enumerate() {
         let square = lambda * lambda;
-        let ((c_re, c_im), (m_re, m_im)) = (parts(&damping, at), parts(&inertia, at));
+        let ((c_re, c_im), (m_re, m_im)) = (parts(damping, at), parts(inertia, at));
         let out = re[at * rows..(at + 1) * rows].iter_mut().zip(&mut im[at * rows..(at + 1) * rows]);
-        for (row, (re, im)) in out.enumerate() {
-            *re += lambda.re * c_re[row] - lambda.im * c_im[row] + square.re * m_re[row] - square.im * m_im[row];
-            *im += lambda.re * c_im[row] + lambda.im * c_re[row] + square.re * m_im[row] + square.im * m_re[row];
+        let parts = c_re.iter().zip(c_im.iter()).zip(m_re.iter().zip(m_im.iter()));
+        for ((re, im), ((c_re, c_im), (m_re, m_im))) in out.zip(parts) {
+            *re += lambda.re * c_re - lambda.im * c_im + square.re * m_re - square.im * m_im;
+            *im += lambda.re * c_im + lambda.im * c_re + square.re * m_im + square.im * m_re;
         }
     }
     out

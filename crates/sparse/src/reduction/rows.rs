@@ -1,0 +1,104 @@
+//! The part of residuals outside of the basis, in all directions or in a few random combinations of them.
+
+use linsys::{ChannelGain, OperatingPoint};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::residual::ResidualForm;
+use super::{dense, split};
+
+/// `W^T Q(lambda) V` by its terms, or `S W^T Q(lambda) V`.
+#[derive(Debug, Clone)]
+pub(super) struct Rows {
+    pub count: usize,
+    /// `W^T A_k V` of each term's M, C and K; no rows where the matrix is zero.
+    pub terms: Vec<[DMatrix<f64>; 3]>,
+    /// `W^T b_i` of each channel.
+    pub force: Vec<DVector<f64>>,
+}
+
+impl Rows {
+    /// `count` combinations of the rows with independent normal numbers of variance `1 / count`: the mean of the squared norm of what
+    /// they make of a vector is that of the vector. The numbers are the same every time.
+    pub fn sketched(&self, count: usize) -> Self {
+        let mut random = Random(0);
+        let sketch = DMatrix::from_fn(count, self.count, |_, _| random.normal() / (count as f64).sqrt());
+        let of = |part: &DMatrix<f64>| if part.nrows() == 0 { part.clone() } else { dense::product(&sketch, part) };
+        Self {
+            count,
+            terms: self.terms.iter().map(|parts| parts.each_ref().map(of)).collect(),
+            force: self.force.iter().map(|force| &sketch * force).collect(),
+        }
+    }
+
+    /// `W^T Q(lambda_j) V y_j`, from term to term: an operating point's own matrices would cost more than the few products.
+    pub fn of(
+        &self,
+        form: &ResidualForm,
+        point: &OperatingPoint,
+        lambdas: &[Complex<f64>],
+        y: &DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let mut sums = [(); 3].map(|()| split::zeros(self.count, lambdas.len()));
+        for (term, &theta) in self.terms.iter().zip(&point.coefficients).filter(|(_, theta)| **theta != 0.0) {
+            for (sum, part) in sums.iter_mut().zip(term).filter(|(_, part)| part.nrows() > 0) {
+                dense::add_product(sum, theta, part, y);
+            }
+        }
+        let [inertia, damping, stiffness] = sums;
+        let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
+        for ((out, [force, reading]), gain) in self.force.iter().zip(form.channels()).zip(&point.channels) {
+            if *gain == ChannelGain::default() {
+                continue;
+            }
+            for (at, &lambda) in lambdas.iter().enumerate() {
+                let (re, im) = split::parts(y, at);
+                let along = |side: &DVector<f64>| Complex::new(side.dot(&re), side.dot(&im));
+                let pull = along(reading) * gain.mu + along(force) * lambda * gain.complex_slope(lambda);
+                outer.column_mut(at).axpy(pull.re, out, 1.0);
+                outer.column_mut(lambdas.len() + at).axpy(pull.im, out, 1.0);
+            }
+        }
+        outer
+    }
+}
+
+/// Normal numbers by the method of Box and Muller from the generator SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// Uniform in (0, 1).
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (radius, angle) = (self.uniform(), self.uniform());
+        (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sketch_of_128_rows_keeps_norms_to_a_part() {
+        let rows = Rows {
+            count: 400,
+            terms: vec![
+                [(); 3].map(|()| DMatrix::from_fn(400, 90, |i, j| ((i * i + 7 * i * j + 3 * j) % 23) as f64 - 11.0)),
+            ],
+            force: Vec::new(),
+        };
+        let sketch = rows.sketched(128);
+        for (whole, short) in rows.terms[0][0].column_iter().zip(sketch.terms[0][0].column_iter()) {
+            let ratio = short.norm() / whole.norm();
+            assert!((0.75..1.25).contains(&ratio), "{ratio}");
+        }
+    }
+}
