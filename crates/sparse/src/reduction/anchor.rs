@@ -58,8 +58,8 @@ pub(super) struct Near {
     of_channels: Vec<[f64; 2]>,
 }
 
-/// How many margins from the rectangle modes are near: those that come in from beyond the margin must be among them. With 1, one of
-/// cases/disc-pad with a narrow band was lost that came from there.
+/// How many margins from the rectangle modes are near; chosen, so that those that come in from a little beyond the margin are among them.
+/// One that comes from farther is for `watch.rs`.
 const NEAR: f64 = 2.0;
 
 impl Anchor {

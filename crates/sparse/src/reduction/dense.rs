@@ -59,8 +59,9 @@ pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>)
 /// Rows come in descending order of what they hold.
 pub(super) fn unpivoted_r(a: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
     check(a, "QR decomposition of the stacked terms")?;
-    if a.ncols() == 0 {
-        return Ok(DMatrix::zeros(0, 0));
+    // Pivots of nothing but zeros would be no numbers.
+    if a.iter().all(|&entry| entry == 0.0) {
+        return Ok(DMatrix::zeros(0, a.ncols()));
     }
     // The first decomposition is blocked, the second pivots on the small factor.
     let r = view(a).qr().thin_R().to_owned();

@@ -8,6 +8,7 @@
 //! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
 //! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
 //! | find some of them | [`Reduced::modes_among`] |
+//! | find the growing ones of samples that differ in friction alone | [`FrictionModes`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | hold the modes on the way from one of two dense systems to the other | [`path_directions`] |
 //! | see what fewer columns would hold | [`rungs`] |
@@ -26,17 +27,18 @@ mod compared;
 mod dense;
 mod far;
 mod follow;
+mod friction;
 mod full;
 mod mixing;
 mod modal;
 mod norms;
 mod options;
+mod outer;
 mod path;
 mod reduced;
 mod report;
 mod residual;
 mod responses;
-mod rows;
 mod shared;
 mod split;
 mod watch;
@@ -46,6 +48,7 @@ pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
 pub use compared::{Compared, compared};
 pub use follow::Doubt;
+pub use friction::{FrictionModes, FrictionPath, FrictionSearch, OnFrictionPath};
 pub use modal::real_modes;
 pub use options::Options;
 pub use path::path_directions;

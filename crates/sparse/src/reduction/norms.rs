@@ -50,6 +50,20 @@ impl Norms {
         Self { gram, force: slopes.iter().map(|slope| inner(slope, slope).sqrt()).collect() }
     }
 
+    /// The norms of a system whose terms are summed into one with these coefficients.
+    pub fn summed(&self, coefficients: &[f64]) -> Self {
+        let gram = self.gram.each_ref().map(|gram| {
+            let channels = gram.nrows() - coefficients.len().min(gram.nrows());
+            let onto = DMatrix::from_fn(gram.nrows(), 1 + channels, |row, column| match coefficients.get(row) {
+                Some(&theta) if column == 0 => theta,
+                None if row - coefficients.len() + 1 == column => 1.0,
+                _ => 0.0,
+            });
+            onto.transpose() * gram * onto
+        });
+        Self { gram, force: self.force.clone() }
+    }
+
     /// The norms at a point that belongs to the system.
     pub fn at(&self, point: &OperatingPoint) -> NormsAt {
         let norm = |gram: &DMatrix<f64>, channels: &dyn Fn(&ChannelGain) -> f64| {

@@ -186,6 +186,11 @@ impl Reduced {
         self.by_spectrum(&self.system.assemble(point)?, &self.form.at(point), None, &|_| true)
     }
 
+    /// What residuals are computed by.
+    pub(super) fn form(&self) -> &ResidualForm {
+        &self.form
+    }
+
     /// The residual of any pair (lambda, V y) at a point.
     ///
     /// # Errors
@@ -242,7 +247,7 @@ impl Reduced {
     }
 
     /// Modes in order, their shapes scaled, with their residuals.
-    fn judged(
+    pub(super) fn judged(
         &self,
         residual: &ResidualAt<'_>,
         lambdas: Vec<Complex<f64>>,

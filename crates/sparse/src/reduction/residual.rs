@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::norms::{Norms, NormsAt};
-use super::rows::Rows;
+use super::outer::OuterRows;
 use super::{dense, split};
 use crate::product::times;
 use crate::{SparseAffineSystem, SparseError};
@@ -31,9 +31,9 @@ const SKETCH_FACTOR: f64 = 2.0;
 /// The parts of the stacked terms that are orthogonal to the basis.
 #[derive(Debug, Clone)]
 pub(super) struct ResidualForm {
-    rows: Rows,
+    rows: OuterRows,
     /// Random combinations of the rows, where they are fewer by far.
-    sketch: Option<Rows>,
+    sketch: Option<OuterRows>,
     /// `V^T b_i`, `V^T r_i` of each channel.
     channels: Vec<[DVector<f64>; 2]>,
     /// 2-norms at most of what was left out of each term's matrices and of each b_i.
@@ -181,9 +181,24 @@ impl ResidualForm {
             channels.push([basis.tr_mul(force), basis.tr_mul(reading)]);
             dropped.1[at] = column.rows(rank, r.nrows() - rank).norm() * scale;
         }
-        let rows = Rows { count: rank, terms, force: force_rows };
+        let rows = OuterRows { count: rank, terms, force: force_rows };
         let sketch = (rank >= LEAST_SKETCHED * SKETCH_ROWS).then(|| rows.sketched(SKETCH_ROWS));
         Ok(Self { rows, sketch, channels, dropped, norms })
+    }
+
+    /// The form of points with these coefficients, as of a system with one term whose coefficient is 1.
+    pub fn summed(&self, coefficients: &[f64]) -> Self {
+        let mut dropped = [0.0; 3];
+        for (left_out, theta) in self.dropped.0.iter().zip(coefficients) {
+            dropped.iter_mut().zip(left_out).for_each(|(sum, left_out)| *sum += theta.abs() * left_out);
+        }
+        Self {
+            rows: self.rows.summed(coefficients),
+            sketch: self.sketch.as_ref().map(|sketch| sketch.summed(coefficients)),
+            channels: self.channels.clone(),
+            dropped: (vec![dropped], self.dropped.1.clone()),
+            norms: self.norms.summed(coefficients),
+        }
     }
 
     /// Directions outside of the basis that residuals are computed in.
@@ -235,7 +250,7 @@ impl ResidualAt<'_> {
     /// The residuals of some of the pairs, by all rows or by a sketch whose norms are multiplied by a factor.
     fn with(
         &self,
-        rows: &Rows,
+        rows: &OuterRows,
         factor: f64,
         wanted: &[usize],
         inner: &[f64],

@@ -37,6 +37,7 @@ impl Structures {
 }
 
 /// The friction of all channels: `sum_i b_i (mu_i r_i^T + lambda s_i(lambda) b_i^T)`.
+#[derive(Debug, Clone)]
 pub(super) struct Friction {
     /// b_i, n x m.
     force: DMatrix<f64>,

@@ -9,7 +9,7 @@ use super::{dense, split};
 
 /// `W^T Q(lambda) V` by its terms, or `S W^T Q(lambda) V`.
 #[derive(Debug, Clone)]
-pub(super) struct Rows {
+pub(super) struct OuterRows {
     pub count: usize,
     /// `W^T A_k V` of each term's M, C and K; no rows where the matrix is zero.
     pub terms: Vec<[DMatrix<f64>; 3]>,
@@ -17,7 +17,7 @@ pub(super) struct Rows {
     pub force: Vec<DVector<f64>>,
 }
 
-impl Rows {
+impl OuterRows {
     /// `count` combinations of the rows with independent normal numbers of variance `1 / count`: the mean of the squared norm of what
     /// they make of a vector is that of the vector. The numbers are the same every time.
     pub fn sketched(&self, count: usize) -> Self {
@@ -29,6 +29,21 @@ impl Rows {
             terms: self.terms.iter().map(|parts| parts.each_ref().map(of)).collect(),
             force: self.force.iter().map(|force| &sketch * force).collect(),
         }
+    }
+
+    /// The same with the terms summed into one, for points with these coefficients.
+    pub fn summed(&self, coefficients: &[f64]) -> Self {
+        let mut sums = [(); 3].map(|()| DMatrix::zeros(0, 0));
+        for (parts, &theta) in self.terms.iter().zip(coefficients) {
+            for (sum, part) in sums.iter_mut().zip(parts).filter(|(_, part)| part.nrows() > 0) {
+                if sum.nrows() == 0 {
+                    *sum = part * theta;
+                } else {
+                    *sum += part * theta;
+                }
+            }
+        }
+        Self { count: self.count, terms: vec![sums], force: self.force.clone() }
     }
 
     /// `W^T Q(lambda_j) V y_j`, from term to term: an operating point's own matrices would cost more than the few products.
@@ -88,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_sketch_of_128_rows_keeps_norms_to_a_part() {
-        let rows = Rows {
+        let rows = OuterRows {
             count: 400,
             terms: vec![
                 [(); 3].map(|()| DMatrix::from_fn(400, 90, |i, j| ((i * i + 7 * i * j + 3 * j) % 23) as f64 - 11.0)),

@@ -1,0 +1,125 @@
+//! Gains at which the near modes are known, and guesses of them at others.
+
+use linsys::ChannelGain;
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use super::coupling::{self, Coordinates, Friction, Scratch};
+use super::eigenvalue;
+use super::ports::Ports;
+use super::rows::Rows;
+use crate::SparseError;
+use crate::reduction::dense;
+
+/// Rounds in which a mode of A in the middle of the band becomes one of A at its own eigenvalue; chosen: each gains two digits or more.
+const ROUNDS: usize = 3;
+/// Where A is evaluated for an eigenvalue that is known, relative to it: at the eigenvalue itself `lambda - A` is singular.
+const BESIDE: f64 = 1e-9;
+/// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
+/// thousands next to a coalescence, from where guesses are no use.
+const LARGEST_CONDITION: f64 = 1e3;
+
+/// Gains at which the near modes are known.
+#[derive(Debug, Clone)]
+pub(super) struct Anchor {
+    gains: Vec<ChannelGain>,
+    /// The vectors of these modes as coordinates.
+    pub own: Coordinates,
+    /// Eigenvalues there, rad/s.
+    lambdas: Vec<Complex<f64>>,
+}
+
+/// A guess of an eigenvalue.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Guess {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// By how much each other mode moves it, summed, rad/s.
+    pub moved: f64,
+}
+
+impl Anchor {
+    /// The near modes under some gains; `None` where their vectors do not tell them apart.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge.
+    pub fn new(ports: &Ports, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
+        let (p, structure, mut scratch) = (ports.near(), Coordinates::of_structure(ports), Scratch::new(ports));
+        let mut a = Rows::zeros(p, p);
+        coupling::at(&structure, &ports.fine, ports.middle, Friction::of(&gains), &mut scratch, &mut a);
+        let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
+        for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
+            for _ in 0..ROUNDS {
+                coupling::at(&structure, &ports.fine, *lambda, Friction::of(&gains), &mut scratch, &mut a);
+                let beside = *lambda * (1.0 + BESIDE);
+                *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
+            }
+        }
+        if !lambdas.iter().all(|lambda| lambda.is_finite()) {
+            return Ok(None);
+        }
+        let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
+        let is_sound = inverse.norm() * vectors.norm() <= LARGEST_CONDITION;
+        Ok(is_sound.then(|| Self { gains, own: Coordinates::new(ports, vectors, &inverse), lambdas }))
+    }
+
+    /// The square of how far gains are: the changes, each times what it moves the near modes by at most, rad/s.
+    pub fn distance(&self, ports: &Ports, gains: &[ChannelGain]) -> f64 {
+        let slope = |gain: &ChannelGain| ports.middle * gain.complex_slope(ports.middle);
+        let [of_friction, of_slope] = &ports.moved;
+        let apart = |(port, (here, there)): (usize, (&ChannelGain, &ChannelGain))| {
+            ((here.mu - there.mu) * of_friction[port]).powi(2)
+                + (slope(here) - slope(there)).norm_sqr() * of_slope[port].powi(2)
+        };
+        gains.iter().zip(&self.gains).enumerate().map(apart).sum()
+    }
+
+    /// The eigenvalues of A, given at some points of the band in the coordinates of this anchor: its diagonal, and to second order what
+    /// couples it. Two modes that are near each other are taken as the pair that they make.
+    pub fn guesses(&self, points: &[Complex<f64>], values: &[Rows]) -> Vec<Guess> {
+        let guess = |(i, &lambda): (usize, &Complex<f64>)| {
+            let ([low, high], part) = around(points, lambda.im);
+            let entry = |row: usize, column: usize| {
+                values[low].at(row, column) * (1.0 - part) + values[high].at(row, column) * part
+            };
+            let own = entry(i, i);
+            let mut guess = Guess { lambda: own, moved: 0.0 };
+            for j in (0..self.lambdas.len()).filter(|&j| j != i) {
+                let half = (own - entry(j, j)) * 0.5;
+                let root = square_root(half * half + entry(i, j) * entry(j, i));
+                let by_other = if (root * half.conj()).re >= 0.0 { root - half } else { -root - half };
+                guess.lambda += by_other;
+                guess.moved += by_other.norm_sqr().sqrt();
+            }
+            guess
+        };
+        self.lambdas.iter().enumerate().map(guess).collect()
+    }
+}
+
+/// The points next to a frequency, which descend, and its place between them.
+fn around(points: &[Complex<f64>], im: f64) -> ([usize; 2], f64) {
+    let above = points.iter().take_while(|point| point.im > im).count().clamp(1, points.len() - 1);
+    let (low, high) = (points[above - 1], points[above]);
+    ([above - 1, above], ((im - low.im) / (high.im - low.im)).clamp(-0.5, 1.5))
+}
+
+/// A square root, without the angles that `Complex::sqrt` goes through.
+fn square_root(z: Complex<f64>) -> Complex<f64> {
+    let size = z.norm_sqr().sqrt();
+    let large = (0.5 * (size + z.re.abs())).sqrt();
+    let small = if large > 0.0 { 0.5 * z.im / large } else { 0.0 };
+    if z.re >= 0.0 { Complex::new(large, small) } else { Complex::new(small.abs(), large.copysign(z.im)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn square_roots_are_those_of_the_right_half_plane() {
+        for z in [Complex::new(3.0, -4.0), Complex::new(-3.0, 4.0), Complex::new(-2.0, -1e-3), Complex::default()] {
+            assert!((square_root(z) - z.sqrt()).norm() < 1e-15 * (1.0 + z.norm()));
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The modes in and near the band under friction, all others eliminated: `(lambda - A(lambda)) d = 0`.
+//!
+//! The friction forces c of m ports are `c = (D_mu R + D_s B^T) x` with `x = -Q_0^-1 B c`, diagonal matrices of the gains mu and
+//! `lambda s(lambda)`. With `Q_0^-1 = Y (lambda - Lambda)^-1 V^H + F` and the amplitudes `d = (lambda - Lambda)^-1 V^H B c`,
+//!
+//! ```text
+//! A = Lambda - V^H B T^-1 (D_mu R Y + D_s B^T Y),    T = I + D_mu R F B + D_s B^T F B,    x = -Y d - F B c
+//! ```
+
+use linsys::ChannelGain;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::ports::{Ports, Table};
+use super::rows::{Elimination, Rows, substitute};
+
+/// The near modes in coordinates of their own: `d = S d'`, so that A is nearly diagonal.
+#[derive(Debug, Clone)]
+pub(super) struct Coordinates {
+    /// S, p x p.
+    pub vectors: DMatrix<Complex<f64>>,
+    /// `-S^-1 V^H B` by rows.
+    force: Vec<Complex<f64>>,
+    /// `R Y S` and `B^T Y S`.
+    sides: [Rows; 2],
+    /// `S^-1 Lambda S`.
+    structure: Rows,
+}
+
+impl Coordinates {
+    /// Those of the structure.
+    pub fn of_structure(ports: &Ports) -> Self {
+        let p = ports.near();
+        let identity = DMatrix::identity(p, p);
+        Self::new(ports, identity.clone(), &identity)
+    }
+
+    pub fn new(ports: &Ports, vectors: DMatrix<Complex<f64>>, inverse: &DMatrix<Complex<f64>>) -> Self {
+        let (p, m) = (ports.near(), ports.count());
+        let force = inverse * &ports.force;
+        let structure = inverse * DMatrix::from_diagonal(&DVector::from_vec(ports.lambdas.clone())) * &vectors;
+        let side = |side: &DMatrix<Complex<f64>>| {
+            let side = side * &vectors;
+            Rows::from_fn(m, p, |i, j| side[(i, j)])
+        };
+        Self {
+            force: (0..p).flat_map(|i| force.row(i).iter().map(|force| -force).collect::<Vec<_>>()).collect(),
+            sides: [side(&ports.sides[0]), side(&ports.sides[1])],
+            structure: Rows::from_fn(p, p, |i, j| structure[(i, j)]),
+            vectors,
+        }
+    }
+}
+
+/// The friction in all ports: that of some gains, or a part of the way to that of others, on the straight line between both systems.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Friction<'a> {
+    pub from: &'a [ChannelGain],
+    pub to: Option<(f64, &'a [ChannelGain])>,
+}
+
+impl<'a> Friction<'a> {
+    pub fn of(gains: &'a [ChannelGain]) -> Self {
+        Self { from: gains, to: None }
+    }
+
+    fn is_equal(&self, a: usize, b: usize) -> bool {
+        self.from[a] == self.from[b] && self.to.is_none_or(|(_, to)| to[a] == to[b])
+    }
+}
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    weights: Vec<Complex<f64>>,
+    pulls: Vec<(f64, Complex<f64>)>,
+    smooth: [Rows; 2],
+    square: Rows,
+    /// `T^-1 (D_mu R Y + D_s B^T Y)` of the last matrix A, m x p.
+    pub solved: Rows,
+    pub elimination: Elimination,
+}
+
+impl Scratch {
+    pub fn new(ports: &Ports) -> Self {
+        let (p, m) = (ports.near(), ports.count());
+        let square = || Rows::zeros(m, m);
+        Self { smooth: [square(), square()], square: square(), solved: Rows::zeros(m, p), ..Self::default() }
+    }
+}
+
+/// A at a point of a table.
+pub(super) fn at_point(
+    own: &Coordinates,
+    table: &Table,
+    point: usize,
+    friction: Friction<'_>,
+    scratch: &mut Scratch,
+    out: &mut Rows,
+) {
+    let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
+    scratch.pull(friction, lambda);
+    let Scratch { pulls, square, solved, elimination, .. } = scratch;
+    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, solved, elimination, out });
+}
+
+/// A at a number near the band.
+pub(super) fn at(
+    own: &Coordinates,
+    table: &Table,
+    lambda: Complex<f64>,
+    friction: Friction<'_>,
+    scratch: &mut Scratch,
+    out: &mut Rows,
+) {
+    scratch.pull(friction, lambda);
+    table.weights_at(lambda, &mut scratch.weights);
+    let Scratch { weights, pulls, smooth, square, solved, elimination } = scratch;
+    for (part, smooth) in smooth.iter_mut().enumerate() {
+        let values: Vec<&Rows> = table.values.iter().map(|value| &value[part]).collect();
+        combine(weights, &values, smooth);
+    }
+    let [reading, velocity] = smooth;
+    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, solved, elimination, out });
+}
+
+/// The sum of multiples of matrices.
+pub(super) fn combine(factors: &[Complex<f64>], parts: &[&Rows], out: &mut Rows) {
+    Arch::new().dispatch(Combine { factors, parts, out });
+}
+
+/// The shape of amplitudes d', where `scratch.solved` is of the same gains and number: `Y S d' - F B T^-1 (D_mu R Y + D_s B^T Y) S d'`.
+pub(super) fn shape(
+    ports: &Ports,
+    own: &Coordinates,
+    lambda: Complex<f64>,
+    d: &[Complex<f64>],
+    solved: &Rows,
+) -> DVector<Complex<f64>> {
+    let near = &own.vectors * DVector::from_column_slice(d);
+    let mut out = &ports.right * near;
+    let forces: Vec<_> =
+        (0..ports.count()).map(|port| d.iter().zip(0..).map(|(d, at)| solved.at(port, at) * d).sum()).collect();
+    let (mut driven, mut far) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, out.len()));
+    Arch::new().dispatch(AddRows { factors: &forces, rows: &ports.others_force, out: &mut driven });
+    let factors: Vec<_> = (0..).zip(&ports.others).map(|(at, other)| -driven.at(0, at) / (lambda - other)).collect();
+    Arch::new().dispatch(AddRows { factors: &factors, rows: &ports.others_right, out: &mut far });
+    out.iter_mut().zip(0..).for_each(|(entry, at)| *entry += far.at(0, at));
+    out
+}
+
+impl Scratch {
+    fn pull(&mut self, friction: Friction<'_>, lambda: Complex<f64>) {
+        let pull = |gain: &ChannelGain| (gain.mu, lambda * gain.complex_slope(lambda));
+        let ports = friction.from.len();
+        self.pulls.clear();
+        for port in 0..ports {
+            // Channels of one patch have equal gains.
+            let is_known = port > 0 && friction.is_equal(port - 1, port);
+            let next = match (is_known, friction.to) {
+                (true, _) => self.pulls[port - 1],
+                (false, None) => pull(&friction.from[port]),
+                (false, Some((t, to))) => {
+                    let [(mu, slope), (other_mu, other_slope)] = [&friction.from[port], &to[port]].map(pull);
+                    (mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t)
+                }
+            };
+            self.pulls.push(next);
+        }
+    }
+}
+
+struct Couple<'a> {
+    own: &'a Coordinates,
+    reading: &'a Rows,
+    velocity: &'a Rows,
+    pulls: &'a [(f64, Complex<f64>)],
+    square: &'a mut Rows,
+    solved: &'a mut Rows,
+    elimination: &'a mut Elimination,
+    out: &'a mut Rows,
+}
+
+impl WithSimd for Couple<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { own, reading, velocity, pulls, square, solved, elimination, out } = self;
+        let m = pulls.len();
+        square.clear();
+        solved.clear();
+        for (port, &(mu, slope)) in pulls.iter().enumerate() {
+            square.set(port, port, Complex::new(1.0, 0.0));
+            square.add_row(simd, port, mu.into(), reading, port);
+            solved.add_row(simd, port, mu.into(), &own.sides[0], port);
+            if slope != Complex::default() {
+                square.add_row(simd, port, slope, velocity, port);
+                solved.add_row(simd, port, slope, &own.sides[1], port);
+            }
+        }
+        elimination.factor(simd, square, Some(solved), m);
+        substitute(simd, square, solved, m);
+        out.clone_from(&own.structure);
+        for (row, force) in own.force.chunks_exact(m).enumerate() {
+            out.add_rows(simd, row, force, solved);
+        }
+    }
+}
+
+struct Combine<'a> {
+    factors: &'a [Complex<f64>],
+    parts: &'a [&'a Rows],
+    out: &'a mut Rows,
+}
+
+impl WithSimd for Combine<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.out.set_sum(simd, self.factors, self.parts);
+    }
+}
+
+struct AddRows<'a> {
+    factors: &'a [Complex<f64>],
+    rows: &'a Rows,
+    out: &'a mut Rows,
+}
+
+impl WithSimd for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.out.add_rows(simd, 0, self.factors, self.rows);
+    }
+}

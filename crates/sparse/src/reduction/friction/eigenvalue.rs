@@ -1,0 +1,71 @@
+//! `lambda - A` of a small complex matrix A, factored: its determinant, and the eigenvalue next to lambda.
+
+use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::rows::{Elimination, Rows};
+
+struct Factor<'a> {
+    matrix: &'a mut Rows,
+    elimination: &'a mut Elimination,
+    order: usize,
+}
+
+impl WithSimd for Factor<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.elimination.factor(simd, self.matrix, None, self.order);
+    }
+}
+
+/// Factors of `lambda + B`; the matrix B, here -A, is overwritten.
+pub(super) fn factor(matrix: &mut Rows, lambda: Complex<f64>, elimination: &mut Elimination, order: usize) {
+    (0..order).for_each(|i| matrix.set(i, i, matrix.at(i, i) + lambda));
+    Arch::new().dispatch(Factor { matrix, elimination, order });
+}
+
+/// The eigenvalue of A next to `lambda` by steps of inverse iteration from a vector, which is replaced by its own; A is overwritten.
+pub(super) fn next_to(
+    a: &mut Rows,
+    lambda: Complex<f64>,
+    vector: &mut [Complex<f64>],
+    steps: usize,
+    elimination: &mut Elimination,
+) -> Complex<f64> {
+    a.negate();
+    factor(a, lambda, elimination, vector.len());
+    let (mut eigenvalue, mut next) = (lambda, vector.to_vec());
+    for _ in 0..steps {
+        next.copy_from_slice(vector);
+        elimination.solve(a, &mut next);
+        let along: Complex<f64> = vector.iter().zip(&next).map(|(v, next)| v.conj() * next).sum();
+        eigenvalue = lambda - vector.iter().map(Complex::norm_sqr).sum::<f64>() / along;
+        let size = next.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        vector.iter_mut().zip(&next).for_each(|(v, next)| *v = next / size);
+    }
+    eigenvalue
+}
+
+/// The left vector of the eigenvalue that [`next_to`] found, from what it left of A, up to a factor.
+pub(super) fn left(factors: &Rows, right: &[Complex<f64>], elimination: &Elimination) -> Vec<Complex<f64>> {
+    let mut left = right.to_vec();
+    for _ in 0..2 {
+        elimination.solve_adjoint(factors, &mut left);
+        let size = left.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        left.iter_mut().for_each(|entry| *entry /= size);
+    }
+    left
+}
+
+/// The next number of the secant method for the eigenvalue of A(lambda) next to lambda to be lambda, from what the last two missed that by.
+pub(super) fn secant(
+    before: Option<(Complex<f64>, Complex<f64>)>,
+    (lambda, miss): (Complex<f64>, Complex<f64>),
+) -> Complex<f64> {
+    match before {
+        Some((there, missed)) if missed != miss => lambda - miss * (lambda - there) / (miss - missed),
+        _ => lambda + miss,
+    }
+}

@@ -1,0 +1,116 @@
+//! The growing modes of samples that differ in friction alone: found without following every mode, and counted.
+//!
+//! Friction acts in m ports, and all that it does to a structure is seen there. The structure is taken apart once into its modes
+//! ([`ports`]); of a sample there remains an eigenvalue problem of the modes in and near the band, in which all others are eliminated
+//! ([`coupling`]). Its eigenvalues are guessed from the nearest of a few known samples ([`anchor`]), those that may grow are corrected, and
+//! Rouché's theorem tells whether there are as many as there must be ([`search`]). A sample that this leaves open goes the way of
+//! [`Reduced::modes_among`].
+
+mod anchor;
+mod coupling;
+mod eigenvalue;
+mod path;
+mod ports;
+mod residuals;
+mod rows;
+mod search;
+
+use linsys::{ChannelGain, OperatingPoint};
+use num_complex::Complex;
+
+pub use self::path::{FrictionPath, OnFrictionPath};
+
+use self::anchor::Anchor;
+use self::ports::Ports;
+use self::residuals::Residuals;
+use self::search::{Memory, Search};
+use super::{Reduced, ReducedModes};
+use crate::SparseError;
+
+/// A reduced brake whose structure stays and whose friction differs from sample to sample.
+#[derive(Debug, Clone)]
+pub struct FrictionModes {
+    coefficients: Vec<f64>,
+    channels: Vec<usize>,
+    ports: Ports,
+    anchors: Vec<Anchor>,
+    residuals: Residuals,
+}
+
+/// Working memory for one sample after another.
+pub struct FrictionSearch<'a> {
+    modes: &'a FrictionModes,
+    memory: Memory,
+    gains: Vec<ChannelGain>,
+}
+
+impl FrictionModes {
+    /// For operating points with the coefficients of `points`, which are known samples, and friction in some of the channels. `None` where
+    /// the points have different coefficients, or where what the structure does beyond the band is not smooth in it.
+    ///
+    /// # Errors
+    /// A point of another system, a reduced mass matrix that is singular.
+    pub fn new(reduced: &Reduced, points: &[OperatingPoint], channels: &[usize]) -> Result<Option<Self>, SparseError> {
+        let system = reduced.system();
+        points.iter().try_for_each(|point| system.check(point))?;
+        let Some(first) = points.first() else { return Ok(None) };
+        if channels.is_empty() || points.iter().any(|point| point.coefficients != first.coefficients) {
+            return Ok(None);
+        }
+        let structure = system.structure(&first.coefficients)?;
+        let Some(ports) = Ports::new(&structure, system, channels, reduced.rectangle().im)? else { return Ok(None) };
+        let mut anchors = Vec::with_capacity(points.len());
+        for point in points {
+            anchors.extend(Anchor::new(&ports, channels.iter().map(|&channel| point.channels[channel]).collect())?);
+        }
+        let residuals = Residuals::new(reduced.form(), &first.coefficients, structure, system);
+        let coefficients = first.coefficients.clone();
+        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, anchors, residuals }))
+    }
+
+    /// Begins a search.
+    #[must_use]
+    pub fn search(&self) -> FrictionSearch<'_> {
+        FrictionSearch { modes: self, memory: Memory::new(&self.ports), gains: Vec::new() }
+    }
+
+    /// Whether a point differs from the known ones in the friction of the channels alone.
+    fn is_of(&self, point: &OperatingPoint) -> bool {
+        let is_open = |(channel, gain): (usize, &ChannelGain)| {
+            *gain == ChannelGain::default() || self.channels.contains(&channel)
+        };
+        point.coefficients == self.coefficients && point.channels.iter().enumerate().all(is_open)
+    }
+}
+
+impl FrictionSearch<'_> {
+    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals. The brake is the
+    /// one that the modes were made of; a point of another structure goes the way of [`Reduced::modes_among`] as a whole.
+    ///
+    /// # Errors
+    /// As [`Reduced::modes`].
+    pub fn modes(
+        &mut self,
+        reduced: &Reduced,
+        point: &OperatingPoint,
+        part: f64,
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+    ) -> Result<ReducedModes, SparseError> {
+        let FrictionModes { channels, ports, anchors, residuals, .. } = self.modes;
+        if !self.modes.is_of(point) {
+            return reduced.modes_among(point, is_wanted);
+        }
+        self.gains.clear();
+        self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
+        let search = Search { ports, anchors, rectangle: reduced.rectangle() };
+        let before = self.memory.corrections;
+        let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else {
+            return reduced.modes_among(point, is_wanted);
+        };
+        found.retain(|(lambda, _)| is_wanted(*lambda));
+        Ok(residuals.judged(reduced, point, found, self.memory.corrections - before))
+    }
+}
+
+#[cfg(test)]
+mod tests;

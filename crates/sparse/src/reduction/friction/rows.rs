@@ -1,0 +1,367 @@
+//! Small complex matrices by rows, real and imaginary parts apart, on vector registers.
+//!
+//! Rows have room for a multiple of eight numbers, so that they are whole registers. What is beyond the columns is zero and stays so.
+
+use num_complex::Complex;
+use pulp::Simd;
+
+/// Numbers in the widest register.
+const WIDEST: usize = 8;
+
+/// A complex matrix by rows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Rows {
+    stride: usize,
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
+
+impl Rows {
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        let stride = columns.next_multiple_of(WIDEST);
+        Self { stride, re: vec![0.0; rows * stride], im: vec![0.0; rows * stride] }
+    }
+
+    pub fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Complex<f64>) -> Self {
+        let mut out = Self::zeros(rows, columns);
+        for row in 0..rows {
+            (0..columns).for_each(|column| out.set(row, column, of(row, column)));
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub fn at(&self, row: usize, column: usize) -> Complex<f64> {
+        let place = row * self.stride + column;
+        Complex::new(self.re[place], self.im[place])
+    }
+
+    #[inline(always)]
+    pub fn set(&mut self, row: usize, column: usize, value: Complex<f64>) {
+        let place = row * self.stride + column;
+        (self.re[place], self.im[place]) = (value.re, value.im);
+    }
+
+    fn row(&self, row: usize) -> [&[f64]; 2] {
+        let place = row * self.stride..(row + 1) * self.stride;
+        [&self.re[place.clone()], &self.im[place]]
+    }
+
+    fn row_mut(&mut self, row: usize) -> [&mut [f64]; 2] {
+        let place = row * self.stride..(row + 1) * self.stride;
+        [&mut self.re[place.clone()], &mut self.im[place]]
+    }
+
+    /// The distance from a sum of others, as a part of the size of this one.
+    pub fn distance(&self, others: &[&Self], weights: &[Complex<f64>]) -> f64 {
+        let (mut apart, mut size) = (0.0, f64::MIN_POSITIVE);
+        for place in 0..self.re.len() {
+            let value = Complex::new(self.re[place], self.im[place]);
+            let sum: Complex<f64> = others
+                .iter()
+                .zip(weights)
+                .map(|(other, weight)| Complex::new(other.re[place], other.im[place]) * weight)
+                .sum();
+            apart += (value - sum).norm_sqr();
+            size += value.norm_sqr();
+        }
+        (apart / size).sqrt()
+    }
+
+    pub fn clear(&mut self) {
+        self.re.fill(0.0);
+        self.im.fill(0.0);
+    }
+
+    pub fn negate(&mut self) {
+        self.re.iter_mut().chain(&mut self.im).for_each(|value| *value = -*value);
+    }
+
+    fn swap_rows(&mut self, a: usize, b: usize) {
+        for part in [&mut self.re, &mut self.im] {
+            (0..self.stride).for_each(|column| part.swap(a * self.stride + column, b * self.stride + column));
+        }
+    }
+
+    /// The sum of multiples of matrices of this shape.
+    #[inline(always)]
+    pub fn set_sum<S: Simd>(&mut self, simd: S, factors: &[Complex<f64>], of: &[&Self]) {
+        let out = S::as_mut_simd_f64s(&mut self.re).0.iter_mut().zip(S::as_mut_simd_f64s(&mut self.im).0);
+        for (place, (re, im)) in out.enumerate() {
+            let mut sum = [simd.splat_f64s(0.0); 2];
+            for (factor, part) in factors.iter().zip(of) {
+                let x = [S::as_simd_f64s(&part.re).0[place], S::as_simd_f64s(&part.im).0[place]];
+                sum = multiple_added(simd, *factor, x, sum);
+            }
+            [*re, *im] = sum;
+        }
+    }
+
+    /// Adds multiples of the rows of another matrix to a row.
+    #[inline(always)]
+    pub fn add_rows<S: Simd>(&mut self, simd: S, to: usize, factors: &[Complex<f64>], rows: &Self) {
+        let stride = rows.stride / S::F64_LANES;
+        let (from_re, from_im) = (S::as_simd_f64s(&rows.re).0, S::as_simd_f64s(&rows.im).0);
+        let [re, im] = self.row_mut(to);
+        let (re, im) = (S::as_mut_simd_f64s(re).0, S::as_mut_simd_f64s(im).0);
+        let (re, last_re) = re.as_chunks_mut::<2>();
+        let (im, last_im) = im.as_chunks_mut::<2>();
+        for (pair, (re, im)) in re.iter_mut().zip(&mut *im).enumerate() {
+            let mut sums = [[re[0], im[0]], [re[1], im[1]]];
+            for (row, factor) in factors.iter().enumerate() {
+                let place = row * stride + 2 * pair;
+                sums[0] = multiple_added(simd, *factor, [from_re[place], from_im[place]], sums[0]);
+                sums[1] = multiple_added(simd, *factor, [from_re[place + 1], from_im[place + 1]], sums[1]);
+            }
+            (*re, *im) = ([sums[0][0], sums[1][0]], [sums[0][1], sums[1][1]]);
+        }
+        if let ([re], [im]) = (last_re, last_im) {
+            let mut sum = [*re, *im];
+            for (row, factor) in factors.iter().enumerate() {
+                let place = row * stride + stride - 1;
+                sum = multiple_added(simd, *factor, [from_re[place], from_im[place]], sum);
+            }
+            [*re, *im] = sum;
+        }
+    }
+
+    /// Adds `factor` times a row of another matrix to a row.
+    #[inline(always)]
+    pub fn add_row<S: Simd>(&mut self, simd: S, to: usize, factor: Complex<f64>, other: &Self, row: usize) {
+        add_multiple(simd, factor, other.row(row), self.row_mut(to));
+    }
+
+    /// Row `to` minus `factor` times row `from`, which is above it, from column `first` on.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<f64>) {
+        let (stride, first) = (self.stride, first - first % S::F64_LANES);
+        let (above_re, below_re) = self.re.split_at_mut(to * stride);
+        let (above_im, below_im) = self.im.split_at_mut(to * stride);
+        let place = from * stride + first..(from + 1) * stride;
+        let above = [&above_re[place.clone()], &above_im[place]];
+        add_multiple(simd, -factor, above, [&mut below_re[first..stride], &mut below_im[first..stride]]);
+    }
+
+    /// Row `to` minus `factor` times row `from`, which is below it.
+    #[inline(always)]
+    fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<f64>) {
+        let stride = self.stride;
+        let (above_re, below_re) = self.re.split_at_mut(from * stride);
+        let (above_im, below_im) = self.im.split_at_mut(from * stride);
+        let place = to * stride..(to + 1) * stride;
+        let above = [&mut above_re[place.clone()], &mut above_im[place]];
+        add_multiple(simd, -factor, [&below_re[..stride], &below_im[..stride]], above);
+    }
+
+    fn scale_row(&mut self, row: usize, factor: Complex<f64>) {
+        let [re, im] = self.row_mut(row);
+        for (re, im) in re.iter_mut().zip(im) {
+            let value = Complex::new(*re, *im) * factor;
+            (*re, *im) = (value.re, value.im);
+        }
+    }
+}
+
+/// Gauss's elimination of a square matrix with row pivots, which leaves the upper factor in its place.
+#[derive(Debug, Default)]
+pub(super) struct Elimination {
+    order: usize,
+    /// The lower factor without its diagonal, by rows.
+    lower: Vec<Complex<f64>>,
+    /// The row that each was exchanged with.
+    exchanged: Vec<usize>,
+    /// With the signs of the exchanges: their product is the determinant.
+    pub pivots: Vec<Complex<f64>>,
+}
+
+impl Elimination {
+    /// Right sides go with the matrix.
+    #[inline(always)]
+    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows, sides: Option<&mut Rows>, order: usize) {
+        let mut sides = sides;
+        self.order = order;
+        self.lower.clear();
+        self.lower.resize(order * order, Complex::default());
+        self.exchanged.clear();
+        self.pivots.clear();
+        for c in 0..order {
+            let size = |row: usize| a.at(row, c).l1_norm();
+            let (mut largest, mut most) = (c, size(c));
+            for row in c + 1..order {
+                if size(row) > most {
+                    (largest, most) = (row, size(row));
+                }
+            }
+            self.exchanged.push(largest);
+            if largest != c {
+                a.swap_rows(c, largest);
+                (0..c).for_each(|column| self.lower.swap(c * order + column, largest * order + column));
+                if let Some(sides) = &mut sides {
+                    sides.swap_rows(c, largest);
+                }
+            }
+            let pivot = a.at(c, c);
+            self.pivots.push(if largest == c { pivot } else { -pivot });
+            let inverse = pivot.inv();
+            for row in c + 1..order {
+                let factor = a.at(row, c) * inverse;
+                a.eliminate(simd, [c, row], c + 1, factor);
+                self.lower[row * order + c] = factor;
+                if let Some(sides) = &mut sides {
+                    sides.eliminate(simd, [c, row], 0, factor);
+                }
+            }
+        }
+    }
+
+    /// One right side through the factors of a matrix.
+    pub fn solve(&self, a: &Rows, side: &mut [Complex<f64>]) {
+        for (c, &largest) in self.exchanged.iter().enumerate() {
+            side.swap(c, largest);
+        }
+        for row in 0..side.len() {
+            let sum: Complex<f64> = (0..row).map(|c| self.lower[row * self.order + c] * side[c]).sum();
+            side[row] -= sum;
+        }
+        for row in (0..side.len()).rev() {
+            let sum: Complex<f64> = (row + 1..side.len()).map(|c| a.at(row, c) * side[c]).sum();
+            side[row] = (side[row] - sum) / a.at(row, row);
+        }
+    }
+
+    /// One right side through the factors of the conjugate transpose of a matrix.
+    pub fn solve_adjoint(&self, a: &Rows, side: &mut [Complex<f64>]) {
+        for column in 0..side.len() {
+            let sum: Complex<f64> = (0..column).map(|row| a.at(row, column).conj() * side[row]).sum();
+            side[column] = (side[column] - sum) / a.at(column, column).conj();
+        }
+        for column in (0..side.len()).rev() {
+            let below = column + 1..side.len();
+            let sum: Complex<f64> = below.map(|row| self.lower[row * self.order + column].conj() * side[row]).sum();
+            side[column] -= sum;
+        }
+        for (c, &largest) in self.exchanged.iter().enumerate().rev() {
+            side.swap(c, largest);
+        }
+    }
+}
+
+/// What elimination left, solved: the right sides become the solution.
+#[inline(always)]
+pub(super) fn substitute<S: Simd>(simd: S, a: &Rows, sides: &mut Rows, order: usize) {
+    for c in (0..order).rev() {
+        sides.scale_row(c, a.at(c, c).inv());
+        for row in 0..c {
+            sides.substitute(simd, [c, row], a.at(row, c));
+        }
+    }
+}
+
+/// `y += factor x`.
+#[inline(always)]
+fn add_multiple<S: Simd>(simd: S, factor: Complex<f64>, x: [&[f64]; 2], y: [&mut [f64]; 2]) {
+    let [x_re, x_im] = [S::as_simd_f64s(x[0]).0, S::as_simd_f64s(x[1]).0];
+    let [y_re, y_im] = y;
+    let (y_re, y_im) = (S::as_mut_simd_f64s(y_re).0, S::as_mut_simd_f64s(y_im).0);
+    let (re, im) = (simd.splat_f64s(factor.re), simd.splat_f64s(factor.im));
+    for ((x_re, x_im), (y_re, y_im)) in x_re.iter().zip(x_im).zip(y_re.iter_mut().zip(y_im)) {
+        *y_re = simd.negate_mul_add_e_f64s(im, *x_im, simd.mul_add_e_f64s(re, *x_re, *y_re));
+        *y_im = simd.mul_add_e_f64s(im, *x_re, simd.mul_add_e_f64s(re, *x_im, *y_im));
+    }
+}
+
+/// `factor x + y`.
+#[inline(always)]
+fn multiple_added<S: Simd>(simd: S, factor: Complex<f64>, x: [S::f64s; 2], y: [S::f64s; 2]) -> [S::f64s; 2] {
+    let (re, im) = (simd.splat_f64s(factor.re), simd.splat_f64s(factor.im));
+    [
+        simd.negate_mul_add_e_f64s(im, x[1], simd.mul_add_e_f64s(re, x[0], y[0])),
+        simd.mul_add_e_f64s(im, x[0], simd.mul_add_e_f64s(re, x[1], y[1])),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use pulp::{Arch, WithSimd};
+
+    struct Factor<'a>(&'a mut Rows, &'a mut Rows, &'a mut Elimination, usize);
+
+    impl WithSimd for Factor<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.2.factor(simd, self.0, Some(self.1), self.3);
+            substitute(simd, self.0, self.1, self.3);
+        }
+    }
+
+    #[test]
+    fn factors_solve_systems_and_their_adjoints() {
+        for n in [1, 3, 8, 13, 19] {
+            let number = |i: usize, j: usize| ((7 * i + 5 * j * j + i * j + 3) % 23) as f64 - 11.0;
+            let a = DMatrix::from_fn(n, n, |i, j| Complex::new(number(i, j), number(j + 2, i)));
+            let b = DMatrix::from_fn(n, 5, |i, j| Complex::new(number(j, i), number(i, j + 1)));
+            let rows = |a: &DMatrix<Complex<f64>>| Rows::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)]);
+            let (mut square, mut sides, mut elimination) = (rows(&a), rows(&b), Elimination::default());
+            Arch::new().dispatch(Factor(&mut square, &mut sides, &mut elimination, n));
+            let x = DMatrix::from_fn(n, 5, |i, j| sides.at(i, j));
+            assert!((&a * x - &b).norm() < 1e-11 * b.norm() * a.norm(), "{n}");
+            let determinant: Complex<f64> = elimination.pivots.iter().product();
+            assert!((determinant - a.determinant()).norm() < 1e-10 * determinant.norm());
+            let (mut x, mut y): (Vec<_>, Vec<_>) = b.column(1).iter().map(|&b| (b, b)).unzip();
+            elimination.solve(&square, &mut x);
+            elimination.solve_adjoint(&square, &mut y);
+            let [x, y] = [x, y].map(DVector::from_vec);
+            assert!((&a * x - b.column(1)).norm() < 1e-11 * b.norm() * a.norm());
+            assert!((a.adjoint() * y - b.column(1)).norm() < 1e-11 * b.norm() * a.norm());
+        }
+    }
+
+    #[test]
+    fn sums_are_those_of_the_entries() {
+        let of = |seed: usize, rows: usize, columns: usize| {
+            Rows::from_fn(rows, columns, |i, j| Complex::new((seed * i + j) as f64, (i + seed * j) as f64 - 3.0))
+        };
+        for columns in [3, 8, 17, 26] {
+            let (a, b, mut out) = (of(2, 4, columns), of(3, 4, columns), of(5, 1, columns));
+            let before = out.clone();
+            let factors =
+                [Complex::new(1.0, 2.0), Complex::new(-0.5, 0.0), Complex::new(0.0, 3.0), Complex::new(2.0, -1.0)];
+            Arch::new().dispatch(AddRows(&mut out, &factors, &a));
+            let mut sum = Rows::zeros(4, columns);
+            Arch::new().dispatch(SetSum(&mut sum, &factors[..2], &[&a, &b]));
+            for j in 0..columns {
+                let expected: Complex<f64> = (0..4).map(|i| factors[i] * a.at(i, j)).sum();
+                assert!((out.at(0, j) - before.at(0, j) - expected).norm() < 1e-12 * expected.norm());
+                let expected = factors[0] * a.at(2, j) + factors[1] * b.at(2, j);
+                assert!((sum.at(2, j) - expected).norm() < 1e-12 * expected.norm());
+            }
+            assert!(sum.distance(&[&a, &b], &factors[..2]) < 1e-14);
+        }
+    }
+
+    struct AddRows<'a>(&'a mut Rows, &'a [Complex<f64>], &'a Rows);
+
+    impl WithSimd for AddRows<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.add_rows(simd, 0, self.1, self.2);
+        }
+    }
+
+    struct SetSum<'a>(&'a mut Rows, &'a [Complex<f64>], &'a [&'a Rows]);
+
+    impl WithSimd for SetSum<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.set_sum(simd, self.1, self.2);
+        }
+    }
+}

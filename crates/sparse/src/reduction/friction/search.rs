@@ -1,0 +1,199 @@
+//! The growing modes of one sample: guesses from an anchor, corrected one by one, and counted.
+
+use linsys::ChannelGain;
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use super::anchor::{Anchor, Guess};
+use super::coupling::{self, Coordinates, Friction, Scratch, combine};
+use super::eigenvalue;
+use super::ports::{COARSE, Ports};
+use super::rows::Rows;
+use crate::Rectangle;
+
+/// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
+const COARSE_ERROR: f64 = 5e-4;
+/// Relative size of the last correction of a guess; chosen, below that error.
+const GUESSED: f64 = 3e-6;
+const MOST_CORRECTIONS: usize = 20;
+/// Relative size of the last correction of an eigenvalue; chosen: below all residuals that are asked for.
+const CONVERGED: f64 = 1e-10;
+const MOST_ROUNDS: usize = 12;
+/// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
+/// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
+/// line is looked at in a few points.
+const LARGEST_DEVIATION: f64 = 0.5;
+/// Half of the breadth of what that line encloses, as a part of the highest frequency, and points on each side; chosen.
+const ASIDE: f64 = 0.06;
+const POINTS_OF_SIDE: usize = 4;
+
+/// Why a sample is left to the whole spectrum or to modes that are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Open {
+    NoAnchor,
+    NotConverged,
+    NotCounted,
+}
+
+/// An eigenvalue with its shape in the coordinates of the system.
+pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
+
+/// Working memory.
+pub(super) struct Memory {
+    scratch: Scratch,
+    /// A at the coarse points.
+    values: Vec<Rows>,
+    square: Rows,
+    weights: Vec<Complex<f64>>,
+    /// Corrections so far.
+    pub corrections: u64,
+}
+
+impl Memory {
+    pub fn new(ports: &Ports) -> Self {
+        let p = ports.near();
+        let square = || Rows::zeros(p, p);
+        Self {
+            scratch: Scratch::new(ports),
+            values: (0..COARSE).map(|_| square()).collect(),
+            square: square(),
+            weights: Vec::new(),
+            corrections: 0,
+        }
+    }
+}
+
+/// What is searched.
+pub(super) struct Search<'a> {
+    pub ports: &'a Ports,
+    pub anchors: &'a [Anchor],
+    pub rectangle: &'a Rectangle,
+}
+
+impl Search<'_> {
+    /// All modes in the rectangle with `Re lambda >= -part |lambda|`.
+    pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
+        let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, gains), anchor));
+        let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
+        for (point, value) in memory.values.iter_mut().enumerate() {
+            coupling::at_point(&anchor.own, &self.ports.coarse, point, Friction::of(gains), &mut memory.scratch, value);
+        }
+        let guesses = anchor.guesses(&self.ports.coarse.points, &memory.values);
+        // As far as a guess was moved it may be wrong.
+        let may_be = |lambda: Complex<f64>, moved: f64| {
+            let beyond = moved + COARSE_ERROR * lambda.norm();
+            lambda.re >= -part * lambda.norm() - beyond && self.rectangle.contains(lambda, beyond)
+        };
+        let mut wanted: Vec<usize> = (0..guesses.len()).collect();
+        wanted.retain(|&i| may_be(guesses[i].lambda, guesses[i].moved));
+        let zeros = self.corrected(&guesses, &wanted, memory)?;
+        self.count(&zeros, memory)?;
+        wanted.retain(|&i| may_be(zeros[i], 0.0));
+        let finished = wanted.into_iter().map(|i| self.finished(&anchor.own, gains, (i, zeros[i]), memory));
+        let mut found = finished.collect::<Result<Vec<_>, Open>>()?;
+        found.retain(|(lambda, _)| self.rectangle.contains(*lambda, 0.0) && lambda.re >= -part * lambda.norm());
+        Ok(found)
+    }
+
+    /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)` by the coarse polynomials; without the factor of one of the z_j.
+    fn ratio(
+        &self,
+        lambda: Complex<f64>,
+        zeros: &[Complex<f64>],
+        without: Option<usize>,
+        memory: &mut Memory,
+    ) -> Complex<f64> {
+        let Memory { scratch, values, square, weights, .. } = memory;
+        self.ports.coarse.weights_at(lambda, weights);
+        weights.iter_mut().for_each(|weight| *weight = -*weight);
+        combine(weights, &values.iter().collect::<Vec<_>>(), square);
+        eigenvalue::factor(square, lambda, &mut scratch.elimination, zeros.len());
+        // Factor by factor, so that no product of many large numbers overflows.
+        let factors = scratch.elimination.pivots.iter().zip(zeros).enumerate();
+        let factor = |(j, (pivot, zero)): (usize, (&Complex<f64>, &Complex<f64>))| {
+            if without == Some(j) { *pivot } else { pivot / (lambda - zero) }
+        };
+        factors.map(factor).product()
+    }
+
+    /// The guesses, some of them corrected: by what the polynomial with all of them as zeros lacks there (Weierstrass), then by the secant
+    /// method, so that the errors of others do not slow it down.
+    fn corrected(&self, guesses: &[Guess], wanted: &[usize], memory: &mut Memory) -> Result<Vec<Complex<f64>>, Open> {
+        let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
+        let mut open: Vec<(usize, Option<[Complex<f64>; 2]>)> = wanted.iter().map(|&i| (i, None)).collect();
+        for _ in 0..MOST_CORRECTIONS {
+            if open.is_empty() {
+                return Ok(zeros);
+            }
+            let lacking = open.iter().map(|&(i, _)| self.ratio(zeros[i], &zeros, Some(i), memory));
+            let lacking: Vec<Complex<f64>> = lacking.collect();
+            memory.corrections += lacking.len() as u64;
+            let mut next = Vec::with_capacity(open.len());
+            for ((i, before), lacking) in open.into_iter().zip(lacking) {
+                let here = zeros[i];
+                let step = match before {
+                    Some([there, lacked]) if lacked != lacking => lacking * (here - there) / (lacking - lacked),
+                    _ => lacking,
+                };
+                if !step.is_finite() {
+                    return Err(Open::NotConverged);
+                }
+                zeros[i] = here - step;
+                if step.norm() > GUESSED * here.norm() {
+                    next.push((i, Some([here, lacking])));
+                }
+            }
+            open = next;
+        }
+        Err(Open::NotConverged)
+    }
+
+    /// Checks that on a line around the band the characteristic function is so near to the polynomial with these zeros that both have
+    /// as many zeros within: so none is missing, and none is there twice.
+    fn count(&self, zeros: &[Complex<f64>], memory: &mut Memory) -> Result<(), Open> {
+        let [low, high] = self.rectangle.im;
+        for point in 0..POINTS_OF_SIDE {
+            let im = low + (high - low) * point as f64 / (POINTS_OF_SIDE - 1) as f64;
+            for re in [-ASIDE * high, ASIDE * high] {
+                let ratio = self.ratio(Complex::new(re, im), zeros, None, memory);
+                let deviation = (ratio - 1.0).norm() / (ratio.norm() + 1.0);
+                if deviation.is_nan() || deviation > LARGEST_DEVIATION {
+                    return Err(Open::NotCounted);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The last digits of a mode, by the fine polynomials: the eigenvalue of A(lambda) next to lambda is to be lambda.
+    fn finished(
+        &self,
+        own: &Coordinates,
+        gains: &[ChannelGain],
+        (mode, guess): (usize, Complex<f64>),
+        memory: &mut Memory,
+    ) -> Result<Pair, Open> {
+        let Memory { scratch, square, corrections, .. } = memory;
+        let mut vector = vec![Complex::default(); self.ports.near()];
+        vector[mode] = Complex::new(1.0, 0.0);
+        let (mut lambda, mut before) = (guess, None);
+        for _ in 0..MOST_ROUNDS {
+            coupling::at(own, &self.ports.fine, lambda, Friction::of(gains), scratch, square);
+            let eigenvalue = eigenvalue::next_to(square, lambda, &mut vector, 2, &mut scratch.elimination);
+            let miss = eigenvalue - lambda;
+            *corrections += 1;
+            if !miss.is_finite() {
+                return Err(Open::NotConverged);
+            }
+            if (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
+                // Not the mode that was counted.
+                return Err(Open::NotConverged);
+            }
+            if miss.norm() <= CONVERGED * lambda.norm() {
+                return Ok((eigenvalue, coupling::shape(self.ports, own, lambda, &vector, &scratch.solved)));
+            }
+            lambda = eigenvalue::secant(before.replace((lambda, miss)), (lambda, miss));
+        }
+        Err(Open::NotConverged)
+    }
+}
