@@ -1,5 +1,7 @@
 //! The corrector: from a guess of an eigenvalue at a point of a path to the mode there, by Newton's method.
 
+use std::mem::discriminant;
+
 use cea::{Mode, NewtonStep, Workspace, mass_norm_squared};
 use num_complex::Complex;
 
@@ -23,14 +25,14 @@ pub(crate) struct ModeOnPath {
 /// The mode that Newton's method finds from each guess; `None` where Newton's method does not converge.
 pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<Option<ModeOnPath>> {
     let mut found = Vec::with_capacity(at.len());
-    for group in at.chunk_by(|a, b| a.path.as_gains().is_some() == b.path.as_gains().is_some()) {
+    for group in at.chunk_by(|a, b| discriminant(&a.path.start) == discriminant(&b.path.start)) {
         let gains: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_gains()?, p.t, p.lambda))).collect();
-        if gains.is_empty() {
-            let systems = group.iter().filter_map(|p| Some((p.path.as_systems()?, p.t, p.lambda))).collect();
-            found.extend(converged(systems, work));
-        } else {
-            found.extend(converged(gains, work));
-        }
+        let systems: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_systems()?, p.t, p.lambda))).collect();
+        let owned: Vec<_> = group.iter().filter_map(|p| Some((p.path.as_owned()?, p.t, p.lambda))).collect();
+        // All but one are empty.
+        found.extend(converged(gains, work));
+        found.extend(converged(systems, work));
+        found.extend(converged(owned, work));
     }
     let mode = |(found, at): (Option<(NewtonStep, Shape)>, &PathPoint<'_>)| {
         let (NewtonStep { lambda, rate }, mut shape) = found?;
@@ -45,21 +47,21 @@ fn converged<P: PathEvaluator>(mut at: Vec<Guess<P>>, work: &mut Workspace) -> V
     let mut found: Vec<Option<(NewtonStep, P::Vector)>> = vec![None; at.len()];
     let mut open: Vec<usize> = (0..at.len()).collect();
     for _ in 0..MOST_CORRECTIONS {
+        if open.is_empty() {
+            break;
+        }
         let asked: Vec<Guess<P>> = open.iter().map(|&i| at[i]).collect();
         let mut corrected = P::correct(&asked, work).into_iter();
         open.retain(|&i| {
             let Some((step, vector)) = corrected.next().flatten() else { return false };
             let correction = (step.lambda - at[i].2).norm();
             at[i].2 = step.lambda;
-            let has_converged = correction <= CONVERGED_CORRECTION * step.lambda.norm();
+            let has_converged = P::CONVERGES_AT_ONCE || correction <= CONVERGED_CORRECTION * step.lambda.norm();
             if has_converged {
                 found[i] = Some((step, vector));
             }
             !has_converged
         });
-        if open.is_empty() {
-            break;
-        }
     }
     let (mut steps, mut asked) = (Vec::with_capacity(at.len()), Vec::with_capacity(at.len()));
     for (found, at) in found.into_iter().zip(at) {

@@ -1,12 +1,12 @@
-//! The two ways to evaluate a path: the secular equation, where the path leads from one gain to another, and the matrices of
-//! the systems at its ends.
+//! The ways to evaluate a path: the secular equation, where the path leads from one gain to another, the matrices of
+//! the systems at its ends, and what its owner knows.
 
 use cea::{GainPath, NewtonStep, Workspace, singular_vectors};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use crate::path::{Path, PathStart};
+use crate::path::{OwnedPath, Path, PathStart};
 
 /// Relative distance from the predicted eigenvalue at which Q is factorised; chosen: exactly at an eigenvalue Q x, from which the
 /// left vector is taken, is rounding error only. A Newton step errs by the square of this distance, which is rounding.
@@ -22,6 +22,9 @@ pub(crate) type Guess<P> = (P, f64, Complex<f64>);
 pub(crate) trait PathEvaluator: Copy {
     /// The part of the shape that a Newton step computes in passing.
     type Vector: Clone;
+
+    /// Whether the first correction is all of them.
+    const CONVERGES_AT_ONCE: bool = false;
 
     /// One step of Newton's method at each guess; `None` where the step is not finite.
     fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Self::Vector)>>;
@@ -42,6 +45,25 @@ impl PathEvaluator for GainPath<'_> {
     fn shapes(at: Vec<(Guess<Self>, ())>, work: &mut Workspace) -> Vec<Option<Shape>> {
         let at: Vec<Guess<Self>> = at.into_iter().map(|(guess, ())| guess).collect();
         GainPath::shapes(&at, work)
+    }
+}
+
+/// A path evaluated by its owner.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OfOwner<'a>(&'a dyn OwnedPath);
+
+impl PathEvaluator for OfOwner<'_> {
+    type Vector = Shape;
+
+    const CONVERGES_AT_ONCE: bool = true;
+
+    fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
+        work.counters.factorisations += at.len() as u64;
+        at.iter().map(|&(OfOwner(path), t, lambda)| path.correct(t, lambda)).collect()
+    }
+
+    fn shapes(at: Vec<(Guess<Self>, Shape)>, _: &mut Workspace) -> Vec<Option<Shape>> {
+        at.into_iter().map(|(_, shape)| Some(shape)).collect()
     }
 }
 
@@ -134,17 +156,16 @@ impl SystemPath<'_> {
 impl<'a> Path<'a> {
     /// This path if the secular equation evaluates it.
     pub(crate) fn as_gains(&self) -> Option<GainPath<'a>> {
-        match self.start {
-            PathStart::System(_) => None,
-            PathStart::Gain(gains) => Some(gains),
-        }
+        if let PathStart::Gain(gains) = self.start { Some(gains) } else { None }
+    }
+
+    /// This path if its owner evaluates it.
+    pub(crate) fn as_owned(&self) -> Option<OfOwner<'a>> {
+        if let PathStart::Owned(_, path) = self.start { Some(OfOwner(path)) } else { None }
     }
 
     /// This path if the matrices of its ends evaluate it.
     pub(crate) fn as_systems(&self) -> Option<SystemPath<'a>> {
-        match self.start {
-            PathStart::System(from) => Some(SystemPath { path: *self, from }),
-            PathStart::Gain(_) => None,
-        }
+        if let PathStart::System(from) = self.start { Some(SystemPath { path: *self, from }) } else { None }
     }
 }

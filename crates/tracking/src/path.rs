@@ -1,10 +1,11 @@
 //! The path from one system to another, and the points of a path.
 
 use std::borrow::Cow;
+use std::fmt::Debug;
 
-use cea::{GainPath, Mode};
+use cea::{GainPath, Mode, NewtonStep};
 use linsys::{Internal, SecondOrder};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 /// A path from one system, with the modes to be followed, to another system whose modes are known.
@@ -27,9 +28,17 @@ pub struct Path<'a> {
 pub enum PathStart<'a> {
     /// A system: the path is evaluated by its matrices.
     System(&'a SecondOrder),
+    /// A system, with a path that its owner evaluates.
+    Owned(&'a SecondOrder, &'a dyn OwnedPath),
     /// A structure with a gain, where the end of the path is the same structure with another gain: the path is evaluated by
     /// the secular equation, which is cheaper.
     Gain(GainPath<'a>),
+}
+
+/// A path that its owner evaluates, because it knows a cheaper way than by the matrices: between two frictions of one structure, say.
+pub trait OwnedPath: Debug + Sync {
+    /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where there is none.
+    fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)>;
 }
 
 /// The end of a path.
@@ -59,7 +68,7 @@ impl<'a> PathStart<'a> {
     /// A system whose mass matrix is that of the beginning.
     fn inertia(&self) -> &'a SecondOrder {
         match self {
-            Self::System(system) => system,
+            Self::System(system) | Self::Owned(system, _) => system,
             Self::Gain(gains) => gains.secular.structure(),
         }
     }
@@ -67,7 +76,7 @@ impl<'a> PathStart<'a> {
     /// The system at the beginning.
     fn system(&self) -> Cow<'a, SecondOrder> {
         match self {
-            Self::System(system) => Cow::Borrowed(system),
+            Self::System(system) | Self::Owned(system, _) => Cow::Borrowed(system),
             Self::Gain(gains) => Cow::Owned(gains.secular.system(&gains.from)),
         }
     }
