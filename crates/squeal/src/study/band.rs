@@ -4,7 +4,7 @@
 use cea::{EigenSolver, Mode, Modes, Workspace};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
-use tracking::{Path, PathEnd, PathStart, clear_matches};
+use tracking::{OwnedPath, Path, PathEnd, PathStart, clear_matches};
 
 use super::memory::{Memory, timed};
 use super::sector_modes::{SectorModes, UnstableSectorMode};
@@ -20,8 +20,16 @@ pub(super) struct BandNames<'a> {
     pub likeness_too: bool,
 }
 
-impl BandNames<'_> {
-    /// The modes found in one sample, the unstable ones with names. Its mass matrix is given, its `system` made where it is needed.
+/// Where modes in doubt are followed from.
+pub(super) struct BandStart<'a> {
+    pub system: SecondOrder,
+    /// The path from there to the reference, where the brake evaluates it.
+    pub path: Option<Box<dyn OwnedPath + 'a>>,
+}
+
+impl<'a> BandNames<'a> {
+    /// The modes found in one sample, the unstable ones with names. Its mass matrix is given, its system and a cheaper way to follow modes
+    /// from there are made where they are needed.
     ///
     /// # Errors
     /// A system that cannot be made; those of the solver.
@@ -29,7 +37,7 @@ impl BandNames<'_> {
         &self,
         found: Vec<BandMode>,
         mass: &DMatrix<f64>,
-        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        start: impl FnOnce() -> Result<BandStart<'a>, Error>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
@@ -40,7 +48,7 @@ impl BandNames<'_> {
         let mode = |&at: &usize| Mode::normalised(mass, studied[at].lambda, studied[at].shape.clone());
         let modes: Vec<Mode> = unstable.iter().map(mode).collect();
         let Memory { work, spent, .. } = memory;
-        let names = timed(&mut spent.names, || self.names(&modes, mass, system, work))?;
+        let names = timed(&mut spent.names, || self.names(&modes, mass, start, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
         let named = unstable.iter().zip(modes).zip(names);
@@ -59,7 +67,7 @@ impl BandNames<'_> {
         &self,
         modes: &[Mode],
         mass: &DMatrix<f64>,
-        system: impl FnOnce() -> Result<SecondOrder, Error>,
+        start: impl FnOnce() -> Result<BandStart<'a>, Error>,
         work: &mut Workspace,
     ) -> Result<Vec<Vec<ModeLabel>>, Error> {
         if self.plan.mode_identity == ModeIdentity::Mac {
@@ -70,8 +78,9 @@ impl BandNames<'_> {
         if let Some(clear) = clear {
             return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
         }
-        let (system, end) = (system()?, PathEnd { system: &known.system, modes: &known.modes });
-        let path = Path { start: PathStart::System(&system), start_modes: modes, end };
+        let (BandStart { system, path }, end) = (start()?, PathEnd { system: &known.system, modes: &known.modes });
+        let start = path.as_deref().map_or(PathStart::System(&system), |path| PathStart::Owned(&system, path));
+        let path = Path { start, start_modes: modes, end };
         Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
     }
 }

@@ -5,6 +5,7 @@ use montecarlo::{Distribution, StreamRng};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use serde::Serialize;
+use tracking::OwnedPath;
 
 use super::{Plan, Scene};
 use crate::Error;
@@ -240,13 +241,18 @@ pub trait UncertainBrake: Sync {
         false
     }
 
-    /// The modes of a sample in the band of the plan, of a brake that finds them itself; those that are surely stable may be missing. Such a
-    /// brake has one sector.
+    /// The modes of some samples of a scene in the band of the plan, of a brake that finds them itself; those that are surely stable may be
+    /// missing. Such a brake has one sector.
     ///
     /// # Errors
-    /// An operating point of another scene, a system that is not supported.
-    fn band_modes(&self, _scene: &Scene, _at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
-        Ok(Vec::new())
+    /// Of a sample: an operating point of another scene, a system that is not supported.
+    fn band_modes(&self, _scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>> {
+        at.iter().map(|_| Ok(Vec::new())).collect()
+    }
+
+    /// The path between two operating points of a scene, of a brake that evaluates it in a cheaper way than by matrices.
+    fn path(&self, _scene: &Scene, _from: &OperatingPoint, _to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
+        None
     }
 
     /// Some of the first `samples` samples of a reduced brake against the whole one; `None` of a brake that is none.

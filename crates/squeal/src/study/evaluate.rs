@@ -7,7 +7,7 @@ use montecarlo::{Progress, StreamRng};
 use num_complex::Complex;
 use work::ModeWork;
 
-use super::band::BandNames;
+use super::band::{BandNames, BandStart};
 use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
 use super::memory::{Scratch, timed};
@@ -15,7 +15,7 @@ use super::net_work::WorkSystems;
 use super::reference::{Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
-use super::{ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
+use super::{BandMode, ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// The result of one complex eigenvalue analysis (CEA) of a study.
@@ -79,7 +79,9 @@ pub struct Study<'a, B: UncertainBrake> {
     equations: Vec<SecularEquations>,
     /// By scene and sector.
     anchors: Vec<Vec<Option<Anchors>>>,
-    /// By scene: the gain at which its reference modes were computed.
+    /// By scene: where its reference modes were computed.
+    reference_points: Vec<OperatingPoint>,
+    /// By scene: the gain there.
     reference_gains: Vec<Option<Gain>>,
     options: StudyOptions,
 }
@@ -151,6 +153,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             certificates,
             equations,
             anchors,
+            reference_points: points,
             reference_gains,
             options,
             brake,
@@ -231,18 +234,22 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             reference: &self.references[scene],
             likeness_too: self.options.likeness_too,
         };
+        let reference = &self.reference_points[scene];
         let scene = &self.plan().scenes[scene];
         let model = &self.plan().brake(scene).system;
-        let mut outcome = |at: &OperatingPoint| {
-            let found = timed(&mut memory.spent.search, || self.brake.band_modes(scene, at))?;
+        let found = timed(&mut memory.spent.search, || self.brake.band_modes(scene, points));
+        let outcome = |(at, found): (&OperatingPoint, Result<Vec<BandMode>, Error>)| {
+            let found = found?;
             if found.is_empty() {
                 return Ok(Outcome::default());
             }
             let mass = timed(&mut memory.spent.assembly, || model.mass(&at.coefficients))?;
-            let modes = names.sector_modes(found, &mass, || Ok(model.assemble(at)?), memory)?;
+            let path = || self.brake.path(scene, at, reference);
+            let start = || Ok(BandStart { system: model.assemble(at)?, path: path() });
+            let modes = names.sector_modes(found, &mass, start, memory)?;
             self.outcome(scene, at, &[modes])
         };
-        points.iter().map(&mut outcome).collect()
+        points.iter().zip(found).map(outcome).collect()
     }
 
     /// The outcomes at operating points of a scene that no certificate covers.

@@ -1,6 +1,7 @@
 //! A finite element brake of a case, reduced, with its friction laws and distributions.
 
 mod bridge;
+mod friction_path;
 mod full_checks;
 mod layout;
 mod parameters;
@@ -17,8 +18,10 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use sparse::reduction::Rung;
+use sparse::reduction::{FrictionModes, Rung};
+use tracking::OwnedPath;
 
+use self::friction_path::FrictionalPath;
 use self::parameters::SceneOf;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
@@ -290,17 +293,31 @@ impl UncertainBrake for FiniteElementBrake {
         true
     }
 
-    fn band_modes(&self, scene: &Scene, at: &OperatingPoint) -> Result<Vec<BandMode>, Error> {
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
-        let found = part.reduced.modes_among(&self.full_point(scene, at), &may_grow)?;
         let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
             // One that is no number is above too.
             let is_within = value <= self.case.reduction.residual;
             let residual = Some(ModeResidual { value, is_above: !is_within });
             BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
         };
-        Ok(found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect())
+        let mut search = part.friction.as_ref().map(FrictionModes::search);
+        let found = |at: &OperatingPoint| {
+            let at = self.full_point(scene, at);
+            let found = match &mut search {
+                Some(search) => search.modes(&part.reduced, &at, error, &may_grow)?,
+                None => part.reduced.modes_among(&at, &may_grow)?,
+            };
+            Ok(found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect())
+        };
+        at.iter().map(found).collect()
+    }
+
+    fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
+        let friction = self.part(scene).friction.as_ref()?;
+        let path = friction.path(&self.full_point(scene, from), &self.full_point(scene, to))?;
+        Some(Box::new(FrictionalPath(path)))
     }
 
     fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {

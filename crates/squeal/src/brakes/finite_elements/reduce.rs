@@ -9,11 +9,14 @@ use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
 use sparse::reduction::{
-    Compared, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis, rungs, within,
+    Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
+    rungs, within,
 };
 use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
 
-use super::points::{State, all_patches, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of};
+use super::points::{
+    State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
+};
 use crate::Error;
 use crate::case::{FiniteElementCase, Law};
 
@@ -29,8 +32,12 @@ const WITHIN: f64 = 0.8;
 const PROBES: usize = 1;
 /// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
-/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen.
+/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen. Where samples differ in
+/// friction alone few of them are followed.
 const MOST_ANCHORS: usize = 12;
+const ANCHORS_BESIDE_FRICTION: usize = 4;
+/// Points from where growing modes are guessed there; chosen.
+const GUESSED_FROM: u64 = 24;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
@@ -65,6 +72,8 @@ pub struct Part {
     pub within: Within,
     /// The brake, with residuals in the whole one.
     pub reduced: Reduced,
+    /// Its growing modes where samples differ in friction alone.
+    pub friction: Option<FrictionModes>,
 }
 
 /// Which arrangements have a basis of their own.
@@ -223,10 +232,21 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, swept: &[Oper
         ..Options::default()
     };
     let within = within(&set.system, &set.reduced, &wanted, &options)?;
-    let known = within.solved.iter().chain(&training);
-    let anchors: Vec<OperatingPoint> = known.take(MOST_ANCHORS.max(within.solved.len())).cloned().collect();
-    let reduced = Reduced::new(&set.system, &set.basis * &within.basis, wanted.rectangle, &anchors, &options)?;
-    Ok(Part { set: asked.set, within, reduced })
+    let known: Vec<OperatingPoint> = within.solved.iter().chain(&training).cloned().collect();
+    let anchors = |most: usize| &known[..known.len().min(most.max(within.solved.len()))];
+    let basis = &set.basis * &within.basis;
+    let mut reduced = Reduced::new(&set.system, basis, wanted.rectangle, anchors(ANCHORS_BESIDE_FRICTION), &options)?;
+    let friction = match asked.arrangements.as_slice() {
+        [closed] if swept.is_empty() => {
+            let channels: Vec<usize> = closed_channels(case, closed).collect();
+            FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, GUESSED_FROM, &[])?, &channels)?
+        }
+        _ => None,
+    };
+    if friction.is_none() {
+        anchors(MOST_ANCHORS)[reduced.anchors()..].iter().try_for_each(|point| reduced.add_anchor(point))?;
+    }
+    Ok(Part { set: asked.set, within, reduced, friction })
 }
 
 /// What fewer columns of the basis of a set of constraints with all patches closed hold.

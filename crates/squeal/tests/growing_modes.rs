@@ -1,0 +1,63 @@
+//! The growing modes of samples that differ in friction alone, beside whole spectra of the reduced brake: none may be missing.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+
+use std::path::Path;
+
+use montecarlo::stream;
+use squeal::brakes::FiniteElementBrake;
+use squeal::case::CaseFile;
+use squeal::study::UncertainBrake;
+
+/// The case with some arrangements of closed patches.
+fn brake(arrangements: &str) -> FiniteElementBrake {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad/disc-pad.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let contact = text.lines().find(|line| line.starts_with("in_contact")).unwrap();
+    match CaseFile::parse(&path, text.replace(contact, arrangements)).unwrap() {
+        CaseFile::FiniteElements(case) => FiniteElementBrake::new(*case, &()).unwrap(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Compares some samples of every scene; returns the number of samples and of growing modes.
+fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clone) -> (usize, usize) {
+    let (mut count, mut growing) = (0, 0);
+    for scene in &brake.plan().scenes {
+        let drawn = samples.clone().map(|at| brake.draw(&mut stream(brake.case.seed, at)).unwrap());
+        let points: Vec<_> = drawn.map(|sample| brake.operating_point(scene, &sample).unwrap()).collect();
+        for (at, found) in points.iter().zip(brake.band_modes(scene, &points)) {
+            let found = found.unwrap();
+            let whole = brake.part(scene).reduced.modes_by_spectrum(&brake.full_point(scene, at)).unwrap();
+            for lambda in whole.lambdas.iter().filter(|lambda| lambda.re > 0.0) {
+                let is_it = |mode: &squeal::study::BandMode| (mode.lambda - lambda).norm() < 1e-6 * lambda.norm();
+                assert_eq!(found.iter().filter(|mode| is_it(mode)).count(), 1, "{lambda} {scene:?} {at:?}");
+                growing += 1;
+            }
+            let all = found.iter().filter(|mode| mode.lambda.re > 0.0).count();
+            assert_eq!(all, whole.lambdas.iter().filter(|lambda| lambda.re > 0.0).count(), "{scene:?} {at:?}");
+            count += 1;
+        }
+    }
+    (count, growing)
+}
+
+/// Samples in which an earlier search lost a mode: one that came from beyond where it looked, one of two that became one.
+#[test]
+fn no_growing_mode_is_missing() {
+    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8], [1, 3, 4, 5, 6, 7, 8, 9]]");
+    let (samples, growing) = compared(&brake, [0, 1, 2, 3, 81, 281, 288, 380].into_iter());
+    assert_eq!(samples, 96);
+    assert!(growing > 100, "{growing}");
+}
+
+/// SAMPLES of every scene with the arrangements in ARRANGEMENTS, or those of the case; minutes.
+#[test]
+#[ignore = "minutes"]
+fn no_growing_mode_is_missing_in_any_scene() {
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    let arrangements = std::env::var("ARRANGEMENTS").map(|of| format!("arrangements = {of}"));
+    let brake = brake(&arrangements.unwrap_or_else(|_| "in_contact = [9, 8]".into()));
+    let (samples, growing) = compared(&brake, 0..number("SAMPLES").unwrap_or(20));
+    println!("{samples} samples, {growing} growing modes, none missing and none invented");
+}
