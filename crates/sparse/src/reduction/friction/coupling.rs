@@ -12,8 +12,9 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::elimination::{Elimination, substitute};
 use super::ports::{Ports, Table};
-use super::rows::{Elimination, Rows, substitute};
+use super::rows::Rows;
 
 /// The near modes in coordinates of their own: `d = S d'`, so that A is nearly diagonal.
 #[derive(Debug, Clone)]

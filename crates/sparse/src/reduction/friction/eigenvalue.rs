@@ -3,7 +3,8 @@
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::rows::{Elimination, Rows};
+use super::elimination::Elimination;
+use super::rows::Rows;
 
 struct Factor<'a> {
     matrix: &'a mut Rows,

@@ -9,6 +9,7 @@
 mod anchor;
 mod coupling;
 mod eigenvalue;
+mod elimination;
 mod path;
 mod ports;
 mod residuals;

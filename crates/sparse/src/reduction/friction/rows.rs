@@ -77,7 +77,7 @@ impl Rows {
         self.re.iter_mut().chain(&mut self.im).for_each(|value| *value = -*value);
     }
 
-    fn swap_rows(&mut self, a: usize, b: usize) {
+    pub fn swap_rows(&mut self, a: usize, b: usize) {
         for part in [&mut self.re, &mut self.im] {
             (0..self.stride).for_each(|column| part.swap(a * self.stride + column, b * self.stride + column));
         }
@@ -133,7 +133,7 @@ impl Rows {
 
     /// Row `to` minus `factor` times row `from`, which is above it, from column `first` on.
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<f64>) {
+    pub fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<f64>) {
         let (stride, first) = (self.stride, first - first % S::F64_LANES);
         let (above_re, below_re) = self.re.split_at_mut(to * stride);
         let (above_im, below_im) = self.im.split_at_mut(to * stride);
@@ -144,7 +144,7 @@ impl Rows {
 
     /// Row `to` minus `factor` times row `from`, which is below it.
     #[inline(always)]
-    fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<f64>) {
+    pub fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<f64>) {
         let stride = self.stride;
         let (above_re, below_re) = self.re.split_at_mut(from * stride);
         let (above_im, below_im) = self.im.split_at_mut(from * stride);
@@ -153,106 +153,11 @@ impl Rows {
         add_multiple(simd, -factor, [&below_re[..stride], &below_im[..stride]], above);
     }
 
-    fn scale_row(&mut self, row: usize, factor: Complex<f64>) {
+    pub fn scale_row(&mut self, row: usize, factor: Complex<f64>) {
         let [re, im] = self.row_mut(row);
         for (re, im) in re.iter_mut().zip(im) {
             let value = Complex::new(*re, *im) * factor;
             (*re, *im) = (value.re, value.im);
-        }
-    }
-}
-
-/// Gauss's elimination of a square matrix with row pivots, which leaves the upper factor in its place.
-#[derive(Debug, Default)]
-pub(super) struct Elimination {
-    order: usize,
-    /// The lower factor without its diagonal, by rows.
-    lower: Vec<Complex<f64>>,
-    /// The row that each was exchanged with.
-    exchanged: Vec<usize>,
-    /// With the signs of the exchanges: their product is the determinant.
-    pub pivots: Vec<Complex<f64>>,
-}
-
-impl Elimination {
-    /// Right sides go with the matrix.
-    #[inline(always)]
-    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows, sides: Option<&mut Rows>, order: usize) {
-        let mut sides = sides;
-        self.order = order;
-        self.lower.clear();
-        self.lower.resize(order * order, Complex::default());
-        self.exchanged.clear();
-        self.pivots.clear();
-        for c in 0..order {
-            let size = |row: usize| a.at(row, c).l1_norm();
-            let (mut largest, mut most) = (c, size(c));
-            for row in c + 1..order {
-                if size(row) > most {
-                    (largest, most) = (row, size(row));
-                }
-            }
-            self.exchanged.push(largest);
-            if largest != c {
-                a.swap_rows(c, largest);
-                (0..c).for_each(|column| self.lower.swap(c * order + column, largest * order + column));
-                if let Some(sides) = &mut sides {
-                    sides.swap_rows(c, largest);
-                }
-            }
-            let pivot = a.at(c, c);
-            self.pivots.push(if largest == c { pivot } else { -pivot });
-            let inverse = pivot.inv();
-            for row in c + 1..order {
-                let factor = a.at(row, c) * inverse;
-                a.eliminate(simd, [c, row], c + 1, factor);
-                self.lower[row * order + c] = factor;
-                if let Some(sides) = &mut sides {
-                    sides.eliminate(simd, [c, row], 0, factor);
-                }
-            }
-        }
-    }
-
-    /// One right side through the factors of a matrix.
-    pub fn solve(&self, a: &Rows, side: &mut [Complex<f64>]) {
-        for (c, &largest) in self.exchanged.iter().enumerate() {
-            side.swap(c, largest);
-        }
-        for row in 0..side.len() {
-            let sum: Complex<f64> = (0..row).map(|c| self.lower[row * self.order + c] * side[c]).sum();
-            side[row] -= sum;
-        }
-        for row in (0..side.len()).rev() {
-            let sum: Complex<f64> = (row + 1..side.len()).map(|c| a.at(row, c) * side[c]).sum();
-            side[row] = (side[row] - sum) / a.at(row, row);
-        }
-    }
-
-    /// One right side through the factors of the conjugate transpose of a matrix.
-    pub fn solve_adjoint(&self, a: &Rows, side: &mut [Complex<f64>]) {
-        for column in 0..side.len() {
-            let sum: Complex<f64> = (0..column).map(|row| a.at(row, column).conj() * side[row]).sum();
-            side[column] = (side[column] - sum) / a.at(column, column).conj();
-        }
-        for column in (0..side.len()).rev() {
-            let below = column + 1..side.len();
-            let sum: Complex<f64> = below.map(|row| self.lower[row * self.order + column].conj() * side[row]).sum();
-            side[column] -= sum;
-        }
-        for (c, &largest) in self.exchanged.iter().enumerate().rev() {
-            side.swap(c, largest);
-        }
-    }
-}
-
-/// What elimination left, solved: the right sides become the solution.
-#[inline(always)]
-pub(super) fn substitute<S: Simd>(simd: S, a: &Rows, sides: &mut Rows, order: usize) {
-    for c in (0..order).rev() {
-        sides.scale_row(c, a.at(c, c).inv());
-        for row in 0..c {
-            sides.substitute(simd, [c, row], a.at(row, c));
         }
     }
 }
@@ -283,42 +188,7 @@ fn multiple_added<S: Simd>(simd: S, factor: Complex<f64>, x: [S::f64s; 2], y: [S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{DMatrix, DVector};
     use pulp::{Arch, WithSimd};
-
-    struct Factor<'a>(&'a mut Rows, &'a mut Rows, &'a mut Elimination, usize);
-
-    impl WithSimd for Factor<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            self.2.factor(simd, self.0, Some(self.1), self.3);
-            substitute(simd, self.0, self.1, self.3);
-        }
-    }
-
-    #[test]
-    fn factors_solve_systems_and_their_adjoints() {
-        for n in [1, 3, 8, 13, 19] {
-            let number = |i: usize, j: usize| ((7 * i + 5 * j * j + i * j + 3) % 23) as f64 - 11.0;
-            let a = DMatrix::from_fn(n, n, |i, j| Complex::new(number(i, j), number(j + 2, i)));
-            let b = DMatrix::from_fn(n, 5, |i, j| Complex::new(number(j, i), number(i, j + 1)));
-            let rows = |a: &DMatrix<Complex<f64>>| Rows::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)]);
-            let (mut square, mut sides, mut elimination) = (rows(&a), rows(&b), Elimination::default());
-            Arch::new().dispatch(Factor(&mut square, &mut sides, &mut elimination, n));
-            let x = DMatrix::from_fn(n, 5, |i, j| sides.at(i, j));
-            assert!((&a * x - &b).norm() < 1e-11 * b.norm() * a.norm(), "{n}");
-            let determinant: Complex<f64> = elimination.pivots.iter().product();
-            assert!((determinant - a.determinant()).norm() < 1e-10 * determinant.norm());
-            let (mut x, mut y): (Vec<_>, Vec<_>) = b.column(1).iter().map(|&b| (b, b)).unzip();
-            elimination.solve(&square, &mut x);
-            elimination.solve_adjoint(&square, &mut y);
-            let [x, y] = [x, y].map(DVector::from_vec);
-            assert!((&a * x - b.column(1)).norm() < 1e-11 * b.norm() * a.norm());
-            assert!((a.adjoint() * y - b.column(1)).norm() < 1e-11 * b.norm() * a.norm());
-        }
-    }
 
     #[test]
     fn sums_are_those_of_the_entries() {
