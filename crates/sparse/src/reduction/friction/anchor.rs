@@ -4,7 +4,7 @@ use linsys::ChannelGain;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::coupling::{self, Coordinates, Friction, Scratch};
+use super::coupling::{self, Coordinates, Gains, Scratch};
 use super::eigenvalue;
 use super::ports::Ports;
 use super::rows::Rows;
@@ -46,11 +46,11 @@ impl Anchor {
     pub fn new(ports: &Ports, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
         let (p, structure, mut scratch) = (ports.near(), Coordinates::of_structure(ports), Scratch::new(ports));
         let mut a = Rows::zeros(p, p);
-        coupling::at(&structure, &ports.fine, ports.middle, Friction::of(&gains), &mut scratch, &mut a);
+        coupling::at(&structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
         let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
             for _ in 0..ROUNDS {
-                coupling::at(&structure, &ports.fine, *lambda, Friction::of(&gains), &mut scratch, &mut a);
+                coupling::at(&structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
                 let beside = *lambda * (1.0 + BESIDE);
                 *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
             }

@@ -54,14 +54,14 @@ impl Coordinates {
     }
 }
 
-/// The friction in all ports: that of some gains, or a part of the way to that of others, on the straight line between both systems.
+/// The gains of all ports, or a place on the straight line from the system with some gains to that with others.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Friction<'a> {
+pub(super) struct Gains<'a> {
     pub from: &'a [ChannelGain],
     pub to: Option<(f64, &'a [ChannelGain])>,
 }
 
-impl<'a> Friction<'a> {
+impl<'a> Gains<'a> {
     pub fn of(gains: &'a [ChannelGain]) -> Self {
         Self { from: gains, to: None }
     }
@@ -96,12 +96,12 @@ pub(super) fn at_point(
     own: &Coordinates,
     table: &Table,
     point: usize,
-    friction: Friction<'_>,
+    gains: Gains<'_>,
     scratch: &mut Scratch,
     out: &mut Rows,
 ) {
     let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
-    scratch.pull(friction, lambda);
+    scratch.pull(gains, lambda);
     let Scratch { pulls, square, solved, elimination, .. } = scratch;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, solved, elimination, out });
 }
@@ -111,11 +111,11 @@ pub(super) fn at(
     own: &Coordinates,
     table: &Table,
     lambda: Complex<f64>,
-    friction: Friction<'_>,
+    gains: Gains<'_>,
     scratch: &mut Scratch,
     out: &mut Rows,
 ) {
-    scratch.pull(friction, lambda);
+    scratch.pull(gains, lambda);
     table.weights_at(lambda, &mut scratch.weights);
     let Scratch { weights, pulls, smooth, square, solved, elimination } = scratch;
     for (part, smooth) in smooth.iter_mut().enumerate() {
@@ -141,29 +141,30 @@ pub(super) fn shape(
 ) -> DVector<Complex<f64>> {
     let near = &own.vectors * DVector::from_column_slice(d);
     let mut out = &ports.right * near;
-    let forces: Vec<_> =
-        (0..ports.count()).map(|port| d.iter().zip(0..).map(|(d, at)| solved.at(port, at) * d).sum()).collect();
+    let force = |port: usize| d.iter().enumerate().map(|(at, d)| solved.at(port, at) * d).sum();
+    let forces: Vec<Complex<f64>> = (0..ports.count()).map(force).collect();
     let (mut driven, mut far) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, out.len()));
     Arch::new().dispatch(AddRows { factors: &forces, rows: &ports.others_force, out: &mut driven });
-    let factors: Vec<_> = (0..).zip(&ports.others).map(|(at, other)| -driven.at(0, at) / (lambda - other)).collect();
+    let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) / (lambda - other);
+    let factors: Vec<Complex<f64>> = ports.others.iter().enumerate().map(factor).collect();
     Arch::new().dispatch(AddRows { factors: &factors, rows: &ports.others_right, out: &mut far });
-    out.iter_mut().zip(0..).for_each(|(entry, at)| *entry += far.at(0, at));
+    out.iter_mut().enumerate().for_each(|(at, entry)| *entry += far.at(0, at));
     out
 }
 
 impl Scratch {
-    fn pull(&mut self, friction: Friction<'_>, lambda: Complex<f64>) {
+    fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
         let pull = |gain: &ChannelGain| (gain.mu, lambda * gain.complex_slope(lambda));
-        let ports = friction.from.len();
+        let ports = gains.from.len();
         self.pulls.clear();
         for port in 0..ports {
             // Channels of one patch have equal gains.
-            let is_known = port > 0 && friction.is_equal(port - 1, port);
-            let next = match (is_known, friction.to) {
+            let is_known = port > 0 && gains.is_equal(port - 1, port);
+            let next = match (is_known, gains.to) {
                 (true, _) => self.pulls[port - 1],
-                (false, None) => pull(&friction.from[port]),
+                (false, None) => pull(&gains.from[port]),
                 (false, Some((t, to))) => {
-                    let [(mu, slope), (other_mu, other_slope)] = [&friction.from[port], &to[port]].map(pull);
+                    let [(mu, slope), (other_mu, other_slope)] = [&gains.from[port], &to[port]].map(pull);
                     (mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t)
                 }
             };

@@ -20,8 +20,7 @@ pub(super) struct Elimination {
 impl Elimination {
     /// Right sides go with the matrix.
     #[inline(always)]
-    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows, sides: Option<&mut Rows>, order: usize) {
-        let mut sides = sides;
+    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows, mut sides: Option<&mut Rows>, order: usize) {
         self.order = order;
         self.lower.clear();
         self.lower.resize(order * order, Complex::default());

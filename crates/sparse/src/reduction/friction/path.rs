@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::FrictionModes;
-use super::coupling::{self, Coordinates, Friction, Scratch};
+use super::coupling::{self, Coordinates, Gains, Scratch};
 use super::eigenvalue;
 use super::rows::Rows;
 
@@ -64,8 +64,8 @@ impl FrictionPath<'_> {
         let p = ports.near();
         let (mut scratch, mut a, mut here) = (Scratch::new(ports), Rows::zeros(p, p), Rows::zeros(p, p));
         let matrix = |t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows| {
-            let friction = Friction { from: &self.from, to: Some((t, &self.to)) };
-            coupling::at(&self.own, &ports.fine, lambda, friction, scratch, out);
+            let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
+            coupling::at(&self.own, &ports.fine, lambda, gains, scratch, out);
         };
         let mut x = vec![Complex::new(1.0, 0.0); p];
         let (mut lambda, mut before, mut steps) = (guess, None, STEPS_FROM_ANY);

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
-use super::coupling::{self, Coordinates, Friction, Scratch, combine};
+use super::coupling::{self, Coordinates, Gains, Scratch, combine};
 use super::eigenvalue;
 use super::ports::{COARSE, Ports};
 use super::rows::Rows;
@@ -76,7 +76,7 @@ impl Search<'_> {
         let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, gains), anchor));
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
         for (point, value) in memory.values.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own, &self.ports.coarse, point, Friction::of(gains), &mut memory.scratch, value);
+            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), &mut memory.scratch, value);
         }
         let guesses = anchor.guesses(&self.ports.coarse.points, &memory.values);
         // As far as a guess was moved it may be wrong.
@@ -178,7 +178,7 @@ impl Search<'_> {
         vector[mode] = Complex::new(1.0, 0.0);
         let (mut lambda, mut before) = (guess, None);
         for _ in 0..MOST_ROUNDS {
-            coupling::at(own, &self.ports.fine, lambda, Friction::of(gains), scratch, square);
+            coupling::at(own, &self.ports.fine, lambda, Gains::of(gains), scratch, square);
             let eigenvalue = eigenvalue::next_to(square, lambda, &mut vector, 2, &mut scratch.elimination);
             let miss = eigenvalue - lambda;
             *corrections += 1;
