@@ -6,6 +6,7 @@ use num_complex::Complex;
 
 use super::far::Far;
 use super::full::{largest, outside};
+use super::state_modes::StateModes;
 use super::watch::{Vectors, Watch};
 use super::{dense, split};
 use crate::{Rectangle, SparseError};
@@ -13,13 +14,7 @@ use crate::{Rectangle, SparseError};
 /// All eigenvalues of a reduced system at an operating point, with right and left vectors, and the terms of the system in the
 /// vectors of the modes in and near the rectangle.
 ///
-/// With `z = [y; lambda y / gamma]` the system is `A z = lambda B z`, `A = [0, gamma I; -K / gamma, -C]`, `B = [I, 0; 0, M]`.
-/// Left vectors are scaled so that `W^H B Z = I`. The lower part v of a left vector is one of Q: `v^H Q(lambda) = 0`, and
-/// `v^H Q'(lambda) y = gamma`. From these
-///
-/// ```text
-/// -Q(lambda)^-1 = sum_j y_j v_j^H / (gamma (lambda_j - lambda))
-/// ```
+/// From those of [`StateModes`] comes `-Q(lambda)^-1 = sum_j y_j v_j^H / (gamma (lambda_j - lambda))`.
 #[derive(Debug, Clone)]
 pub(super) struct Anchor {
     /// Where the anchor is.
@@ -70,31 +65,19 @@ impl Anchor {
         rectangle: &Rectangle,
         margin: f64,
     ) -> Result<Self, SparseError> {
-        let SecondOrder { m, c, k, .. } = without_states(system, point, middle(rectangle))?;
-        let (order, gamma) = (m.nrows(), largest(rectangle));
-        let wide = |a: &DMatrix<f64>| a.map(Complex::from);
-        let mass = wide(&m);
-        let by_mass = |a: &DMatrix<f64>| Ok::<_, SparseError>(dense::solve(&mass, &wide(a))?.map(|x| x.re));
-        let mut state = DMatrix::zeros(2 * order, 2 * order);
-        state.view_mut((0, order), (order, order)).fill_diagonal(gamma);
-        state.view_mut((order, 0), (order, order)).copy_from(&(by_mass(&k)? / -gamma));
-        state.view_mut((order, order), (order, order)).copy_from(&-by_mass(&c)?);
-        let (all, z) = dense::eigen_real(&state)?;
-        let inverse = dense::solve(&z, &DMatrix::identity(2 * order, 2 * order))?;
-        // W^H = Z^-1 B^-1: the lower part times M^-1 from the right.
-        let lower = dense::solve(&mass.transpose(), &inverse.columns(order, order).transpose())?.transpose();
-        let upper = inverse.columns(0, order);
+        let gamma = largest(rectangle);
+        let StateModes { lambdas: all, y, velocity, upper, lower } =
+            StateModes::new(&without_states(system, point, middle(rectangle))?, gamma)?;
 
         let near_one = |lambda: Complex<f64>| outside(rectangle, lambda) <= NEAR * margin;
         let listed: Vec<usize> = (0..all.len()).filter(|&j| all[j].im >= 0.0).collect();
         let near: Vec<usize> = (0..all.len()).filter(|&j| near_one(all[j])).collect();
         let lambdas: Vec<_> = listed.iter().map(|&j| all[j]).collect();
-        let y = z.rows(0, order).into_owned();
         let far = Far::new(&lambdas, [&lower.select_rows(&listed), &y.select_columns(&listed)], gamma, near_one);
         let others: Vec<usize> = listed.iter().copied().filter(|&j| !near_one(all[j])).collect();
         let vectors = Vectors {
             y: y.select_columns(&others),
-            velocity: z.rows(order, order).select_columns(&others),
+            velocity: velocity.select_columns(&others),
             lower: lower.select_rows(&others),
         };
         let watch = Watch::new(system, others.iter().map(|&j| all[j]).collect(), &vectors, gamma, middle(rectangle));
@@ -103,7 +86,7 @@ impl Anchor {
             rectangle,
             &NearVectors {
                 y: y.select_columns(&near),
-                velocity: z.rows(order, order).select_columns(&near),
+                velocity: velocity.select_columns(&near),
                 upper: upper.select_rows(&near),
                 lower: lower.select_rows(&near),
             },

@@ -41,6 +41,7 @@ mod residual;
 mod responses;
 mod shared;
 mod split;
+mod state_modes;
 mod watch;
 mod within;
 

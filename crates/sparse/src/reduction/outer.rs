@@ -4,7 +4,6 @@ use linsys::{ChannelGain, OperatingPoint};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::residual::ResidualForm;
 use super::{dense, split};
 
 /// `W^T Q(lambda) V` by its terms, or `S W^T Q(lambda) V`.
@@ -46,10 +45,10 @@ impl OuterRows {
         Self { count: self.count, terms: vec![sums], force: self.force.clone() }
     }
 
-    /// `W^T Q(lambda_j) V y_j`, from term to term: an operating point's own matrices would cost more than the few products.
+    /// `W^T Q(lambda_j) V y_j`, with `V^T b_i` and `V^T r_i` of each channel, from term to term: an operating point's own matrices would cost more than the few products.
     pub fn of(
         &self,
-        form: &ResidualForm,
+        channels: &[[DVector<f64>; 2]],
         point: &OperatingPoint,
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,
@@ -62,7 +61,7 @@ impl OuterRows {
         }
         let [inertia, damping, stiffness] = sums;
         let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
-        for ((out, [force, reading]), gain) in self.force.iter().zip(form.channels()).zip(&point.channels) {
+        for ((out, [force, reading]), gain) in self.force.iter().zip(channels).zip(&point.channels) {
             if *gain == ChannelGain::default() {
                 continue;
             }

@@ -206,11 +206,6 @@ impl ResidualForm {
         self.rows.count
     }
 
-    /// `V^T b_i`, `V^T r_i` of each channel.
-    pub fn channels(&self) -> &[[DVector<f64>; 2]] {
-        &self.channels
-    }
-
     /// Rows that residuals are estimated with, none where all are exact.
     pub fn sketch_rows(&self) -> usize {
         self.sketch.as_ref().map_or(0, |sketch| sketch.count)
@@ -258,7 +253,7 @@ impl ResidualAt<'_> {
         y: &DMatrix<f64>,
     ) -> Vec<f64> {
         let (lambdas, y): (Vec<_>, _) = (wanted.iter().map(|&at| lambdas[at]).collect(), split::selected(y, wanted));
-        let outer = rows.of(self.form, self.point, &lambdas, &y);
+        let outer = rows.of(&self.form.channels, self.point, &lambdas, &y);
         let [m, c, k] = self.dropped;
         let residual = |(at, &lambda): (usize, &Complex<f64>)| {
             let (size, l) = (split::norm_squared(&y, at).sqrt(), lambda.norm());

@@ -15,7 +15,7 @@ use num_complex::Complex;
 
 use super::rows::Rows;
 use crate::SparseError;
-use crate::reduction::dense;
+use crate::reduction::state_modes::StateModes;
 
 /// Between these multiples of the highest frequency of the band the near modes end, at the largest gap; chosen: what is beyond is smooth in
 /// the band.
@@ -100,7 +100,8 @@ impl Ports {
         band: [f64; 2],
     ) -> Result<Option<Self>, SparseError> {
         let order = structure.order();
-        let Modes { lambdas, right, left } = Modes::new(structure, band[1])?;
+        let gamma = band[1];
+        let StateModes { lambdas, y: right, lower, .. } = StateModes::new(structure, gamma)?;
         let wide = |a: DMatrix<f64>| a.map(Complex::from);
         let force = wide(system.force_matrix().select_columns(channels));
         let reading = wide(system.reading_matrix().select_rows(channels));
@@ -109,7 +110,7 @@ impl Ports {
         let (mut near, others): (Vec<usize>, Vec<usize>) = (0..2 * order).partition(is_near);
         near.sort_by(|&a, &b| cea::by_frequency(&lambdas[a], &lambdas[b]));
 
-        let driven = &left * &force;
+        let driven = lower * &force / Complex::from(gamma);
         let read = [&reading * &right, force.transpose() * &right];
         let smooth = |lambda: Complex<f64>| {
             let mut weighted = driven.select_rows(&others);
@@ -182,31 +183,4 @@ fn end_of_near(lambdas: &[Complex<f64>], highest: f64) -> f64 {
     inside.sort_by(f64::total_cmp);
     let widest = inside.windows(2).max_by(|a, b| (a[1] / a[0]).total_cmp(&(b[1] / b[0])));
     widest.map_or(to, |gap| (gap[0] * gap[1]).sqrt())
-}
-
-/// All eigenvalues of a structure with vectors: `Q_0(lambda)^-1 = sum_j y_j v_j^H / (lambda - lambda_j)`.
-struct Modes {
-    lambdas: Vec<Complex<f64>>,
-    /// y_j, k x 2 k.
-    right: DMatrix<Complex<f64>>,
-    /// v_j^H, 2 k x k.
-    left: DMatrix<Complex<f64>>,
-}
-
-impl Modes {
-    /// From `z = [y; lambda y / gamma]`, `lambda z = [0, gamma I; -M^-1 K / gamma, -M^-1 C] z`.
-    fn new(structure: &SecondOrder, gamma: f64) -> Result<Self, SparseError> {
-        let order = structure.order();
-        let mut state = DMatrix::zeros(2 * order, 2 * order);
-        state.view_mut((0, order), (order, order)).fill_diagonal(gamma);
-        state
-            .view_mut((order, 0), (order, order))
-            .copy_from(&(dense::solve_real(&structure.m, &structure.k)? / -gamma));
-        state.view_mut((order, order), (order, order)).copy_from(&-dense::solve_real(&structure.m, &structure.c)?);
-        let (lambdas, z) = dense::eigen_real(&state)?;
-        let inverse = dense::solve(&z, &DMatrix::identity(2 * order, 2 * order))?;
-        let mass = structure.m.map(Complex::from);
-        let left = dense::solve(&mass.transpose(), &inverse.columns(order, order).transpose())?.transpose();
-        Ok(Self { lambdas, right: z.rows(0, order).into_owned(), left: left / Complex::from(gamma) })
-    }
 }
