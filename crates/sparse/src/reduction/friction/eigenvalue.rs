@@ -60,11 +60,11 @@ pub(super) fn left(factors: &Rows, right: &[Complex<f64>], elimination: &Elimina
     left
 }
 
-/// The next number of the secant method for the eigenvalue of A(lambda) next to lambda to be lambda, from what the last two missed that by.
-pub(super) fn secant(
-    before: Option<(Complex<f64>, Complex<f64>)>,
-    (lambda, miss): (Complex<f64>, Complex<f64>),
-) -> Complex<f64> {
+/// A number, and what was missed there: how far it is from where it should be, as far as one can tell.
+pub(super) type Missed = (Complex<f64>, Complex<f64>);
+
+/// The next number of the secant method, from the last two. The first step is what was missed.
+pub(super) fn secant(before: Option<Missed>, (lambda, miss): Missed) -> Complex<f64> {
     match before {
         Some((there, missed)) if missed != miss => lambda - miss * (lambda - there) / (miss - missed),
         _ => lambda + miss,

@@ -43,10 +43,9 @@ impl FrictionModes {
     #[must_use]
     pub fn path(&self, from: &OperatingPoint, to: &OperatingPoint) -> Option<FrictionPath<'_>> {
         let gains = |point: &OperatingPoint| self.channels.iter().map(|&channel| point.channels[channel]).collect();
-        let own = Coordinates::of_structure(&self.ports);
         (self.is_of(from) && self.is_of(to)).then(|| FrictionPath {
             modes: self,
-            own,
+            own: Coordinates::of_structure(&self.ports),
             from: gains(from),
             to: gains(to),
         })

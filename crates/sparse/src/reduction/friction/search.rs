@@ -6,7 +6,7 @@ use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
 use super::coupling::{self, Coordinates, Gains, Scratch, combine};
-use super::eigenvalue;
+use super::eigenvalue::{self, Missed};
 use super::ports::{COARSE, Ports};
 use super::rows::Rows;
 use crate::Rectangle;
@@ -120,7 +120,7 @@ impl Search<'_> {
     /// method, so that the errors of others do not slow it down.
     fn corrected(&self, guesses: &[Guess], wanted: &[usize], memory: &mut Memory) -> Result<Vec<Complex<f64>>, Open> {
         let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
-        let mut open: Vec<(usize, Option<[Complex<f64>; 2]>)> = wanted.iter().map(|&i| (i, None)).collect();
+        let mut open: Vec<(usize, Option<Missed>)> = wanted.iter().map(|&i| (i, None)).collect();
         for _ in 0..MOST_CORRECTIONS {
             if open.is_empty() {
                 return Ok(zeros);
@@ -130,17 +130,14 @@ impl Search<'_> {
             memory.corrections += lacking.len() as u64;
             let mut next = Vec::with_capacity(open.len());
             for ((i, before), lacking) in open.into_iter().zip(lacking) {
-                let here = zeros[i];
-                let step = match before {
-                    Some([there, lacked]) if lacked != lacking => lacking * (here - there) / (lacking - lacked),
-                    _ => lacking,
-                };
+                let (here, miss) = (zeros[i], -lacking);
+                zeros[i] = eigenvalue::secant(before, (here, miss));
+                let step = (zeros[i] - here).norm();
                 if !step.is_finite() {
                     return Err(Open::NotConverged);
                 }
-                zeros[i] = here - step;
-                if step.norm() > GUESSED * here.norm() {
-                    next.push((i, Some([here, lacking])));
+                if step > GUESSED * here.norm() {
+                    next.push((i, Some((here, miss))));
                 }
             }
             open = next;
