@@ -40,6 +40,7 @@
 
 pub mod certified;
 mod dense;
+mod eigenvalue_pair;
 mod error;
 mod feedback;
 mod francis;
@@ -62,10 +63,11 @@ pub use dense::{
 };
 #[cfg(feature = "lapack")]
 pub use dense::{LapackSolver, dgeev, dggev};
+pub use eigenvalue_pair::{EigenvaluePair, OnPath, eigenvalue_pairs};
 pub use error::CeaError;
 pub use feedback::{
-    Anchors, AxisMargins, Channels, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep,
-    NoNormBound, NoSecular, NormBound, Secular, h_infinity_norm_bound,
+    Anchors, AxisMargins, Channels, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoNormBound, NoSecular,
+    NormBound, Secular, h_infinity_norm_bound,
 };
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};

@@ -3,9 +3,11 @@
 //! Of the two eigenvalues `lambda = m +- sqrt(s)`, the mean m and the squared half gap s are smooth functions of the path where
 //! the eigenvalues are not. The square root that continues the mode follows from how s turns about 0 on the path.
 
-use cea::{EigenvaluePair, GainPath, Workspace};
+use cea::{EigenvaluePair, Workspace};
 use num_complex::Complex;
 
+use crate::corrector::pairs_on_paths;
+use crate::path::{Path, PathPoint};
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
 /// The first step, as a part of the path; chosen: steps next to a coalescence are about as short.
@@ -25,7 +27,7 @@ const RESUMPTION_DISTANCE: f64 = 1.0 / 64.0;
 
 /// A pair that is being continued.
 struct PairContinuation<'a> {
-    path: GainPath<'a>,
+    path: Path<'a>,
     steps: StepControl,
     here: EigenvaluePair,
     rate: EigenvaluePair,
@@ -44,37 +46,34 @@ pub(crate) struct PastCoalescence {
 
 /// Continues each mode together with the mode next to it past their coalescence, or as far as steps succeed; `None` where
 /// not even the first does.
-pub(crate) fn continue_pairs(
-    from: &[(GainPath<'_>, f64, Complex<f64>)],
-    work: &mut Workspace,
-) -> Vec<Option<PastCoalescence>> {
+pub(crate) fn continue_pairs(from: &[PathPoint<'_>], work: &mut Workspace) -> Vec<Option<PastCoalescence>> {
     let alone = |mean: Complex<f64>| EigenvaluePair { mean, half_gap_squared: Complex::default() };
-    let guesses: Vec<_> = from.iter().map(|&(path, at, lambda)| (path, at, alone(lambda))).collect();
-    let begin = from.iter().zip(GainPath::pairs(&guesses, work));
+    let guesses: Vec<_> = from.iter().map(|point| (point.path, point.t, alone(point.lambda))).collect();
+    let begin = from.iter().zip(pairs_on_paths(&guesses, work));
     let mut pairs: Vec<Option<PairContinuation<'_>>> =
-        begin.map(|(&(path, at, lambda), pair)| PairContinuation::new(path, at, lambda, pair?)).collect();
+        begin.map(|(point, pair)| PairContinuation::new(*point, pair?)).collect();
     let mut open: Vec<usize> = (0..pairs.len()).filter(|&i| pairs[i].is_some()).collect();
     while !open.is_empty() {
         let ahead: Vec<_> = open.iter().filter_map(|&i| pairs[i].as_ref().map(PairContinuation::ahead)).collect();
-        let mut found = GainPath::pairs(&ahead, work).into_iter();
+        let mut found = pairs_on_paths(&ahead, work).into_iter();
         open.retain(|&i| pairs[i].as_mut().is_some_and(|pair| pair.advance(found.next().flatten())));
     }
-    let past = |(pair, (_, begin, _)): (Option<PairContinuation<'_>>, &(GainPath<'_>, f64, Complex<f64>))| {
+    let past = |(pair, begin): (Option<PairContinuation<'_>>, &PathPoint<'_>)| {
         let PairContinuation { steps: StepControl { t, .. }, here: EigenvaluePair { mean, .. }, root, .. } = pair?;
-        (t > *begin).then_some(PastCoalescence { t, lambdas: [mean + root, mean - root] })
+        (t > begin.t).then_some(PastCoalescence { t, lambdas: [mean + root, mean - root] })
     };
     pairs.into_iter().zip(from).map(past).collect()
 }
 
 impl<'a> PairContinuation<'a> {
-    fn new(path: GainPath<'a>, at: f64, lambda: Complex<f64>, [here, rate]: [EigenvaluePair; 2]) -> Option<Self> {
+    fn new(PathPoint { path, t, lambda }: PathPoint<'a>, [here, rate]: [EigenvaluePair; 2]) -> Option<Self> {
         let root = lambda - here.mean;
         let is_member =
             (root * root - here.half_gap_squared).norm() <= ACCEPTANCE_RADIUS * here.half_gap_squared.norm();
-        is_member.then_some(Self { path, steps: StepControl::new(at, FIRST_PAIR_STEP), here, rate, root })
+        is_member.then_some(Self { path, steps: StepControl::new(t, FIRST_PAIR_STEP), here, rate, root })
     }
 
-    fn ahead(&self) -> (GainPath<'a>, f64, EigenvaluePair) {
+    fn ahead(&self) -> (Path<'a>, f64, EigenvaluePair) {
         let step = self.steps.step();
         (self.path, self.steps.t + step, self.here.moved(&self.rate, step))
     }

@@ -3,11 +3,11 @@
 //! Predictor: a parabola through the last point, with the derivatives at the last two points. Corrector: Newton's method, by
 //! the secular equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the ratio of the
 //! predictor errors is small ([`step_control`](crate::step_control)) and the shape has hardly changed. A mode whose steps
-//! become too short is next to a coalescence: on a path of gains it is continued together with the mode it coalesces with
+//! become too short is next to a coalescence: where the path has a characteristic function that costs little, it is continued together with the mode it coalesces with
 //! ([`coalescence`](crate::coalescence)); a mode that is lost all the same is left to adaptive subdivision
 //! ([`subdivision`](crate::subdivision)), which computes all modes at points of the path.
 
-use cea::{GainPath, Mode, Workspace};
+use cea::{Mode, Workspace};
 use num_complex::Complex;
 
 use crate::coalescence::{ACCEPTANCE_RADIUS, PastCoalescence, continue_pairs};
@@ -54,10 +54,10 @@ pub(crate) fn continue_modes<'a>(of: &[(Path<'a>, &Mode)], near: bool, work: &mu
     let start = |(path, mode): &(Path<'a>, &Mode)| PathPoint { path: *path, t: 0.0, lambda: mode.lambda };
     let mut open: Vec<(usize, PathPoint<'a>)> = of.iter().map(start).enumerate().collect();
     for _ in 0..MOST_COALESCENCES {
-        let lost = continue_alone(&open, near, &mut ends, work).into_iter().filter(|(_, mode)| mode.steps.t < 1.0);
-        let lost: Vec<_> = lost.filter_map(|(i, mode)| Some((i, mode.path.as_gains()?, mode))).collect();
+        let mut lost = continue_alone(&open, near, &mut ends, work);
+        lost.retain(|(_, mode)| mode.steps.t < 1.0);
         open.clear();
-        for ((i, ..), past) in lost.iter().zip(pass_coalescences(&lost, work)) {
+        for ((i, _), past) in lost.iter().zip(pass_coalescences(&lost, work)) {
             match past {
                 Some(PathPoint { path, t: 1.0, lambda }) => ends[*i] = nearest(path.end.modes, lambda),
                 Some(point) => open.push((*i, point)),
@@ -104,18 +104,15 @@ fn continue_alone<'a>(
 /// A point past the coalescence for each mode that was lost next to one; `None` where pair continuation fails. The two modes
 /// of a pair may exchange their shapes at a coalescence: a shape that is clearly alike before and after belongs to one mode;
 /// where none is, the eigenvalue decides.
-fn pass_coalescences<'a>(
-    lost: &[(usize, GainPath<'a>, Continuation<'a>)],
-    work: &mut Workspace,
-) -> Vec<Option<PathPoint<'a>>> {
-    let from: Vec<_> = lost.iter().map(|(_, gains, mode)| (*gains, mode.steps.t, mode.here.mode.lambda)).collect();
-    let pairs = continue_pairs(&from, work);
-    let both = |(past, (.., mode)): (&Option<PastCoalescence>, &(usize, GainPath<'a>, Continuation<'a>))| {
+fn pass_coalescences<'a>(lost: &[(usize, Continuation<'a>)], work: &mut Workspace) -> Vec<Option<PathPoint<'a>>> {
+    let point = |mode: &Continuation<'a>| PathPoint { path: mode.path, t: mode.steps.t, lambda: mode.here.mode.lambda };
+    let pairs = continue_pairs(&lost.iter().map(|(_, mode)| point(mode)).collect::<Vec<_>>(), work);
+    let both = |(past, (_, mode)): (&Option<PastCoalescence>, &(usize, Continuation<'a>))| {
         past.map(|PastCoalescence { t, lambdas }| lambdas.map(|lambda| PathPoint { path: mode.path, t, lambda }))
     };
     let asked: Vec<PathPoint<'a>> = pairs.iter().zip(lost).filter_map(both).flatten().collect();
     let mut corrected = modes_on_paths(&asked, work).into_iter();
-    let mut continued = |(past, (.., mode)): (Option<PastCoalescence>, &(usize, GainPath<'a>, Continuation<'a>))| {
+    let mut continued = |(past, (_, mode)): (Option<PastCoalescence>, &(usize, Continuation<'a>))| {
         mode.past(past?, [corrected.next().flatten(), corrected.next().flatten()])
     };
     pairs.into_iter().zip(lost).map(&mut continued).collect()

@@ -2,11 +2,11 @@
 
 use std::mem::discriminant;
 
-use cea::{Mode, NewtonStep, Workspace, mass_norm_squared};
+use cea::{EigenvaluePair, Mode, NewtonStep, Workspace, mass_norm_squared};
 use num_complex::Complex;
 
-use crate::evaluator::{Guess, PathEvaluator, Shape};
-use crate::path::PathPoint;
+use crate::evaluator::{Guess, PairGuess, PathEvaluator, Shape};
+use crate::path::{Path, PathPoint};
 
 /// Relative correction at or below which an eigenvalue counts as converged; chosen: the error left is of the order of the
 /// square of the correction, 2.5e-9.
@@ -40,6 +40,22 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
         Some(ModeOnPath { mode: Mode { lambda, shape }, rate })
     };
     found.into_iter().zip(at).map(mode).collect()
+}
+
+/// The pair of eigenvalues that each guess leads to, with its derivative over t; `None` where there is none, or the matrices of its ends
+/// evaluate the path.
+pub(crate) fn pairs_on_paths(at: &[PairGuess<Path<'_>>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let mut found = Vec::with_capacity(at.len());
+    for group in at.chunk_by(|a, b| discriminant(&a.0.start) == discriminant(&b.0.start)) {
+        let gains: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_gains()?, p.1, p.2))).collect();
+        let systems: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_systems()?, p.1, p.2))).collect();
+        let owned: Vec<_> = group.iter().filter_map(|p| Some((p.0.as_owned()?, p.1, p.2))).collect();
+        // All but one are empty.
+        found.extend(PathEvaluator::pairs(&gains, work));
+        found.extend(PathEvaluator::pairs(&systems, work));
+        found.extend(PathEvaluator::pairs(&owned, work));
+    }
+    found
 }
 
 /// Newton's method from each guess; each step corrects all guesses that have not converged yet.

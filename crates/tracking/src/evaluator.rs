@@ -1,7 +1,9 @@
 //! The ways to evaluate a path: the secular equation, where the path leads from one gain to another, the matrices of
 //! the systems at its ends, and what its owner knows.
 
-use cea::{GainPath, NewtonStep, Workspace, singular_vectors};
+use std::ptr;
+
+use cea::{EigenvaluePair, GainPath, NewtonStep, OnPath, Workspace, eigenvalue_pairs, singular_vectors};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -15,8 +17,11 @@ const FACTORISATION_OFFSET: f64 = 1e-7;
 /// A shape over the degrees of freedom, up to a factor.
 pub(crate) type Shape = DVector<Complex<f64>>;
 
-/// A path, a position t on it and a guess of an eigenvalue there, rad/s.
-pub(crate) type Guess<P> = (P, f64, Complex<f64>);
+/// A guess of an eigenvalue.
+pub(crate) type Guess<P> = OnPath<P>;
+
+/// A path, a position t on it and a guess of a pair of eigenvalues there.
+pub(crate) type PairGuess<P> = (P, f64, EigenvaluePair);
 
 /// The operations of continuation on a path; each takes many paths at a time.
 pub(crate) trait PathEvaluator: Copy {
@@ -31,6 +36,9 @@ pub(crate) trait PathEvaluator: Copy {
 
     /// The shapes at converged eigenvalues, given with the vectors that their last Newton steps computed.
     fn shapes(at: Vec<(Guess<Self>, Self::Vector)>, work: &mut Workspace) -> Vec<Option<Shape>>;
+
+    /// The pairs of eigenvalues that guesses lead to, with their derivatives over t; `None` where there is none.
+    fn pairs(at: &[PairGuess<Self>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>>;
 }
 
 impl PathEvaluator for GainPath<'_> {
@@ -45,6 +53,10 @@ impl PathEvaluator for GainPath<'_> {
     fn shapes(at: Vec<(Guess<Self>, ())>, work: &mut Workspace) -> Vec<Option<Shape>> {
         let at: Vec<Guess<Self>> = at.into_iter().map(|(guess, ())| guess).collect();
         GainPath::shapes(&at, work)
+    }
+
+    fn pairs(at: &[PairGuess<Self>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        GainPath::pairs(at, work)
     }
 }
 
@@ -64,6 +76,17 @@ impl PathEvaluator for OfOwner<'_> {
 
     fn shapes(at: Vec<(Guess<Self>, Shape)>, _: &mut Workspace) -> Vec<Option<Shape>> {
         at.into_iter().map(|(_, shape)| Some(shape)).collect()
+    }
+
+    fn pairs(at: &[PairGuess<Self>], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        eigenvalue_pairs(at, |points| {
+            work.counters.factorisations += points.len() as u64;
+            let groups = points.chunk_by(|a, b| ptr::addr_eq(a.0.0, b.0.0));
+            let of_group = |group: &[OnPath<Self>]| {
+                group[0].0.0.characteristic(&group.iter().map(|&(_, t, lambda)| (t, lambda)).collect::<Vec<_>>())
+            };
+            groups.flat_map(of_group).collect()
+        })
     }
 }
 
@@ -105,6 +128,11 @@ impl PathEvaluator for SystemPath<'_> {
 
     fn shapes(at: Vec<(Guess<Self>, Shape)>, _: &mut Workspace) -> Vec<Option<Shape>> {
         at.into_iter().map(|(_, shape)| Some(shape)).collect()
+    }
+
+    /// None: sixteen determinants of the system for each pair cost more than a spectrum.
+    fn pairs(at: &[PairGuess<Self>], _: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        vec![None; at.len()]
     }
 }
 

@@ -39,6 +39,9 @@ pub enum PathStart<'a> {
 pub trait OwnedPath: Debug + Sync {
     /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where there is none.
     fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)>;
+
+    /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
+    fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
 }
 
 /// The end of a path.

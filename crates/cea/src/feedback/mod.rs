@@ -5,6 +5,4 @@ mod h_infinity;
 mod secular;
 
 pub use h_infinity::{AxisMargins, Channels, NoNormBound, NormBound, h_infinity_norm_bound};
-pub use secular::{
-    Anchors, EigenvaluePair, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoSecular, Secular,
-};
+pub use secular::{Anchors, Feedback, Gain, GainPath, Growing, LeftOpen, NewtonStep, NoSecular, Secular};

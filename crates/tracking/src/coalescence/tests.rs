@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::continuation::continue_modes;
-use crate::{Path, PathEnd, PathStart};
-use cea::{EigenSolver, Feedback, Gain, Mode, Modes, QrSolver, Secular};
+use crate::{PathEnd, PathStart};
+use cea::{EigenSolver, Feedback, Gain, GainPath, Mode, Modes, QrSolver, Secular};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
@@ -120,8 +120,8 @@ fn a_mode_without_a_neighbour_is_none_of_a_pair() {
     let secular = brake(0.0);
     let [from, to] = [0.0, 4.0].map(|mu| Gain { mu, ..Gain::default() });
     let alone = modes(&secular.system(&from))[2].lambda;
-    assert!(
-        continue_pairs(&[(GainPath { secular: &secular, from, to }, 0.0, alone)], &mut Workspace::default())[0]
-            .is_none()
-    );
+    let (start, system) = (PathStart::Gain(GainPath { secular: &secular, from, to }), secular.system(&to));
+    let path = Path { start, start_modes: &[], end: PathEnd { system: &system, modes: &[] } };
+    let point = PathPoint { path, t: 0.0, lambda: alone };
+    assert!(continue_pairs(&[point], &mut Workspace::default())[0].is_none());
 }

@@ -8,11 +8,12 @@ use num_complex::Complex;
 use super::response::{Point, characteristic, secular_matrices};
 use super::{Gain, MIDDLE_FREQUENCY, Resolvent, Secular};
 use crate::dense::{NullVector, null_vectors, start};
+use crate::eigenvalue_pair::{EigenvaluePair, eigenvalue_pairs};
 use crate::{Mode, Workspace};
 
 /// Differences from which derivatives are taken, relative to the eigenvalue and to the length of the path; chosen near the square
 /// root of machine epsilon.
-pub(super) const DIFFERENCE_STEP: f64 = 1e-7;
+const DIFFERENCE_STEP: f64 = 1e-7;
 /// Largest relative residual of the secular equation's null vector, at an eigenvalue and at an approximation of one on a path;
 /// chosen. The residual is large for an uncontrollable mode, whose shape is no response to feedback forces.
 const LARGEST_RESIDUAL: f64 = 1e-8;
@@ -70,6 +71,22 @@ impl GainPath<'_> {
             }
         }
         found
+    }
+
+    /// The two eigenvalues next to each of some guesses at a position t on a path: [`eigenvalue_pairs`] of the secular equation.
+    pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
+        let mut values = Vec::new();
+        eigenvalue_pairs(at, |points| {
+            let mut all = Vec::with_capacity(points.len());
+            for group in points.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
+                let resolvent = &group[0].0.secular.resolvent;
+                let points: Vec<Point> =
+                    group.iter().map(|(path, t, lambda)| path.at(*t, lambda / resolvent.unit)).collect();
+                characteristic(resolvent, &points, work, &mut values);
+                all.extend_from_slice(&values);
+            }
+            all
+        })
     }
 
     /// The shape (length n, any factor) of the mode at each of some eigenvalues, rad/s, at a position t on a path. Each shape costs

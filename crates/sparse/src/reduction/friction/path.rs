@@ -53,6 +53,28 @@ impl FrictionModes {
 }
 
 impl FrictionPath<'_> {
+    /// `det(lambda - A(lambda))` at places of the path, 0 at its beginning and 1 at its end, and numbers, rad/s: up to a factor that is
+    /// always the same, so that no product of many large numbers overflows.
+    #[must_use]
+    pub fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
+        let ports = &self.modes.ports;
+        let (p, scale) = (ports.near(), 1.0 / ports.middle.norm());
+        let (mut scratch, mut a) = (Scratch::new(ports), Rows::zeros(p, p));
+        let mut value = |&(t, lambda): &(f64, Complex<f64>)| {
+            self.matrix(t, lambda, &mut scratch, &mut a);
+            a.negate();
+            eigenvalue::factor(&mut a, lambda, &mut scratch.elimination, p);
+            scratch.elimination.pivots.iter().map(|pivot| pivot * scale).product()
+        };
+        at.iter().map(&mut value).collect()
+    }
+
+    /// A at a place of the path.
+    fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
+        let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
+        coupling::at(&self.own, &self.modes.ports.fine, lambda, gains, scratch, out);
+    }
+
     /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where it is not finite.
     ///
     /// The eigenvalue of `A(lambda)` next to lambda is to be lambda, which the secant method sees to. The rate is
@@ -62,16 +84,12 @@ impl FrictionPath<'_> {
         let ports = &self.modes.ports;
         let p = ports.near();
         let (mut scratch, mut a, mut here) = (Scratch::new(ports), Rows::zeros(p, p), Rows::zeros(p, p));
-        let matrix = |t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows| {
-            let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
-            coupling::at(&self.own, &ports.fine, lambda, gains, scratch, out);
-        };
         let mut x = vec![Complex::new(1.0, 0.0); p];
         let (mut lambda, mut before, mut steps) = (guess, None, STEPS_FROM_ANY);
         let mut at = guess;
         for _ in 0..MOST_ROUNDS {
             at = lambda;
-            matrix(t, at, &mut scratch, &mut a);
+            self.matrix(t, at, &mut scratch, &mut a);
             here.clone_from(&a);
             lambda = eigenvalue::next_to(&mut a, at, &mut x, steps, &mut scratch.elimination);
             let miss = lambda - at;
@@ -91,10 +109,10 @@ impl FrictionPath<'_> {
             y.iter().enumerate().map(|(i, y)| y.conj() * row(i)).sum()
         };
         let later = if t < 0.5 { STEP } else { -STEP };
-        matrix(t + later, at, &mut scratch, &mut a);
+        self.matrix(t + later, at, &mut scratch, &mut a);
         let over_t = change(&a) / later;
         let beside = at * Complex::new(0.0, STEP);
-        matrix(t, at + beside, &mut scratch, &mut a);
+        self.matrix(t, at + beside, &mut scratch, &mut a);
         let over_lambda = change(&a) / beside;
         let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
         let rate = over_t / (along - over_lambda);

@@ -15,4 +15,8 @@ impl OwnedPath for FrictionalPath<'_> {
         let OnFrictionPath { lambda, rate, shape } = self.0.next_to(t, lambda)?;
         Some((NewtonStep { lambda, rate }, shape))
     }
+
+    fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
+        self.0.characteristic(at)
+    }
 }

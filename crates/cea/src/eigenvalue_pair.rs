@@ -1,4 +1,4 @@
-//! Pairs of eigenvalues near each other on a path of gains, by their mean and the square of half their difference.
+//! Pairs of eigenvalues near each other on a path, by their mean and the square of half their difference.
 //!
 //! Where two eigenvalues `m +- sqrt(s)` coalesce, each has a branch point; m and s are analytic there, as the coefficients of
 //! the polynomial that has both as zeros (Kato, Perturbation Theory for Linear Operators, II.1.2). Both follow from the
@@ -6,14 +6,11 @@
 //! method (1914) splits off the quadratic factor with the two zeros.
 
 use std::f64::consts::TAU;
-use std::ptr;
 
 use num_complex::Complex;
 
-use super::gain_path::{DIFFERENCE_STEP, GainPath};
-use super::response::{Point, characteristic};
-use crate::Workspace;
-
+/// Difference of places on the path from which derivatives are taken; chosen near the square root of machine epsilon.
+const DIFFERENCE_STEP: f64 = 1e-7;
 /// Number of values on the circle, and so of Taylor coefficients; chosen.
 const CIRCLE_VALUES: usize = 8;
 /// Radius of the circle over half the distance of the pair, and its least value relative to the eigenvalue; chosen.
@@ -53,71 +50,73 @@ impl EigenvaluePair {
     }
 }
 
-impl GainPath<'_> {
-    /// The two eigenvalues next to each of some guesses at a position t on a path, and the derivative of their mean and square by
-    /// t; `None` where there are no two such eigenvalues, or a third is as near. A pair costs sixteen values of the secular
-    /// equation, and sixteen more for each further circle where the guess is far off.
-    pub fn pairs(at: &[(Self, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
-        let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
-        let mut found = vec![None; at.len()];
-        let mut open: Vec<usize> = (0..at.len()).collect();
-        for _ in 0..MOST_CIRCLES {
-            let circles = on_circles(&open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect::<Vec<_>>(), work);
-            let mut circles = circles.into_iter();
-            open.retain(|&i| {
-                let Some([here, ahead]) = circles.next().flatten() else { return false };
-                let before = std::mem::replace(&mut guesses[i], here);
-                let radius = before.radius();
-                if (here.mean - before.mean).norm() > LARGEST_OFFSET * radius
-                    || here.half_gap_squared.norm() > radius * radius
-                {
-                    return true;
-                }
-                let rate = EigenvaluePair {
-                    mean: ahead.mean - here.mean,
-                    half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
-                };
-                let rate = EigenvaluePair {
-                    mean: rate.mean / DIFFERENCE_STEP,
-                    half_gap_squared: rate.half_gap_squared / DIFFERENCE_STEP,
-                };
-                found[i] = Some([here, rate]);
-                false
-            });
-            if open.is_empty() {
-                break;
-            }
-        }
-        found
-    }
-}
+/// A path, a place on it, and an eigenvalue or a guess of one, rad/s.
+pub type OnPath<P> = (P, f64, Complex<f64>);
 
-/// The pair in the circle about each guess, at t and at `t + DIFFERENCE_STEP`.
-fn on_circles(at: &[(GainPath<'_>, f64, EigenvaluePair)], work: &mut Workspace) -> Vec<Option<[EigenvaluePair; 2]>> {
-    let (mut found, mut values) = (Vec::with_capacity(at.len()), Vec::new());
-    for group in at.chunk_by(|a, b| ptr::eq(a.0.secular, b.0.secular)) {
-        let unit = group[0].0.secular.resolvent.unit;
-        let mut points: Vec<Point> = Vec::with_capacity(2 * CIRCLE_VALUES * group.len());
-        for (path, t, guess) in group {
-            for t in [*t, *t + DIFFERENCE_STEP] {
-                points.extend((0..CIRCLE_VALUES).map(|k| path.at(t, (guess.mean + turn(k) * guess.radius()) / unit)));
+/// The two eigenvalues next to each of some guesses at a place t on a path, and the derivative of their mean and square by t; `None` where
+/// there are no two such eigenvalues, or a third is as near.
+///
+/// `characteristic` gives values of a function of lambda and t that is analytic next to the guesses and has the eigenvalues as zeros, up to
+/// a factor that is one for each path. A pair costs sixteen of them, and sixteen more for each further circle where the guess is far off.
+pub fn eigenvalue_pairs<P: Copy>(
+    at: &[(P, f64, EigenvaluePair)],
+    mut characteristic: impl FnMut(&[OnPath<P>]) -> Vec<Complex<f64>>,
+) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let mut guesses: Vec<EigenvaluePair> = at.iter().map(|(.., guess)| *guess).collect();
+    let mut found = vec![None; at.len()];
+    let mut open: Vec<usize> = (0..at.len()).collect();
+    for _ in 0..MOST_CIRCLES {
+        let circles: Vec<_> = open.iter().map(|&i| (at[i].0, at[i].1, guesses[i])).collect();
+        let mut circles = on_circles(&circles, &mut characteristic).into_iter();
+        open.retain(|&i| {
+            let Some([here, ahead]) = circles.next().flatten() else { return false };
+            let before = std::mem::replace(&mut guesses[i], here);
+            let radius = before.radius();
+            if (here.mean - before.mean).norm() > LARGEST_OFFSET * radius
+                || here.half_gap_squared.norm() > radius * radius
+            {
+                return true;
             }
-        }
-        characteristic(&group[0].0.secular.resolvent, &points, work, &mut values);
-        for ((.., guess), values) in group.iter().zip(values.chunks_exact(2 * CIRCLE_VALUES)) {
-            let [here, ahead] = [&values[..CIRCLE_VALUES], &values[CIRCLE_VALUES..]].map(taylor);
-            let radius = guess.radius();
-            let pair = |a: &[Complex<f64>; CIRCLE_VALUES]| {
-                let (middle, square) = small_pair(a)?;
-                Some(EigenvaluePair {
-                    mean: guess.mean + middle * radius,
-                    half_gap_squared: square * (radius * radius),
-                })
+            let rate = EigenvaluePair {
+                mean: ahead.mean - here.mean,
+                half_gap_squared: ahead.half_gap_squared - here.half_gap_squared,
             };
-            found.push(pair(&here).zip(pair(&ahead)).map(|(here, ahead)| [here, ahead]));
+            let rate = EigenvaluePair {
+                mean: rate.mean / DIFFERENCE_STEP,
+                half_gap_squared: rate.half_gap_squared / DIFFERENCE_STEP,
+            };
+            found[i] = Some([here, rate]);
+            false
+        });
+        if open.is_empty() {
+            break;
         }
     }
     found
+}
+
+/// The pair in the circle about each guess, at t and at `t + DIFFERENCE_STEP`.
+fn on_circles<P: Copy>(
+    at: &[(P, f64, EigenvaluePair)],
+    characteristic: &mut impl FnMut(&[OnPath<P>]) -> Vec<Complex<f64>>,
+) -> Vec<Option<[EigenvaluePair; 2]>> {
+    let mut points = Vec::with_capacity(2 * CIRCLE_VALUES * at.len());
+    for &(path, t, guess) in at {
+        for t in [t, t + DIFFERENCE_STEP] {
+            points.extend((0..CIRCLE_VALUES).map(|k| (path, t, guess.mean + turn(k) * guess.radius())));
+        }
+    }
+    let values = characteristic(&points);
+    let pair = |((.., guess), values): (&(P, f64, EigenvaluePair), &[Complex<f64>])| {
+        let radius = guess.radius();
+        let pair = |values: &[Complex<f64>]| {
+            let (middle, square) = small_pair(&taylor(values))?;
+            Some(EigenvaluePair { mean: guess.mean + middle * radius, half_gap_squared: square * (radius * radius) })
+        };
+        let (here, ahead) = values.split_at(CIRCLE_VALUES);
+        Some([pair(here)?, pair(ahead)?])
+    };
+    at.iter().zip(values.chunks_exact(2 * CIRCLE_VALUES)).map(pair).collect()
 }
 
 /// `exp(2 pi i k / 8)`.
