@@ -19,6 +19,10 @@ const BESIDE: f64 = 1e-9;
 /// thousands next to a coalescence, from where guesses are no use.
 const LARGEST_CONDITION: f64 = 1e3;
 
+/// Product of two couplings, as a part of the square of half of what is between two eigenvalues, up to which the first order moves these;
+/// chosen: what is left out is an eighth of its square.
+const WEAK: f64 = 1e-4;
+
 /// Gains at which the near modes are known.
 #[derive(Debug, Clone)]
 pub(super) struct Anchor {
@@ -39,18 +43,18 @@ pub(super) struct Guess {
 }
 
 impl Anchor {
-    /// The near modes under some gains; `None` where their vectors do not tell them apart.
+    /// The near modes under some gains, from those of the structure; `None` where their vectors do not tell them apart.
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub fn new(ports: &Ports, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
-        let (p, structure, mut scratch) = (ports.near(), Coordinates::of_structure(ports), Scratch::new(ports));
+    pub fn new(ports: &Ports, structure: &Coordinates, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
+        let (p, mut scratch) = (ports.near(), Scratch::new(ports));
         let mut a = Rows::zeros(p, p);
-        coupling::at(&structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
+        coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
         let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
             for _ in 0..ROUNDS {
-                coupling::at(&structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
+                coupling::at(structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
                 let beside = *lambda * (1.0 + BESIDE);
                 *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
             }
@@ -76,18 +80,16 @@ impl Anchor {
 
     /// The eigenvalues of A, given at some points of the band in the coordinates of this anchor: its diagonal, and to second order what
     /// couples it. Two modes that are near each other are taken as the pair that they make.
-    pub fn guesses(&self, points: &[Complex<f64>], values: &[Rows]) -> Vec<Guess> {
+    pub fn guesses(&self, points: &[Complex<f64>], values: &[[Rows; 2]]) -> Vec<Guess> {
         let guess = |(i, &lambda): (usize, &Complex<f64>)| {
             let ([low, high], part) = around(points, lambda.im);
             let entry = |row: usize, column: usize| {
-                values[low].at(row, column) * (1.0 - part) + values[high].at(row, column) * part
+                values[low][1].at(row, column) * (1.0 - part) + values[high][1].at(row, column) * part
             };
             let own = entry(i, i);
             let mut guess = Guess { lambda: own, moved: 0.0 };
             for j in (0..self.lambdas.len()).filter(|&j| j != i) {
-                let half = (own - entry(j, j)) * 0.5;
-                let root = square_root(half * half + entry(i, j) * entry(j, i));
-                let by_other = if (root * half.conj()).re >= 0.0 { root - half } else { -root - half };
+                let by_other = moved((own - entry(j, j)) * 0.5, entry(i, j) * entry(j, i));
                 guess.lambda += by_other;
                 guess.moved += by_other.norm_sqr().sqrt();
             }
@@ -95,6 +97,17 @@ impl Anchor {
         };
         self.lambdas.iter().enumerate().map(guess).collect()
     }
+}
+
+/// What moves an eigenvalue of a matrix of two rows from its diagonal entry: given half of the difference from the other diagonal entry, and
+/// the product of the two entries off the diagonal.
+fn moved(half: Complex<f64>, product: Complex<f64>) -> Complex<f64> {
+    let square = half * half;
+    if product.norm_sqr() <= WEAK * WEAK * square.norm_sqr() {
+        return product / half * 0.5;
+    }
+    let root = square_root(square + product);
+    if (root * half.conj()).re >= 0.0 { root - half } else { -root - half }
 }
 
 /// The points next to a frequency, which descend, and its place between them.

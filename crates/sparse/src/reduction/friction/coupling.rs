@@ -22,9 +22,9 @@ pub(super) struct Coordinates {
     /// S, p x p.
     pub vectors: DMatrix<Complex<f64>>,
     /// `-S^-1 V^H B` by rows.
-    force: Vec<Complex<f64>>,
+    pub force: Vec<Complex<f64>>,
     /// `R Y S` and `B^T Y S`.
-    sides: [Rows; 2],
+    pub sides: [Rows; 2],
     /// `S^-1 Lambda S`.
     structure: Rows,
 }
@@ -75,11 +75,16 @@ impl<'a> Gains<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     weights: Vec<Complex<f64>>,
-    pulls: Vec<(f64, Complex<f64>)>,
-    smooth: [Rows; 2],
-    square: Rows,
-    /// `T^-1 (D_mu R Y + D_s B^T Y)` of the last matrix A, m x p.
+    /// The gains mu and `lambda s(lambda)` of the last matrix A.
+    pub pulls: Vec<(f64, Complex<f64>)>,
+    /// `R F B` and `B^T F B` of it, unless it is at a point of a table.
+    pub smooth: [Rows; 2],
+    /// T of it, factored.
+    pub square: Rows,
+    pub factors: Elimination,
+    /// `T^-1 (D_mu R Y + D_s B^T Y)` of it, m x p.
     pub solved: Rows,
+    /// For `lambda - A`.
     pub elimination: Elimination,
 }
 
@@ -91,19 +96,19 @@ impl Scratch {
     }
 }
 
-/// A at a point of a table.
+/// A, and `T^-1 (D_mu R Y + D_s B^T Y)`, at a point of a table.
 pub(super) fn at_point(
     own: &Coordinates,
     table: &Table,
     point: usize,
     gains: Gains<'_>,
     scratch: &mut Scratch,
-    out: &mut Rows,
+    [solved, out]: [&mut Rows; 2],
 ) {
     let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
     scratch.pull(gains, lambda);
-    let Scratch { pulls, square, solved, elimination, .. } = scratch;
-    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, solved, elimination, out });
+    let Scratch { pulls, square, factors, .. } = scratch;
+    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
 }
 
 /// A at a number near the band.
@@ -117,13 +122,13 @@ pub(super) fn at(
 ) {
     scratch.pull(gains, lambda);
     table.weights_at(lambda, &mut scratch.weights);
-    let Scratch { weights, pulls, smooth, square, solved, elimination } = scratch;
+    let Scratch { weights, pulls, smooth, square, factors, solved, .. } = scratch;
     for (part, smooth) in smooth.iter_mut().enumerate() {
         let values: Vec<&Rows> = table.values.iter().map(|value| &value[part]).collect();
         combine(weights, &values, smooth);
     }
     let [reading, velocity] = smooth;
-    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, solved, elimination, out });
+    Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
 }
 
 /// The sum of multiples of matrices.
@@ -152,9 +157,14 @@ pub(super) fn shape(
     out
 }
 
+/// The gains mu and `lambda s(lambda)` of a port.
+pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> (f64, Complex<f64>) {
+    (gain.mu, lambda * gain.complex_slope(lambda))
+}
+
 impl Scratch {
     fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
-        let pull = |gain: &ChannelGain| (gain.mu, lambda * gain.complex_slope(lambda));
+        let pull = |gain: &ChannelGain| pull(gain, lambda);
         let ports = gains.from.len();
         self.pulls.clear();
         for port in 0..ports {
@@ -179,8 +189,8 @@ struct Couple<'a> {
     velocity: &'a Rows,
     pulls: &'a [(f64, Complex<f64>)],
     square: &'a mut Rows,
+    factors: &'a mut Elimination,
     solved: &'a mut Rows,
-    elimination: &'a mut Elimination,
     out: &'a mut Rows,
 }
 
@@ -189,7 +199,7 @@ impl WithSimd for Couple<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { own, reading, velocity, pulls, square, solved, elimination, out } = self;
+        let Self { own, reading, velocity, pulls, square, factors, solved, out } = self;
         let m = pulls.len();
         square.clear();
         solved.clear();
@@ -202,7 +212,7 @@ impl WithSimd for Couple<'_> {
                 solved.add_row(simd, port, slope, &own.sides[1], port);
             }
         }
-        elimination.factor(simd, square, Some(solved), m);
+        factors.factor(simd, square, Some(solved), m);
         substitute(simd, square, solved, m);
         out.clone_from(&own.structure);
         for (row, force) in own.force.chunks_exact(m).enumerate() {

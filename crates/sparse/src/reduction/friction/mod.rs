@@ -7,6 +7,7 @@
 //! [`Reduced::modes_among`].
 
 mod anchor;
+mod change;
 mod coupling;
 mod eigenvalue;
 mod elimination;
@@ -15,6 +16,7 @@ mod ports;
 mod residuals;
 mod rows;
 mod search;
+mod tangent;
 
 use linsys::{ChannelGain, OperatingPoint};
 use num_complex::Complex;
@@ -22,6 +24,7 @@ use num_complex::Complex;
 pub use self::path::{FrictionPath, OnFrictionPath};
 
 use self::anchor::Anchor;
+use self::coupling::Coordinates;
 use self::ports::Ports;
 use self::residuals::Residuals;
 use self::search::{Memory, Search};
@@ -34,6 +37,8 @@ pub struct FrictionModes {
     coefficients: Vec<f64>,
     channels: Vec<usize>,
     ports: Ports,
+    /// The near modes of the structure as coordinates.
+    own: Coordinates,
     anchors: Vec<Anchor>,
     residuals: Residuals,
 }
@@ -60,13 +65,18 @@ impl FrictionModes {
         }
         let structure = system.structure(&first.coefficients)?;
         let Some(ports) = Ports::new(&structure, system, channels, reduced.rectangle().im)? else { return Ok(None) };
+        let own = Coordinates::of_structure(&ports);
         let mut anchors = Vec::with_capacity(points.len());
         for point in points {
-            anchors.extend(Anchor::new(&ports, channels.iter().map(|&channel| point.channels[channel]).collect())?);
+            anchors.extend(Anchor::new(
+                &ports,
+                &own,
+                channels.iter().map(|&channel| point.channels[channel]).collect(),
+            )?);
         }
         let residuals = Residuals::new(reduced.form(), &first.coefficients, structure, system);
         let coefficients = first.coefficients.clone();
-        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, anchors, residuals }))
+        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, own, anchors, residuals }))
     }
 
     /// Begins a search.

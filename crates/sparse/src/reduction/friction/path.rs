@@ -5,15 +5,14 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::FrictionModes;
-use super::coupling::{self, Coordinates, Gains, Scratch};
+use super::change::{Seen, pulls};
+use super::coupling::{self, Gains, Scratch};
 use super::eigenvalue;
 use super::rows::Rows;
 
-/// Change of the place, and of lambda relative to it, over which A is differentiated; chosen: rates then have four digits.
-const STEP: f64 = 1e-4;
-/// Most rounds, and the relative size of the last correction; chosen: paths ask for 1e-5.
+/// Most rounds, and the relative size of what the last one misses; chosen: what is left after its step is of the order of the square.
 const MOST_ROUNDS: usize = 6;
-const CONVERGED: f64 = 1e-7;
+const CONVERGED: f64 = 1e-5;
 /// Steps of inverse iteration from a vector that is not known, and from one that is nearly right; chosen.
 const STEPS_FROM_ANY: usize = 4;
 const STEPS: usize = 2;
@@ -22,7 +21,6 @@ const STEPS: usize = 2;
 #[derive(Debug)]
 pub struct FrictionPath<'a> {
     modes: &'a FrictionModes,
-    own: Coordinates,
     from: Vec<ChannelGain>,
     to: Vec<ChannelGain>,
 }
@@ -43,12 +41,7 @@ impl FrictionModes {
     #[must_use]
     pub fn path(&self, from: &OperatingPoint, to: &OperatingPoint) -> Option<FrictionPath<'_>> {
         let gains = |point: &OperatingPoint| self.channels.iter().map(|&channel| point.channels[channel]).collect();
-        (self.is_of(from) && self.is_of(to)).then(|| FrictionPath {
-            modes: self,
-            own: Coordinates::of_structure(&self.ports),
-            from: gains(from),
-            to: gains(to),
-        })
+        (self.is_of(from) && self.is_of(to)).then(|| FrictionPath { modes: self, from: gains(from), to: gains(to) })
     }
 }
 
@@ -72,50 +65,47 @@ impl FrictionPath<'_> {
     /// A at a place of the path.
     fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
         let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
-        coupling::at(&self.own, &self.modes.ports.fine, lambda, gains, scratch, out);
+        coupling::at(&self.modes.own, &self.modes.ports.path, lambda, gains, scratch, out);
     }
 
     /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where it is not finite.
     ///
-    /// The eigenvalue of `A(lambda)` next to lambda is to be lambda, which the secant method sees to. The rate is
-    /// `y^H (dA / dt) x / y^H (1 - dA / d lambda) x` with the left vector y of A.
+    /// The eigenvalue mu of `A(lambda)` next to lambda is to be lambda, which hardly depends on where A is evaluated: so it takes the place
+    /// of lambda until both agree, in the end by Newton's method. With the left vector y of A the rate is `(y^H (dA / dt) x / y^H x) / (1 - d mu / d lambda)`.
     #[must_use]
     pub fn next_to(&self, t: f64, guess: Complex<f64>) -> Option<OnFrictionPath> {
         let ports = &self.modes.ports;
         let p = ports.near();
-        let (mut scratch, mut a, mut here) = (Scratch::new(ports), Rows::zeros(p, p), Rows::zeros(p, p));
-        let mut x = vec![Complex::new(1.0, 0.0); p];
-        let (mut lambda, mut before, mut steps) = (guess, None, STEPS_FROM_ANY);
-        let mut at = guess;
-        for _ in 0..MOST_ROUNDS {
-            at = lambda;
+        let (mut scratch, mut a, mut x) = (Scratch::new(ports), Rows::zeros(p, p), vec![Complex::new(1.0, 0.0); p]);
+        let (mut at, mut miss) = (guess, Complex::default());
+        for round in 0..MOST_ROUNDS {
             self.matrix(t, at, &mut scratch, &mut a);
-            here.clone_from(&a);
-            lambda = eigenvalue::next_to(&mut a, at, &mut x, steps, &mut scratch.elimination);
-            let miss = lambda - at;
-            if miss.norm() <= CONVERGED * lambda.norm() || !miss.is_finite() {
+            let steps = if round == 0 { STEPS_FROM_ANY } else { STEPS };
+            miss = eigenvalue::next_to(&mut a, at, &mut x, steps, &mut scratch.elimination) - at;
+            if miss.norm() <= CONVERGED * at.norm() {
                 break;
             }
-            lambda = eigenvalue::secant(before.replace((at, miss)), (at, miss));
-            steps = STEPS;
+            at += miss;
+        }
+        if miss.is_nan() || miss.norm() > CONVERGED * at.norm() {
+            return None;
         }
         let y = eigenvalue::left(&a, &x, &scratch.elimination);
-        let shape = coupling::shape(ports, &self.own, at, &x, &scratch.solved);
-        // y^H (A there - A here) x.
-        let change = |there: &Rows| -> Complex<f64> {
-            let row = |i: usize| {
-                x.iter().enumerate().map(|(j, x)| (there.at(i, j) - here.at(i, j)) * x).sum::<Complex<f64>>()
-            };
-            y.iter().enumerate().map(|(i, y)| y.conj() * row(i)).sum()
-        };
-        let later = if t < 0.5 { STEP } else { -STEP };
-        self.matrix(t + later, at, &mut scratch, &mut a);
-        let over_t = change(&a) / later;
-        let beside = at * Complex::new(0.0, STEP);
-        self.matrix(t, at + beside, &mut scratch, &mut a);
-        let over_lambda = change(&a) / beside;
         let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
-        let rate = over_t / (along - over_lambda);
+        let seen = Seen::new(&self.modes.own, &scratch, [&y, &x]);
+        let slope = along - seen.by_lambda(&ports.path, at, |lambda| self.pulls(t, lambda));
+        let [from, to] = [&self.from, &self.to].map(|gains| pulls(gains, at));
+        let changes: Vec<_> = from.iter().zip(&to).map(|(from, to)| (to.0 - from.0, to.1 - from.1)).collect();
+        let (lambda, rate) = (at + miss * along / slope, seen.by_gains(&changes) / slope);
+        let shape = coupling::shape(ports, &self.modes.own, at, &x, &scratch.solved);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
+    }
+
+    /// The gains mu and `lambda s(lambda)` at a place of the path and a number.
+    fn pulls(&self, t: f64, lambda: Complex<f64>) -> Vec<(f64, Complex<f64>)> {
+        let [from, to] = [&self.from, &self.to].map(|gains| pulls(gains, lambda));
+        let mixed =
+            from.iter().zip(&to).map(|(from, to)| (from.0 * (1.0 - t) + to.0 * t, from.1 * (1.0 - t) + to.1 * t));
+        mixed.collect()
     }
 }

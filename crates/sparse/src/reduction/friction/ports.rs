@@ -22,10 +22,15 @@ use crate::reduction::state_modes::StateModes;
 const NEAR: [f64; 2] = [1.1, 1.5];
 /// Points of the band for guesses of eigenvalues; chosen: on cases/disc-pad guesses are then good to 1 rad/s.
 pub(super) const COARSE: usize = 8;
+/// Points for what is followed from one friction to another; chosen: on cases/disc-pad eigenvalues then err by some 1e-6, and paths ask for
+/// 1e-5.
+const PATH: usize = 12;
 /// Points for their last digits: the fewest of these that are enough.
 const FINE: [usize; 3] = [16, 24, 36];
 /// Largest relative error of the fine polynomials, half way between two points; chosen, below the residuals that are asked for.
 const LARGEST_ERROR: f64 = 1e-9;
+/// Where derivatives at a point are taken, relative to it.
+const BESIDE: f64 = 1e-7;
 
 /// The structure through its ports.
 #[derive(Debug, Clone)]
@@ -40,6 +45,8 @@ pub(super) struct Ports {
     pub sides: [DMatrix<Complex<f64>>; 2],
     /// `R F B` and `B^T F B` at the points of the band for guesses.
     pub coarse: Table,
+    /// The same for paths.
+    pub path: Table,
     /// The same for the last digits.
     pub fine: Table,
     /// What a unit of the gains mu and `lambda s(lambda)` of each port moves the near modes by at most, rad/s.
@@ -85,6 +92,17 @@ impl Table {
         let sum = out.iter().sum::<Complex<f64>>().inv();
         out.iter_mut().for_each(|weight| *weight *= sum);
     }
+
+    /// The weights of the values for the derivative over lambda there: `b_n (s - 1 / (lambda - lambda_n))` with the weights b_n of the
+    /// values themselves and `s = sum_n b_n / (lambda - lambda_n)`.
+    pub fn slope_weights_at(&self, lambda: Complex<f64>, out: &mut Vec<Complex<f64>>) {
+        let is_point = self.points.contains(&lambda);
+        let lambda = if is_point { lambda * (1.0 + BESIDE) } else { lambda };
+        self.weights_at(lambda, out);
+        let inverses = self.points.iter().map(|point| (lambda - point).inv());
+        let mean: Complex<f64> = out.iter().zip(inverses.clone()).map(|(weight, inverse)| weight * inverse).sum();
+        out.iter_mut().zip(inverses).for_each(|(weight, inverse)| *weight *= mean - inverse);
+    }
 }
 
 impl Ports {
@@ -128,7 +146,7 @@ impl Ports {
         else {
             return Ok(None);
         };
-        let coarse = Table::new(band, COARSE, smooth);
+        let [coarse, path] = [COARSE, PATH].map(|count| Table::new(band, count, smooth));
         let count = channels.len();
         let force = driven.select_rows(&near);
         let sides = read.map(|side| side.select_columns(&near));
@@ -143,6 +161,7 @@ impl Ports {
             force,
             sides,
             coarse,
+            path,
             fine,
             others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
             others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),

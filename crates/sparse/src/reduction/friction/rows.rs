@@ -42,6 +42,12 @@ impl Rows {
         (self.re[place], self.im[place]) = (value.re, value.im);
     }
 
+    /// A row times a vector.
+    pub fn row_times(&self, row: usize, vector: &[Complex<f64>]) -> Complex<f64> {
+        let [re, im] = self.row(row);
+        re.iter().zip(im).zip(vector).map(|((&re, &im), value)| Complex::new(re, im) * value).sum()
+    }
+
     fn row(&self, row: usize) -> [&[f64]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&self.re[place.clone()], &self.im[place]]

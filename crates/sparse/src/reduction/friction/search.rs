@@ -5,10 +5,11 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
-use super::coupling::{self, Coordinates, Gains, Scratch, combine};
+use super::coupling::{self, Gains, Scratch, combine};
 use super::eigenvalue::{self, Missed};
 use super::ports::{COARSE, Ports};
 use super::rows::Rows;
+use super::tangent::{Coarse, Sample, Tangent};
 use crate::Rectangle;
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
@@ -41,8 +42,8 @@ pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 /// Working memory.
 pub(super) struct Memory {
     scratch: Scratch,
-    /// A at the coarse points.
-    values: Vec<Rows>,
+    coarse: Coarse,
+    tangent: Tangent,
     square: Rows,
     weights: Vec<Complex<f64>>,
     /// Corrections so far.
@@ -51,12 +52,12 @@ pub(super) struct Memory {
 
 impl Memory {
     pub fn new(ports: &Ports) -> Self {
-        let p = ports.near();
-        let square = || Rows::zeros(p, p);
+        let (p, m) = (ports.near(), ports.count());
         Self {
             scratch: Scratch::new(ports),
-            values: (0..COARSE).map(|_| square()).collect(),
-            square: square(),
+            coarse: (0..COARSE).map(|_| [Rows::zeros(m, p), Rows::zeros(p, p)]).collect(),
+            tangent: Tangent::new(ports),
+            square: Rows::zeros(p, p),
             weights: Vec::new(),
             corrections: 0,
         }
@@ -75,10 +76,11 @@ impl Search<'_> {
     pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
         let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, gains), anchor));
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
-        for (point, value) in memory.values.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), &mut memory.scratch, value);
+        let Memory { coarse, scratch, .. } = memory;
+        for (point, [solved, a]) in coarse.iter_mut().enumerate() {
+            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), scratch, [solved, a]);
         }
-        let guesses = anchor.guesses(&self.ports.coarse.points, &memory.values);
+        let guesses = anchor.guesses(&self.ports.coarse.points, coarse);
         // As far as a guess was moved it may be wrong.
         let may_be = |lambda: Complex<f64>, moved: f64| {
             let beyond = moved + COARSE_ERROR * lambda.norm();
@@ -89,7 +91,8 @@ impl Search<'_> {
         let zeros = self.corrected(&guesses, &wanted, memory)?;
         self.count(&zeros, memory)?;
         wanted.retain(|&i| may_be(zeros[i], 0.0));
-        let finished = wanted.into_iter().map(|i| self.finished(&anchor.own, gains, (i, zeros[i]), memory));
+        let sample = Sample { ports: self.ports, own: &anchor.own, gains };
+        let finished = wanted.into_iter().map(|i| finished(sample, (i, zeros[i]), memory));
         let mut found = finished.collect::<Result<Vec<_>, Open>>()?;
         found.retain(|(lambda, _)| self.rectangle.contains(*lambda, 0.0) && lambda.re >= -part * lambda.norm());
         Ok(found)
@@ -103,10 +106,10 @@ impl Search<'_> {
         without: Option<usize>,
         memory: &mut Memory,
     ) -> Complex<f64> {
-        let Memory { scratch, values, square, weights, .. } = memory;
+        let Memory { scratch, coarse, square, weights, .. } = memory;
         self.ports.coarse.weights_at(lambda, weights);
         weights.iter_mut().for_each(|weight| *weight = -*weight);
-        combine(weights, &values.iter().collect::<Vec<_>>(), square);
+        combine(weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), square);
         eigenvalue::factor(square, lambda, &mut scratch.elimination, zeros.len());
         // Factor by factor, so that no product of many large numbers overflows.
         let factors = scratch.elimination.pivots.iter().zip(zeros).enumerate();
@@ -161,36 +164,32 @@ impl Search<'_> {
         }
         Ok(())
     }
+}
 
-    /// The last digits of a mode, by the fine polynomials: the eigenvalue of A(lambda) next to lambda is to be lambda.
-    fn finished(
-        &self,
-        own: &Coordinates,
-        gains: &[ChannelGain],
-        (mode, guess): (usize, Complex<f64>),
-        memory: &mut Memory,
-    ) -> Result<Pair, Open> {
-        let Memory { scratch, square, corrections, .. } = memory;
-        let mut vector = vec![Complex::default(); self.ports.near()];
-        vector[mode] = Complex::new(1.0, 0.0);
-        let (mut lambda, mut before) = (guess, None);
-        for _ in 0..MOST_ROUNDS {
-            coupling::at(own, &self.ports.fine, lambda, Gains::of(gains), scratch, square);
-            let eigenvalue = eigenvalue::next_to(square, lambda, &mut vector, 2, &mut scratch.elimination);
-            let miss = eigenvalue - lambda;
-            *corrections += 1;
-            if !miss.is_finite() {
-                return Err(Open::NotConverged);
-            }
-            if (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
-                // Not the mode that was counted.
-                return Err(Open::NotConverged);
-            }
-            if miss.norm() <= CONVERGED * lambda.norm() {
-                return Ok((eigenvalue, coupling::shape(self.ports, own, lambda, &vector, &scratch.solved)));
-            }
-            lambda = eigenvalue::secant(before.replace((lambda, miss)), (lambda, miss));
+/// The last digits of a mode, by A next to its guess: the eigenvalue of A(lambda) next to lambda is to be lambda.
+fn finished(sample: Sample<'_>, (mode, guess): (usize, Complex<f64>), memory: &mut Memory) -> Result<Pair, Open> {
+    let Memory { scratch, coarse, tangent, square, corrections, .. } = memory;
+    tangent.clear();
+    let mut vector = vec![Complex::default(); sample.ports.near()];
+    vector[mode] = Complex::new(1.0, 0.0);
+    let (mut lambda, mut before) = (guess, None);
+    for _ in 0..MOST_ROUNDS {
+        tangent.value(sample, coarse, lambda, scratch, square);
+        let eigenvalue = eigenvalue::next_to(square, lambda, &mut vector, 2, &mut scratch.elimination);
+        let miss = eigenvalue - lambda;
+        *corrections += 1;
+        if !miss.is_finite() {
+            return Err(Open::NotConverged);
         }
-        Err(Open::NotConverged)
+        if (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
+            // Not the mode that was counted.
+            return Err(Open::NotConverged);
+        }
+        if miss.norm() <= CONVERGED * lambda.norm() {
+            tangent.solved(lambda, &mut scratch.solved);
+            return Ok((eigenvalue, coupling::shape(sample.ports, sample.own, lambda, &vector, &scratch.solved)));
+        }
+        lambda = eigenvalue::secant(before.replace((lambda, miss)), (lambda, miss));
     }
+    Err(Open::NotConverged)
 }

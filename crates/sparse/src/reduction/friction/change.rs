@@ -1,0 +1,86 @@
+//! How A changes with the gains and with lambda, as seen by a right and a left vector.
+//!
+//! With `S = D_mu R Y + D_s B^T Y` and `g = T^-1 S x`, where `A = Lambda - V^H B T^-1 S`,
+//!
+//! ```text
+//! dA x = -V^H B T^-1 (dS x - dT g),    dS = dD_mu R Y + dD_s B^T Y,
+//! dT = dD_mu R F B + dD_s B^T F B + D_mu R dF B + D_s B^T dF B
+//! ```
+
+use linsys::ChannelGain;
+use num_complex::Complex;
+
+use super::coupling::{Coordinates, Scratch, combine, pull};
+use super::ports::Table;
+use super::rows::Rows;
+
+/// Change of lambda, relative to it, over which slopes of friction are differentiated; chosen: rates then have six digits.
+const STEP: f64 = 1e-6;
+
+/// A right and a left vector, and A as [`super::coupling::at`] left it.
+pub(super) struct Seen<'a> {
+    own: &'a Coordinates,
+    scratch: &'a Scratch,
+    x: &'a [Complex<f64>],
+    y: &'a [Complex<f64>],
+    /// g, by ports.
+    forces: Vec<Complex<f64>>,
+}
+
+impl<'a> Seen<'a> {
+    pub fn new(own: &'a Coordinates, scratch: &'a Scratch, [y, x]: [&'a [Complex<f64>]; 2]) -> Self {
+        let forces = (0..scratch.pulls.len()).map(|port| scratch.solved.row_times(port, x)).collect();
+        Self { own, scratch, x, y, forces }
+    }
+
+    /// `y^H dA x` for changes of the gains mu and `lambda s(lambda)` of all ports.
+    pub fn by_gains(&self, changes: &[(f64, Complex<f64>)]) -> Complex<f64> {
+        self.of(|port| self.driven(port, changes[port]))
+    }
+
+    /// `y^H (dA / d lambda) x` at the lambda of A, where `gains` gives the gains of all ports at a number.
+    pub fn by_lambda(
+        &self,
+        table: &Table,
+        lambda: Complex<f64>,
+        gains: impl Fn(Complex<f64>) -> Vec<(f64, Complex<f64>)>,
+    ) -> Complex<f64> {
+        let m = self.forces.len();
+        let (mut weights, mut smooth) = (Vec::new(), [Rows::zeros(m, m), Rows::zeros(m, m)]);
+        table.slope_weights_at(lambda, &mut weights);
+        for (part, smooth) in smooth.iter_mut().enumerate() {
+            combine(&weights, &table.values.iter().map(|value| &value[part]).collect::<Vec<_>>(), smooth);
+        }
+        let step = lambda * Complex::new(0.0, STEP);
+        let beside = gains(lambda + step);
+        self.of(|port| {
+            let (mu, slope) = self.scratch.pulls[port];
+            let by_gains = self.driven(port, (0.0, (beside[port].1 - slope) / step));
+            let [reading, velocity] = [&smooth[0], &smooth[1]].map(|smooth| smooth.row_times(port, &self.forces));
+            by_gains - reading * mu - velocity * slope
+        })
+    }
+
+    /// `dS x - dT g` in a port whose gains change.
+    fn driven(&self, port: usize, (mu, slope): (f64, Complex<f64>)) -> Complex<f64> {
+        let along = |part: usize| {
+            self.own.sides[part].row_times(port, self.x) - self.scratch.smooth[part].row_times(port, &self.forces)
+        };
+        along(0) * mu + along(1) * slope
+    }
+
+    /// `-y^H V^H B T^-1` times what each port has.
+    fn of(&self, ports: impl Fn(usize) -> Complex<f64>) -> Complex<f64> {
+        let mut changed: Vec<Complex<f64>> = (0..self.forces.len()).map(ports).collect();
+        self.scratch.factors.solve(&self.scratch.square, &mut changed);
+        let row = |force: &[Complex<f64>]| -> Complex<f64> {
+            force.iter().zip(&changed).map(|(force, changed)| force * changed).sum()
+        };
+        self.y.iter().zip(self.own.force.chunks_exact(changed.len())).map(|(y, force)| y.conj() * row(force)).sum()
+    }
+}
+
+/// The gains mu and `lambda s(lambda)` at a number.
+pub(super) fn pulls(gains: &[ChannelGain], lambda: Complex<f64>) -> Vec<(f64, Complex<f64>)> {
+    gains.iter().map(|gain| pull(gain, lambda)).collect()
+}

@@ -1,0 +1,73 @@
+//! A next to a number: its value there by the fine polynomials, and how it changes by the coarse ones, so that the last digits of an
+//! eigenvalue take one evaluation.
+
+use linsys::ChannelGain;
+use num_complex::Complex;
+
+use super::coupling::{self, Coordinates, Gains, Scratch, combine};
+use super::ports::Ports;
+use super::rows::Rows;
+
+/// Distance from the number, relative to it, up to which A is a straight line; chosen: guesses lie within it, and what is then missing of an
+/// eigenvalue of cases/disc-pad is below 1e-9 of it.
+const STRAIGHT: f64 = 1e-4;
+
+/// `T^-1 (D_mu R Y + D_s B^T Y)` and A at the coarse points.
+pub(super) type Coarse = Vec<[Rows; 2]>;
+
+/// The gains of one sample in some coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct Sample<'a> {
+    pub ports: &'a Ports,
+    pub own: &'a Coordinates,
+    pub gains: &'a [ChannelGain],
+}
+
+/// A and `T^-1 (D_mu R Y + D_s B^T Y)` as straight lines through a number.
+pub(super) struct Tangent {
+    at: Option<Complex<f64>>,
+    /// Each by its value and its derivative over lambda.
+    solved: [Rows; 2],
+    a: [Rows; 2],
+    weights: Vec<Complex<f64>>,
+}
+
+impl Tangent {
+    pub fn new(ports: &Ports) -> Self {
+        let (p, m) = (ports.near(), ports.count());
+        let two = |rows: usize| [Rows::zeros(rows, p), Rows::zeros(rows, p)];
+        Self { at: None, solved: two(m), a: two(p), weights: Vec::new() }
+    }
+
+    /// Forgets the sample.
+    pub fn clear(&mut self) {
+        self.at = None;
+    }
+
+    /// A at a number, from the line through this one or one near it.
+    pub fn value(
+        &mut self,
+        Sample { ports, own, gains }: Sample<'_>,
+        coarse: &Coarse,
+        lambda: Complex<f64>,
+        scratch: &mut Scratch,
+        out: &mut Rows,
+    ) {
+        let from = self.at.filter(|at| (lambda - at).norm() <= STRAIGHT * lambda.norm()).unwrap_or_else(|| {
+            coupling::at(own, &ports.fine, lambda, Gains::of(gains), scratch, &mut self.a[0]);
+            std::mem::swap(&mut scratch.solved, &mut self.solved[0]);
+            ports.coarse.slope_weights_at(lambda, &mut self.weights);
+            combine(&self.weights, &coarse.iter().map(|[solved, _]| solved).collect::<Vec<_>>(), &mut self.solved[1]);
+            combine(&self.weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), &mut self.a[1]);
+            lambda
+        });
+        self.at = Some(from);
+        combine(&[Complex::new(1.0, 0.0), lambda - from], &[&self.a[0], &self.a[1]], out);
+    }
+
+    /// `T^-1 (D_mu R Y + D_s B^T Y)` at a number from the same line.
+    pub fn solved(&self, lambda: Complex<f64>, out: &mut Rows) {
+        let step = lambda - self.at.unwrap_or(lambda);
+        combine(&[Complex::new(1.0, 0.0), step], &[&self.solved[0], &self.solved[1]], out);
+    }
+}
