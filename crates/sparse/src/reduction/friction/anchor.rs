@@ -7,7 +7,9 @@ use num_complex::Complex;
 use super::coupling::{self, Coordinates, Gains, Scratch};
 use super::eigenvalue;
 use super::ports::Ports;
+use super::real::cast;
 use super::rows::Rows;
+use super::tangent::Coarse;
 use crate::SparseError;
 use crate::reduction::dense;
 
@@ -50,11 +52,11 @@ impl Anchor {
     pub fn new(ports: &Ports, structure: &Coordinates, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
         let (p, mut scratch) = (ports.near(), Scratch::new(ports));
         let mut a = Rows::zeros(p, p);
-        coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
+        coupling::at(&structure.double, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
         let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
             for _ in 0..ROUNDS {
-                coupling::at(structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
+                coupling::at(&structure.double, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
                 let beside = *lambda * (1.0 + BESIDE);
                 *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
             }
@@ -80,11 +82,12 @@ impl Anchor {
 
     /// The eigenvalues of A, given at some points of the band in the coordinates of this anchor: its diagonal, and to second order what
     /// couples it. Two modes that are near each other are taken as the pair that they make.
-    pub fn guesses(&self, points: &[Complex<f64>], values: &[[Rows; 2]]) -> Vec<Guess> {
+    pub fn guesses(&self, points: &[Complex<f64>], values: &Coarse) -> Vec<Guess> {
+        let wide = |value: Complex<f32>| cast::<f32, f64>(value);
         let guess = |(i, &lambda): (usize, &Complex<f64>)| {
             let ([low, high], part) = around(points, lambda.im);
             let entry = |row: usize, column: usize| {
-                values[low][1].at(row, column) * (1.0 - part) + values[high][1].at(row, column) * part
+                wide(values[low][1].at(row, column)) * (1.0 - part) + wide(values[high][1].at(row, column)) * part
             };
             let own = entry(i, i);
             let mut guess = Guess { lambda: own, moved: 0.0 };

@@ -10,7 +10,7 @@
 use linsys::ChannelGain;
 use num_complex::Complex;
 
-use super::coupling::{Coordinates, Scratch, combine, pull};
+use super::coupling::{Coupled, Scratch, combine, pull};
 use super::ports::Table;
 use super::rows::Rows;
 
@@ -19,7 +19,7 @@ const STEP: f64 = 1e-6;
 
 /// A right and a left vector, and A as [`super::coupling::at`] left it.
 pub(super) struct Seen<'a> {
-    own: &'a Coordinates,
+    own: &'a Coupled<f64>,
     scratch: &'a Scratch,
     x: &'a [Complex<f64>],
     y: &'a [Complex<f64>],
@@ -28,7 +28,7 @@ pub(super) struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    pub fn new(own: &'a Coordinates, scratch: &'a Scratch, [y, x]: [&'a [Complex<f64>]; 2]) -> Self {
+    pub fn new(own: &'a Coupled<f64>, scratch: &'a Scratch, [y, x]: [&'a [Complex<f64>]; 2]) -> Self {
         let forces = (0..scratch.pulls.len()).map(|port| scratch.solved.row_times(port, x)).collect();
         Self { own, scratch, x, y, forces }
     }

@@ -14,6 +14,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::elimination::{Elimination, substitute};
 use super::ports::{Ports, Table};
+use super::real::{Real, cast};
 use super::rows::Rows;
 
 /// The near modes in coordinates of their own: `d = S d'`, so that A is nearly diagonal.
@@ -21,12 +22,20 @@ use super::rows::Rows;
 pub(super) struct Coordinates {
     /// S, p x p.
     pub vectors: DMatrix<Complex<f64>>,
+    pub double: Coupled<f64>,
+    /// The same in single precision.
+    pub single: Coupled<f32>,
+}
+
+/// What A is made of, in some coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct Coupled<T> {
     /// `-S^-1 V^H B` by rows.
-    pub force: Vec<Complex<f64>>,
+    pub force: Vec<Complex<T>>,
     /// `R Y S` and `B^T Y S`.
-    pub sides: [Rows; 2],
+    pub sides: [Rows<T>; 2],
     /// `S^-1 Lambda S`.
-    structure: Rows,
+    structure: Rows<T>,
 }
 
 impl Coordinates {
@@ -45,12 +54,17 @@ impl Coordinates {
             let side = side * &vectors;
             Rows::from_fn(m, p, |i, j| side[(i, j)])
         };
-        Self {
+        let double = Coupled {
             force: (0..p).flat_map(|i| force.row(i).iter().map(|force| -force).collect::<Vec<_>>()).collect(),
             sides: [side(&ports.sides[0]), side(&ports.sides[1])],
             structure: Rows::from_fn(p, p, |i, j| structure[(i, j)]),
-            vectors,
-        }
+        };
+        let single = Coupled {
+            force: double.force.iter().map(|&force| cast(force)).collect(),
+            sides: double.sides.each_ref().map(Rows::single),
+            structure: double.structure.single(),
+        };
+        Self { vectors, double, single }
     }
 }
 
@@ -73,22 +87,22 @@ impl<'a> Gains<'a> {
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(super) struct Scratch<T = f64> {
     weights: Vec<Complex<f64>>,
     /// The gains mu and `lambda s(lambda)` of the last matrix A.
-    pub pulls: Vec<(f64, Complex<f64>)>,
+    pub pulls: Vec<(T, Complex<T>)>,
     /// `R F B` and `B^T F B` of it, unless it is at a point of a table.
-    pub smooth: [Rows; 2],
+    pub smooth: [Rows<T>; 2],
     /// T of it, factored.
-    pub square: Rows,
-    pub factors: Elimination,
+    pub square: Rows<T>,
+    pub factors: Elimination<T>,
     /// `T^-1 (D_mu R Y + D_s B^T Y)` of it, m x p.
-    pub solved: Rows,
+    pub solved: Rows<T>,
     /// For `lambda - A`.
-    pub elimination: Elimination,
+    pub elimination: Elimination<T>,
 }
 
-impl Scratch {
+impl<T: Real> Scratch<T> {
     pub fn new(ports: &Ports) -> Self {
         let (p, m) = (ports.near(), ports.count());
         let square = || Rows::zeros(m, m);
@@ -97,13 +111,13 @@ impl Scratch {
 }
 
 /// A, and `T^-1 (D_mu R Y + D_s B^T Y)`, at a point of a table.
-pub(super) fn at_point(
-    own: &Coordinates,
-    table: &Table,
+pub(super) fn at_point<T: Real>(
+    own: &Coupled<T>,
+    table: &Table<T>,
     point: usize,
     gains: Gains<'_>,
-    scratch: &mut Scratch,
-    [solved, out]: [&mut Rows; 2],
+    scratch: &mut Scratch<T>,
+    [solved, out]: [&mut Rows<T>; 2],
 ) {
     let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
     scratch.pull(gains, lambda);
@@ -113,7 +127,7 @@ pub(super) fn at_point(
 
 /// A at a number near the band.
 pub(super) fn at(
-    own: &Coordinates,
+    own: &Coupled<f64>,
     table: &Table,
     lambda: Complex<f64>,
     gains: Gains<'_>,
@@ -132,7 +146,7 @@ pub(super) fn at(
 }
 
 /// The sum of multiples of matrices.
-pub(super) fn combine(factors: &[Complex<f64>], parts: &[&Rows], out: &mut Rows) {
+pub(super) fn combine<T: Real>(factors: &[Complex<T>], parts: &[&Rows<T>], out: &mut Rows<T>) {
     Arch::new().dispatch(Combine { factors, parts, out });
 }
 
@@ -162,9 +176,10 @@ pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> (f64, Complex<f6
     (gain.mu, lambda * gain.complex_slope(lambda))
 }
 
-impl Scratch {
+impl<T: Real> Scratch<T> {
     fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
         let pull = |gain: &ChannelGain| pull(gain, lambda);
+        let narrow = |(mu, slope): (f64, Complex<f64>)| (T::of(mu), cast(slope));
         let ports = gains.from.len();
         self.pulls.clear();
         for port in 0..ports {
@@ -172,10 +187,10 @@ impl Scratch {
             let is_known = port > 0 && gains.is_equal(port - 1, port);
             let next = match (is_known, gains.to) {
                 (true, _) => self.pulls[port - 1],
-                (false, None) => pull(&gains.from[port]),
+                (false, None) => narrow(pull(&gains.from[port])),
                 (false, Some((t, to))) => {
                     let [(mu, slope), (other_mu, other_slope)] = [&gains.from[port], &to[port]].map(pull);
-                    (mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t)
+                    narrow((mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t))
                 }
             };
             self.pulls.push(next);
@@ -183,18 +198,18 @@ impl Scratch {
     }
 }
 
-struct Couple<'a> {
-    own: &'a Coordinates,
-    reading: &'a Rows,
-    velocity: &'a Rows,
-    pulls: &'a [(f64, Complex<f64>)],
-    square: &'a mut Rows,
-    factors: &'a mut Elimination,
-    solved: &'a mut Rows,
-    out: &'a mut Rows,
+struct Couple<'a, T> {
+    own: &'a Coupled<T>,
+    reading: &'a Rows<T>,
+    velocity: &'a Rows<T>,
+    pulls: &'a [(T, Complex<T>)],
+    square: &'a mut Rows<T>,
+    factors: &'a mut Elimination<T>,
+    solved: &'a mut Rows<T>,
+    out: &'a mut Rows<T>,
 }
 
-impl WithSimd for Couple<'_> {
+impl<T: Real> WithSimd for Couple<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -204,7 +219,7 @@ impl WithSimd for Couple<'_> {
         square.clear();
         solved.clear();
         for (port, &(mu, slope)) in pulls.iter().enumerate() {
-            square.set(port, port, Complex::new(1.0, 0.0));
+            square.set(port, port, Complex::from(T::of(1.0)));
             square.add_row(simd, port, mu.into(), reading, port);
             solved.add_row(simd, port, mu.into(), &own.sides[0], port);
             if slope != Complex::default() {
@@ -221,13 +236,13 @@ impl WithSimd for Couple<'_> {
     }
 }
 
-struct Combine<'a> {
-    factors: &'a [Complex<f64>],
-    parts: &'a [&'a Rows],
-    out: &'a mut Rows,
+struct Combine<'a, T> {
+    factors: &'a [Complex<T>],
+    parts: &'a [&'a Rows<T>],
+    out: &'a mut Rows<T>,
 }
 
-impl WithSimd for Combine<'_> {
+impl<T: Real> WithSimd for Combine<'_, T> {
     type Output = ();
 
     #[inline(always)]

@@ -4,15 +4,16 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::elimination::Elimination;
+use super::real::Real;
 use super::rows::Rows;
 
-struct Factor<'a> {
-    matrix: &'a mut Rows,
-    elimination: &'a mut Elimination,
+struct Factor<'a, T> {
+    matrix: &'a mut Rows<T>,
+    elimination: &'a mut Elimination<T>,
     order: usize,
 }
 
-impl WithSimd for Factor<'_> {
+impl<T: Real> WithSimd for Factor<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -22,7 +23,12 @@ impl WithSimd for Factor<'_> {
 }
 
 /// Factors of `lambda + B`; the matrix B, here -A, is overwritten.
-pub(super) fn factor(matrix: &mut Rows, lambda: Complex<f64>, elimination: &mut Elimination, order: usize) {
+pub(super) fn factor<T: Real>(
+    matrix: &mut Rows<T>,
+    lambda: Complex<T>,
+    elimination: &mut Elimination<T>,
+    order: usize,
+) {
     (0..order).for_each(|i| matrix.set(i, i, matrix.at(i, i) + lambda));
     Arch::new().dispatch(Factor { matrix, elimination, order });
 }

@@ -3,24 +3,25 @@
 use num_complex::Complex;
 use pulp::Simd;
 
+use super::real::Real;
 use super::rows::Rows;
 
 /// Gauss's elimination of a square matrix with row pivots, which leaves the upper factor in its place.
 #[derive(Debug, Default)]
-pub(super) struct Elimination {
+pub(super) struct Elimination<T = f64> {
     order: usize,
     /// The lower factor without its diagonal, by rows.
-    lower: Vec<Complex<f64>>,
+    lower: Vec<Complex<T>>,
     /// The row that each was exchanged with.
     exchanged: Vec<usize>,
     /// With the signs of the exchanges: their product is the determinant.
-    pub pivots: Vec<Complex<f64>>,
+    pub pivots: Vec<Complex<T>>,
 }
 
-impl Elimination {
+impl<T: Real> Elimination<T> {
     /// Right sides go with the matrix.
     #[inline(always)]
-    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows, mut sides: Option<&mut Rows>, order: usize) {
+    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows<T>, mut sides: Option<&mut Rows<T>>, order: usize) {
         self.order = order;
         self.lower.clear();
         self.lower.resize(order * order, Complex::default());
@@ -57,29 +58,29 @@ impl Elimination {
     }
 
     /// One right side through the factors of a matrix.
-    pub fn solve(&self, a: &Rows, side: &mut [Complex<f64>]) {
+    pub fn solve(&self, a: &Rows<T>, side: &mut [Complex<T>]) {
         for (c, &largest) in self.exchanged.iter().enumerate() {
             side.swap(c, largest);
         }
         for row in 0..side.len() {
-            let sum: Complex<f64> = (0..row).map(|c| self.lower[row * self.order + c] * side[c]).sum();
+            let sum: Complex<T> = (0..row).map(|c| self.lower[row * self.order + c] * side[c]).sum();
             side[row] -= sum;
         }
         for row in (0..side.len()).rev() {
-            let sum: Complex<f64> = (row + 1..side.len()).map(|c| a.at(row, c) * side[c]).sum();
+            let sum: Complex<T> = (row + 1..side.len()).map(|c| a.at(row, c) * side[c]).sum();
             side[row] = (side[row] - sum) / a.at(row, row);
         }
     }
 
     /// One right side through the factors of the conjugate transpose of a matrix.
-    pub fn solve_adjoint(&self, a: &Rows, side: &mut [Complex<f64>]) {
+    pub fn solve_adjoint(&self, a: &Rows<T>, side: &mut [Complex<T>]) {
         for column in 0..side.len() {
-            let sum: Complex<f64> = (0..column).map(|row| a.at(row, column).conj() * side[row]).sum();
+            let sum: Complex<T> = (0..column).map(|row| a.at(row, column).conj() * side[row]).sum();
             side[column] = (side[column] - sum) / a.at(column, column).conj();
         }
         for column in (0..side.len()).rev() {
             let below = column + 1..side.len();
-            let sum: Complex<f64> = below.map(|row| self.lower[row * self.order + column].conj() * side[row]).sum();
+            let sum: Complex<T> = below.map(|row| self.lower[row * self.order + column].conj() * side[row]).sum();
             side[column] -= sum;
         }
         for (c, &largest) in self.exchanged.iter().enumerate().rev() {
@@ -90,7 +91,7 @@ impl Elimination {
 
 /// What elimination left, solved: the right sides become the solution.
 #[inline(always)]
-pub(super) fn substitute<S: Simd>(simd: S, a: &Rows, sides: &mut Rows, order: usize) {
+pub(super) fn substitute<T: Real, S: Simd>(simd: S, a: &Rows<T>, sides: &mut Rows<T>, order: usize) {
     for c in (0..order).rev() {
         sides.scale_row(c, a.at(c, c).inv());
         for row in 0..c {

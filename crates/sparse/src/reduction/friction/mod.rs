@@ -13,6 +13,7 @@ mod eigenvalue;
 mod elimination;
 mod path;
 mod ports;
+mod real;
 mod residuals;
 mod rows;
 mod search;

@@ -65,7 +65,7 @@ impl FrictionPath<'_> {
     /// A at a place of the path.
     fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
         let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
-        coupling::at(&self.modes.own, &self.modes.ports.path, lambda, gains, scratch, out);
+        coupling::at(&self.modes.own.double, &self.modes.ports.path, lambda, gains, scratch, out);
     }
 
     /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where it is not finite.
@@ -92,7 +92,7 @@ impl FrictionPath<'_> {
         }
         let y = eigenvalue::left(&a, &x, &scratch.elimination);
         let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
-        let seen = Seen::new(&self.modes.own, &scratch, [&y, &x]);
+        let seen = Seen::new(&self.modes.own.double, &scratch, [&y, &x]);
         let slope = along - seen.by_lambda(&ports.path, at, |lambda| self.pulls(t, lambda));
         let [from, to] = [&self.from, &self.to].map(|gains| pulls(gains, at));
         let changes: Vec<_> = from.iter().zip(&to).map(|(from, to)| (to.0 - from.0, to.1 - from.1)).collect();

@@ -44,7 +44,7 @@ pub(super) struct Ports {
     /// `R Y` and `B^T Y`, m x p.
     pub sides: [DMatrix<Complex<f64>>; 2],
     /// `R F B` and `B^T F B` at the points of the band for guesses.
-    pub coarse: Table,
+    pub coarse: Table<f32>,
     /// The same for paths.
     pub path: Table,
     /// The same for the last digits.
@@ -64,13 +64,18 @@ pub(super) struct Ports {
 /// Two m x m matrices at Chebyshev points of a part of the imaginary axis, between which polynomials run (Berrut and Trefethen, SIAM
 /// Review 46, 2004).
 #[derive(Debug, Clone)]
-pub(super) struct Table {
+pub(super) struct Table<T = f64> {
     pub points: Vec<Complex<f64>>,
     pub weights: Vec<f64>,
-    pub values: Vec<[Rows; 2]>,
+    pub values: Vec<[Rows<T>; 2]>,
 }
 
 impl Table {
+    fn single(self) -> Table<f32> {
+        let Self { points, weights, values } = self;
+        Table { points, weights, values: values.iter().map(|parts| parts.each_ref().map(Rows::single)).collect() }
+    }
+
     fn new([low, high]: [f64; 2], count: usize, at: impl Fn(Complex<f64>) -> [Rows; 2]) -> Self {
         let angles: Vec<f64> = (0..count).map(|n| PI * (n as f64 + 0.5) / count as f64).collect();
         let point = |angle: &f64| Complex::new(0.0, 0.5 * (low + high) + 0.5 * (high - low) * angle.cos());
@@ -80,7 +85,9 @@ impl Table {
         let values = points.iter().map(|&point| at(point)).collect();
         Self { points, weights, values }
     }
+}
 
+impl<T> Table<T> {
     /// The barycentric weights of the values at a number near the band.
     pub fn weights_at(&self, lambda: Complex<f64>, out: &mut Vec<Complex<f64>>) {
         out.clear();
@@ -160,7 +167,7 @@ impl Ports {
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
             force,
             sides,
-            coarse,
+            coarse: coarse.single(),
             path,
             fine,
             others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),

@@ -1,28 +1,27 @@
 //! Small complex matrices by rows, real and imaginary parts apart, on vector registers.
 //!
-//! Rows have room for a multiple of eight numbers, so that they are whole registers. What is beyond the columns is zero and stays so.
+//! Rows have room for whole registers of the widest kind. What is beyond the columns is zero and stays so.
 
 use num_complex::Complex;
 use pulp::Simd;
 
-/// Numbers in the widest register.
-const WIDEST: usize = 8;
+use super::real::{Real, cast};
 
 /// A complex matrix by rows.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rows {
+pub(super) struct Rows<T = f64> {
     stride: usize,
-    re: Vec<f64>,
-    im: Vec<f64>,
+    re: Vec<T>,
+    im: Vec<T>,
 }
 
-impl Rows {
+impl<T: Real> Rows<T> {
     pub fn zeros(rows: usize, columns: usize) -> Self {
-        let stride = columns.next_multiple_of(WIDEST);
-        Self { stride, re: vec![0.0; rows * stride], im: vec![0.0; rows * stride] }
+        let stride = columns.next_multiple_of(T::WIDEST);
+        Self { stride, re: vec![T::default(); rows * stride], im: vec![T::default(); rows * stride] }
     }
 
-    pub fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Complex<f64>) -> Self {
+    pub fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Complex<T>) -> Self {
         let mut out = Self::zeros(rows, columns);
         for row in 0..rows {
             (0..columns).for_each(|column| out.set(row, column, of(row, column)));
@@ -31,52 +30,36 @@ impl Rows {
     }
 
     #[inline(always)]
-    pub fn at(&self, row: usize, column: usize) -> Complex<f64> {
+    pub fn at(&self, row: usize, column: usize) -> Complex<T> {
         let place = row * self.stride + column;
         Complex::new(self.re[place], self.im[place])
     }
 
     #[inline(always)]
-    pub fn set(&mut self, row: usize, column: usize, value: Complex<f64>) {
+    pub fn set(&mut self, row: usize, column: usize, value: Complex<T>) {
         let place = row * self.stride + column;
         (self.re[place], self.im[place]) = (value.re, value.im);
     }
 
     /// A row times a vector.
-    pub fn row_times(&self, row: usize, vector: &[Complex<f64>]) -> Complex<f64> {
+    pub fn row_times(&self, row: usize, vector: &[Complex<T>]) -> Complex<T> {
         let [re, im] = self.row(row);
         re.iter().zip(im).zip(vector).map(|((&re, &im), value)| Complex::new(re, im) * value).sum()
     }
 
-    fn row(&self, row: usize) -> [&[f64]; 2] {
+    fn row(&self, row: usize) -> [&[T]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&self.re[place.clone()], &self.im[place]]
     }
 
-    fn row_mut(&mut self, row: usize) -> [&mut [f64]; 2] {
+    fn row_mut(&mut self, row: usize) -> [&mut [T]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&mut self.re[place.clone()], &mut self.im[place]]
     }
 
-    /// The distance from a sum of others, as a part of the size of this one.
-    pub fn distance(&self, others: &[&Self], weights: &[Complex<f64>]) -> f64 {
-        let (mut apart, mut size) = (0.0, f64::MIN_POSITIVE);
-        for place in 0..self.re.len() {
-            let value = Complex::new(self.re[place], self.im[place]);
-            let sum: Complex<f64> = others
-                .iter()
-                .zip(weights)
-                .map(|(other, weight)| Complex::new(other.re[place], other.im[place]) * weight)
-                .sum();
-            apart += (value - sum).norm_sqr();
-            size += value.norm_sqr();
-        }
-        (apart / size).sqrt()
-    }
-
     pub fn clear(&mut self) {
-        self.re.fill(0.0);
-        self.im.fill(0.0);
+        self.re.fill(T::default());
+        self.im.fill(T::default());
     }
 
     pub fn negate(&mut self) {
@@ -91,12 +74,12 @@ impl Rows {
 
     /// The sum of multiples of matrices of this shape.
     #[inline(always)]
-    pub fn set_sum<S: Simd>(&mut self, simd: S, factors: &[Complex<f64>], of: &[&Self]) {
-        let out = S::as_mut_simd_f64s(&mut self.re).0.iter_mut().zip(S::as_mut_simd_f64s(&mut self.im).0);
+    pub fn set_sum<S: Simd>(&mut self, simd: S, factors: &[Complex<T>], of: &[&Self]) {
+        let out = T::registers_mut::<S>(&mut self.re).iter_mut().zip(T::registers_mut::<S>(&mut self.im));
         for (place, (re, im)) in out.enumerate() {
-            let mut sum = [simd.splat_f64s(0.0); 2];
+            let mut sum = [T::filled(simd, T::default()); 2];
             for (factor, part) in factors.iter().zip(of) {
-                let x = [S::as_simd_f64s(&part.re).0[place], S::as_simd_f64s(&part.im).0[place]];
+                let x = [T::registers::<S>(&part.re)[place], T::registers::<S>(&part.im)[place]];
                 sum = multiple_added(simd, *factor, x, sum);
             }
             [*re, *im] = sum;
@@ -105,11 +88,11 @@ impl Rows {
 
     /// Adds multiples of the rows of another matrix to a row.
     #[inline(always)]
-    pub fn add_rows<S: Simd>(&mut self, simd: S, to: usize, factors: &[Complex<f64>], rows: &Self) {
-        let stride = rows.stride / S::F64_LANES;
-        let (from_re, from_im) = (S::as_simd_f64s(&rows.re).0, S::as_simd_f64s(&rows.im).0);
+    pub fn add_rows<S: Simd>(&mut self, simd: S, to: usize, factors: &[Complex<T>], rows: &Self) {
+        let stride = rows.stride / T::width::<S>();
+        let (from_re, from_im) = (T::registers::<S>(&rows.re), T::registers::<S>(&rows.im));
         let [re, im] = self.row_mut(to);
-        let (re, im) = (S::as_mut_simd_f64s(re).0, S::as_mut_simd_f64s(im).0);
+        let (re, im) = (T::registers_mut::<S>(re), T::registers_mut::<S>(im));
         let (re, last_re) = re.as_chunks_mut::<2>();
         let (im, last_im) = im.as_chunks_mut::<2>();
         for (pair, (re, im)) in re.iter_mut().zip(&mut *im).enumerate() {
@@ -133,14 +116,14 @@ impl Rows {
 
     /// Adds `factor` times a row of another matrix to a row.
     #[inline(always)]
-    pub fn add_row<S: Simd>(&mut self, simd: S, to: usize, factor: Complex<f64>, other: &Self, row: usize) {
+    pub fn add_row<S: Simd>(&mut self, simd: S, to: usize, factor: Complex<T>, other: &Self, row: usize) {
         add_multiple(simd, factor, other.row(row), self.row_mut(to));
     }
 
     /// Row `to` minus `factor` times row `from`, which is above it, from column `first` on.
     #[inline(always)]
-    pub fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<f64>) {
-        let (stride, first) = (self.stride, first - first % S::F64_LANES);
+    pub fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<T>) {
+        let (stride, first) = (self.stride, first - first % T::width::<S>());
         let (above_re, below_re) = self.re.split_at_mut(to * stride);
         let (above_im, below_im) = self.im.split_at_mut(to * stride);
         let place = from * stride + first..(from + 1) * stride;
@@ -150,7 +133,7 @@ impl Rows {
 
     /// Row `to` minus `factor` times row `from`, which is below it.
     #[inline(always)]
-    pub fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<f64>) {
+    pub fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<T>) {
         let stride = self.stride;
         let (above_re, below_re) = self.re.split_at_mut(from * stride);
         let (above_im, below_im) = self.im.split_at_mut(from * stride);
@@ -159,7 +142,7 @@ impl Rows {
         add_multiple(simd, -factor, [&below_re[..stride], &below_im[..stride]], above);
     }
 
-    pub fn scale_row(&mut self, row: usize, factor: Complex<f64>) {
+    pub fn scale_row(&mut self, row: usize, factor: Complex<T>) {
         let [re, im] = self.row_mut(row);
         for (re, im) in re.iter_mut().zip(im) {
             let value = Complex::new(*re, *im) * factor;
@@ -168,26 +151,69 @@ impl Rows {
     }
 }
 
+impl Rows {
+    /// The distance from a sum of others, as a part of the size of this one.
+    pub fn distance(&self, others: &[&Self], weights: &[Complex<f64>]) -> f64 {
+        let (mut apart, mut size) = (0.0, f64::MIN_POSITIVE);
+        for place in 0..self.re.len() {
+            let value = Complex::new(self.re[place], self.im[place]);
+            let sum: Complex<f64> = others
+                .iter()
+                .zip(weights)
+                .map(|(other, weight)| Complex::new(other.re[place], other.im[place]) * weight)
+                .sum();
+            apart += (value - sum).norm_sqr();
+            size += value.norm_sqr();
+        }
+        (apart / size).sqrt()
+    }
+
+    /// The same in single precision.
+    pub fn single(&self) -> Rows<f32> {
+        let columns = self.stride;
+        let rows = self.re.len().checked_div(columns).unwrap_or_default();
+        let mut out = Rows::zeros(rows, columns);
+        for row in 0..rows {
+            (0..columns).for_each(|column| out.set(row, column, cast(self.at(row, column))));
+        }
+        out
+    }
+
+    /// Takes the entries of a matrix with as many columns.
+    pub fn set_wide(&mut self, of: &Rows<f32>, columns: usize) {
+        for (to, from) in [(&mut self.re, &of.re), (&mut self.im, &of.im)] {
+            for (to, from) in to.chunks_exact_mut(self.stride).zip(from.chunks_exact(of.stride)) {
+                to[..columns].iter_mut().zip(from).for_each(|(to, &from)| *to = from.into());
+            }
+        }
+    }
+}
+
 /// `y += factor x`.
 #[inline(always)]
-fn add_multiple<S: Simd>(simd: S, factor: Complex<f64>, x: [&[f64]; 2], y: [&mut [f64]; 2]) {
-    let [x_re, x_im] = [S::as_simd_f64s(x[0]).0, S::as_simd_f64s(x[1]).0];
+fn add_multiple<T: Real, S: Simd>(simd: S, factor: Complex<T>, x: [&[T]; 2], y: [&mut [T]; 2]) {
+    let [x_re, x_im] = [T::registers::<S>(x[0]), T::registers::<S>(x[1])];
     let [y_re, y_im] = y;
-    let (y_re, y_im) = (S::as_mut_simd_f64s(y_re).0, S::as_mut_simd_f64s(y_im).0);
-    let (re, im) = (simd.splat_f64s(factor.re), simd.splat_f64s(factor.im));
+    let (y_re, y_im) = (T::registers_mut::<S>(y_re), T::registers_mut::<S>(y_im));
+    let (re, im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
     for ((x_re, x_im), (y_re, y_im)) in x_re.iter().zip(x_im).zip(y_re.iter_mut().zip(y_im)) {
-        *y_re = simd.negate_mul_add_e_f64s(im, *x_im, simd.mul_add_e_f64s(re, *x_re, *y_re));
-        *y_im = simd.mul_add_e_f64s(im, *x_re, simd.mul_add_e_f64s(re, *x_im, *y_im));
+        *y_re = T::take_product(simd, im, *x_im, T::add_product(simd, re, *x_re, *y_re));
+        *y_im = T::add_product(simd, im, *x_re, T::add_product(simd, re, *x_im, *y_im));
     }
 }
 
 /// `factor x + y`.
 #[inline(always)]
-fn multiple_added<S: Simd>(simd: S, factor: Complex<f64>, x: [S::f64s; 2], y: [S::f64s; 2]) -> [S::f64s; 2] {
-    let (re, im) = (simd.splat_f64s(factor.re), simd.splat_f64s(factor.im));
+fn multiple_added<T: Real, S: Simd>(
+    simd: S,
+    factor: Complex<T>,
+    x: [T::Register<S>; 2],
+    y: [T::Register<S>; 2],
+) -> [T::Register<S>; 2] {
+    let (re, im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
     [
-        simd.negate_mul_add_e_f64s(im, x[1], simd.mul_add_e_f64s(re, x[0], y[0])),
-        simd.mul_add_e_f64s(im, x[0], simd.mul_add_e_f64s(re, x[1], y[1])),
+        T::take_product(simd, im, x[1], T::add_product(simd, re, x[0], y[0])),
+        T::add_product(simd, im, x[0], T::add_product(simd, re, x[1], y[1])),
     ]
 }
 

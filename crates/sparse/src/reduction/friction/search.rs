@@ -8,14 +8,15 @@ use super::anchor::{Anchor, Guess};
 use super::coupling::{self, Gains, Scratch, combine};
 use super::eigenvalue::{self, Missed};
 use super::ports::{COARSE, Ports};
+use super::real::cast;
 use super::rows::Rows;
 use super::tangent::{Coarse, Sample, Tangent};
 use crate::Rectangle;
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
 const COARSE_ERROR: f64 = 5e-4;
-/// Relative size of the last correction of a guess; chosen, below that error.
-const GUESSED: f64 = 3e-6;
+/// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
+const GUESSED: f64 = 1e-5;
 const MOST_CORRECTIONS: usize = 20;
 /// Relative size of the last correction of an eigenvalue; chosen: below all residuals that are asked for.
 const CONVERGED: f64 = 1e-10;
@@ -42,6 +43,9 @@ pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 /// Working memory.
 pub(super) struct Memory {
     scratch: Scratch,
+    /// For guesses and counts.
+    single: Scratch<f32>,
+    small: Rows<f32>,
     coarse: Coarse,
     tangent: Tangent,
     square: Rows,
@@ -55,6 +59,8 @@ impl Memory {
         let (p, m) = (ports.near(), ports.count());
         Self {
             scratch: Scratch::new(ports),
+            single: Scratch::new(ports),
+            small: Rows::zeros(p, p),
             coarse: (0..COARSE).map(|_| [Rows::zeros(m, p), Rows::zeros(p, p)]).collect(),
             tangent: Tangent::new(ports),
             square: Rows::zeros(p, p),
@@ -76,9 +82,9 @@ impl Search<'_> {
     pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
         let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, gains), anchor));
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
-        let Memory { coarse, scratch, .. } = memory;
+        let Memory { coarse, single, .. } = memory;
         for (point, [solved, a]) in coarse.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), scratch, [solved, a]);
+            coupling::at_point(&anchor.own.single, &self.ports.coarse, point, Gains::of(gains), single, [solved, a]);
         }
         let guesses = anchor.guesses(&self.ports.coarse.points, coarse);
         // As far as a guess was moved it may be wrong.
@@ -106,15 +112,16 @@ impl Search<'_> {
         without: Option<usize>,
         memory: &mut Memory,
     ) -> Complex<f64> {
-        let Memory { scratch, coarse, square, weights, .. } = memory;
+        let Memory { single, coarse, small, weights, .. } = memory;
         self.ports.coarse.weights_at(lambda, weights);
-        weights.iter_mut().for_each(|weight| *weight = -*weight);
-        combine(weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), square);
-        eigenvalue::factor(square, lambda, &mut scratch.elimination, zeros.len());
+        let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
+        combine(&weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), small);
+        eigenvalue::factor(small, cast(lambda), &mut single.elimination, zeros.len());
         // Factor by factor, so that no product of many large numbers overflows.
-        let factors = scratch.elimination.pivots.iter().zip(zeros).enumerate();
-        let factor = |(j, (pivot, zero)): (usize, (&Complex<f64>, &Complex<f64>))| {
-            if without == Some(j) { *pivot } else { pivot / (lambda - zero) }
+        let factors = single.elimination.pivots.iter().zip(zeros).enumerate();
+        let factor = |(j, (&pivot, zero)): (usize, (&Complex<f32>, &Complex<f64>))| {
+            let pivot: Complex<f64> = cast(pivot);
+            if without == Some(j) { pivot } else { pivot / (lambda - zero) }
         };
         factors.map(factor).product()
     }

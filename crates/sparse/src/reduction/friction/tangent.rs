@@ -6,6 +6,7 @@ use num_complex::Complex;
 
 use super::coupling::{self, Coordinates, Gains, Scratch, combine};
 use super::ports::Ports;
+use super::real::cast;
 use super::rows::Rows;
 
 /// Distance from the number, relative to it, up to which A is a straight line; chosen: guesses lie within it, and what is then missing of an
@@ -13,7 +14,7 @@ use super::rows::Rows;
 const STRAIGHT: f64 = 1e-4;
 
 /// `T^-1 (D_mu R Y + D_s B^T Y)` and A at the coarse points.
-pub(super) type Coarse = Vec<[Rows; 2]>;
+pub(super) type Coarse = Vec<[Rows<f32>; 2]>;
 
 /// The gains of one sample in some coordinates.
 #[derive(Clone, Copy)]
@@ -30,13 +31,16 @@ pub(super) struct Tangent {
     solved: [Rows; 2],
     a: [Rows; 2],
     weights: Vec<Complex<f64>>,
+    /// The derivatives in single precision.
+    single: [Rows<f32>; 2],
 }
 
 impl Tangent {
     pub fn new(ports: &Ports) -> Self {
         let (p, m) = (ports.near(), ports.count());
         let two = |rows: usize| [Rows::zeros(rows, p), Rows::zeros(rows, p)];
-        Self { at: None, solved: two(m), a: two(p), weights: Vec::new() }
+        let single = [Rows::zeros(m, p), Rows::zeros(p, p)];
+        Self { at: None, solved: two(m), a: two(p), weights: Vec::new(), single }
     }
 
     /// Forgets the sample.
@@ -54,11 +58,15 @@ impl Tangent {
         out: &mut Rows,
     ) {
         let from = self.at.filter(|at| (lambda - at).norm() <= STRAIGHT * lambda.norm()).unwrap_or_else(|| {
-            coupling::at(own, &ports.fine, lambda, Gains::of(gains), scratch, &mut self.a[0]);
+            coupling::at(&own.double, &ports.fine, lambda, Gains::of(gains), scratch, &mut self.a[0]);
             std::mem::swap(&mut scratch.solved, &mut self.solved[0]);
             ports.coarse.slope_weights_at(lambda, &mut self.weights);
-            combine(&self.weights, &coarse.iter().map(|[solved, _]| solved).collect::<Vec<_>>(), &mut self.solved[1]);
-            combine(&self.weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), &mut self.a[1]);
+            let weights: Vec<Complex<f32>> = self.weights.iter().map(|&weight| cast(weight)).collect();
+            for (part, slope) in self.single.iter_mut().enumerate() {
+                combine(&weights, &coarse.iter().map(|parts| &parts[part]).collect::<Vec<_>>(), slope);
+            }
+            self.solved[1].set_wide(&self.single[0], ports.near());
+            self.a[1].set_wide(&self.single[1], ports.near());
             lambda
         });
         self.at = Some(from);
