@@ -4,10 +4,12 @@ use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::directions::{Directions, values};
 use super::far::Far;
 use super::full::{largest, outside};
+use super::response::{Modes, Responses};
 use super::state_modes::StateModes;
-use super::watch::{Vectors, Watch};
+use super::watch::Watch;
 use super::{dense, split};
 use crate::{Rectangle, SparseError};
 
@@ -27,6 +29,7 @@ pub(super) struct Anchor {
     pub watch: Watch,
     /// The modes in and near the rectangle.
     pub near: Near,
+    directions: Directions,
 }
 
 /// A p x p matrix between near modes.
@@ -47,6 +50,8 @@ pub(super) struct Near {
     terms: Vec<(Square, Option<Square>)>,
     /// What each channel adds to `W^H A Z` per unit of mu, and per unit of its slope.
     channels: Vec<[Square; 2]>,
+    /// What the other modes do.
+    responses: Responses,
     /// Frobenius norms of what terms add to `W^H A Z`.
     of_terms: Vec<f64>,
     /// Those of what channels add.
@@ -64,34 +69,32 @@ impl Anchor {
         point: &OperatingPoint,
         rectangle: &Rectangle,
         margin: f64,
+        directions: &Directions,
     ) -> Result<Self, SparseError> {
-        let gamma = largest(rectangle);
-        let StateModes { lambdas: all, y, velocity, upper, lower } =
-            StateModes::new(&without_states(system, point, middle(rectangle))?, gamma)?;
+        let (gamma, middle) = (largest(rectangle), middle(rectangle));
+        let state_modes = StateModes::new(&without_states(system, values(point, middle).as_slice(), middle)?, gamma)?;
+        let all = &state_modes.lambdas;
 
         let near_one = |lambda: Complex<f64>| outside(rectangle, lambda) <= NEAR * margin;
         let listed: Vec<usize> = (0..all.len()).filter(|&j| all[j].im >= 0.0).collect();
         let near: Vec<usize> = (0..all.len()).filter(|&j| near_one(all[j])).collect();
-        let lambdas: Vec<_> = listed.iter().map(|&j| all[j]).collect();
-        let far = Far::new(&lambdas, [&lower.select_rows(&listed), &y.select_columns(&listed)], gamma, near_one);
+        let far = Far::new(&selected(&state_modes, &listed), gamma, near_one);
         let others: Vec<usize> = listed.iter().copied().filter(|&j| !near_one(all[j])).collect();
-        let vectors = Vectors {
-            y: y.select_columns(&others),
-            velocity: velocity.select_columns(&others),
-            lower: lower.select_rows(&others),
-        };
-        let watch = Watch::new(system, others.iter().map(|&j| all[j]).collect(), &vectors, gamma, middle(rectangle));
-        let near = Near::new(
-            system,
-            rectangle,
-            &NearVectors {
-                y: y.select_columns(&near),
-                velocity: velocity.select_columns(&near),
-                upper: upper.select_rows(&near),
-                lower: lower.select_rows(&near),
-            },
-        );
-        Ok(Self { point: point.clone(), gamma, far, watch, near })
+        let watch = Watch::new(system, &selected(&state_modes, &others), gamma, middle);
+        let changes = directions.changes();
+        let changes =
+            changes.iter().map(|change| without_states(system, change, middle)).collect::<Result<Vec<_>, _>>()?;
+        let others: Vec<usize> = (0..all.len()).filter(|&j| !near_one(all[j])).collect();
+        let modes = selected(&state_modes, &near);
+        let responses = Responses::new(&changes, &modes, &selected(&state_modes, &others), gamma);
+        let near = Near::new(system, rectangle, &modes, &state_modes.upper.select_rows(&near), responses);
+        Ok(Self { point: point.clone(), gamma, far, watch, near, directions: directions.clone() })
+    }
+
+    /// The near modes at a point, to second order in what changes where `is_second`.
+    pub fn modes(&self, point: &OperatingPoint, is_second: bool) -> Result<NearModes, SparseError> {
+        let along = is_second.then(|| self.directions.between([&self.point, point])).flatten();
+        self.near.modes(point, along.as_deref())
     }
 
     /// How far a point is: the changes of the coefficients, each times what it moves the near modes by, rad/s.
@@ -107,37 +110,39 @@ impl Anchor {
     }
 }
 
+/// Some of the modes.
+fn selected(all: &StateModes, wanted: &[usize]) -> Modes {
+    Modes {
+        lambdas: wanted.iter().map(|&j| all.lambdas[j]).collect(),
+        y: all.y.select_columns(wanted),
+        velocity: all.velocity.select_columns(wanted),
+        lower: all.lower.select_rows(wanted),
+    }
+}
+
 /// i omega in the middle of the band.
-fn middle(rectangle: &Rectangle) -> Complex<f64> {
+pub(super) fn middle(rectangle: &Rectangle) -> Complex<f64> {
     let [from, to] = rectangle.im;
     Complex::new(0.0, 0.5 * (from + to))
 }
 
-/// The system at a point with a spring and a dashpot in place of each internal state, as it is at `at = i omega`:
-/// `at s b b^T = (Re s at - omega Im s) b b^T`. What it is at other frequencies is left to the corrections.
-fn without_states(system: &AffineSystem, point: &OperatingPoint, at: Complex<f64>) -> Result<SecondOrder, SparseError> {
-    let slopes: Vec<_> = point.channels.iter().map(|gain| gain.complex_slope(at)).collect();
-    let channels =
-        point.channels.iter().zip(&slopes).map(|(gain, s)| ChannelGain { lag: None, slope: s.re, ..*gain }).collect();
-    let mut out = system.assemble(&OperatingPoint { coefficients: point.coefficients.clone(), channels })?;
-    for (b, s) in system.force_matrix().column_iter().zip(slopes).filter(|(_, s)| s.im != 0.0) {
-        out.k.ger(-at.im * s.im, &b, &b, 1.0);
+/// The system of the coefficients and gains in the order of [`values`], with a spring and a dashpot in place of each internal state, as it is
+/// at `at = i omega`: `at s b b^T = (Re s at - omega Im s) b b^T`. What it is at other frequencies is left to the corrections.
+fn without_states(system: &AffineSystem, values: &[f64], at: Complex<f64>) -> Result<SecondOrder, SparseError> {
+    let (coefficients, gains) = values.split_at(system.terms().len());
+    let channels = gains.chunks_exact(3).map(|gain| ChannelGain { mu: gain[0], slope: gain[1], lag: None });
+    let mut out =
+        system.assemble(&OperatingPoint { coefficients: coefficients.to_vec(), channels: channels.collect() })?;
+    for (b, gain) in system.force_matrix().column_iter().zip(gains.chunks_exact(3)).filter(|(_, gain)| gain[2] != 0.0) {
+        out.k.ger(-at.im * gain[2], &b, &b, 1.0);
     }
     Ok(out)
 }
 
-/// Parts of the vectors of the near modes: right `[y; velocity]`, left `[upper, lower]` as rows.
-struct NearVectors {
-    y: DMatrix<Complex<f64>>,
-    velocity: DMatrix<Complex<f64>>,
-    upper: DMatrix<Complex<f64>>,
-    lower: DMatrix<Complex<f64>>,
-}
-
 impl Near {
-    fn new(system: &AffineSystem, rectangle: &Rectangle, vectors: &NearVectors) -> Self {
+    fn new(system: &AffineSystem, rectangle: &Rectangle, modes: &Modes, upper: &Square, responses: Responses) -> Self {
         let gamma = largest(rectangle);
-        let NearVectors { y, velocity, upper, lower } = vectors;
+        let Modes { y, velocity, lower, .. } = modes;
         let wide = |a: &DMatrix<f64>| a.map(Complex::from);
         let (inverse, minus) = (Complex::from(-1.0 / gamma), Complex::from(-1.0));
         let is_zero = |a: &DMatrix<f64>| a.iter().all(|&x| x == 0.0);
@@ -162,12 +167,14 @@ impl Near {
             of_channels: channels.iter().map(|[friction, slope]| [friction.norm(), slope.norm()]).collect(),
             terms,
             channels,
+            responses,
         }
     }
 
     /// The modes of `W^H A Z c = lambda W^H B Z c` at a point: the near modes where the others do not take part, and internal states
-    /// are the complex slopes that they are in the middle of the band.
-    pub fn modes(&self, point: &OperatingPoint) -> Result<NearModes, SparseError> {
+    /// are the complex slopes that they are in the middle of the band. With how far a point is `along` each direction the others take part to
+    /// second order.
+    fn modes(&self, point: &OperatingPoint, along: Option<&[f64]>) -> Result<NearModes, SparseError> {
         let [mut a, mut b] = self.constant.clone();
         let add = |sum: &mut Square, part: &Square, factor: Complex<f64>| {
             sum.zip_apply(part, |sum, value| *sum += value * factor);
@@ -187,13 +194,27 @@ impl Near {
                 }
             }
         }
+        let second = along.and_then(|along| self.responses.between(along));
+        if let Some(second) = &second {
+            a.zip_apply(second, |sum, value| *sum += Complex::new(f64::from(value.re), f64::from(value.im)));
+        }
         let (lambdas, x) = dense::eigen_complex(&dense::solve(&b, &a)?)?;
         let left = dense::solve(&dense::product(&b, &x), &DMatrix::identity(x.nrows(), x.ncols()))?;
+        let moved = second.map_or(vec![f64::INFINITY; lambdas.len()], |second| {
+            let images =
+                dense::product(&second.map(|value| Complex::new(f64::from(value.re), f64::from(value.im))), &x);
+            left.row_iter().zip(images.column_iter()).map(|(left, image)| (left * image)[0].norm()).collect()
+        });
+        let mut right = self.right.clone();
+        if let Some(response) = along.and_then(|along| self.responses.shapes(along)) {
+            right.zip_apply(&response, |sum, value| *sum += f64::from(value));
+        }
         let [re, im] = [x.map(|x| x.re), x.map(|x| x.im)];
         let [left_re, left_im] = [left.map(|x| x.re), left.map(|x| x.im)];
         Ok(NearModes {
             lambdas,
-            right: dense::product(&self.right, &blocks([&re, &im], [&-&im, &re])),
+            moved,
+            right: dense::product(&right, &blocks([&re, &im], [&-&im, &re])),
             left: dense::product(&blocks([&left_re, &-&left_im], [&left_im, &left_re]), &self.left),
         })
     }
@@ -204,6 +225,8 @@ impl Near {
 pub(super) struct NearModes {
     /// Their eigenvalues, p.
     pub lambdas: Vec<Complex<f64>>,
+    /// What of each eigenvalue is of second order, rad/s; infinite where that is not known.
+    pub moved: Vec<f64>,
     /// Right vectors, split, k x 2 p.
     pub right: DMatrix<f64>,
     /// v^H, real parts above imaginary ones, 2 p x k.

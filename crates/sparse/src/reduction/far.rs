@@ -6,6 +6,7 @@
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::response::Modes;
 use super::{dense, split};
 
 /// Right and left vectors of unit length of one mode of each conjugate pair, and of the real ones.
@@ -29,14 +30,9 @@ pub(super) struct Weights {
 }
 
 impl Far {
-    /// `left` are the v_j^H as rows and `right` the y_j as columns of modes with `Im lambda >= 0`, of which, and of whose conjugates, those
-    /// that `is_near` tells take no part.
-    pub fn new(
-        lambdas: &[Complex<f64>],
-        [left, right]: [&DMatrix<Complex<f64>>; 2],
-        gamma: f64,
-        is_near: impl Fn(Complex<f64>) -> bool,
-    ) -> Self {
+    /// Of modes with `Im lambda >= 0`, of which, and of whose conjugates, those that `is_near` tells take no part.
+    pub fn new(modes: &Modes, gamma: f64, is_near: impl Fn(Complex<f64>) -> bool) -> Self {
+        let Modes { lambdas, y: right, lower: left, .. } = modes;
         let is_there = |lambda: Complex<f64>| [!is_near(lambda), lambda.im > 0.0 && !is_near(lambda.conj())];
         let listed: Vec<usize> = (0..lambdas.len()).filter(|&j| is_there(lambdas[j]).contains(&true)).collect();
         let (q, k) = (listed.len(), left.ncols());

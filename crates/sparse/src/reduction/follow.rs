@@ -15,7 +15,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::anchor::Anchor;
+use super::anchor::{Anchor, NearModes};
 use super::far::Weights;
 use super::full::outside;
 use super::mixing::{Mixing, Parts};
@@ -37,6 +37,8 @@ const OUTSIDE: f64 = 30.0;
 /// Largest distance of a mode from its start, as a part of the margin. Chosen; of 6,000 analyses of cases/disc-pad and of one with a
 /// narrow band the modes that this leaves are those of whole spectra.
 const LARGEST_MOVE: f64 = 0.5;
+/// What of an eigenvalue may be of second order at its start, as a part of the margin; chosen.
+const SECOND_ORDER: f64 = 0.1;
 /// Distance of two eigenvalues, relative to their size, up to which they may be one.
 const ONE_EIGENVALUE: f64 = 1e-7;
 /// Cosine of two shapes above which they are one.
@@ -87,10 +89,8 @@ pub(super) fn follow(
     size: impl Fn(Complex<f64>) -> f64,
     goal: &Goal<'_>,
 ) -> Result<Result<Followed, Doubt>, SparseError> {
-    let Ok(near) = anchor.near.modes(point) else { return Ok(Err(Doubt::NoStart)) };
+    let Some((near, own)) = start(anchor, point, goal) else { return Ok(Err(Doubt::NoStart)) };
     let (k, p, q) = (system.order() as u64, near.lambdas.len() as u64, anchor.far.count() as u64);
-    let own: Vec<usize> =
-        (0..near.lambdas.len()).filter(|&j| outside(goal.rectangle, near.lambdas[j]) <= goal.margin).collect();
     let mut lambdas: Vec<_> = own.iter().map(|&j| near.lambdas[j]).collect();
     let mut shapes = split::selected(&near.right, &own);
     let (order, lengths) = (system.order(), split::norms(&shapes));
@@ -98,7 +98,8 @@ pub(super) fn follow(
     let mut active: Vec<usize> = (0..own.len()).collect();
     // Internal states move modes by small steps and far: of these all must converge.
     let has_states = system.states() > 0;
-    let (mut last_steps, mut residuals) = (vec![f64::INFINITY; own.len()], vec![f64::INFINITY; own.len()]);
+    let mut last_steps: Vec<f64> = own.iter().map(|&j| near.moved[j]).collect();
+    let mut residuals = vec![f64::INFINITY; own.len()];
     let mut mixings: Vec<Mixing> = own.iter().map(|_| Mixing::default()).collect();
     let (mut corrections, mut multiply_adds) = (0, 8 * k * p * p + 40 * p * p * p);
     for _ in 0..=MOST_CORRECTIONS {
@@ -164,7 +165,9 @@ pub(super) fn follow(
         return Ok(Err(Doubt::NotConverged));
     }
     let inside: Vec<usize> = (0..own.len()).filter(|&j| goal.rectangle.contains(lambdas[j], 0.0)).collect();
-    if inside.iter().any(|&j| (lambdas[j] - near.lambdas[own[j]]).norm() > LARGEST_MOVE * goal.margin) {
+    let of_second_order = |j: usize| if near.moved[own[j]].is_finite() { near.moved[own[j]] } else { 0.0 };
+    let move_of = |j: usize| (lambdas[j] - near.lambdas[own[j]]).norm() + of_second_order(j);
+    if inside.iter().any(|&j| move_of(j) > LARGEST_MOVE * goal.margin) {
         return Ok(Err(Doubt::Moved));
     }
     let (lambdas, shapes): (Vec<_>, _) =
@@ -174,6 +177,19 @@ pub(super) fn follow(
         return Ok(Err(Doubt::Merged));
     }
     Ok(Ok(Followed { lambdas, shapes, residuals, corrections, multiply_adds }))
+}
+
+/// The near modes at a point, and which of them are followed: to second order, where that is small, and else to first order.
+fn start(anchor: &Anchor, point: &OperatingPoint, goal: &Goal<'_>) -> Option<(NearModes, Vec<usize>)> {
+    let with = |is_second: bool| {
+        let near = anchor.modes(point, is_second).ok()?;
+        let is_own = |&j: &usize| outside(goal.rectangle, near.lambdas[j]) <= goal.margin;
+        let own: Vec<usize> = (0..near.lambdas.len()).filter(is_own).collect();
+        Some((near, own))
+    };
+    let is_large = |near: &NearModes, j: usize| near.moved[j].is_finite() && near.moved[j] > SECOND_ORDER * goal.margin;
+    let is_small = |(near, own): &(NearModes, Vec<usize>)| !own.iter().any(|&j| is_large(near, j));
+    with(true).filter(is_small).or_else(|| with(false))
 }
 
 fn put(weights: &mut DMatrix<f64>, rows: (usize, usize), vector: usize, values: [Complex<f64>; 2]) {

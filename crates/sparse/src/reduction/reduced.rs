@@ -5,7 +5,8 @@ use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::anchor::Anchor;
+use super::anchor::{Anchor, middle};
+use super::directions::Directions;
 use super::follow::{Doubt, Goal, comes_near, follow};
 use super::full::largest;
 use super::residual::{ResidualAt, ResidualForm, Truncation, reduced_residual};
@@ -22,6 +23,8 @@ pub struct Reduced {
     rectangle: Rectangle,
     form: ResidualForm,
     anchors: Vec<Anchor>,
+    /// Those in which the first anchors differ.
+    directions: Directions,
     options: Options,
 }
 
@@ -72,7 +75,9 @@ impl Reduced {
         anchors.iter().try_for_each(|point| reduced.check(point))?;
         let truncation = Truncation { points: anchors, largest: largest(&rectangle), floor: options.residual_floor };
         let form = ResidualForm::new(system, &basis, &truncation)?;
-        let mut out = Self { system: reduced, basis, rectangle, form, anchors: Vec::new(), options: options.clone() };
+        let directions = Directions::new(anchors, middle(&rectangle));
+        let (options, none) = (options.clone(), Vec::new());
+        let mut out = Self { system: reduced, basis, rectangle, form, anchors: none, directions, options };
         anchors.iter().try_for_each(|point| out.add_anchor(point))?;
         Ok(out)
     }
@@ -82,7 +87,8 @@ impl Reduced {
     /// # Errors
     /// A point of another system, a reduced mass matrix that is singular.
     pub fn add_anchor(&mut self, point: &OperatingPoint) -> Result<(), SparseError> {
-        self.anchors.push(Anchor::new(&self.system, point, &self.rectangle, self.margin())?);
+        let anchor = Anchor::new(&self.system, point, &self.rectangle, self.margin(), &self.directions)?;
+        self.anchors.push(anchor);
         Ok(())
     }
 

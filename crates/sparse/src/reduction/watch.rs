@@ -9,6 +9,7 @@ use num_complex::Complex;
 
 use super::dense;
 use super::full::outside;
+use super::response::Modes;
 use crate::Rectangle;
 
 /// Eigenvalues at an anchor, and what each is moved by.
@@ -23,21 +24,9 @@ pub(super) struct Watch {
     middle: Complex<f64>,
 }
 
-/// Right vectors `[y; velocity]` as columns and the lower parts of left vectors as rows, in the scale of an anchor.
-pub(super) struct Vectors {
-    pub y: DMatrix<Complex<f64>>,
-    pub velocity: DMatrix<Complex<f64>>,
-    pub lower: DMatrix<Complex<f64>>,
-}
-
 impl Watch {
-    pub fn new(
-        system: &AffineSystem,
-        lambdas: Vec<Complex<f64>>,
-        Vectors { y, velocity, lower }: &Vectors,
-        gamma: f64,
-        middle: Complex<f64>,
-    ) -> Self {
+    pub fn new(system: &AffineSystem, modes: &Modes, gamma: f64, middle: Complex<f64>) -> Self {
+        let Modes { lambdas, y, velocity, lower } = modes;
         let wide = |a: &DMatrix<f64>| a.map(Complex::from);
         let along = |a: &DMatrix<f64>, right: &DMatrix<Complex<f64>>| -> Vec<Complex<f64>> {
             if a.iter().all(|&entry| entry == 0.0) {
@@ -60,7 +49,7 @@ impl Watch {
             [by(1.0 / gamma, &moved[0]), by(1.0, &moved[1])]
         });
         let (terms, channels) = (terms.collect(), channels.collect());
-        Self { lambdas, terms, channels, middle }
+        Self { lambdas: lambdas.clone(), terms, channels, middle }
     }
 
     /// Whether one of the modes is predicted within `margin` of the rectangle at another point.
