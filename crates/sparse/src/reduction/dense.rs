@@ -24,6 +24,15 @@ fn check<T: ComplexField<RealField = f64>>(matrix: &DMatrix<T>, what: &'static s
     if matrix.iter().all(ComplexField::is_finite) { Ok(()) } else { Err(SparseError::Decomposition { what }) }
 }
 
+/// Ends the use of wide vector registers. The kernels of `faer` leave their upper halves full, and while they are, code that is compiled for any
+/// x86-64 takes several times as long.
+fn end_wide() {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        simd.avx._mm256_zeroupper();
+    }
+}
+
 /// `A B`; the kernels of nalgebra take a fifth to a half longer.
 pub(super) fn product<T: faer::traits::ComplexField + nalgebra::Scalar>(a: &DMatrix<T>, b: &DMatrix<T>) -> DMatrix<T> {
     let mut out = DMatrix::from_element(a.nrows(), b.ncols(), T::zero_impl());
@@ -41,6 +50,7 @@ pub(super) fn add_product<T: faer::traits::ComplexField + nalgebra::Scalar>(
     let (rows, columns) = out.shape();
     let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
     matmul(to, Accum::Add, view(a), view(b), factor, Par::Seq);
+    end_wide();
 }
 
 /// The left singular vectors and the singular values, descending, of a matrix A with more rows than columns. One with many
@@ -80,7 +90,9 @@ pub(super) fn unpivoted_r(a: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError>
 pub(super) fn eigen_real(a: &DMatrix<f64>) -> Result<Eigen, SparseError> {
     let what = "eigenvalues of a reduced system";
     check(a, what)?;
-    let eigen = view(a).eigen().map_err(|_| SparseError::Decomposition { what })?;
+    let eigen = view(a).eigen();
+    end_wide();
+    let eigen = eigen.map_err(|_| SparseError::Decomposition { what })?;
     Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
 }
 
@@ -88,7 +100,9 @@ pub(super) fn eigen_real(a: &DMatrix<f64>) -> Result<Eigen, SparseError> {
 pub(super) fn eigen_complex(a: &DMatrix<Complex<f64>>) -> Result<Eigen, SparseError> {
     let what = "eigenvalues of a projected system";
     check(a, what)?;
-    let eigen = view(a).eigen().map_err(|_| SparseError::Decomposition { what })?;
+    let eigen = view(a).eigen();
+    end_wide();
+    let eigen = eigen.map_err(|_| SparseError::Decomposition { what })?;
     Ok((eigen.S().column_vector().iter().copied().collect(), owned(eigen.U())))
 }
 
@@ -104,7 +118,9 @@ impl Factored {
     pub fn solve(&self, b: &DVector<Complex<f64>>) -> Result<DVector<Complex<f64>>, SparseError> {
         use faer::prelude::Solve;
         let b = MatRef::from_column_major_slice(b.as_slice(), b.len(), 1);
-        let solution = owned(self.0.solve(b).as_ref());
+        let solution = self.0.solve(b);
+        end_wide();
+        let solution = owned(solution.as_ref());
         check(&solution, "vectors of a reduced system")?;
         Ok(solution.column(0).into_owned())
     }
@@ -113,7 +129,9 @@ impl Factored {
 /// `A^-1 B` of real matrices.
 pub(super) fn solve_real(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
     use faer::prelude::Solve;
-    let solution = owned(view(a).partial_piv_lu().solve(view(b)).as_ref());
+    let solution = view(a).partial_piv_lu().solve(view(b));
+    end_wide();
+    let solution = owned(solution.as_ref());
     check(&solution, "mass matrix of a reduced system, inverted,")?;
     Ok(solution)
 }
@@ -124,7 +142,9 @@ pub(super) fn solve(
     b: &DMatrix<Complex<f64>>,
 ) -> Result<DMatrix<Complex<f64>>, SparseError> {
     use faer::prelude::Solve;
-    let solution = owned(view(a).partial_piv_lu().solve(view(b)).as_ref());
+    let solution = view(a).partial_piv_lu().solve(view(b));
+    end_wide();
+    let solution = owned(solution.as_ref());
     check(&solution, "vectors of a reduced system")?;
     Ok(solution)
 }
