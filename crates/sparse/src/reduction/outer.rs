@@ -45,7 +45,7 @@ impl OuterRows {
         Self { count: self.count, terms: vec![sums], force: self.force.clone() }
     }
 
-    /// `W^T Q(lambda_j) V y_j`, with `V^T b_i` and `V^T r_i` of each channel, from term to term: an operating point's own matrices would cost more than the few products.
+    /// `W^T Q(lambda_j) V y_j`, with `V^T b_i` and `V^T r_i` of each channel.
     pub fn of(
         &self,
         channels: &[[DVector<f64>; 2]],
@@ -53,13 +53,7 @@ impl OuterRows {
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,
     ) -> DMatrix<f64> {
-        let mut sums = [(); 3].map(|()| split::zeros(self.count, lambdas.len()));
-        for (term, &theta) in self.terms.iter().zip(&point.coefficients).filter(|(_, theta)| **theta != 0.0) {
-            for (sum, part) in sums.iter_mut().zip(term).filter(|(_, part)| part.nrows() > 0) {
-                dense::add_product(sum, theta, part, y);
-            }
-        }
-        let [inertia, damping, stiffness] = sums;
+        let [inertia, damping, stiffness] = [0, 1, 2].map(|power| self.product(power, &point.coefficients, y));
         let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
         for ((out, [force, reading]), gain) in self.force.iter().zip(channels).zip(&point.channels) {
             if *gain == ChannelGain::default() {
@@ -74,6 +68,23 @@ impl OuterRows {
             }
         }
         outer
+    }
+
+    /// What of the products of the vectors comes from M, C or K. Their matrices are summed first: there are more vectors than terms.
+    fn product(&self, power: usize, coefficients: &[f64], y: &DMatrix<f64>) -> DMatrix<f64> {
+        let parts = self.terms.iter().map(|term| &term[power]).zip(coefficients);
+        let mut parts = parts.filter(|(part, theta)| part.nrows() > 0 && **theta != 0.0);
+        let mut product = DMatrix::zeros(self.count, y.ncols());
+        let Some((first, &theta)) = parts.next() else { return product };
+        let mut rest = parts.peekable();
+        if rest.peek().is_none() {
+            dense::add_product(&mut product, theta, first, y);
+            return product;
+        }
+        let mut sum = first * theta;
+        rest.for_each(|(part, &theta)| sum.zip_apply(part, |sum, value| *sum += theta * value));
+        dense::add_product(&mut product, 1.0, &sum, y);
+        product
     }
 }
 
