@@ -44,8 +44,8 @@ pub(super) struct Near {
     pub left: DMatrix<f64>,
     /// i omega in the middle of the band, for which internal states are slopes.
     middle: Complex<f64>,
-    /// What of `W^H A Z` and `W^H B Z` does not depend on the point.
-    constant: [Square; 2],
+    /// `W^H A Z` at the anchor, where `W^H B Z` is the identity: its eigenvalues, and what internal states are more than springs and dashpots.
+    here: Square,
     /// What each term adds per unit of its coefficient; no matrix B where its M is zero.
     terms: Vec<(Square, Option<Square>)>,
     /// What each channel adds to `W^H A Z` per unit of mu, and per unit of its slope.
@@ -87,14 +87,14 @@ impl Anchor {
         let others: Vec<usize> = (0..all.len()).filter(|&j| !near_one(all[j])).collect();
         let modes = selected(&state_modes, &near);
         let responses = Responses::new(&changes, &modes, &selected(&state_modes, &others), gamma);
-        let near = Near::new(system, rectangle, &modes, &state_modes.upper.select_rows(&near), responses);
+        let near = Near::new(system, point, rectangle, &modes, responses);
         Ok(Self { point: point.clone(), gamma, far, watch, near, directions: directions.clone() })
     }
 
     /// The near modes at a point, to second order in what changes where `is_second`.
     pub fn modes(&self, point: &OperatingPoint, is_second: bool) -> Result<NearModes, SparseError> {
         let along = is_second.then(|| self.directions.between([&self.point, point])).flatten();
-        self.near.modes(point, along.as_deref())
+        self.near.modes([&self.point, point], along.as_deref())
     }
 
     /// How far a point is: the changes of the coefficients, each times what it moves the near modes by, rad/s.
@@ -140,9 +140,15 @@ fn without_states(system: &AffineSystem, values: &[f64], at: Complex<f64>) -> Re
 }
 
 impl Near {
-    fn new(system: &AffineSystem, rectangle: &Rectangle, modes: &Modes, upper: &Square, responses: Responses) -> Self {
-        let gamma = largest(rectangle);
-        let Modes { y, velocity, lower, .. } = modes;
+    fn new(
+        system: &AffineSystem,
+        point: &OperatingPoint,
+        rectangle: &Rectangle,
+        modes: &Modes,
+        responses: Responses,
+    ) -> Self {
+        let (gamma, middle) = (largest(rectangle), middle(rectangle));
+        let Modes { lambdas, y, velocity, lower } = modes;
         let wide = |a: &DMatrix<f64>| a.map(Complex::from);
         let (inverse, minus) = (Complex::from(-1.0 / gamma), Complex::from(-1.0));
         let is_zero = |a: &DMatrix<f64>| a.iter().all(|&x| x == 0.0);
@@ -158,11 +164,21 @@ impl Near {
             [&left * (r * y) * inverse, &left * (b.transpose() * velocity) * minus]
         });
         let (terms, channels): (Vec<_>, Vec<[Square; 2]>) = (terms.collect(), channels.collect());
+        // The modes are those with springs and dashpots; see `without_states`.
+        let mut here = Square::from_diagonal(&lambdas.clone().into());
+        for (at, [_, slope]) in channels.iter().enumerate() {
+            let of_states = point.channels[at].complex_slope(middle).im;
+            if of_states != 0.0 {
+                let b = force.columns(at, 1);
+                let spring = lower * b * (b.transpose() * y) * inverse * Complex::from(-middle.im * of_states);
+                here += slope * Complex::new(0.0, of_states) - spring;
+            }
+        }
         Self {
             right: split::from_columns(y),
-            left: stacked(lower),
-            middle: middle(rectangle),
-            constant: [upper * velocity * Complex::from(gamma), upper * y],
+            left: split::stacked(lower),
+            middle,
+            here,
             of_terms: terms.iter().map(|(a, _): &(Square, _)| a.norm()).collect(),
             of_channels: channels.iter().map(|[friction, slope]| [friction.norm(), slope.norm()]).collect(),
             terms,
@@ -171,24 +187,26 @@ impl Near {
         }
     }
 
-    /// The modes of `W^H A Z c = lambda W^H B Z c` at a point: the near modes where the others do not take part, and internal states
+    /// The modes of `W^H A Z c = lambda W^H B Z c` at a point, from the anchor's: the near modes where the others do not take part, and internal states
     /// are the complex slopes that they are in the middle of the band. With how far a point is `along` each direction the others take part to
     /// second order.
-    fn modes(&self, point: &OperatingPoint, along: Option<&[f64]>) -> Result<NearModes, SparseError> {
-        let [mut a, mut b] = self.constant.clone();
+    fn modes(&self, [from, to]: [&OperatingPoint; 2], along: Option<&[f64]>) -> Result<NearModes, SparseError> {
+        let size = self.here.nrows();
+        let (mut a, mut b) = (self.here.clone(), None);
         let add = |sum: &mut Square, part: &Square, factor: Complex<f64>| {
             sum.zip_apply(part, |sum, value| *sum += value * factor);
         };
-        for ((stiffness, mass), &theta) in
-            self.terms.iter().zip(&point.coefficients).filter(|(_, theta)| **theta != 0.0)
-        {
-            add(&mut a, stiffness, theta.into());
+        let terms = self.terms.iter().zip(from.coefficients.iter().zip(&to.coefficients));
+        for ((stiffness, mass), (from, to)) in terms.filter(|(_, (from, to))| from != to) {
+            add(&mut a, stiffness, (to - from).into());
             if let Some(mass) = mass {
-                add(&mut b, mass, theta.into());
+                let b = b.get_or_insert_with(|| DMatrix::identity(size, size));
+                add(b, mass, (to - from).into());
             }
         }
-        for ([friction, slope], gain) in self.channels.iter().zip(&point.channels) {
-            for (part, factor) in [(friction, gain.mu.into()), (slope, gain.complex_slope(self.middle))] {
+        for ([friction, slope], (from, to)) in self.channels.iter().zip(from.channels.iter().zip(&to.channels)) {
+            let slopes = to.complex_slope(self.middle) - from.complex_slope(self.middle);
+            for (part, factor) in [(friction, (to.mu - from.mu).into()), (slope, slopes)] {
                 if factor != Complex::default() {
                     add(&mut a, part, factor);
                 }
@@ -198,24 +216,31 @@ impl Near {
         if let Some(second) = &second {
             a.zip_apply(second, |sum, value| *sum += Complex::new(f64::from(value.re), f64::from(value.im)));
         }
-        let (lambdas, x) = dense::eigen_complex(&dense::solve(&b, &a)?)?;
-        let left = dense::solve(&dense::product(&b, &x), &DMatrix::identity(x.nrows(), x.ncols()))?;
+        let (lambdas, x) = match &b {
+            Some(b) => dense::eigen_complex(&dense::solve(b, &a)?)?,
+            None => dense::eigen_complex(&a)?,
+        };
+        let images = b.map_or_else(|| x.clone(), |b| dense::product(&b, &x));
+        let left = dense::solve(&images, &DMatrix::identity(size, size))?;
         let moved = second.map_or(vec![f64::INFINITY; lambdas.len()], |second| {
             let images =
                 dense::product(&second.map(|value| Complex::new(f64::from(value.re), f64::from(value.im))), &x);
             left.row_iter().zip(images.column_iter()).map(|(left, image)| (left * image)[0].norm()).collect()
         });
-        let mut right = self.right.clone();
-        if let Some(response) = along.and_then(|along| self.responses.shapes(along)) {
-            right.zip_apply(&response, |sum, value| *sum += f64::from(value));
+        let (mut vectors, mut covectors) = (self.right.clone(), self.left.clone());
+        for (sum, response) in [
+            (&mut vectors, along.and_then(|along| self.responses.shapes(along))),
+            (&mut covectors, along.and_then(|along| self.responses.left(along))),
+        ] {
+            response.iter().for_each(|response| sum.zip_apply(response, |sum, value| *sum += f64::from(value)));
         }
         let [re, im] = [x.map(|x| x.re), x.map(|x| x.im)];
         let [left_re, left_im] = [left.map(|x| x.re), left.map(|x| x.im)];
         Ok(NearModes {
             lambdas,
             moved,
-            right: dense::product(&right, &blocks([&re, &im], [&-&im, &re])),
-            left: dense::product(&blocks([&left_re, &-&left_im], [&left_im, &left_re]), &self.left),
+            right: dense::product(&vectors, &blocks([&re, &im], [&-&im, &re])),
+            left: dense::product(&blocks([&left_re, &-&left_im], [&left_im, &left_re]), &covectors),
         })
     }
 }
@@ -242,10 +267,4 @@ fn blocks(upper: [&DMatrix<f64>; 2], lower: [&DMatrix<f64>; 2]) -> DMatrix<f64> 
         }
     }
     out
-}
-
-/// Real parts above imaginary ones.
-fn stacked(rows: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-    let (count, columns) = rows.shape();
-    DMatrix::from_fn(2 * count, columns, |i, j| if i < count { rows[(i, j)].re } else { rows[(i - count, j)].im })
 }

@@ -89,15 +89,15 @@ pub(super) fn follow(
     size: impl Fn(Complex<f64>) -> f64,
     goal: &Goal<'_>,
 ) -> Result<Result<Followed, Doubt>, SparseError> {
-    let Some((near, own)) = start(anchor, point, goal) else { return Ok(Err(Doubt::NoStart)) };
+    // Internal states move modes by small steps and far: of these all must converge.
+    let has_states = system.states() > 0;
+    let Some((near, own)) = start(anchor, point, goal, has_states) else { return Ok(Err(Doubt::NoStart)) };
     let (k, p, q) = (system.order() as u64, near.lambdas.len() as u64, anchor.far.count() as u64);
     let mut lambdas: Vec<_> = own.iter().map(|&j| near.lambdas[j]).collect();
     let mut shapes = split::selected(&near.right, &own);
     let (order, lengths) = (system.order(), split::norms(&shapes));
-    let mut weights: Vec<Weights> = lambdas.iter().map(|&lambda| anchor.far.weights(lambda)).collect();
+    let mut weights: Vec<Option<Weights>> = own.iter().map(|_| None).collect();
     let mut active: Vec<usize> = (0..own.len()).collect();
-    // Internal states move modes by small steps and far: of these all must converge.
-    let has_states = system.states() > 0;
     let mut last_steps: Vec<f64> = own.iter().map(|&j| near.moved[j]).collect();
     let mut residuals = vec![f64::INFINITY; own.len()];
     let mut mixings: Vec<Mixing> = own.iter().map(|_| Mixing::default()).collect();
@@ -136,11 +136,10 @@ pub(super) fn follow(
         }
         for &place in &open {
             let weights = &mut weights[active[place]];
-            if (weights.lambda - at[place]).norm() > WEIGHTS_KEPT * goal.margin {
-                *weights = anchor.far.weights(at[place]);
-            }
+            weights.take_if(|known| (known.lambda - at[place]).norm() > WEIGHTS_KEPT * goal.margin);
+            weights.get_or_insert_with(|| anchor.far.weights(at[place]));
         }
-        let of_open: Vec<&Weights> = open.iter().map(|&place| &weights[active[place]]).collect();
+        let of_open: Vec<&Weights> = open.iter().filter_map(|&place| weights[active[place]].as_ref()).collect();
         let change =
             anchor.far.apply(&split::selected(&residual, &open), &of_open) + dense::product(&near.right, &near_weights);
         multiply_adds += (8 * k * q + 4 * k * p) * open.len() as u64;
@@ -180,7 +179,12 @@ pub(super) fn follow(
 }
 
 /// The near modes at a point, and which of them are followed: to second order, where that is small, and else to first order.
-fn start(anchor: &Anchor, point: &OperatingPoint, goal: &Goal<'_>) -> Option<(NearModes, Vec<usize>)> {
+fn start(
+    anchor: &Anchor,
+    point: &OperatingPoint,
+    goal: &Goal<'_>,
+    has_states: bool,
+) -> Option<(NearModes, Vec<usize>)> {
     let with = |is_second: bool| {
         let near = anchor.modes(point, is_second).ok()?;
         let is_own = |&j: &usize| outside(goal.rectangle, near.lambdas[j]) <= goal.margin;
@@ -189,7 +193,8 @@ fn start(anchor: &Anchor, point: &OperatingPoint, goal: &Goal<'_>) -> Option<(Ne
     };
     let is_large = |near: &NearModes, j: usize| near.moved[j].is_finite() && near.moved[j] > SECOND_ORDER * goal.margin;
     let is_small = |(near, own): &(NearModes, Vec<usize>)| !own.iter().any(|&j| is_large(near, j));
-    with(true).filter(is_small).or_else(|| with(false))
+    // What internal states do away from the middle of the band is no smaller than what is of second order.
+    if has_states { with(false) } else { with(true).filter(is_small).or_else(|| with(false)) }
 }
 
 fn put(weights: &mut DMatrix<f64>, rows: (usize, usize), vector: usize, values: [Complex<f64>; 2]) {

@@ -1,5 +1,5 @@
-//! What the other modes of an anchor do to its near modes when coefficients change: near vectors to first order, and with these the matrix
-//! between near modes to second order.
+//! What the other modes of an anchor do to its near modes when coefficients change: right and left near vectors to first order, and with these the
+//! matrix between near modes to second order.
 //!
 //! With near modes N and others F, `A Z = Z Lambda` at the anchor and a change D of `A - lambda B`, vectors are `Z_N + Z_F P` with
 //! `P_fj = (W_F^H D Z_N)_fj / (lambda_j - lambda_f)`, and the matrix between near modes gains `W_N^H D Z_F P`. A start to this order
@@ -24,6 +24,8 @@ pub(super) struct Modes {
 pub(super) struct Responses {
     /// Of each change, what it adds to the shapes of the near modes, split, k x 2 p.
     shapes: Vec<DMatrix<f32>>,
+    /// Of each change, what it adds to the left vectors, real parts above imaginary ones, 2 p x k.
+    left: Vec<DMatrix<f32>>,
     /// Of each pair of changes (0, 0), (1, 0), (1, 1), (2, 0) and so on, what it adds to the matrix between near modes, p x p.
     pairs: Vec<DMatrix<Complex<f32>>>,
 }
@@ -60,12 +62,36 @@ impl Responses {
                 pairs.push(pair.map(|value| Complex::new(-value.re as f32, -value.im as f32)));
             }
         }
-        Self { shapes: moved.iter().map(|[y, _]| split::from_columns(y).map(|value| value as f32)).collect(), pairs }
+        // Of left vectors the same from the other side: `(W_N^H D Z_F)_if / (lambda_i - lambda_f) W_F^H`.
+        let left = changes.iter().map(|[m, c, k]| {
+            let mut fast = dense::product(&near.lower, m);
+            for (mut row, lambda) in fast.row_iter_mut().zip(&near.lambdas) {
+                row *= *lambda;
+            }
+            let slow = dense::product(&near.lower, c) + fast;
+            let mut parts = dense::product(&dense::product(&near.lower, k), &other.y) / Complex::from(gamma)
+                + dense::product(&slow, &other.velocity);
+            for (mut row, lambda) in parts.row_iter_mut().zip(&near.lambdas) {
+                row.iter_mut().zip(&other.lambdas).for_each(|(part, other)| *part /= other - lambda);
+            }
+            split::stacked(&dense::product(&parts, &other.lower)).map(|value| value as f32)
+        });
+        let left = left.collect();
+        Self {
+            left,
+            shapes: moved.iter().map(|[y, _]| split::from_columns(y).map(|value| value as f32)).collect(),
+            pairs,
+        }
     }
 
     /// What a change adds to the shapes of the near modes, split, k x 2 p.
     pub fn shapes(&self, along: &[f64]) -> Option<DMatrix<f32>> {
         sum(self.shapes.iter().zip(along.iter().map(|&along| along as f32)), |value, factor| value * factor)
+    }
+
+    /// What a change adds to the left vectors, real parts above imaginary ones, 2 p x k.
+    pub fn left(&self, along: &[f64]) -> Option<DMatrix<f32>> {
+        sum(self.left.iter().zip(along.iter().map(|&along| along as f32)), |value, factor| value * factor)
     }
 
     /// What a change adds to the matrix between near modes, p x p.

@@ -21,6 +21,12 @@ pub(super) fn from_columns(columns: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
     out
 }
 
+/// The rows of a complex matrix, real parts above imaginary ones.
+pub(super) fn stacked(rows: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+    let (count, columns) = rows.shape();
+    DMatrix::from_fn(2 * count, columns, |i, j| if i < count { rows[(i, j)].re } else { rows[(i - count, j)].im })
+}
+
 /// The number of vectors.
 pub(super) fn count(split: &DMatrix<f64>) -> usize {
     split.ncols() / 2

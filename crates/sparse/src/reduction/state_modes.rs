@@ -19,8 +19,7 @@ pub(super) struct StateModes {
     /// The parts of right vectors, k x 2 k.
     pub y: DMatrix<Complex<f64>>,
     pub velocity: DMatrix<Complex<f64>>,
-    /// The parts of left vectors as rows, 2 k x k.
-    pub upper: DMatrix<Complex<f64>>,
+    /// The lower parts of left vectors as rows, 2 k x k.
     pub lower: DMatrix<Complex<f64>>,
 }
 
@@ -38,12 +37,6 @@ impl StateModes {
         // W^H = Z^-1 B^-1: the lower part times M^-1 from the right.
         let mass = m.map(Complex::from).transpose();
         let lower = dense::solve(&mass, &inverse.columns(order, order).transpose())?.transpose();
-        Ok(Self {
-            lambdas,
-            y: z.rows(0, order).into_owned(),
-            velocity: z.rows(order, order).into_owned(),
-            upper: inverse.columns(0, order).into_owned(),
-            lower,
-        })
+        Ok(Self { lambdas, y: z.rows(0, order).into_owned(), velocity: z.rows(order, order).into_owned(), lower })
     }
 }
