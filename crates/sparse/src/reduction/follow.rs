@@ -1,7 +1,8 @@
 //! The wanted modes of a reduced system at an operating point, from an anchor.
 //!
 //! First the near modes of the anchor alone make a small eigenvalue problem (rank p), which tells modes of almost one frequency
-//! apart and is exact where the other modes of the anchor take no part. Then each pair (lambda, y) is corrected by
+//! apart and is exact where the other modes of the anchor take no part; what those do it holds to second order (`response.rs`), where that
+//! is small and there are no internal states. Then each pair (lambda, y) is corrected by
 //! `dy = -Q^-1 Q(lambda) y` with an inverse made of the near modes here and the other modes of the anchor (Newton's method
 //! with an approximate derivative). What converges is a mode of the system at this point, whatever the anchor was like, because
 //! the residual is that of the system.
@@ -98,6 +99,7 @@ pub(super) fn follow(
     let (order, lengths) = (system.order(), split::norms(&shapes));
     let mut weights: Vec<Option<Weights>> = own.iter().map(|_| None).collect();
     let mut active: Vec<usize> = (0..own.len()).collect();
+    // At the start the last change is what is of second order.
     let mut last_steps: Vec<f64> = own.iter().map(|&j| near.moved[j]).collect();
     let mut residuals = vec![f64::INFINITY; own.len()];
     let mut mixings: Vec<Mixing> = own.iter().map(|_| Mixing::default()).collect();
