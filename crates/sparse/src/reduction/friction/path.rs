@@ -12,7 +12,7 @@ use super::rows::Rows;
 
 /// Most rounds, and the relative size of what the last one misses; chosen: what is left after its step is of the order of the square.
 const MOST_ROUNDS: usize = 6;
-const CONVERGED: f64 = 1e-5;
+const CONVERGED: f64 = 5e-5;
 /// Steps of inverse iteration from a vector that is not known, and from one that is nearly right; chosen.
 const STEPS_FROM_ANY: usize = 4;
 const STEPS: usize = 2;
