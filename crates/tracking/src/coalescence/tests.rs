@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::continuation::continue_modes;
-use crate::{PathEnd, PathStart};
-use cea::{EigenSolver, Feedback, Gain, GainPath, Mode, Modes, QrSolver, Secular};
+use crate::{OwnedPath, PathEnd, PathStart};
+use cea::{EigenSolver, Feedback, Gain, GainPath, Mode, Modes, NewtonStep, QrSolver, Secular};
 use linsys::SecondOrder;
-use nalgebra::{DMatrix, dmatrix};
+use nalgebra::{DMatrix, DVector, dmatrix};
 use proptest::prelude::*;
 
 /// The square root of `(u - 1/2) + i aside` at u = 1, continued from the root near `i sqrt(1/2)` at u = 0.
@@ -87,6 +87,48 @@ fn modes_are_continued_past_a_coalescence_on_either_side() {
     }
     // Which of the two modes becomes the growing one depends on which is damped more.
     assert_eq!(ends, [ends[0], !ends[0], ends[0], !ends[0]]);
+}
+
+/// A path that is evaluated by all modes of its systems and by determinants.
+#[derive(Debug)]
+struct BySpectra<'a>(Path<'a>);
+
+impl BySpectra<'_> {
+    fn nearest(&self, t: f64, lambda: Complex<f64>) -> Option<Mode> {
+        let distance = |mode: &Mode| (mode.lambda - lambda).norm();
+        modes(&self.0.system_at(t)).into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+impl OwnedPath for BySpectra<'_> {
+    fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)> {
+        let Mode { lambda, shape } = self.nearest(t, lambda)?;
+        let [behind, ahead] = [self.nearest(t - 1e-7, lambda)?, self.nearest(t + 1e-7, lambda)?];
+        Some((NewtonStep { lambda, rate: (ahead.lambda - behind.lambda) / 2e-7 }, shape))
+    }
+
+    fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
+        at.iter().map(|&(t, lambda)| self.0.system_at(t).dynamic_stiffness(lambda).determinant()).collect()
+    }
+}
+
+#[test]
+fn modes_on_a_path_of_its_owner_are_continued_past_a_coalescence_too() {
+    for more in [3e-3, -3e-3] {
+        let secular = brake(more);
+        let [from, to] = [1.5, 3.0].map(|mu| secular.system(&Gain { mu, ..Gain::default() }));
+        let (start, end) = (modes(&from), modes(&to));
+        let end = PathEnd { system: &to, modes: &end };
+        let by_systems = Path { start: PathStart::System(&from), start_modes: &start, end };
+        let owner = BySpectra(by_systems);
+        let path = Path { start: PathStart::Owned(&from, &owner), ..by_systems };
+        let mut work = Workspace::default();
+        let found = continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut work);
+        for (to, expected) in found.iter().zip(by_small_steps(by_systems)) {
+            let lambda = end.modes[to.unwrap()].lambda;
+            assert!((lambda - expected).norm() < 1e-9, "{more}: {lambda} {expected}");
+        }
+    }
 }
 
 proptest! {
