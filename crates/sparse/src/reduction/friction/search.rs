@@ -18,8 +18,9 @@ const COARSE_ERROR: f64 = 5e-4;
 /// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
 const GUESSED: f64 = 1e-5;
 const MOST_CORRECTIONS: usize = 20;
-/// Relative size of the last correction of an eigenvalue; chosen: below all residuals that are asked for.
-const CONVERGED: f64 = 1e-10;
+/// What the last round of an eigenvalue misses, relative to it; chosen: after its step nothing of it is left, and what it does to the shape is
+/// below all residuals that are asked for.
+const CONVERGED: f64 = 1e-8;
 const MOST_ROUNDS: usize = 12;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
@@ -173,30 +174,28 @@ impl Search<'_> {
     }
 }
 
-/// The last digits of a mode, by A next to its guess: the eigenvalue of A(lambda) next to lambda is to be lambda.
+/// The last digits of a mode, by A next to its guess: the eigenvalue of A(lambda) next to lambda is to be lambda, by Newton's method.
 fn finished(sample: Sample<'_>, (mode, guess): (usize, Complex<f64>), memory: &mut Memory) -> Result<Pair, Open> {
     let Memory { scratch, coarse, tangent, square, corrections, .. } = memory;
     tangent.clear();
     let mut vector = vec![Complex::default(); sample.ports.near()];
     vector[mode] = Complex::new(1.0, 0.0);
-    let (mut lambda, mut before) = (guess, None);
+    let mut at = guess;
     for _ in 0..MOST_ROUNDS {
-        tangent.value(sample, coarse, lambda, scratch, square);
-        let eigenvalue = eigenvalue::next_to(square, lambda, &mut vector, 2, &mut scratch.elimination);
-        let miss = eigenvalue - lambda;
+        tangent.value(sample, coarse, at, scratch, square);
+        let miss = eigenvalue::next_to(square, at, &mut vector, 2, &mut scratch.elimination) - at;
+        let left = eigenvalue::left(square, &vector, &scratch.elimination);
+        let lambda = at + miss / (1.0 - tangent.rate([&left, &vector]));
         *corrections += 1;
-        if !miss.is_finite() {
+        // The other: not the mode that was counted.
+        if !lambda.is_finite() || (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
             return Err(Open::NotConverged);
         }
-        if (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
-            // Not the mode that was counted.
-            return Err(Open::NotConverged);
+        if miss.norm() <= CONVERGED * at.norm() {
+            tangent.solved(at, &mut scratch.solved);
+            return Ok((lambda, coupling::shape(sample.ports, sample.own, at, &vector, &scratch.solved)));
         }
-        if miss.norm() <= CONVERGED * lambda.norm() {
-            tangent.solved(lambda, &mut scratch.solved);
-            return Ok((eigenvalue, coupling::shape(sample.ports, sample.own, lambda, &vector, &scratch.solved)));
-        }
-        lambda = eigenvalue::secant(before.replace((lambda, miss)), (lambda, miss));
+        at = lambda;
     }
     Err(Open::NotConverged)
 }

@@ -73,6 +73,12 @@ impl Tangent {
         combine(&[Complex::new(1.0, 0.0), lambda - from], &[&self.a[0], &self.a[1]], out);
     }
 
+    /// How fast an eigenvalue of A changes with lambda, from its left and its right vector: `y^H (dA / d lambda) x / y^H x`.
+    pub fn rate(&self, [y, x]: [&[Complex<f64>]; 2]) -> Complex<f64> {
+        let along: Complex<f64> = y.iter().zip(x).map(|(y, x)| y.conj() * x).sum();
+        y.iter().enumerate().map(|(row, y)| y.conj() * self.a[1].row_times(row, x)).sum::<Complex<f64>>() / along
+    }
+
     /// `T^-1 (D_mu R Y + D_s B^T Y)` at a number from the same line.
     pub fn solved(&self, lambda: Complex<f64>, out: &mut Rows) {
         let step = lambda - self.at.unwrap_or(lambda);
