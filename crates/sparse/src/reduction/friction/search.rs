@@ -6,7 +6,7 @@ use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
 use super::coupling::{self, Gains, Scratch, combine};
-use super::eigenvalue::{self, Missed};
+use super::eigenvalue;
 use super::ports::{COARSE, Ports};
 use super::real::cast;
 use super::rows::Rows;
@@ -142,7 +142,7 @@ impl Search<'_> {
             let mut next = Vec::with_capacity(open.len());
             for ((i, before), lacking) in open.into_iter().zip(lacking) {
                 let (here, miss) = (zeros[i], -lacking);
-                zeros[i] = eigenvalue::secant(before, (here, miss));
+                zeros[i] = secant(before, (here, miss));
                 let step = (zeros[i] - here).norm();
                 if !step.is_finite() {
                     return Err(Open::NotConverged);
@@ -198,4 +198,15 @@ fn finished(sample: Sample<'_>, (mode, guess): (usize, Complex<f64>), memory: &m
         at = lambda;
     }
     Err(Open::NotConverged)
+}
+
+/// A number, and what was missed there: how far it is from where it should be, as far as one can tell.
+type Missed = (Complex<f64>, Complex<f64>);
+
+/// The next number of the secant method, from the last two. The first step is what was missed.
+fn secant(before: Option<Missed>, (lambda, miss): Missed) -> Complex<f64> {
+    match before {
+        Some((there, missed)) if missed != miss => lambda - miss * (lambda - there) / (miss - missed),
+        _ => lambda + miss,
+    }
 }
