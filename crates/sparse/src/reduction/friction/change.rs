@@ -7,10 +7,9 @@
 //! dT = dD_mu R F B + dD_s B^T F B + D_mu R dF B + D_s B^T dF B
 //! ```
 
-use linsys::ChannelGain;
 use num_complex::Complex;
 
-use super::coupling::{Coupled, Scratch, combine, pull};
+use super::coupling::{Coupled, Gains, Scratch, combine};
 use super::ports::Table;
 use super::rows::Rows;
 
@@ -38,13 +37,8 @@ impl<'a> Seen<'a> {
         self.of(|port| self.driven(port, changes[port]))
     }
 
-    /// `y^H (dA / d lambda) x` at the lambda of A, where `gains` gives the gains of all ports at a number.
-    pub fn by_lambda(
-        &self,
-        table: &Table,
-        lambda: Complex<f64>,
-        gains: impl Fn(Complex<f64>) -> Vec<(f64, Complex<f64>)>,
-    ) -> Complex<f64> {
+    /// `y^H (dA / d lambda) x` at the lambda of A.
+    pub fn by_lambda(&self, table: &Table, lambda: Complex<f64>, gains: Gains<'_>) -> Complex<f64> {
         let m = self.forces.len();
         let (mut weights, mut smooth) = (Vec::new(), [Rows::zeros(m, m), Rows::zeros(m, m)]);
         table.slope_weights_at(lambda, &mut weights);
@@ -52,10 +46,9 @@ impl<'a> Seen<'a> {
             combine(&weights, &table.values.iter().map(|value| &value[part]).collect::<Vec<_>>(), smooth);
         }
         let step = lambda * Complex::new(0.0, STEP);
-        let beside = gains(lambda + step);
         self.of(|port| {
             let (mu, slope) = self.scratch.pulls[port];
-            let by_gains = self.driven(port, (0.0, (beside[port].1 - slope) / step));
+            let by_gains = self.driven(port, (0.0, (gains.at(port, lambda + step).1 - slope) / step));
             let [reading, velocity] = [&smooth[0], &smooth[1]].map(|smooth| smooth.row_times(port, &self.forces));
             by_gains - reading * mu - velocity * slope
         })
@@ -78,9 +71,4 @@ impl<'a> Seen<'a> {
         };
         self.y.iter().zip(self.own.force.chunks_exact(changed.len())).map(|(y, force)| y.conj() * row(force)).sum()
     }
-}
-
-/// The gains mu and `lambda s(lambda)` at a number.
-pub(super) fn pulls(gains: &[ChannelGain], lambda: Complex<f64>) -> Vec<(f64, Complex<f64>)> {
-    gains.iter().map(|gain| pull(gain, lambda)).collect()
 }

@@ -80,6 +80,14 @@ impl<'a> Gains<'a> {
         Self { from: gains, to: None }
     }
 
+    /// The gains mu and `lambda s(lambda)` of a port.
+    pub fn at(&self, port: usize, lambda: Complex<f64>) -> (f64, Complex<f64>) {
+        let (mu, slope) = pull(&self.from[port], lambda);
+        let Some((t, to)) = self.to else { return (mu, slope) };
+        let (other_mu, other_slope) = pull(&to[port], lambda);
+        (mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t)
+    }
+
     fn is_equal(&self, a: usize, b: usize) -> bool {
         self.from[a] == self.from[b] && self.to.is_none_or(|(_, to)| to[a] == to[b])
     }
@@ -172,26 +180,20 @@ pub(super) fn shape(
 }
 
 /// The gains mu and `lambda s(lambda)` of a port.
-pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> (f64, Complex<f64>) {
+fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> (f64, Complex<f64>) {
     (gain.mu, lambda * gain.complex_slope(lambda))
 }
 
 impl<T: Real> Scratch<T> {
     fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
-        let pull = |gain: &ChannelGain| pull(gain, lambda);
-        let narrow = |(mu, slope): (f64, Complex<f64>)| (T::of(mu), cast(slope));
-        let ports = gains.from.len();
         self.pulls.clear();
-        for port in 0..ports {
+        for port in 0..gains.from.len() {
             // Channels of one patch have equal gains.
-            let is_known = port > 0 && gains.is_equal(port - 1, port);
-            let next = match (is_known, gains.to) {
-                (true, _) => self.pulls[port - 1],
-                (false, None) => narrow(pull(&gains.from[port])),
-                (false, Some((t, to))) => {
-                    let [(mu, slope), (other_mu, other_slope)] = [&gains.from[port], &to[port]].map(pull);
-                    narrow((mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t))
-                }
+            let next = if port > 0 && gains.is_equal(port - 1, port) {
+                self.pulls[port - 1]
+            } else {
+                let (mu, slope) = gains.at(port, lambda);
+                (T::of(mu), cast(slope))
             };
             self.pulls.push(next);
         }

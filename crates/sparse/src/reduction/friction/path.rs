@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::FrictionModes;
-use super::change::{Seen, pulls};
+use super::change::Seen;
 use super::coupling::{self, Gains, Scratch};
 use super::eigenvalue;
 use super::rows::Rows;
@@ -64,8 +64,11 @@ impl FrictionPath<'_> {
 
     /// A at a place of the path.
     fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
-        let gains = Gains { from: &self.from, to: Some((t, &self.to)) };
-        coupling::at(&self.modes.own.double, &self.modes.ports.path, lambda, gains, scratch, out);
+        coupling::at(&self.modes.own.double, &self.modes.ports.path, lambda, self.gains(t), scratch, out);
+    }
+
+    fn gains(&self, t: f64) -> Gains<'_> {
+        Gains { from: &self.from, to: Some((t, &self.to)) }
     }
 
     /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where it is not finite.
@@ -93,19 +96,14 @@ impl FrictionPath<'_> {
         let y = eigenvalue::left(&a, &x, &scratch.elimination);
         let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
         let seen = Seen::new(&self.modes.own.double, &scratch, [&y, &x]);
-        let slope = along - seen.by_lambda(&ports.path, at, |lambda| self.pulls(t, lambda));
-        let [from, to] = [&self.from, &self.to].map(|gains| pulls(gains, at));
-        let changes: Vec<_> = from.iter().zip(&to).map(|(from, to)| (to.0 - from.0, to.1 - from.1)).collect();
+        let slope = along - seen.by_lambda(&ports.path, at, self.gains(t));
+        let change = |port: usize| {
+            let [(mu, slope), (to_mu, to_slope)] = [&self.from, &self.to].map(|gains| Gains::of(gains).at(port, at));
+            (to_mu - mu, to_slope - slope)
+        };
+        let changes: Vec<_> = (0..ports.count()).map(change).collect();
         let (lambda, rate) = (at + miss * along / slope, seen.by_gains(&changes) / slope);
         let shape = coupling::shape(ports, &self.modes.own, at, &x, &scratch.solved);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
-    }
-
-    /// The gains mu and `lambda s(lambda)` at a place of the path and a number.
-    fn pulls(&self, t: f64, lambda: Complex<f64>) -> Vec<(f64, Complex<f64>)> {
-        let [from, to] = [&self.from, &self.to].map(|gains| pulls(gains, lambda));
-        let mixed =
-            from.iter().zip(&to).map(|(from, to)| (from.0 * (1.0 - t) + to.0 * t, from.1 * (1.0 - t) + to.1 * t));
-        mixed.collect()
     }
 }
