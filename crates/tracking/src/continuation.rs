@@ -3,7 +3,8 @@
 //! Predictor: a parabola through the last point, with the derivatives at the last two points. Corrector: Newton's method, by
 //! the secular equation or by singular vectors ([`corrector`](crate::corrector)). A step is taken where the ratio of the
 //! predictor errors is small ([`step_control`](crate::step_control)) and the shape has hardly changed. A mode whose steps
-//! become too short is next to a coalescence: where the path has a characteristic function that costs little, it is continued together with the mode it coalesces with
+//! become too short is next to a coalescence: where the path has a characteristic function that costs little, it is continued
+//! together with the mode it coalesces with
 //! ([`coalescence`](crate::coalescence)); a mode that is lost all the same is left to adaptive subdivision
 //! ([`subdivision`](crate::subdivision)), which computes all modes at points of the path.
 

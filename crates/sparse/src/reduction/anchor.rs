@@ -212,9 +212,10 @@ impl Near {
                 }
             }
         }
-        let second = along.and_then(|along| self.responses.between(along));
+        let wide = |value: Complex<f32>| Complex::new(f64::from(value.re), f64::from(value.im));
+        let second = along.and_then(|along| self.responses.between(along)).map(|second| second.map(wide));
         if let Some(second) = &second {
-            a.zip_apply(second, |sum, value| *sum += Complex::new(f64::from(value.re), f64::from(value.im)));
+            a += second;
         }
         let (lambdas, x) = match &b {
             Some(b) => dense::eigen_complex(&dense::solve(b, &a)?)?,
@@ -223,8 +224,7 @@ impl Near {
         let images = b.map_or_else(|| x.clone(), |b| dense::product(&b, &x));
         let left = dense::solve(&images, &DMatrix::identity(size, size))?;
         let moved = second.map_or(vec![f64::INFINITY; lambdas.len()], |second| {
-            let images =
-                dense::product(&second.map(|value| Complex::new(f64::from(value.re), f64::from(value.im))), &x);
+            let images = dense::product(&second, &x);
             left.row_iter().zip(images.column_iter()).map(|(left, image)| (left * image)[0].norm()).collect()
         });
         let (mut vectors, mut covectors) = (self.right.clone(), self.left.clone());

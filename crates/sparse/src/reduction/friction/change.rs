@@ -9,7 +9,7 @@
 
 use num_complex::Complex;
 
-use super::coupling::{Coupled, Gains, Scratch, combine};
+use super::coupling::{Coupled, Gains, Scratch, combine_part};
 use super::ports::Table;
 use super::rows::Rows;
 
@@ -33,8 +33,8 @@ impl<'a> Seen<'a> {
     }
 
     /// `y^H dA x` for changes of the gains mu and `lambda s(lambda)` of all ports.
-    pub fn by_gains(&self, changes: &[(f64, Complex<f64>)]) -> Complex<f64> {
-        self.of(|port| self.driven(port, changes[port]))
+    pub fn by_gains(&self, change: impl Fn(usize) -> (f64, Complex<f64>)) -> Complex<f64> {
+        self.of(|port| self.driven(port, change(port)))
     }
 
     /// `y^H (dA / d lambda) x` at the lambda of A.
@@ -43,7 +43,7 @@ impl<'a> Seen<'a> {
         let (mut weights, mut smooth) = (Vec::new(), [Rows::zeros(m, m), Rows::zeros(m, m)]);
         table.slope_weights_at(lambda, &mut weights);
         for (part, smooth) in smooth.iter_mut().enumerate() {
-            combine(&weights, &table.values.iter().map(|value| &value[part]).collect::<Vec<_>>(), smooth);
+            combine_part(&weights, &table.values, part, smooth);
         }
         let step = lambda * Complex::new(0.0, STEP);
         self.of(|port| {

@@ -146,8 +146,7 @@ pub(super) fn at(
     table.weights_at(lambda, &mut scratch.weights);
     let Scratch { weights, pulls, smooth, square, factors, solved, .. } = scratch;
     for (part, smooth) in smooth.iter_mut().enumerate() {
-        let values: Vec<&Rows> = table.values.iter().map(|value| &value[part]).collect();
-        combine(weights, &values, smooth);
+        combine_part(weights, &table.values, part, smooth);
     }
     let [reading, velocity] = smooth;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
@@ -156,6 +155,11 @@ pub(super) fn at(
 /// The sum of multiples of matrices.
 pub(super) fn combine<T: Real>(factors: &[Complex<T>], parts: &[&Rows<T>], out: &mut Rows<T>) {
     Arch::new().dispatch(Combine { factors, parts, out });
+}
+
+/// The sum of multiples of the first or the second matrix of each pair.
+pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2]], part: usize, out: &mut Rows<T>) {
+    combine(factors, &pairs.iter().map(|pair| &pair[part]).collect::<Vec<_>>(), out);
 }
 
 /// The shape of amplitudes d', where `scratch.solved` is of the same gains and number: `Y S d' - F B T^-1 (D_mu R Y + D_s B^T Y) S d'`.

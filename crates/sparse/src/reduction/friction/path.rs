@@ -71,7 +71,8 @@ impl FrictionPath<'_> {
         Gains { from: &self.from, to: Some((t, &self.to)) }
     }
 
-    /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where it is not finite.
+    /// The eigenvalue next to a guess, rad/s, at a place t of the path, 0 at its beginning and 1 at its end; `None` where no
+    /// eigenvalue is found in a few rounds.
     ///
     /// The eigenvalue mu of `A(lambda)` next to lambda is to be lambda, which hardly depends on where A is evaluated: so it takes the place
     /// of lambda until both agree, in the end by Newton's method. With the left vector y of A the rate is `(y^H (dA / dt) x / y^H x) / (1 - d mu / d lambda)`.
@@ -101,8 +102,7 @@ impl FrictionPath<'_> {
             let [(mu, slope), (to_mu, to_slope)] = [&self.from, &self.to].map(|gains| Gains::of(gains).at(port, at));
             (to_mu - mu, to_slope - slope)
         };
-        let changes: Vec<_> = (0..ports.count()).map(change).collect();
-        let (lambda, rate) = (at + miss * along / slope, seen.by_gains(&changes) / slope);
+        let (lambda, rate) = (at + miss * along / slope, seen.by_gains(change) / slope);
         let shape = coupling::shape(ports, &self.modes.own, at, &x, &scratch.solved);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
     }

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
-use super::coupling::{self, Gains, Scratch, combine};
+use super::coupling::{self, Gains, Scratch, combine_part};
 use super::eigenvalue;
 use super::ports::{COARSE, Ports};
 use super::real::cast;
@@ -116,7 +116,7 @@ impl Search<'_> {
         let Memory { single, coarse, small, weights, .. } = memory;
         self.ports.coarse.weights_at(lambda, weights);
         let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
-        combine(&weights, &coarse.iter().map(|[_, a]| a).collect::<Vec<_>>(), small);
+        combine_part(&weights, coarse, 1, small);
         eigenvalue::factor(small, cast(lambda), &mut single.elimination, zeros.len());
         // Factor by factor, so that no product of many large numbers overflows.
         let factors = single.elimination.pivots.iter().zip(zeros).enumerate();

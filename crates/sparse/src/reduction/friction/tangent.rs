@@ -4,7 +4,7 @@
 use linsys::ChannelGain;
 use num_complex::Complex;
 
-use super::coupling::{self, Coordinates, Gains, Scratch, combine};
+use super::coupling::{self, Coordinates, Gains, Scratch, combine, combine_part};
 use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
@@ -63,7 +63,7 @@ impl Tangent {
             ports.coarse.slope_weights_at(lambda, &mut self.weights);
             let weights: Vec<Complex<f32>> = self.weights.iter().map(|&weight| cast(weight)).collect();
             for (part, slope) in self.single.iter_mut().enumerate() {
-                combine(&weights, &coarse.iter().map(|parts| &parts[part]).collect::<Vec<_>>(), slope);
+                combine_part(&weights, coarse, part, slope);
             }
             self.solved[1].set_wide(&self.single[0], ports.near());
             self.a[1].set_wide(&self.single[1], ports.near());
