@@ -65,6 +65,16 @@ pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>)
     Ok((owned(svd.U()), svd.S().column_vector().iter().copied().collect()))
 }
 
+/// The right singular vector of the smallest singular value of a matrix with at least as many rows as columns.
+pub(super) fn smallest_right_singular(a: &DMatrix<Complex<f64>>) -> Result<Vec<Complex<f64>>, SparseError> {
+    let what = "singular values of a table of a reduced structure";
+    check(a, what)?;
+    let svd = view(a).thin_svd();
+    end_wide();
+    let svd = svd.map_err(|_| SparseError::Decomposition { what })?;
+    Ok(svd.V().col(a.ncols() - 1).iter().copied().collect())
+}
+
 /// R of a column-pivoted QR decomposition `A P = Q R` with its columns in the order of A again: `R P^T`, min(rows, columns) rows.
 /// Rows come in descending order of what they hold.
 pub(super) fn unpivoted_r(a: &DMatrix<f64>) -> Result<DMatrix<f64>, SparseError> {
@@ -159,6 +169,9 @@ mod tests {
         let (u, s) = left_singular(&a).unwrap();
         assert!((u.tr_mul(&u) - DMatrix::identity(4, 4)).amax() < 1e-14);
         assert!((a.norm_squared() - s.iter().map(|s| s * s).sum::<f64>()).abs() < 1e-11);
+        let v = smallest_right_singular(&a.map(Complex::from)).unwrap();
+        let image = a.map(Complex::from) * DVector::from_vec(v);
+        assert!((image.norm() - s[3]).abs() < 1e-13);
         let r = unpivoted_r(&a).unwrap();
         assert!((r.tr_mul(&r) - a.tr_mul(&a)).amax() < 1e-12);
 

@@ -3,8 +3,9 @@
 use linsys::ChannelGain;
 use nalgebra::DMatrix;
 use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
 
-use super::coupling::{self, Coordinates, Gains, Scratch};
+use super::coupling::{self, Coordinates, Gains, Pull, Scratch, pull};
 use super::eigenvalue;
 use super::ports::Ports;
 use super::real::cast;
@@ -28,11 +29,12 @@ const WEAK: f64 = 1e-4;
 /// Gains at which the near modes are known.
 #[derive(Debug, Clone)]
 pub(super) struct Anchor {
-    gains: Vec<ChannelGain>,
+    /// Of the gains in the middle of the band.
+    pulls: Vec<Pull>,
     /// The vectors of these modes as coordinates.
     pub own: Coordinates,
-    /// Eigenvalues there, rad/s.
-    lambdas: Vec<Complex<f64>>,
+    /// For each of them the weights of the points for guesses at its frequency.
+    weights: Vec<Vec<Complex<f32>>>,
 }
 
 /// A guess of an eigenvalue.
@@ -66,39 +68,61 @@ impl Anchor {
         }
         let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
         let is_sound = inverse.norm() * vectors.norm() <= LARGEST_CONDITION;
-        Ok(is_sound.then(|| Self { gains, own: Coordinates::new(ports, vectors, &inverse), lambdas }))
+        let weights = lambdas.iter().map(|lambda| ports.coarse_weights_near(*lambda)).collect();
+        let pulls = gains.iter().map(|gain| pull(gain, ports.middle)).collect();
+        Ok(is_sound.then(|| Self { pulls, own: Coordinates::new(ports, vectors, &inverse), weights }))
     }
 
-    /// The square of how far gains are: the changes, each times what it moves the near modes by at most, rad/s.
-    pub fn distance(&self, ports: &Ports, gains: &[ChannelGain]) -> f64 {
-        let slope = |gain: &ChannelGain| ports.middle * gain.complex_slope(ports.middle);
+    /// The square of how far gains are, by their pulls in the middle of the band: the changes, each times what it moves the near modes by at
+    /// most, rad/s.
+    pub fn distance(&self, ports: &Ports, pulls: &[Pull]) -> f64 {
         let [of_friction, of_slope] = &ports.moved;
-        let apart = |(port, (here, there)): (usize, (&ChannelGain, &ChannelGain))| {
-            ((here.mu - there.mu) * of_friction[port]).powi(2)
-                + (slope(here) - slope(there)).norm_sqr() * of_slope[port].powi(2)
+        let apart = |(port, ((mu, slope), (to_mu, to_slope))): (usize, (&Pull, &Pull))| {
+            ((mu - to_mu) * of_friction[port]).powi(2) + (slope - to_slope).norm_sqr() * of_slope[port].powi(2)
         };
-        gains.iter().zip(&self.gains).enumerate().map(apart).sum()
+        pulls.iter().zip(&self.pulls).enumerate().map(apart).sum()
     }
 
-    /// The eigenvalues of A, given at some points of the band in the coordinates of this anchor: its diagonal, and to second order what
-    /// couples it. Two modes that are near each other are taken as the pair that they make.
-    pub fn guesses(&self, points: &[Complex<f64>], values: &Coarse) -> Vec<Guess> {
-        let wide = |value: Complex<f32>| cast::<f32, f64>(value);
-        let guess = |(i, &lambda): (usize, &Complex<f64>)| {
-            let ([low, high], part) = around(points, lambda.im);
-            let entry = |row: usize, column: usize| {
-                wide(values[low][1].at(row, column)) * (1.0 - part) + wide(values[high][1].at(row, column)) * part
-            };
-            let own = entry(i, i);
-            let mut guess = Guess { lambda: own, moved: 0.0 };
-            for j in (0..self.lambdas.len()).filter(|&j| j != i) {
-                let by_other = moved((own - entry(j, j)) * 0.5, entry(i, j) * entry(j, i));
-                guess.lambda += by_other;
-                guess.moved += by_other.norm_sqr().sqrt();
+    /// The eigenvalues of A, given at the points for guesses in the coordinates of this anchor: its diagonal, and to second order what
+    /// couples it. Two modes that are near each other are taken as the pair that they make. `rows` is overwritten.
+    pub fn guesses(&self, values: &Coarse, rows: &mut Rows<f32>) -> Vec<Guess> {
+        Arch::new().dispatch(OwnRows { weights: &self.weights, values, out: rows });
+        let entry = |row: usize, column: usize| cast::<f32, f64>(rows.at(row, column));
+        let own = |i: usize| Guess { lambda: entry(i, i), moved: 0.0 };
+        let mut guesses: Vec<Guess> = (0..self.weights.len()).map(own).collect();
+        for i in 0..guesses.len() {
+            for j in 0..i {
+                let by_other = moved((entry(i, i) - entry(j, j)) * 0.5, entry(i, j) * entry(j, i));
+                let size = by_other.norm_sqr().sqrt();
+                guesses[i].lambda += by_other;
+                guesses[j].lambda -= by_other;
+                guesses[i].moved += size;
+                guesses[j].moved += size;
             }
-            guess
-        };
-        self.lambdas.iter().enumerate().map(guess).collect()
+        }
+        guesses
+    }
+}
+
+/// The rows of A, each at a frequency of its own.
+struct OwnRows<'a> {
+    /// For each row those of the points.
+    weights: &'a [Vec<Complex<f32>>],
+    values: &'a Coarse,
+    out: &'a mut Rows<f32>,
+}
+
+impl WithSimd for OwnRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.out.clear();
+        for (row, weights) in self.weights.iter().enumerate() {
+            for (&weight, [_, a]) in weights.iter().zip(self.values) {
+                self.out.add_row(simd, row, weight, a, row);
+            }
+        }
     }
 }
 
@@ -111,13 +135,6 @@ fn moved(half: Complex<f64>, product: Complex<f64>) -> Complex<f64> {
     }
     let root = square_root(square + product);
     if (root * half.conj()).re >= 0.0 { root - half } else { -root - half }
-}
-
-/// The points next to a frequency, which descend, and its place between them.
-fn around(points: &[Complex<f64>], im: f64) -> ([usize; 2], f64) {
-    let above = points.iter().take_while(|point| point.im > im).count().clamp(1, points.len() - 1);
-    let (low, high) = (points[above - 1], points[above]);
-    ([above - 1, above], ((im - low.im) / (high.im - low.im)).clamp(-0.5, 1.5))
 }
 
 /// A square root, without the angles that `Complex::sqrt` goes through.

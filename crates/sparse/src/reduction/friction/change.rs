@@ -10,8 +10,8 @@
 use num_complex::Complex;
 
 use super::coupling::{Coupled, Gains, Scratch, combine_part};
-use super::ports::Table;
 use super::rows::Rows;
+use super::table::Table;
 
 /// Change of lambda, relative to it, over which slopes of friction are differentiated; chosen: rates then have six digits.
 const STEP: f64 = 1e-6;

@@ -13,9 +13,10 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::elimination::{Elimination, substitute};
-use super::ports::{Ports, Table};
+use super::ports::Ports;
 use super::real::{Real, cast};
 use super::rows::Rows;
+use super::table::Table;
 
 /// The near modes in coordinates of their own: `d = S d'`, so that A is nearly diagonal.
 #[derive(Debug, Clone)]
@@ -81,7 +82,7 @@ impl<'a> Gains<'a> {
     }
 
     /// The gains mu and `lambda s(lambda)` of a port.
-    pub fn at(&self, port: usize, lambda: Complex<f64>) -> (f64, Complex<f64>) {
+    pub fn at(&self, port: usize, lambda: Complex<f64>) -> Pull {
         let (mu, slope) = pull(&self.from[port], lambda);
         let Some((t, to)) = self.to else { return (mu, slope) };
         let (other_mu, other_slope) = pull(&to[port], lambda);
@@ -98,7 +99,7 @@ impl<'a> Gains<'a> {
 pub(super) struct Scratch<T = f64> {
     weights: Vec<Complex<f64>>,
     /// The gains mu and `lambda s(lambda)` of the last matrix A.
-    pub pulls: Vec<(T, Complex<T>)>,
+    pub pulls: Vec<Pull<T>>,
     /// `R F B` and `B^T F B` of it, unless it is at a point of a table.
     pub smooth: [Rows<T>; 2],
     /// T of it, factored.
@@ -184,7 +185,10 @@ pub(super) fn shape(
 }
 
 /// The gains mu and `lambda s(lambda)` of a port.
-fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> (f64, Complex<f64>) {
+pub(super) type Pull<T = f64> = (T, Complex<T>);
+
+/// Those of a gain at a number.
+pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
     (gain.mu, lambda * gain.complex_slope(lambda))
 }
 
@@ -208,7 +212,7 @@ struct Couple<'a, T> {
     own: &'a Coupled<T>,
     reading: &'a Rows<T>,
     velocity: &'a Rows<T>,
-    pulls: &'a [(T, Complex<T>)],
+    pulls: &'a [Pull<T>],
     square: &'a mut Rows<T>,
     factors: &'a mut Elimination<T>,
     solved: &'a mut Rows<T>,

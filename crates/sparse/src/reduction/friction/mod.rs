@@ -17,6 +17,7 @@ mod real;
 mod residuals;
 mod rows;
 mod search;
+mod table;
 mod tangent;
 
 use linsys::{ChannelGain, OperatingPoint};

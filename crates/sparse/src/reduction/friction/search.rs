@@ -5,9 +5,9 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
-use super::coupling::{self, Gains, Scratch, combine_part};
+use super::coupling::{self, Gains, Pull, Scratch, combine_part, pull};
 use super::eigenvalue;
-use super::ports::{COARSE, Ports};
+use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
 use super::tangent::{Coarse, Sample, Tangent};
@@ -62,7 +62,7 @@ impl Memory {
             scratch: Scratch::new(ports),
             single: Scratch::new(ports),
             small: Rows::zeros(p, p),
-            coarse: (0..COARSE).map(|_| [Rows::zeros(m, p), Rows::zeros(p, p)]).collect(),
+            coarse: ports.coarse.points.iter().map(|_| [Rows::zeros(m, p), Rows::zeros(p, p)]).collect(),
             tangent: Tangent::new(ports),
             square: Rows::zeros(p, p),
             weights: Vec::new(),
@@ -81,13 +81,14 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// All modes in the rectangle with `Re lambda >= -part |lambda|`.
     pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
-        let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, gains), anchor));
+        let pulls: Vec<Pull> = gains.iter().map(|gain| pull(gain, self.ports.middle)).collect();
+        let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, &pulls), anchor));
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
-        let Memory { coarse, single, .. } = memory;
+        let Memory { coarse, single, small, .. } = memory;
         for (point, [solved, a]) in coarse.iter_mut().enumerate() {
             coupling::at_point(&anchor.own.single, &self.ports.coarse, point, Gains::of(gains), single, [solved, a]);
         }
-        let guesses = anchor.guesses(&self.ports.coarse.points, coarse);
+        let guesses = anchor.guesses(coarse, small);
         // As far as a guess was moved it may be wrong.
         let may_be = |lambda: Complex<f64>, moved: f64| {
             let beyond = moved + COARSE_ERROR * lambda.norm();

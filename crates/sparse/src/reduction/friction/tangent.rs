@@ -11,7 +11,7 @@ use super::rows::Rows;
 
 /// Distance from the number, relative to it, up to which A is a straight line; chosen: guesses lie within it, and what is then missing of an
 /// eigenvalue of cases/disc-pad is below 1e-9 of it.
-const STRAIGHT: f64 = 1e-4;
+const STRAIGHT: f64 = 3e-6;
 
 /// `T^-1 (D_mu R Y + D_s B^T Y)` and A at the coarse points.
 pub(super) type Coarse = Vec<[Rows<f32>; 2]>;

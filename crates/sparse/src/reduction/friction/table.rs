@@ -1,0 +1,186 @@
+//! What is smooth in a band of frequencies, as rational functions through a few of its points.
+//!
+//! ```text
+//! F(lambda) = sum_n w_n F_n / (lambda - lambda_n)  /  sum_n w_n / (lambda - lambda_n)
+//! ```
+//!
+//! is `F_n` at `lambda_n` whatever the weights are. The points and weights are those of the AAA algorithm (Nakatsukasa, Sete and Trefethen,
+//! SIAM J. Sci. Comput. 40, 2018): one point after another where F is missed most, and weights that make
+//! `sum_n w_n (F - F_n) / (lambda - lambda_n)` least at all others. F is a sum of poles beyond the band, which the weights follow: a
+//! polynomial through Chebyshev points takes twice as many for nine digits.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use num_complex::Complex;
+
+use super::rows::Rows;
+use crate::SparseError;
+use crate::reduction::dense;
+use crate::reduction::outer::Random;
+
+/// Points of the band at which F is known while a table is made, and of a line to its right where growing modes are; chosen: two points of the
+/// band to each of the widest table.
+const KNOWN: usize = 48;
+const KNOWN_ASIDE: usize = 12;
+/// That line, as a part of the highest frequency.
+const ASIDE: f64 = 0.02;
+/// Most points of a table; chosen, the tables of cases/disc-pad have 12.
+const MOST_POINTS: usize = 24;
+/// Random combinations of the entries of each matrix that stand for all of them; chosen.
+const DIRECTIONS: usize = 6;
+/// Where derivatives at a point are taken, relative to it.
+const BESIDE: f64 = 1e-7;
+
+/// Two matrices at points of a part of the imaginary axis, and weights.
+#[derive(Debug, Clone)]
+pub(super) struct Table<T = f64> {
+    pub points: Vec<Complex<f64>>,
+    pub weights: Vec<Complex<f64>>,
+    pub values: Vec<[Rows<T>; 2]>,
+}
+
+impl Table {
+    /// The same in single precision.
+    pub fn single(self) -> Table<f32> {
+        let Self { points, weights, values } = self;
+        Table { points, weights, values: values.iter().map(|parts| parts.each_ref().map(Rows::single)).collect() }
+    }
+
+    /// Tables of one function of a band, rad/s, for each of some relative errors, which descend; `None` where most points are not enough.
+    ///
+    /// # Errors
+    /// Values that are no numbers.
+    pub fn all<const N: usize>(
+        [low, high]: [f64; 2],
+        errors: [f64; N],
+        at: impl Fn(Complex<f64>) -> [Rows; 2],
+    ) -> Result<Option<[Self; N]>, SparseError> {
+        let along = |n: usize, count: usize| {
+            0.5 * (low + high) - 0.5 * (high - low) * (PI * n as f64 / (count - 1) as f64).cos()
+        };
+        let band = (0..KNOWN).map(|n| Complex::new(0.0, along(n, KNOWN)));
+        let aside = (0..KNOWN_ASIDE).map(|n| Complex::new(ASIDE * high, along(n, KNOWN_ASIDE)));
+        let known = Known::new(band.chain(aside).collect(), at);
+        let (mut support, mut tables) = (vec![0, KNOWN - 1], Vec::with_capacity(N));
+        while support.len() <= MOST_POINTS {
+            let weights = known.weights(&support)?;
+            let misses = known.misses(&support, &weights);
+            let largest = misses.iter().copied().fold(0.0, f64::max);
+            while tables.len() < N && largest <= errors[tables.len()] {
+                tables.push(known.table(&support, &weights));
+            }
+            if tables.len() == N {
+                break;
+            }
+            let next = (0..KNOWN).max_by(|&a, &b| misses[a].total_cmp(&misses[b]));
+            support.extend(next);
+        }
+        Ok(tables.try_into().ok())
+    }
+}
+
+/// F where it is known.
+struct Known {
+    points: Vec<Complex<f64>>,
+    values: Vec<[Rows; 2]>,
+    /// Combinations of the entries, by points: those of the first matrix and those of the second, each of the order of 1.
+    seen: DMatrix<Complex<f64>>,
+}
+
+impl Known {
+    fn new(points: Vec<Complex<f64>>, at: impl Fn(Complex<f64>) -> [Rows; 2]) -> Self {
+        let values: Vec<[Rows; 2]> = points.iter().map(|&point| at(point)).collect();
+        let mut seen = DMatrix::zeros(points.len(), 2 * DIRECTIONS);
+        let mut random = Random(0);
+        for part in 0..2 {
+            let mut of_part = seen.columns_mut(part * DIRECTIONS, DIRECTIONS);
+            for mut direction in of_part.column_iter_mut() {
+                let factors: Vec<f64> = (0..values[0][part].entries().count()).map(|_| random.normal()).collect();
+                for (seen, value) in direction.iter_mut().zip(&values) {
+                    *seen = value[part].entries().zip(&factors).map(|(entry, factor)| entry * factor).sum();
+                }
+            }
+            let size = of_part.norm() / (points.len() as f64).sqrt();
+            if size > 0.0 {
+                of_part.unscale_mut(size);
+            }
+        }
+        Self { points, values, seen }
+    }
+
+    /// The points that are in no support.
+    fn others<'a>(&'a self, support: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        (0..self.points.len()).filter(|point| !support.contains(point))
+    }
+
+    /// The weights of some points.
+    fn weights(&self, support: &[usize]) -> Result<Vec<Complex<f64>>, SparseError> {
+        let others: Vec<usize> = self.others(support).collect();
+        let directions = self.seen.ncols();
+        let left = DMatrix::from_fn(others.len() * directions, support.len(), |row, column| {
+            let ([here, there], direction) = ([others[row / directions], support[column]], row % directions);
+            (self.seen[(here, direction)] - self.seen[(there, direction)]) / (self.points[here] - self.points[there])
+        });
+        dense::smallest_right_singular(&left)
+    }
+
+    /// What a table misses of each of the two matrices at most, as a part of it, at all points.
+    fn misses(&self, support: &[usize], weights: &[Complex<f64>]) -> Vec<f64> {
+        let mut misses = vec![0.0; self.points.len()];
+        for point in self.others(support) {
+            let factors =
+                support.iter().zip(weights).map(|(&n, weight)| weight / (self.points[point] - self.points[n]));
+            let factors: Vec<Complex<f64>> = factors.collect();
+            let whole = factors.iter().sum::<Complex<f64>>().inv();
+            let apart = |direction: usize| {
+                let sum: Complex<f64> =
+                    support.iter().zip(&factors).map(|(&n, factor)| self.seen[(n, direction)] * factor).sum();
+                (sum * whole - self.seen[(point, direction)]).norm_sqr()
+            };
+            for part in [0..DIRECTIONS, DIRECTIONS..2 * DIRECTIONS] {
+                let size: f64 = part.clone().map(|direction| self.seen[(point, direction)].norm_sqr()).sum();
+                let apart: f64 = part.map(apart).sum();
+                misses[point] = f64::max(misses[point], (apart / size.max(f64::MIN_POSITIVE)).sqrt());
+            }
+        }
+        misses
+    }
+
+    /// The table of a support, with its points in descending order.
+    fn table(&self, support: &[usize], weights: &[Complex<f64>]) -> Table {
+        let mut pairs: Vec<_> = support.iter().copied().zip(weights.iter().copied()).collect();
+        pairs.sort_by_key(|(n, _)| std::cmp::Reverse(*n));
+        let (support, weights): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
+        Table {
+            points: support.iter().map(|&n| self.points[n]).collect(),
+            weights,
+            values: support.iter().map(|&n| self.values[n].clone()).collect(),
+        }
+    }
+}
+
+impl<T> Table<T> {
+    /// The barycentric weights of the values at a number near the band.
+    pub fn weights_at(&self, lambda: Complex<f64>, out: &mut Vec<Complex<f64>>) {
+        out.clear();
+        if let Some(here) = self.points.iter().position(|point| *point == lambda) {
+            out.extend((0..self.points.len()).map(|n| Complex::from(if n == here { 1.0 } else { 0.0 })));
+            return;
+        }
+        out.extend(self.points.iter().zip(&self.weights).map(|(point, weight)| *weight / (lambda - point)));
+        let sum = out.iter().sum::<Complex<f64>>().inv();
+        out.iter_mut().for_each(|weight| *weight *= sum);
+    }
+
+    /// The weights of the values for the derivative over lambda there: `b_n (s - 1 / (lambda - lambda_n))` with the weights b_n of the
+    /// values themselves and `s = sum_n b_n / (lambda - lambda_n)`.
+    pub fn slope_weights_at(&self, lambda: Complex<f64>, out: &mut Vec<Complex<f64>>) {
+        let is_point = self.points.contains(&lambda);
+        let lambda = if is_point { lambda * (1.0 + BESIDE) } else { lambda };
+        self.weights_at(lambda, out);
+        let inverses = self.points.iter().map(|point| (lambda - point).inv());
+        let mean: Complex<f64> = out.iter().zip(inverses.clone()).map(|(weight, inverse)| weight * inverse).sum();
+        out.iter_mut().zip(inverses).for_each(|(weight, inverse)| *weight *= mean - inverse);
+    }
+}
