@@ -17,7 +17,8 @@ pub use channel::Channel;
 pub use point::{ChannelGain, Lag, OperatingPoint};
 pub use term::Term;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use crate::{DofMap, Internal, LinsysError, SecondOrder};
 
@@ -217,6 +218,36 @@ impl AffineSystem {
         }
         self.add_friction(at, is_member, out);
         Ok(())
+    }
+
+    /// The forces of each family that can do net work in a mode (lambda, phi), in the order of [`AffineSystem::families`]: those of
+    /// [`AffineSystem::family_into`] without its matrices, `-(lambda C + K) phi` of the terms of a family and
+    /// `-b (mu r^T + lambda s(lambda) b^T) phi` of its channels. A force is not finite where lambda is minus the decay rate of a lag.
+    ///
+    /// # Errors
+    /// As [`AffineSystem::assemble_into`]; a shape of another order.
+    pub fn family_forces(
+        &self,
+        at: &OperatingPoint,
+        lambda: Complex<f64>,
+        phi: &DVector<Complex<f64>>,
+    ) -> Result<Vec<DVector<Complex<f64>>>, LinsysError> {
+        self.check(at)?;
+        let (found, expected) = (phi.len(), self.order());
+        if found != expected {
+            return Err(LinsysError::Count { what: "entries of a shape", found, expected });
+        }
+        let mut forces = vec![DVector::zeros(expected); self.families.len()];
+        let mut of_family = |family: &str, add: &dyn Fn(&mut DVector<Complex<f64>>)| {
+            self.families.iter().zip(&mut forces).filter(|(name, _)| *name == family).for_each(|(_, force)| add(force));
+        };
+        for (term, &coefficient) in self.terms.iter().zip(&at.coefficients) {
+            of_family(&term.family, &|force| term.add_forces(coefficient, lambda, phi, force));
+        }
+        for (channel, gain) in self.channels.iter().zip(&at.channels) {
+            of_family(&channel.family, &|force| channel.add_force(gain, lambda, phi, force));
+        }
+        Ok(forces)
     }
 
     /// Writes the contribution of one friction channel, by its place, to `out`.

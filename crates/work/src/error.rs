@@ -81,6 +81,14 @@ pub enum WorkError {
         /// Its value.
         value: f64,
     },
+    /// The forces of a family are not finite.
+    #[error("the forces of the family {family:?} are not finite at lambda = {lambda}")]
+    Forces {
+        /// Name of the family.
+        family: String,
+        /// The eigenvalue.
+        lambda: Complex<f64>,
+    },
     /// The eigenvalue belongs to an uncoupled internal state, whose amplitude does not follow from phi.
     #[error("lambda = {lambda} equals minus the decay rate of internal state {state} of the force family {family:?}")]
     InternalPole {

@@ -20,6 +20,15 @@ pub struct ForceFamily<'a> {
     pub system: &'a SecondOrder,
 }
 
+/// The forces of one family in a mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FamilyForces<'a> {
+    /// Name of the family in results and errors.
+    pub name: &'a str,
+    /// f, N per unit of phi, one for each degree of freedom.
+    pub forces: DVector<Complex<f64>>,
+}
+
 /// Work of one family in one mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FamilyWork {
@@ -101,6 +110,41 @@ pub fn family_work(
     bodies: &[impl AsRef<[usize]>],
 ) -> Result<ModeWork, WorkError> {
     check(mass, families, phi)?;
+    let forces =
+        families.iter().map(|family| Ok(FamilyForces { name: family.name, forces: force(family, lambda, phi)? }));
+    work_of_forces(mass, &forces.collect::<Result<Vec<_>, WorkError>>()?, lambda, phi, bodies)
+}
+
+/// As [`family_work`], from the forces f of each family in the mode, one for each degree of freedom, where these are known without
+/// matrices.
+///
+/// ```
+/// use nalgebra::{dmatrix, dvector};
+/// use num_complex::Complex;
+/// use work::{FamilyForces, work_of_forces};
+///
+/// // The example of `family_work`: the force of a dashpot of c is -lambda c phi.
+/// let (lambda, phi) = (Complex::new(1.0, 24_f64.sqrt()), dvector![Complex::new(0.0, 0.1)]);
+/// let of_dashpot = |name, c: f64| FamilyForces { name, forces: &phi * (-lambda * c) };
+/// let forces = [of_dashpot("friction", -7.0), of_dashpot("dashpots", 3.0)];
+/// let work = work_of_forces(&dmatrix![2.0], &forces, lambda, &phi, &[vec![0]])?;
+/// assert!((work.net()[0] - work.expected_total).abs() < 1e-12 * work.expected_total);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// No family, sizes that do not fit, a modal mass that is not positive, or a force that is not finite.
+pub fn work_of_forces(
+    mass: &DMatrix<f64>,
+    families: &[FamilyForces<'_>],
+    lambda: Complex<f64>,
+    phi: &DVector<Complex<f64>>,
+    bodies: &[impl AsRef<[usize]>],
+) -> Result<ModeWork, WorkError> {
+    check_mode(mass, phi)?;
+    if families.is_empty() {
+        return Err(WorkError::NoFamily);
+    }
     let modal_mass = phi.dotc(&real_times_complex(mass, phi)).re;
     if !(modal_mass > 0.0 && modal_mass.is_finite()) {
         return Err(WorkError::ModalMass { value: modal_mass });
@@ -112,21 +156,27 @@ pub fn family_work(
         expected_total: 2.0 * PI * lambda.re * lambda.im,
         magnitude: 0.0,
     };
-    for family in families {
-        let force = force(family, lambda, phi)?;
-        let on_each_dof: Vec<f64> = phi.iter().zip(&force).map(|(u, f)| PI * (u.conj() * f).im / modal_mass).collect();
+    for FamilyForces { name, forces } in families {
+        if forces.len() != phi.len() {
+            let (found, expected) = (forces.len(), phi.len());
+            return Err(WorkError::FamilyOrder { family: name.to_string(), found, expected });
+        }
+        let on_each_dof: Vec<f64> = phi.iter().zip(forces).map(|(u, f)| PI * (u.conj() * f).im / modal_mass).collect();
+        if on_each_dof.iter().any(|work| !work.is_finite()) {
+            return Err(WorkError::Forces { family: name.to_string(), lambda });
+        }
         for work in &on_each_dof {
             found.total += work;
             found.magnitude += work.abs();
         }
         let of_bodies = bodies.iter().enumerate().map(|(body, dofs)| sum_over(&on_each_dof, body, dofs.as_ref()));
-        found.families.push(FamilyWork { name: family.name.to_string(), bodies: of_bodies.collect::<Result<_, _>>()? });
+        found.families.push(FamilyWork { name: name.to_string(), bodies: of_bodies.collect::<Result<_, _>>()? });
     }
     Ok(found)
 }
 
-/// Checks that the sizes fit each other.
-fn check(mass: &DMatrix<f64>, families: &[ForceFamily<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
+/// Checks that a shape fits its mass matrix.
+fn check_mode(mass: &DMatrix<f64>, phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
     let (rows, columns) = mass.shape();
     if rows != columns {
         return Err(WorkError::MassShape { rows, columns });
@@ -134,14 +184,18 @@ fn check(mass: &DMatrix<f64>, families: &[ForceFamily<'_>], phi: &DVector<Comple
     if phi.len() != rows {
         return Err(WorkError::ShapeOrder { found: phi.len(), expected: rows });
     }
-    if families.is_empty() {
-        return Err(WorkError::NoFamily);
-    }
+    Ok(())
+}
+
+/// Checks that the matrices of all families fit the mode.
+fn check(mass: &DMatrix<f64>, families: &[ForceFamily<'_>], phi: &DVector<Complex<f64>>) -> Result<(), WorkError> {
+    check_mode(mass, phi)?;
     for ForceFamily { name, system } in families {
         let family = || name.to_string();
         system.check().map_err(|source| WorkError::Family { family: family(), source })?;
-        if system.order() != rows {
-            return Err(WorkError::FamilyOrder { family: family(), found: system.order(), expected: rows });
+        let (found, expected) = (system.order(), phi.len());
+        if found != expected {
+            return Err(WorkError::FamilyOrder { family: family(), found, expected });
         }
     }
     Ok(())

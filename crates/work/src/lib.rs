@@ -17,8 +17,8 @@
 //!
 //! [`mode_energy`] says where the energy is that the work goes to: kinetic and strain energy of each part and body.
 //!
-//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. Its two functions are [`family_work`] and
-//! [`mode_energy`], each with an example.
+//! This crate knows linear systems only: no brake, no friction law, no eigenvalue solver. Its functions are [`family_work`],
+//! [`work_of_forces`] where forces are known without matrices, and [`mode_energy`], each with an example.
 
 mod energy;
 mod error;
@@ -26,7 +26,7 @@ mod family_work;
 
 pub use energy::{Energy, ModeEnergy, StructurePart, mode_energy};
 pub use error::WorkError;
-pub use family_work::{FamilyWork, ForceFamily, ModeWork, family_work};
+pub use family_work::{FamilyForces, FamilyWork, ForceFamily, ModeWork, family_work, work_of_forces};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -1,6 +1,7 @@
 //! The friction of one contact in a system.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 
 use super::ChannelGain;
 use crate::{LinsysError, SecondOrder};
@@ -56,6 +57,19 @@ impl Channel {
             (0..basis.ncols()).map(|column| (column, coordinate(column))).collect()
         };
         Self::new(&self.name, &self.family, onto(&self.force), onto(&self.reading))
+    }
+
+    /// Adds `-b (mu r^T + lambda s(lambda) b^T) phi`.
+    pub(super) fn add_force(
+        &self,
+        gain: &ChannelGain,
+        lambda: Complex<f64>,
+        phi: &DVector<Complex<f64>>,
+        out: &mut DVector<Complex<f64>>,
+    ) {
+        let along = |side: &[(usize, f64)]| side.iter().map(|&(dof, value)| phi[dof] * value).sum::<Complex<f64>>();
+        let force = along(&self.reading) * gain.mu + along(&self.force) * (lambda * gain.complex_slope(lambda));
+        self.force.iter().for_each(|&(dof, b)| out[dof] -= force * b);
     }
 
     /// Adds the forces of this channel; its lag, if any, becomes the internal state `state`.

@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
-use crate::{LinsysError, SecondOrder};
+use nalgebra::DVector;
+use num_complex::Complex;
+
+use crate::{LinsysError, SecondOrder, real_times_complex};
 
 /// `theta (lambda^2 M + lambda C + K)`: a part of a structure that one coefficient scales.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +48,24 @@ impl Term {
         for ((sum, matrix), _) in parts.into_iter().zip(self.is_there).filter(|(_, is_there)| *is_there) {
             let (sum, matrix) = (&mut sum.as_mut_slice()[entries.clone()], &matrix.as_slice()[entries.clone()]);
             sum.iter_mut().zip(matrix).for_each(|(sum, value)| *sum += coefficient * value);
+        }
+    }
+
+    /// Adds `-coefficient (lambda C + K) phi`, of K only what is not elastic.
+    pub(super) fn add_forces(
+        &self,
+        coefficient: f64,
+        lambda: Complex<f64>,
+        phi: &DVector<Complex<f64>>,
+        out: &mut DVector<Complex<f64>>,
+    ) {
+        let SecondOrder { c, k, .. } = &self.matrices;
+        let [_, has_damping, has_stiffness] = self.is_there;
+        if has_damping {
+            out.axpy(-lambda * coefficient, &real_times_complex(c, phi), Complex::from(1.0));
+        }
+        if has_stiffness && !self.is_elastic {
+            out.axpy(Complex::from(-coefficient), &real_times_complex(k, phi), Complex::from(1.0));
         }
     }
 

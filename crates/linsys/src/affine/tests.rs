@@ -65,6 +65,21 @@ fn families_leave_out_what_is_elastic_and_make_up_the_rest() {
 }
 
 #[test]
+fn forces_of_families_are_those_of_their_matrices() {
+    let (brake, at, lambda) = (brake(), point(), Complex::new(0.3, 2.1));
+    let phi = DVector::from_vec(vec![Complex::new(0.7, -0.2), Complex::new(-0.4, 1.1)]);
+    let forces = brake.family_forces(&at, lambda, &phi).unwrap();
+    let mut part = SecondOrder::zeros(1, 0);
+    for (family, force) in brake.families().iter().zip(forces) {
+        brake.family_into(family, &at, &mut part).unwrap();
+        let expected = -(part.dynamic_stiffness(lambda) * &phi);
+        assert!((&force - &expected).norm() < 1e-14 * (1.0 + expected.norm()), "{family}");
+    }
+    let short = brake.family_forces(&at, lambda, &DVector::zeros(1));
+    assert_eq!(short, Err(LinsysError::Count { what: "entries of a shape", found: 1, expected: 2 }));
+}
+
+#[test]
 fn channels_one_by_one_make_up_friction() {
     let (brake, at, lambda) = (brake(), point(), Complex::new(0.3, 2.1));
     let (mut one, mut all) = (SecondOrder::zeros(1, 0), SecondOrder::zeros(1, 0));

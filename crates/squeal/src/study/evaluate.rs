@@ -1,9 +1,12 @@
 //! The evaluation of a block of samples in one scene: certificates first, then growing modes and their names sector by sector,
 //! then net work.
 
+use std::borrow::Cow;
+
 use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
+use nalgebra::DMatrix;
 use num_complex::Complex;
 use work::ModeWork;
 
@@ -11,7 +14,7 @@ use super::band::{BandNames, BandStart};
 use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
 use super::memory::{Scratch, timed};
-use super::net_work::WorkSystems;
+use super::net_work::work_with;
 use super::reference::{Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
@@ -235,19 +238,19 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             likeness_too: self.options.likeness_too,
         };
         let reference = &self.reference_points[scene];
-        let scene = &self.plan().scenes[scene];
-        let model = &self.plan().brake(scene).system;
-        let found = timed(&mut memory.spent.search, || self.brake.band_modes(scene, points));
+        let of_scene = &self.plan().scenes[scene];
+        let model = &self.plan().brake(of_scene).system;
+        let found = timed(&mut memory.spent.search, || self.brake.band_modes(of_scene, points));
         let outcome = |(at, found): (&OperatingPoint, Result<Vec<BandMode>, Error>)| {
             let found = found?;
             if found.is_empty() {
                 return Ok(Outcome::default());
             }
-            let mass = timed(&mut memory.spent.assembly, || model.mass(&at.coefficients))?;
-            let path = || self.brake.path(scene, at, reference);
+            let mass = self.mass(scene, at)?;
+            let path = || self.brake.path(of_scene, at, reference);
             let start = || Ok(BandStart { system: model.assemble(at)?, path: path() });
             let modes = names.sector_modes(found, &mass, start, memory)?;
-            self.outcome(scene, at, &[modes])
+            timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };
         points.iter().zip(found).map(outcome).collect()
     }
@@ -261,7 +264,6 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     ) -> Vec<Result<Outcome, Error>> {
         let Scratch { systems, memory } = scratch;
         let (equations, solvers) = (self.equations(scene), self.solvers(scene));
-        let scene = &self.plan().scenes[scene];
         let mut outcomes: Vec<Result<Outcome, Error>> = points.iter().map(|_| Ok(Outcome::default())).collect();
 
         let mut found =
@@ -293,7 +295,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// Puts the modes of all sectors of some samples together and enters the outcomes.
     fn enter(
         &self,
-        scene: &Scene,
+        scene: usize,
         points: &[OperatingPoint],
         samples: &[usize],
         of_sectors: Vec<Vec<Result<SectorModes, CeaError>>>,
@@ -312,12 +314,12 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// assembled takes no place: the next is written in its stead.
     fn assemble(
         &self,
-        scene: &Scene,
+        scene: usize,
         points: &[OperatingPoint],
         open: &[usize],
         systems: &mut Vec<Vec<SecondOrder>>,
     ) -> Vec<Result<(), Error>> {
-        let osc_model::Brake { system, sectors, .. } = self.plan().brake(scene);
+        let osc_model::Brake { system, sectors, .. } = self.plan().brake(&self.plan().scenes[scene]);
         systems.resize_with(systems.len().max(sectors.iter().len()), Vec::new);
         for of_sector in &mut *systems {
             of_sector.resize_with(of_sector.len().max(open.len()), || SecondOrder::zeros(1, 0));
@@ -333,16 +335,26 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         assembled
     }
 
+    /// The mass matrix at an operating point of a scene: that of its reference where both have the same coefficients.
+    fn mass(&self, scene: usize, at: &OperatingPoint) -> Result<Cow<'_, DMatrix<f64>>, Error> {
+        if at.coefficients == self.reference_points[scene].coefficients {
+            return Ok(Cow::Borrowed(&self.references[scene].system.m));
+        }
+        let brake = self.plan().brake(&self.plan().scenes[scene]);
+        Ok(Cow::Owned(brake.system.mass(&at.coefficients)?))
+    }
+
     /// The outcome of one sample from the modes of all its sectors.
-    fn outcome(&self, scene: &Scene, at: &OperatingPoint, of_sectors: &[SectorModes]) -> Result<Outcome, Error> {
-        let (mut outcome, brake) = (Outcome::default(), self.plan().brake(scene));
-        let wants_work = scene.wants_work && of_sectors.iter().any(|of_sector| !of_sector.unstable.is_empty());
-        let systems = if wants_work { Some(WorkSystems::new(&brake.system, at)?) } else { None };
+    fn outcome(&self, scene: usize, at: &OperatingPoint, of_sectors: &[SectorModes]) -> Result<Outcome, Error> {
+        let of_scene = &self.plan().scenes[scene];
+        let (mut outcome, brake) = (Outcome::default(), self.plan().brake(of_scene));
+        let wants_work = of_scene.wants_work && of_sectors.iter().any(|of_sector| !of_sector.unstable.is_empty());
+        let mass = if wants_work { Some(self.mass(scene, at)?) } else { None };
         let ranks = ranks_together(&of_sectors.iter().map(|of_sector| &of_sector.modes).collect::<Vec<_>>());
         for ((of_sector, ranks), sector) in of_sectors.iter().zip(ranks).zip(brake.sectors.iter()) {
             for UnstableSectorMode { index, mode, names, names_by_likeness, residual } in &of_sector.unstable {
-                let of_mode = |systems: &WorkSystems<'_>| systems.of(mode.lambda, &sector.expand(&mode.shape), brake);
-                let work = systems.as_ref().map(of_mode).transpose()?;
+                let of_mode = |mass| work_with(mass, brake, at, mode.lambda, &sector.expand(&mode.shape));
+                let work = mass.as_deref().map(of_mode).transpose()?;
                 outcome.growth = outcome.growth.max(mode.lambda.re);
                 outcome.unstable.push(UnstableMode {
                     rank: ModeLabel::of_rank(ranks[*index]),
