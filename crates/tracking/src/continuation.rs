@@ -13,7 +13,7 @@ use num_complex::Complex;
 
 use crate::coalescence::{ACCEPTANCE_RADIUS, PastCoalescence, continue_pairs};
 use crate::corrector::{ModeOnPath, modes_on_paths};
-use crate::mac::{Match, mac, match_modes};
+use crate::mac::Match;
 use crate::path::{Path, PathPoint};
 use crate::step_control::{NEGLIGIBLE_ERROR, PredictorErrors, StepControl};
 
@@ -171,17 +171,18 @@ impl<'a> Continuation<'a> {
         if self.steps.t == 1.0 {
             return nearest(known, self.here.mode.lambda);
         }
-        let by_mac = || match_modes(std::slice::from_ref(&self.here.mode), known, &self.path.inertia().m).remove(0);
-        if self.near { Some(by_mac()).filter(Match::is_clear).and_then(|found| found.to) } else { None }
+        if self.near { Some(self.here.matched(known)).filter(Match::is_clear).and_then(|found| found.to) } else { None }
     }
 
     /// The error ratio of the step to `there`; infinite where the shape changes too much.
     fn error_ratio(&self, there: &ModeOnPath, step: f64) -> f64 {
-        let ModeOnPath { mode: Mode { lambda, .. }, rate } = &self.here;
+        let ModeOnPath { mode: Mode { lambda, .. }, rate, .. } = &self.here;
         let errors = PredictorErrors::new([*lambda, there.mode.lambda], [*rate, there.rate], step);
-        let [before, after] = [&self.here, there].map(|point| std::slice::from_ref(&point.mode));
-        let is_alike = mac(before, after, &self.path.inertia().m)[(0, 0)] >= LEAST_MAC_OF_STEP;
-        if is_alike { errors.ratio(NEGLIGIBLE_ERROR * lambda.norm()) } else { f64::INFINITY }
+        if there.weighted.dotc(&self.here.mode.shape).norm_sqr() >= LEAST_MAC_OF_STEP {
+            errors.ratio(NEGLIGIBLE_ERROR * lambda.norm())
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// The point of this mode past a coalescence; `found` are the two modes of the pair as corrected there.
@@ -194,7 +195,7 @@ impl<'a> Continuation<'a> {
             return None;
         }
         let both = [first.mode, second.mode];
-        let alike = match_modes(std::slice::from_ref(&self.here.mode), &both, &self.path.inertia().m).remove(0);
+        let alike = self.here.matched(&both);
         let to = alike.to.filter(|_| alike.is_clear()).unwrap_or(0);
         Some(PathPoint { path: self.path, t, lambda: both[to].lambda })
     }

@@ -1,11 +1,13 @@
 //! The corrector: from a guess of an eigenvalue at a point of a path to the mode there, by Newton's method.
 
-use std::mem::discriminant;
+use std::{mem::discriminant, slice};
 
-use cea::{EigenvaluePair, Mode, NewtonStep, Workspace, mass_norm_squared};
+use cea::{EigenvaluePair, Mode, NewtonStep, Workspace};
+use linsys::real_times_complex;
 use num_complex::Complex;
 
 use crate::evaluator::{Guess, PairGuess, PathEvaluator, Shape};
+use crate::mac::{Match, match_weighted};
 use crate::path::{Path, PathPoint};
 
 /// Relative correction at or below which an eigenvalue counts as converged; chosen: the error left is of the order of the
@@ -18,8 +20,17 @@ const MOST_CORRECTIONS: usize = 4;
 #[derive(Debug, Clone)]
 pub(crate) struct ModeOnPath {
     pub mode: Mode,
+    /// M phi.
+    pub weighted: Shape,
     /// d lambda / d t, rad/s.
     pub rate: Complex<f64>,
+}
+
+impl ModeOnPath {
+    /// Which of some modes this one is like.
+    pub fn matched(&self, known: &[Mode]) -> Match {
+        match_weighted(slice::from_ref(&self.mode), slice::from_ref(&self.weighted), known).remove(0)
+    }
 }
 
 /// The mode that Newton's method finds from each guess; `None` where Newton's method does not converge.
@@ -36,8 +47,11 @@ pub(crate) fn modes_on_paths(at: &[PathPoint<'_>], work: &mut Workspace) -> Vec<
     }
     let mode = |(found, at): (Option<(NewtonStep, Shape)>, &PathPoint<'_>)| {
         let (NewtonStep { lambda, rate }, mut shape) = found?;
-        shape.unscale_mut(mass_norm_squared(&at.path.inertia().m, &shape).abs().sqrt());
-        Some(ModeOnPath { mode: Mode { lambda, shape }, rate })
+        let mut weighted = real_times_complex(at.path.mass(), &shape);
+        let size = shape.dotc(&weighted).re.abs().sqrt();
+        shape.unscale_mut(size);
+        weighted.unscale_mut(size);
+        Some(ModeOnPath { mode: Mode { lambda, shape }, weighted, rate })
     };
     found.into_iter().zip(at).map(mode).collect()
 }

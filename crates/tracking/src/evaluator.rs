@@ -112,7 +112,7 @@ impl PathEvaluator for SystemPath<'_> {
     fn correct(at: &[Guess<Self>], work: &mut Workspace) -> Vec<Option<(NewtonStep, Shape)>> {
         let mut found = Vec::with_capacity(at.len());
         for group in at.chunk_by(|a, b| a.0.from.order() == b.0.from.order()) {
-            let systems: Vec<SecondOrder> = group.iter().map(|(from, t, _)| from.path.system_at(*t)).collect();
+            let systems: Vec<SecondOrder> = group.iter().map(|(at, t, _)| at.path.system_from(at.from, *t)).collect();
             let guesses: Vec<_> = group.iter().map(|(.., guess)| guess * (1.0 + FACTORISATION_OFFSET)).collect();
             let stiffness: Vec<_> =
                 systems.iter().zip(&guesses).map(|(system, &lambda)| system.dynamic_stiffness(lambda)).collect();

@@ -2,7 +2,8 @@
 
 use cea::Mode;
 use linsys::real_times_complex;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 use pathfinding::{kuhn_munkres::kuhn_munkres, matrix::Matrix};
 
 /// Least MAC of a match that is clear whatever other modes there are. A match with a smaller MAC is still clear where it is at
@@ -16,8 +17,17 @@ const RIVAL_DISTANCE_RATIO: f64 = 8.0;
 /// `MAC_ij = |phi_i^H M psi_j|^2` of mass-normalised modes phi (`old`, rows) and psi (`new`, columns)
 /// (Allemang and Brown, IMAC 1982, with the mass matrix as weight).
 pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
-    let weighted: Vec<_> = old.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect();
-    DMatrix::from_fn(old.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
+    mac_of_weighted(&weighted(old, mass), new)
+}
+
+/// M phi of some modes.
+fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
+    modes.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect()
+}
+
+/// [`mac`] from the M phi of the old modes.
+pub(crate) fn mac_of_weighted(weighted: &[DVector<Complex<f64>>], new: &[Mode]) -> DMatrix<f64> {
+    DMatrix::from_fn(weighted.len(), new.len(), |i, j| weighted[i].dotc(&new[j].shape).norm_sqr())
 }
 
 /// What one old mode became.
@@ -50,10 +60,15 @@ pub fn clear_matches(modes: &[Mode], known: &[Mode], mass: &DMatrix<f64>) -> Vec
 /// less than 8 times as far from the old one as that of the match. docs/error-bounds.md, section 14, says how often the rule
 /// was checked.
 pub(crate) fn match_modes(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> Vec<Match> {
+    match_weighted(old, &weighted(old, mass), new)
+}
+
+/// [`match_modes`] from the M phi of the old modes.
+pub(crate) fn match_weighted(old: &[Mode], weighted: &[DVector<Complex<f64>>], new: &[Mode]) -> Vec<Match> {
     if old.is_empty() || new.is_empty() {
         return vec![Match { to: None, rivals: Vec::new() }; old.len()];
     }
-    let mac = mac(old, new, mass);
+    let mac = mac_of_weighted(weighted, new);
     let to = assign(&mac);
     (0..old.len())
         .map(|i| {
@@ -101,7 +116,6 @@ fn assign(mac: &DMatrix<f64>) -> Vec<Option<usize>> {
 mod tests {
     use super::*;
     use nalgebra::dvector;
-    use num_complex::Complex;
 
     fn mode(im: f64, shape: [f64; 2]) -> Mode {
         let shape = dvector![shape[0], shape[1]].map(Complex::from);

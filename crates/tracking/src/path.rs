@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Debug;
 
-use cea::{GainPath, Mode, NewtonStep};
+use cea::{CeaError, GainPath, Mode, NewtonStep};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -28,8 +28,8 @@ pub struct Path<'a> {
 pub enum PathStart<'a> {
     /// A system: the path is evaluated by its matrices.
     System(&'a SecondOrder),
-    /// A system, with a path that its owner evaluates.
-    Owned(&'a SecondOrder, &'a dyn OwnedPath),
+    /// A path that its owner evaluates, from a system with this mass matrix.
+    Owned(&'a DMatrix<f64>, &'a dyn OwnedPath),
     /// A structure with a gain, where the end of the path is the same structure with another gain: the path is evaluated by
     /// the secular equation, which is cheaper.
     Gain(GainPath<'a>),
@@ -42,6 +42,12 @@ pub trait OwnedPath: Debug + Sync {
 
     /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
+
+    /// The system at the beginning, of which spectra are taken where all else leaves a mode in doubt.
+    ///
+    /// # Errors
+    /// A system that cannot be made.
+    fn system(&self) -> Result<SecondOrder, CeaError>;
 }
 
 /// The end of a path.
@@ -68,32 +74,42 @@ pub(crate) struct PathPoint<'a> {
 }
 
 impl<'a> PathStart<'a> {
-    /// A system whose mass matrix is that of the beginning.
-    fn inertia(&self) -> &'a SecondOrder {
+    /// The mass matrix at the beginning.
+    fn mass(&self) -> &'a DMatrix<f64> {
         match self {
-            Self::System(system) | Self::Owned(system, _) => system,
-            Self::Gain(gains) => gains.secular.structure(),
+            Self::System(system) => &system.m,
+            Self::Owned(mass, _) => mass,
+            Self::Gain(gains) => &gains.secular.structure().m,
         }
     }
 
     /// The system at the beginning.
-    fn system(&self) -> Cow<'a, SecondOrder> {
-        match self {
-            Self::System(system) | Self::Owned(system, _) => Cow::Borrowed(system),
+    fn system(&self) -> Result<Cow<'a, SecondOrder>, CeaError> {
+        Ok(match self {
+            Self::System(system) => Cow::Borrowed(system),
+            Self::Owned(_, path) => Cow::Owned(path.system()?),
             Self::Gain(gains) => Cow::Owned(gains.secular.system(&gains.from)),
-        }
+        })
     }
 }
 
 impl<'a> Path<'a> {
-    /// A system whose mass matrix is that of the beginning.
-    pub(crate) fn inertia(&self) -> &'a SecondOrder {
-        self.start.inertia()
+    /// The mass matrix at the beginning.
+    pub(crate) fn mass(&self) -> &'a DMatrix<f64> {
+        self.start.mass()
     }
 
-    /// The system at t. It has the internal states of both ends; their forces are scaled by 1 - t and t.
-    pub(crate) fn system_at(&self, t: f64) -> SecondOrder {
-        let (start, end) = (self.start.system(), self.end.system);
+    /// The system at t.
+    ///
+    /// # Errors
+    /// A system at the beginning that its owner cannot make.
+    pub(crate) fn system_at(&self, t: f64) -> Result<SecondOrder, CeaError> {
+        Ok(self.system_from(&*self.start.system()?, t))
+    }
+
+    /// The system at t of a path from a system. It has the internal states of both ends; their forces are scaled by 1 - t and t.
+    pub(crate) fn system_from(&self, start: &SecondOrder, t: f64) -> SecondOrder {
+        let end = self.end.system;
         let mix = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.zip_map(b, |a, b| (1.0 - t) * a + t * b);
         let (n, first, all) = (start.order(), start.states(), start.states() + end.states());
         let mut internal = Internal::zeros(n, all);

@@ -113,7 +113,7 @@ impl<'a> Subdivision<'a> {
 
     /// Steps to the modes `new` if every match is clear, or cannot become clear: at the last try, or in a multiple eigenvalue.
     fn step_to(&mut self, new: &[Mode], last_try: bool) -> bool {
-        let matches = match_modes(&self.modes, new, &self.path.inertia().m);
+        let matches = match_modes(&self.modes, new, self.path.mass());
         // Two modes with equal eigenvalues before and after the step; modes that only cross are told apart by a longer step.
         let is_inseparable = |f: usize, r: usize| {
             let other = (0..matches.len()).find(|&g| matches[g].to == Some(r));
@@ -188,11 +188,16 @@ fn solve_sample_points(
     work: &mut Workspace,
 ) {
     let (mut places, mut systems) = (Vec::new(), Vec::new());
-    for (i, of_path) in paths.iter_mut().enumerate() {
-        let Ok(of_path) = of_path else { continue };
-        for at in of_path.requested.drain(..) {
-            places.push((i, at));
-            systems.push(of_path.path.system_at(at));
+    for (i, slot) in paths.iter_mut().enumerate() {
+        let Ok(of_path) = slot else { continue };
+        let made: Result<Vec<_>, CeaError> =
+            of_path.requested.drain(..).map(|at| Ok((at, of_path.path.system_at(at)?))).collect();
+        match made {
+            Ok(made) => made.into_iter().for_each(|(at, system)| {
+                places.push((i, at));
+                systems.push(system);
+            }),
+            Err(error) => *slot = Err(error),
         }
     }
     let mut spectra = Vec::with_capacity(systems.len());

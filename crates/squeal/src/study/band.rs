@@ -21,10 +21,10 @@ pub(super) struct BandNames<'a> {
 }
 
 /// Where modes in doubt are followed from.
-pub(super) struct BandStart<'a> {
-    pub system: SecondOrder,
-    /// The path from there to the reference, where the brake evaluates it.
-    pub path: Option<Box<dyn OwnedPath + 'a>>,
+pub(super) enum BandStart<'a> {
+    System(SecondOrder),
+    /// The brake evaluates the path from there to the reference.
+    Owned(Box<dyn OwnedPath + 'a>),
 }
 
 impl<'a> BandNames<'a> {
@@ -78,8 +78,11 @@ impl<'a> BandNames<'a> {
         if let Some(clear) = clear {
             return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
         }
-        let (BandStart { system, path }, end) = (start()?, PathEnd { system: &known.system, modes: &known.modes });
-        let start = path.as_deref().map_or(PathStart::System(&system), |path| PathStart::Owned(&system, path));
+        let (start, end) = (start()?, PathEnd { system: &known.system, modes: &known.modes });
+        let start = match &start {
+            BandStart::System(system) => PathStart::System(system),
+            BandStart::Owned(path) => PathStart::Owned(mass, path.as_ref()),
+        };
         let path = Path { start, start_modes: modes, end };
         Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
     }

@@ -247,8 +247,10 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                 return Ok(Outcome::default());
             }
             let mass = self.mass(scene, at)?;
-            let path = || self.brake.path(of_scene, at, reference);
-            let start = || Ok(BandStart { system: model.assemble(at)?, path: path() });
+            let start = || match self.brake.path(of_scene, at, reference) {
+                Some(path) => Ok(BandStart::Owned(path)),
+                None => Ok(BandStart::System(model.assemble(at)?)),
+            };
             let modes = names.sector_modes(found, &mass, start, memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };

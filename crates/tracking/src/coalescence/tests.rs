@@ -3,7 +3,7 @@
 use super::*;
 use crate::continuation::continue_modes;
 use crate::{OwnedPath, PathEnd, PathStart};
-use cea::{EigenSolver, Feedback, Gain, GainPath, Mode, Modes, NewtonStep, QrSolver, Secular};
+use cea::{CeaError, EigenSolver, Feedback, Gain, GainPath, Mode, Modes, NewtonStep, QrSolver, Secular};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, dmatrix};
 use proptest::prelude::*;
@@ -50,7 +50,7 @@ fn by_small_steps(path: Path<'_>) -> Vec<Complex<f64>> {
         // The steps are short next to the coalescence, where the two eigenvalues are near and move fast.
         let nearest = (at[1] - at[0]).norm() / at[0].norm();
         let step = (0.02 * nearest).clamp(1e-6, 2e-3).min(1.0 - t);
-        let next: Vec<_> = modes(&path.system_at(t + step)).into_iter().map(|mode| mode.lambda).collect();
+        let next: Vec<_> = modes(&path.system_at(t + step).unwrap()).into_iter().map(|mode| mode.lambda).collect();
         let expected: Vec<_> = at.iter().zip(&before).map(|(at, before)| at + 0.5 * (at - before)).collect();
         let distance = |l: &&Complex<f64>, to: &Complex<f64>| (*l - to).norm();
         before = at;
@@ -96,7 +96,7 @@ struct BySpectra<'a>(Path<'a>);
 impl BySpectra<'_> {
     fn nearest(&self, t: f64, lambda: Complex<f64>) -> Option<Mode> {
         let distance = |mode: &Mode| (mode.lambda - lambda).norm();
-        modes(&self.0.system_at(t)).into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+        modes(&self.0.system_at(t).unwrap()).into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 }
 
@@ -108,7 +108,11 @@ impl OwnedPath for BySpectra<'_> {
     }
 
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
-        at.iter().map(|&(t, lambda)| self.0.system_at(t).dynamic_stiffness(lambda).determinant()).collect()
+        at.iter().map(|&(t, lambda)| self.0.system_at(t).unwrap().dynamic_stiffness(lambda).determinant()).collect()
+    }
+
+    fn system(&self) -> Result<SecondOrder, CeaError> {
+        self.0.system_at(0.0)
     }
 }
 
@@ -121,7 +125,7 @@ fn modes_on_a_path_of_its_owner_are_continued_past_a_coalescence_too() {
         let end = PathEnd { system: &to, modes: &end };
         let by_systems = Path { start: PathStart::System(&from), start_modes: &start, end };
         let owner = BySpectra(by_systems);
-        let path = Path { start: PathStart::Owned(&from, &owner), ..by_systems };
+        let path = Path { start: PathStart::Owned(&from.m, &owner), ..by_systems };
         let mut work = Workspace::default();
         let found = continue_modes(&start.iter().map(|mode| (path, mode)).collect::<Vec<_>>(), false, &mut work);
         for (to, expected) in found.iter().zip(by_small_steps(by_systems)) {

@@ -1,6 +1,7 @@
 //! Continuation against small steps and differences, and of pairs that veer or coalesce.
 
 use super::*;
+use crate::mac::match_modes;
 use crate::{PathEnd, PathStart};
 use cea::{EigenSolver, Modes, QrSolver};
 use linsys::{Internal, SecondOrder};
@@ -33,7 +34,7 @@ fn end_of(path: Path<'_>, mode: &Mode) -> Option<Complex<f64>> {
 fn by_small_steps(path: Path<'_>) -> Vec<(Complex<f64>, f64)> {
     const STEPS: u32 = 4000;
     let lambdas = |t: f64| {
-        let spectrum = QrSolver.eigenvalues(&path.system_at(t), &mut Workspace::default()).unwrap();
+        let spectrum = QrSolver.eigenvalues(&path.system_at(t).unwrap(), &mut Workspace::default()).unwrap();
         spectrum.oscillatory().collect::<Vec<_>>()
     };
     let mut at: Vec<_> = lambdas(0.0).into_iter().map(|lambda| (lambda, f64::INFINITY)).collect();
@@ -82,7 +83,7 @@ fn the_rate_is_the_limit_of_differences() {
     let (from, to) = (at(3.0, 1.0, -0.7, 9.0), at(5.0, 0.4, 0.6, 12.0));
     let path = Path { start: PathStart::System(&from), start_modes: &[], end: PathEnd { system: &to, modes: &[] } };
     let mut work = Workspace::default();
-    for Mode { lambda, .. } in modes(&path.system_at(0.4)) {
+    for Mode { lambda, .. } in modes(&path.system_at(0.4).unwrap()) {
         let mut at = |t: f64, lambda| modes_on_paths(&[PathPoint { path, t, lambda }], &mut work).remove(0).unwrap();
         let here = at(0.4, lambda);
         let [behind, ahead] = [0.4 - 1e-4, 0.4 + 1e-4].map(|t| at(t, lambda).mode.lambda);

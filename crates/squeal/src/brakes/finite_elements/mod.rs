@@ -317,7 +317,7 @@ impl UncertainBrake for FiniteElementBrake {
     fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
         let friction = self.part(scene).friction.as_ref()?;
         let path = friction.path(&self.full_point(scene, from), &self.full_point(scene, to))?;
-        Some(Box::new(FrictionalPath(path)))
+        Some(Box::new(FrictionalPath { path, brake: &self.plan.brake(scene).system, from: from.clone() }))
     }
 
     fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {
