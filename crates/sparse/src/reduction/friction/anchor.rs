@@ -5,12 +5,11 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::coupling::{self, Coordinates, Gains, Pull, Scratch, pull};
+use super::coupling::{self, Coupled, Gains, Pull, Scratch, pull};
 use super::eigenvalue;
 use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
-use super::tangent::Coarse;
 use crate::SparseError;
 use crate::reduction::dense;
 
@@ -31,8 +30,10 @@ const WEAK: f64 = 1e-4;
 pub(super) struct Anchor {
     /// Of the gains in the middle of the band.
     pulls: Vec<Pull>,
-    /// The vectors of these modes as coordinates.
-    pub own: Coordinates,
+    /// What A is made of with the vectors of these modes as coordinates, in which it is nearly diagonal.
+    pub own: Coupled<f32>,
+    /// These vectors S, and their inverse, p x p.
+    pub vectors: [Rows<f32>; 2],
     /// For each of them the weights of the points for guesses at its frequency.
     weights: Vec<Vec<Complex<f32>>>,
 }
@@ -51,14 +52,14 @@ impl Anchor {
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub fn new(ports: &Ports, structure: &Coordinates, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
+    pub fn new(ports: &Ports, structure: &Coupled<f64>, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
         let (p, mut scratch) = (ports.near(), Scratch::new(ports));
         let mut a = Rows::zeros(p, p);
-        coupling::at(&structure.double, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
+        coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
         let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
             for _ in 0..ROUNDS {
-                coupling::at(&structure.double, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
+                coupling::at(structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
                 let beside = *lambda * (1.0 + BESIDE);
                 *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
             }
@@ -70,7 +71,9 @@ impl Anchor {
         let is_sound = inverse.norm() * vectors.norm() <= LARGEST_CONDITION;
         let weights = lambdas.iter().map(|lambda| ports.coarse_weights_near(*lambda)).collect();
         let pulls = gains.iter().map(|gain| pull(gain, ports.middle)).collect();
-        Ok(is_sound.then(|| Self { pulls, own: Coordinates::new(ports, vectors, &inverse), weights }))
+        let own = Coupled::new(ports, &vectors, &inverse).single();
+        let vectors = [&vectors, &inverse].map(|matrix| Rows::of(matrix).single());
+        Ok(is_sound.then_some(Self { pulls, own, vectors, weights }))
     }
 
     /// The square of how far gains are, by their pulls in the middle of the band: the changes, each times what it moves the near modes by at
@@ -85,7 +88,7 @@ impl Anchor {
 
     /// The eigenvalues of A, given at the points for guesses in the coordinates of this anchor: its diagonal, and to second order what
     /// couples it. Two modes that are near each other are taken as the pair that they make. `rows` is overwritten.
-    pub fn guesses(&self, values: &Coarse, rows: &mut Rows<f32>) -> Vec<Guess> {
+    pub fn guesses(&self, values: &[Rows<f32>], rows: &mut Rows<f32>) -> Vec<Guess> {
         Arch::new().dispatch(OwnRows { weights: &self.weights, values, out: rows });
         let entry = |row: usize, column: usize| cast::<f32, f64>(rows.at(row, column));
         let own = |i: usize| Guess { lambda: entry(i, i), moved: 0.0 };
@@ -108,7 +111,7 @@ impl Anchor {
 struct OwnRows<'a> {
     /// For each row those of the points.
     weights: &'a [Vec<Complex<f32>>],
-    values: &'a Coarse,
+    values: &'a [Rows<f32>],
     out: &'a mut Rows<f32>,
 }
 
@@ -119,7 +122,7 @@ impl WithSimd for OwnRows<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         self.out.clear();
         for (row, weights) in self.weights.iter().enumerate() {
-            for (&weight, [_, a]) in weights.iter().zip(self.values) {
+            for (&weight, a) in weights.iter().zip(self.values) {
                 self.out.add_row(simd, row, weight, a, row);
             }
         }

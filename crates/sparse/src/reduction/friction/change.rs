@@ -23,7 +23,7 @@ pub(super) struct Seen<'a> {
     x: &'a [Complex<f64>],
     y: &'a [Complex<f64>],
     /// g, by ports.
-    forces: Vec<Complex<f64>>,
+    pub forces: Vec<Complex<f64>>,
 }
 
 impl<'a> Seen<'a> {

@@ -18,17 +18,7 @@ use super::real::{Real, cast};
 use super::rows::Rows;
 use super::table::Table;
 
-/// The near modes in coordinates of their own: `d = S d'`, so that A is nearly diagonal.
-#[derive(Debug, Clone)]
-pub(super) struct Coordinates {
-    /// S, p x p.
-    pub vectors: DMatrix<Complex<f64>>,
-    pub double: Coupled<f64>,
-    /// The same in single precision.
-    pub single: Coupled<f32>,
-}
-
-/// What A is made of, in some coordinates.
+/// What A is made of, in coordinates d' of the near modes: `d = S d'`.
 #[derive(Debug, Clone)]
 pub(super) struct Coupled<T> {
     /// `-S^-1 V^H B` by rows.
@@ -39,33 +29,32 @@ pub(super) struct Coupled<T> {
     structure: Rows<T>,
 }
 
-impl Coordinates {
-    /// Those of the structure.
+impl Coupled<f64> {
+    /// In the coordinates of the structure.
     pub fn of_structure(ports: &Ports) -> Self {
-        let p = ports.near();
-        let identity = DMatrix::identity(p, p);
-        Self::new(ports, identity.clone(), &identity)
+        let identity = DMatrix::identity(ports.near(), ports.near());
+        Self::new(ports, &identity, &identity)
     }
 
-    pub fn new(ports: &Ports, vectors: DMatrix<Complex<f64>>, inverse: &DMatrix<Complex<f64>>) -> Self {
-        let (p, m) = (ports.near(), ports.count());
+    /// With S, p x p, and its inverse.
+    pub fn new(ports: &Ports, vectors: &DMatrix<Complex<f64>>, inverse: &DMatrix<Complex<f64>>) -> Self {
+        let p = ports.near();
         let force = inverse * &ports.force;
-        let structure = inverse * DMatrix::from_diagonal(&DVector::from_vec(ports.lambdas.clone())) * &vectors;
-        let side = |side: &DMatrix<Complex<f64>>| {
-            let side = side * &vectors;
-            Rows::from_fn(m, p, |i, j| side[(i, j)])
-        };
-        let double = Coupled {
+        let structure = inverse * DMatrix::from_diagonal(&DVector::from_vec(ports.lambdas.clone())) * vectors;
+        Self {
             force: (0..p).flat_map(|i| force.row(i).iter().map(|force| -force).collect::<Vec<_>>()).collect(),
-            sides: [side(&ports.sides[0]), side(&ports.sides[1])],
-            structure: Rows::from_fn(p, p, |i, j| structure[(i, j)]),
-        };
-        let single = Coupled {
-            force: double.force.iter().map(|&force| cast(force)).collect(),
-            sides: double.sides.each_ref().map(Rows::single),
-            structure: double.structure.single(),
-        };
-        Self { vectors, double, single }
+            sides: ports.sides.each_ref().map(|side| Rows::of(&(side * vectors))),
+            structure: Rows::of(&structure),
+        }
+    }
+
+    /// The same in single precision.
+    pub fn single(&self) -> Coupled<f32> {
+        Coupled {
+            force: self.force.iter().map(|&force| cast(force)).collect(),
+            sides: self.sides.each_ref().map(Rows::single),
+            structure: self.structure.single(),
+        }
     }
 }
 
@@ -98,6 +87,7 @@ impl<'a> Gains<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Scratch<T = f64> {
     weights: Vec<Complex<f64>>,
+    slope_weights: Vec<Complex<f64>>,
     /// The gains mu and `lambda s(lambda)` of the last matrix A.
     pub pulls: Vec<Pull<T>>,
     /// `R F B` and `B^T F B` of it, unless it is at a point of a table.
@@ -119,18 +109,18 @@ impl<T: Real> Scratch<T> {
     }
 }
 
-/// A, and `T^-1 (D_mu R Y + D_s B^T Y)`, at a point of a table.
+/// A at a point of a table.
 pub(super) fn at_point<T: Real>(
     own: &Coupled<T>,
     table: &Table<T>,
     point: usize,
     gains: Gains<'_>,
     scratch: &mut Scratch<T>,
-    [solved, out]: [&mut Rows<T>; 2],
+    out: &mut Rows<T>,
 ) {
     let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
     scratch.pull(gains, lambda);
-    let Scratch { pulls, square, factors, .. } = scratch;
+    let Scratch { pulls, square, factors, solved, .. } = scratch;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
 }
 
@@ -153,30 +143,46 @@ pub(super) fn at(
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
 }
 
+/// `R F B` and `B^T F B` at a number near the band, and T, factored, to `scratch`; their derivatives over lambda to `slopes`.
+pub(super) fn factor_at(
+    table: &Table,
+    lambda: Complex<f64>,
+    gains: Gains<'_>,
+    scratch: &mut Scratch,
+    slopes: &mut [Rows; 2],
+) {
+    scratch.pull(gains, lambda);
+    table.weights_at(lambda, &mut scratch.weights);
+    table.slope_weights_at(lambda, &mut scratch.slope_weights);
+    let Scratch { weights, slope_weights, pulls, smooth, square, factors, .. } = scratch;
+    for (part, (smooth, slope)) in smooth.iter_mut().zip(slopes).enumerate() {
+        combine_part(weights, &table.values, part, smooth);
+        combine_part(slope_weights, &table.values, part, slope);
+    }
+    let [reading, velocity] = smooth;
+    Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });
+}
+
 /// The sum of multiples of matrices.
-pub(super) fn combine<T: Real>(factors: &[Complex<T>], parts: &[&Rows<T>], out: &mut Rows<T>) {
-    Arch::new().dispatch(Combine { factors, parts, out });
+pub(super) fn combine<T: Real>(factors: &[Complex<T>], parts: &[Rows<T>], out: &mut Rows<T>) {
+    Arch::new().dispatch(Combine { factors, parts: parts.iter(), out });
 }
 
 /// The sum of multiples of the first or the second matrix of each pair.
 pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2]], part: usize, out: &mut Rows<T>) {
-    combine(factors, &pairs.iter().map(|pair| &pair[part]).collect::<Vec<_>>(), out);
+    Arch::new().dispatch(Combine { factors, parts: pairs.iter().map(|pair| &pair[part]), out });
 }
 
-/// The shape of amplitudes d', where `scratch.solved` is of the same gains and number: `Y S d' - F B T^-1 (D_mu R Y + D_s B^T Y) S d'`.
+/// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
 pub(super) fn shape(
     ports: &Ports,
-    own: &Coordinates,
     lambda: Complex<f64>,
     d: &[Complex<f64>],
-    solved: &Rows,
+    forces: &[Complex<f64>],
 ) -> DVector<Complex<f64>> {
-    let near = &own.vectors * DVector::from_column_slice(d);
-    let mut out = &ports.right * near;
-    let force = |port: usize| d.iter().enumerate().map(|(at, d)| solved.at(port, at) * d).sum();
-    let forces: Vec<Complex<f64>> = (0..ports.count()).map(force).collect();
+    let mut out = &ports.right * DVector::from_column_slice(d);
     let (mut driven, mut far) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, out.len()));
-    Arch::new().dispatch(AddRows { factors: &forces, rows: &ports.others_force, out: &mut driven });
+    Arch::new().dispatch(AddRows { factors: forces, rows: &ports.others_force, out: &mut driven });
     let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) / (lambda - other);
     let factors: Vec<Complex<f64>> = ports.others.iter().enumerate().map(factor).collect();
     Arch::new().dispatch(AddRows { factors: &factors, rows: &ports.others_right, out: &mut far });
@@ -193,7 +199,8 @@ pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
 }
 
 impl<T: Real> Scratch<T> {
-    fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
+    /// Sets the gains.
+    pub fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
         self.pulls.clear();
         for port in 0..gains.from.len() {
             // Channels of one patch have equal gains.
@@ -205,6 +212,30 @@ impl<T: Real> Scratch<T> {
             };
             self.pulls.push(next);
         }
+    }
+}
+
+struct FactorSquare<'a> {
+    reading: &'a Rows,
+    velocity: &'a Rows,
+    pulls: &'a [Pull],
+    square: &'a mut Rows,
+    factors: &'a mut Elimination,
+}
+
+impl WithSimd for FactorSquare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { reading, velocity, pulls, square, factors } = self;
+        square.clear();
+        for (port, &(mu, slope)) in pulls.iter().enumerate() {
+            square.set(port, port, Complex::from(1.0));
+            square.add_row(simd, port, mu.into(), reading, port);
+            square.add_row(simd, port, slope, velocity, port);
+        }
+        factors.factor(simd, square, None, pulls.len());
     }
 }
 
@@ -246,13 +277,13 @@ impl<T: Real> WithSimd for Couple<'_, T> {
     }
 }
 
-struct Combine<'a, T> {
+struct Combine<'a, T, P> {
     factors: &'a [Complex<T>],
-    parts: &'a [&'a Rows<T>],
+    parts: P,
     out: &'a mut Rows<T>,
 }
 
-impl<T: Real> WithSimd for Combine<'_, T> {
+impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for Combine<'a, T, P> {
     type Output = ();
 
     #[inline(always)]

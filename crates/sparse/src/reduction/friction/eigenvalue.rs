@@ -56,12 +56,24 @@ pub(super) fn next_to(
 }
 
 /// The left vector of the eigenvalue that [`next_to`] found, from what it left of A, up to a factor.
-pub(super) fn left(factors: &Rows, right: &[Complex<f64>], elimination: &Elimination) -> Vec<Complex<f64>> {
+pub(super) fn left<T: Real>(factors: &Rows<T>, right: &[Complex<T>], elimination: &Elimination<T>) -> Vec<Complex<T>> {
     let mut left = right.to_vec();
     for _ in 0..2 {
         elimination.solve_adjoint(factors, &mut left);
-        let size = left.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
-        left.iter_mut().for_each(|entry| *entry /= size);
+        normalise(&mut left);
     }
     left
+}
+
+/// The right vector of the eigenvalue next to the number of some factors, from a vector that has a part of it.
+pub(super) fn right<T: Real>(factors: &Rows<T>, elimination: &Elimination<T>, vector: &mut [Complex<T>]) {
+    for _ in 0..2 {
+        elimination.solve(factors, vector);
+        normalise(vector);
+    }
+}
+
+fn normalise<T: Real>(vector: &mut [Complex<T>]) {
+    let size = vector.iter().fold(T::default(), |sum, entry| sum + entry.norm_sqr()).sqrt();
+    vector.iter_mut().for_each(|entry| *entry /= size);
 }

@@ -14,11 +14,11 @@ mod elimination;
 mod path;
 mod ports;
 mod real;
+mod refinement;
 mod residuals;
 mod rows;
 mod search;
 mod table;
-mod tangent;
 
 use linsys::{ChannelGain, OperatingPoint};
 use num_complex::Complex;
@@ -26,7 +26,7 @@ use num_complex::Complex;
 pub use self::path::{FrictionPath, OnFrictionPath};
 
 use self::anchor::Anchor;
-use self::coupling::Coordinates;
+use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::Residuals;
 use self::search::{Memory, Search};
@@ -39,8 +39,8 @@ pub struct FrictionModes {
     coefficients: Vec<f64>,
     channels: Vec<usize>,
     ports: Ports,
-    /// The near modes of the structure as coordinates.
-    own: Coordinates,
+    /// What A is made of in the coordinates of the structure.
+    own: Coupled<f64>,
     anchors: Vec<Anchor>,
     residuals: Residuals,
 }
@@ -67,7 +67,7 @@ impl FrictionModes {
         }
         let structure = system.structure(&first.coefficients)?;
         let Some(ports) = Ports::new(&structure, system, channels, reduced.rectangle().im)? else { return Ok(None) };
-        let own = Coordinates::of_structure(&ports);
+        let own = Coupled::of_structure(&ports);
         let mut anchors = Vec::with_capacity(points.len());
         for point in points {
             anchors.extend(Anchor::new(
@@ -109,13 +109,13 @@ impl FrictionSearch<'_> {
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Result<ReducedModes, SparseError> {
-        let FrictionModes { channels, ports, anchors, residuals, .. } = self.modes;
+        let FrictionModes { channels, ports, own, anchors, residuals, .. } = self.modes;
         if !self.modes.is_of(point) {
             return reduced.modes_among(point, is_wanted);
         }
         self.gains.clear();
         self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
-        let search = Search { ports, anchors, rectangle: reduced.rectangle() };
+        let search = Search { ports, own, anchors, rectangle: reduced.rectangle() };
         let before = self.memory.corrections;
         let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else {
             return reduced.modes_among(point, is_wanted);

@@ -65,7 +65,7 @@ impl FrictionPath<'_> {
 
     /// A at a place of the path.
     fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
-        coupling::at(&self.modes.own.double, &self.modes.ports.path, lambda, self.gains(t), scratch, out);
+        coupling::at(&self.modes.own, &self.modes.ports.path, lambda, self.gains(t), scratch, out);
     }
 
     fn gains(&self, t: f64) -> Gains<'_> {
@@ -97,14 +97,14 @@ impl FrictionPath<'_> {
         }
         let y = eigenvalue::left(&a, &x, &scratch.elimination);
         let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
-        let seen = Seen::new(&self.modes.own.double, &scratch, [&y, &x]);
+        let seen = Seen::new(&self.modes.own, &scratch, [&y, &x]);
         let slope = along - seen.by_lambda(&ports.path, at, self.gains(t));
         let change = |port: usize| {
             let [(mu, slope), (to_mu, to_slope)] = [&self.from, &self.to].map(|gains| Gains::of(gains).at(port, at));
             (to_mu - mu, to_slope - slope)
         };
         let (lambda, rate) = (at + miss * along / slope, seen.by_gains(change) / slope);
-        let shape = coupling::shape(ports, &self.modes.own, at, &x, &scratch.solved);
+        let shape = coupling::shape(ports, at, &x, &seen.forces);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
     }
 }

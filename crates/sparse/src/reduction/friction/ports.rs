@@ -36,6 +36,8 @@ pub(super) struct Ports {
     pub right: DMatrix<Complex<f64>>,
     /// `V^H B`, p x m.
     pub force: DMatrix<Complex<f64>>,
+    /// The same by rows.
+    pub force_rows: Rows,
     /// `R Y` and `B^T Y`, m x p.
     pub sides: [DMatrix<Complex<f64>>; 2],
     /// `R F B` and `B^T F B` at the points of the band for guesses.
@@ -109,6 +111,7 @@ impl Ports {
             moved: [moved(&sides[0]), moved(&sides[1])],
             band,
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
+            force_rows: Rows::of(&force),
             force,
             sides,
             coarse: coarse.single(),

@@ -17,6 +17,8 @@ pub(super) trait Real: RealField + Copy + Default {
     fn registers<S: Simd>(of: &[Self]) -> &[Self::Register<S>];
     fn registers_mut<S: Simd>(of: &mut [Self]) -> &mut [Self::Register<S>];
     fn filled<S: Simd>(simd: S, value: Self) -> Self::Register<S>;
+    /// The sum of the numbers in a register.
+    fn sum<S: Simd>(simd: S, of: Self::Register<S>) -> Self;
     /// `a b + c`.
     fn add_product<S: Simd>(
         simd: S,
@@ -39,7 +41,7 @@ pub(super) fn cast<T: Real, U: Real>(value: Complex<T>) -> Complex<U> {
 }
 
 macro_rules! real {
-    ($real:ty, $registers:ident, $lanes:ident, $widest:literal, [$of:ident, $of_mut:ident, $splat:ident, $add:ident, $take:ident]) => {
+    ($real:ty, $registers:ident, $lanes:ident, $widest:literal, [$of:ident, $of_mut:ident, $splat:ident, $sum:ident, $add:ident, $take:ident]) => {
         impl Real for $real {
             type Register<S: Simd> = S::$registers;
             const WIDEST: usize = $widest;
@@ -75,6 +77,11 @@ macro_rules! real {
             }
 
             #[inline(always)]
+            fn sum<S: Simd>(simd: S, of: S::$registers) -> Self {
+                simd.$sum(of)
+            }
+
+            #[inline(always)]
             fn add_product<S: Simd>(simd: S, a: S::$registers, b: S::$registers, c: S::$registers) -> S::$registers {
                 simd.$add(a, b, c)
             }
@@ -87,5 +94,17 @@ macro_rules! real {
     };
 }
 
-real!(f64, f64s, F64_LANES, 8, [as_simd_f64s, as_mut_simd_f64s, splat_f64s, mul_add_e_f64s, negate_mul_add_e_f64s]);
-real!(f32, f32s, F32_LANES, 16, [as_simd_f32s, as_mut_simd_f32s, splat_f32s, mul_add_e_f32s, negate_mul_add_e_f32s]);
+real!(
+    f64,
+    f64s,
+    F64_LANES,
+    8,
+    [as_simd_f64s, as_mut_simd_f64s, splat_f64s, reduce_sum_f64s, mul_add_e_f64s, negate_mul_add_e_f64s]
+);
+real!(
+    f32,
+    f32s,
+    F32_LANES,
+    16,
+    [as_simd_f32s, as_mut_simd_f32s, splat_f32s, reduce_sum_f32s, mul_add_e_f32s, negate_mul_add_e_f32s]
+);

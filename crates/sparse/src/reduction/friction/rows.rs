@@ -2,6 +2,7 @@
 //!
 //! Rows have room for whole registers of the widest kind. What is beyond the columns is zero and stays so.
 
+use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::Simd;
 
@@ -27,6 +28,11 @@ impl<T: Real> Rows<T> {
             (0..columns).for_each(|column| out.set(row, column, of(row, column)));
         }
         out
+    }
+
+    /// The entries of a matrix.
+    pub fn of(matrix: &DMatrix<Complex<T>>) -> Self {
+        Self::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)])
     }
 
     #[inline(always)]
@@ -74,16 +80,45 @@ impl<T: Real> Rows<T> {
 
     /// The sum of multiples of matrices of this shape.
     #[inline(always)]
-    pub fn set_sum<S: Simd>(&mut self, simd: S, factors: &[Complex<T>], of: &[&Self]) {
+    pub fn set_sum<'a, S: Simd>(
+        &mut self,
+        simd: S,
+        factors: &[Complex<T>],
+        of: impl Iterator<Item = &'a Self> + Clone,
+    ) {
         let out = T::registers_mut::<S>(&mut self.re).iter_mut().zip(T::registers_mut::<S>(&mut self.im));
         for (place, (re, im)) in out.enumerate() {
             let mut sum = [T::filled(simd, T::default()); 2];
-            for (factor, part) in factors.iter().zip(of) {
+            for (factor, part) in factors.iter().zip(of.clone()) {
                 let x = [T::registers::<S>(&part.re)[place], T::registers::<S>(&part.im)[place]];
                 sum = multiple_added(simd, *factor, x, sum);
             }
             [*re, *im] = sum;
         }
+    }
+
+    /// This matrix times a vector, the first row of another one.
+    #[inline(always)]
+    pub fn times<S: Simd>(&self, simd: S, vector: &Self, out: &mut Vec<Complex<T>>) {
+        out.clear();
+        if self.stride == 0 {
+            return;
+        }
+        let [x_re, x_im] = vector.row(0).map(T::registers::<S>);
+        for (re, im) in self.re.chunks_exact(self.stride).zip(self.im.chunks_exact(self.stride)) {
+            let (re, im) = (T::registers::<S>(re), T::registers::<S>(im));
+            let mut sum = [T::filled(simd, T::default()); 2];
+            for ((re, im), (x_re, x_im)) in re.iter().zip(im).zip(x_re.iter().zip(x_im)) {
+                sum[0] = T::take_product(simd, *im, *x_im, T::add_product(simd, *re, *x_re, sum[0]));
+                sum[1] = T::add_product(simd, *im, *x_re, T::add_product(simd, *re, *x_im, sum[1]));
+            }
+            out.push(Complex::new(T::sum(simd, sum[0]), T::sum(simd, sum[1])));
+        }
+    }
+
+    /// Takes the entries of a vector as the first row.
+    pub fn set_row(&mut self, of: &[Complex<T>]) {
+        of.iter().enumerate().for_each(|(column, &value)| self.set(0, column, value));
     }
 
     /// Adds multiples of the rows of another matrix to a row.
@@ -167,15 +202,6 @@ impl Rows {
         }
         out
     }
-
-    /// Takes the entries of a matrix with as many columns.
-    pub fn set_wide(&mut self, of: &Rows<f32>, columns: usize) {
-        for (to, from) in [(&mut self.re, &of.re), (&mut self.im, &of.im)] {
-            for (to, from) in to.chunks_exact_mut(self.stride).zip(from.chunks_exact(of.stride)) {
-                to[..columns].iter_mut().zip(from).for_each(|(to, &from)| *to = from.into());
-            }
-        }
-    }
 }
 
 /// `y += factor x`.
@@ -230,6 +256,12 @@ mod tests {
                 let expected = factors[0] * a.at(2, j) + factors[1] * b.at(2, j);
                 assert!((sum.at(2, j) - expected).norm() < 1e-12 * expected.norm());
             }
+            let mut product = Vec::new();
+            Arch::new().dispatch(Times(&a, &out, &mut product));
+            for (i, product) in product.into_iter().enumerate() {
+                let expected: Complex<f64> = (0..columns).map(|j| a.at(i, j) * out.at(0, j)).sum();
+                assert!((product - expected).norm() < 1e-12 * expected.norm());
+            }
             let total: Complex<f64> =
                 (0..4).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| a.at(i, j)).sum();
             assert!((a.entries().sum::<Complex<f64>>() - total).norm() < 1e-12 * total.norm());
@@ -247,6 +279,17 @@ mod tests {
         }
     }
 
+    struct Times<'a>(&'a Rows, &'a Rows, &'a mut Vec<Complex<f64>>);
+
+    impl WithSimd for Times<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.times(simd, self.1, self.2);
+        }
+    }
+
     struct SetSum<'a>(&'a mut Rows, &'a [Complex<f64>], &'a [&'a Rows]);
 
     impl WithSimd for SetSum<'_> {
@@ -254,7 +297,7 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
-            self.0.set_sum(simd, self.1, self.2);
+            self.0.set_sum(simd, self.1, self.2.iter().copied());
         }
     }
 }

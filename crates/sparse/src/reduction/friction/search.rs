@@ -5,12 +5,12 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::{Anchor, Guess};
-use super::coupling::{self, Gains, Pull, Scratch, combine_part, pull};
+use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
 use super::eigenvalue;
 use super::ports::Ports;
 use super::real::cast;
+use super::refinement::{Factors, Refinement};
 use super::rows::Rows;
-use super::tangent::{Coarse, Sample, Tangent};
 use crate::Rectangle;
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
@@ -18,10 +18,6 @@ const COARSE_ERROR: f64 = 5e-4;
 /// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
 const GUESSED: f64 = 1e-5;
 const MOST_CORRECTIONS: usize = 20;
-/// What the last round of an eigenvalue misses, relative to it; chosen: after its step nothing of it is left, and what it does to the shape is
-/// below all residuals that are asked for.
-const CONVERGED: f64 = 1e-8;
-const MOST_ROUNDS: usize = 12;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
@@ -43,13 +39,12 @@ pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// Working memory.
 pub(super) struct Memory {
-    scratch: Scratch,
     /// For guesses and counts.
     single: Scratch<f32>,
     small: Rows<f32>,
-    coarse: Coarse,
-    tangent: Tangent,
-    square: Rows,
+    /// A at the coarse points.
+    coarse: Vec<Rows<f32>>,
+    refinement: Refinement,
     weights: Vec<Complex<f64>>,
     /// Corrections so far.
     pub corrections: u64,
@@ -57,14 +52,12 @@ pub(super) struct Memory {
 
 impl Memory {
     pub fn new(ports: &Ports) -> Self {
-        let (p, m) = (ports.near(), ports.count());
+        let p = ports.near();
         Self {
-            scratch: Scratch::new(ports),
             single: Scratch::new(ports),
             small: Rows::zeros(p, p),
-            coarse: ports.coarse.points.iter().map(|_| [Rows::zeros(m, p), Rows::zeros(p, p)]).collect(),
-            tangent: Tangent::new(ports),
-            square: Rows::zeros(p, p),
+            coarse: ports.coarse.points.iter().map(|_| Rows::zeros(p, p)).collect(),
+            refinement: Refinement::new(ports),
             weights: Vec::new(),
             corrections: 0,
         }
@@ -74,6 +67,8 @@ impl Memory {
 /// What is searched.
 pub(super) struct Search<'a> {
     pub ports: &'a Ports,
+    /// What A is made of in the coordinates of the structure.
+    pub own: &'a Coupled<f64>,
     pub anchors: &'a [Anchor],
     pub rectangle: &'a Rectangle,
 }
@@ -85,8 +80,8 @@ impl Search<'_> {
         let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, &pulls), anchor));
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
         let Memory { coarse, single, small, .. } = memory;
-        for (point, [solved, a]) in coarse.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own.single, &self.ports.coarse, point, Gains::of(gains), single, [solved, a]);
+        for (point, a) in coarse.iter_mut().enumerate() {
+            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), single, a);
         }
         let guesses = anchor.guesses(coarse, small);
         // As far as a guess was moved it may be wrong.
@@ -99,9 +94,17 @@ impl Search<'_> {
         let zeros = self.corrected(&guesses, &wanted, memory)?;
         self.count(&zeros, memory)?;
         wanted.retain(|&i| may_be(zeros[i], 0.0));
-        let sample = Sample { ports: self.ports, own: &anchor.own, gains };
-        let finished = wanted.into_iter().map(|i| finished(sample, (i, zeros[i]), memory));
-        let mut found = finished.collect::<Result<Vec<_>, Open>>()?;
+        let mut finished = |i: usize| {
+            self.factor_coarse(zeros[i], memory);
+            let Memory { single, small, refinement, corrections, .. } = memory;
+            let factors = Factors { number: zeros[i], matrix: small, elimination: &single.elimination };
+            let (found, rounds) = refinement.refined(self.ports, self.own, gains, anchor, factors, i);
+            *corrections += rounds;
+            // The other: not the mode that was counted.
+            let is_same = |(lambda, _): &Pair| (lambda - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
+            found.filter(is_same).ok_or(Open::NotConverged)
+        };
+        let mut found = wanted.into_iter().map(&mut finished).collect::<Result<Vec<_>, Open>>()?;
         found.retain(|(lambda, _)| self.rectangle.contains(*lambda, 0.0) && lambda.re >= -part * lambda.norm());
         Ok(found)
     }
@@ -114,18 +117,23 @@ impl Search<'_> {
         without: Option<usize>,
         memory: &mut Memory,
     ) -> Complex<f64> {
-        let Memory { single, coarse, small, weights, .. } = memory;
-        self.ports.coarse.weights_at(lambda, weights);
-        let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
-        combine_part(&weights, coarse, 1, small);
-        eigenvalue::factor(small, cast(lambda), &mut single.elimination, zeros.len());
+        self.factor_coarse(lambda, memory);
         // Factor by factor, so that no product of many large numbers overflows.
-        let factors = single.elimination.pivots.iter().zip(zeros).enumerate();
+        let factors = memory.single.elimination.pivots.iter().zip(zeros).enumerate();
         let factor = |(j, (&pivot, zero)): (usize, (&Complex<f32>, &Complex<f64>))| {
             let pivot: Complex<f64> = cast(pivot);
             if without == Some(j) { pivot } else { pivot / (lambda - zero) }
         };
         factors.map(factor).product()
+    }
+
+    /// Factors of `lambda - A` by the coarse points, in `memory.small`.
+    fn factor_coarse(&self, lambda: Complex<f64>, memory: &mut Memory) {
+        let Memory { single, coarse, small, weights, .. } = memory;
+        self.ports.coarse.weights_at(lambda, weights);
+        let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
+        combine(&weights, coarse, small);
+        eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
     }
 
     /// The guesses, some of them corrected: by what the polynomial with all of them as zeros lacks there (Weierstrass), then by the secant
@@ -175,37 +183,11 @@ impl Search<'_> {
     }
 }
 
-/// The last digits of a mode, by A next to its guess: the eigenvalue of A(lambda) next to lambda is to be lambda, by Newton's method.
-fn finished(sample: Sample<'_>, (mode, guess): (usize, Complex<f64>), memory: &mut Memory) -> Result<Pair, Open> {
-    let Memory { scratch, coarse, tangent, square, corrections, .. } = memory;
-    tangent.clear();
-    let mut vector = vec![Complex::default(); sample.ports.near()];
-    vector[mode] = Complex::new(1.0, 0.0);
-    let mut at = guess;
-    for _ in 0..MOST_ROUNDS {
-        tangent.value(sample, coarse, at, scratch, square);
-        let miss = eigenvalue::next_to(square, at, &mut vector, 2, &mut scratch.elimination) - at;
-        let left = eigenvalue::left(square, &vector, &scratch.elimination);
-        let lambda = at + miss / (1.0 - tangent.rate([&left, &vector]));
-        *corrections += 1;
-        // The other: not the mode that was counted.
-        if !lambda.is_finite() || (lambda - guess).norm() > COARSE_ERROR * guess.norm() {
-            return Err(Open::NotConverged);
-        }
-        if miss.norm() <= CONVERGED * at.norm() {
-            tangent.solved(at, &mut scratch.solved);
-            return Ok((lambda, coupling::shape(sample.ports, sample.own, at, &vector, &scratch.solved)));
-        }
-        at = lambda;
-    }
-    Err(Open::NotConverged)
-}
-
 /// A number, and what was missed there: how far it is from where it should be, as far as one can tell.
-type Missed = (Complex<f64>, Complex<f64>);
+pub(super) type Missed = (Complex<f64>, Complex<f64>);
 
 /// The next number of the secant method, from the last two. The first step is what was missed.
-fn secant(before: Option<Missed>, (lambda, miss): Missed) -> Complex<f64> {
+pub(super) fn secant(before: Option<Missed>, (lambda, miss): Missed) -> Complex<f64> {
     match before {
         Some((there, missed)) if missed != miss => lambda - miss * (lambda - there) / (miss - missed),
         _ => lambda + miss,
