@@ -26,7 +26,7 @@ pub(super) struct Coupled<T> {
     /// `R Y S` and `B^T Y S`.
     pub sides: [Rows<T>; 2],
     /// `S^-1 Lambda S`.
-    structure: Rows<T>,
+    pub structure: Rows<T>,
 }
 
 impl Coupled<f64> {
@@ -118,7 +118,18 @@ pub(super) fn at_point<T: Real>(
     scratch: &mut Scratch<T>,
     out: &mut Rows<T>,
 ) {
-    let (lambda, [reading, velocity]) = (table.points[point], &table.values[point]);
+    with(own, table.points[point], &table.values[point], gains, scratch, out);
+}
+
+/// A at a number where `R F B` and `B^T F B` are known.
+pub(super) fn with<T: Real>(
+    own: &Coupled<T>,
+    lambda: Complex<f64>,
+    [reading, velocity]: &[Rows<T>; 2],
+    gains: Gains<'_>,
+    scratch: &mut Scratch<T>,
+    out: &mut Rows<T>,
+) {
     scratch.pull(gains, lambda);
     let Scratch { pulls, square, factors, solved, .. } = scratch;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
@@ -173,6 +184,11 @@ pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2
     Arch::new().dispatch(Combine { factors, parts: pairs.iter().map(|pair| &pair[part]), out });
 }
 
+/// Adds multiples of the rows of a matrix to a row of another one.
+pub(super) fn add_rows(to: usize, factors: &[Complex<f64>], rows: &Rows, out: &mut Rows) {
+    Arch::new().dispatch(AddRows { to, factors, rows, out });
+}
+
 /// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
 pub(super) fn shape(
     ports: &Ports,
@@ -182,10 +198,10 @@ pub(super) fn shape(
 ) -> DVector<Complex<f64>> {
     let mut out = &ports.right * DVector::from_column_slice(d);
     let (mut driven, mut far) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, out.len()));
-    Arch::new().dispatch(AddRows { factors: forces, rows: &ports.others_force, out: &mut driven });
+    add_rows(0, forces, &ports.others_force, &mut driven);
     let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) / (lambda - other);
     let factors: Vec<Complex<f64>> = ports.others.iter().enumerate().map(factor).collect();
-    Arch::new().dispatch(AddRows { factors: &factors, rows: &ports.others_right, out: &mut far });
+    add_rows(0, &factors, &ports.others_right, &mut far);
     out.iter_mut().enumerate().for_each(|(at, entry)| *entry += far.at(0, at));
     out
 }
@@ -293,6 +309,7 @@ impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for Combine<
 }
 
 struct AddRows<'a> {
+    to: usize,
     factors: &'a [Complex<f64>],
     rows: &'a Rows,
     out: &'a mut Rows,
@@ -303,6 +320,6 @@ impl WithSimd for AddRows<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.out.add_rows(simd, 0, self.factors, self.rows);
+        self.out.add_rows(simd, self.to, self.factors, self.rows);
     }
 }

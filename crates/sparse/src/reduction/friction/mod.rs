@@ -29,9 +29,12 @@ use self::anchor::Anchor;
 use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::Residuals;
-use self::search::{Memory, Search};
+use self::search::{ASIDE, Memory, Search};
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
+
+/// Known samples that the table for guesses is made of; chosen: two of each law of a study with three.
+const SEEN: usize = 6;
 
 /// A reduced brake whose structure stays and whose friction differs from sample to sample.
 #[derive(Debug, Clone)]
@@ -66,16 +69,14 @@ impl FrictionModes {
             return Ok(None);
         }
         let structure = system.structure(&first.coefficients)?;
-        let Some(ports) = Ports::new(&structure, system, channels, reduced.rectangle().im)? else { return Ok(None) };
-        let own = Coupled::of_structure(&ports);
-        let mut anchors = Vec::with_capacity(points.len());
-        for point in points {
-            anchors.extend(Anchor::new(
-                &ports,
-                &own,
-                channels.iter().map(|&channel| point.channels[channel]).collect(),
-            )?);
-        }
+        let gains = |point: &OperatingPoint| channels.iter().map(|&channel| point.channels[channel]).collect();
+        let known: Vec<Vec<ChannelGain>> = points.iter().map(gains).collect();
+        let some = &known[..known.len().min(SEEN)];
+        let Some((ports, own)) = Ports::new(&structure, system, channels, reduced.rectangle().im, some, ASIDE)? else {
+            return Ok(None);
+        };
+        let anchors = known.into_iter().map(|gains| Anchor::new(&ports, &own, gains));
+        let anchors = anchors.filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let residuals = Residuals::new(reduced.form(), &first.coefficients, structure, system);
         let coefficients = first.coefficients.clone();
         Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, own, anchors, residuals }))

@@ -7,21 +7,22 @@
 //! with the p eigenvalues Lambda of the structure that have Im > 0 and are in or near the band, and all others in F, which is smooth there:
 //! what friction needs of it is read off [tables](super::table).
 
-use linsys::{AffineSystem, SecondOrder};
+use linsys::{AffineSystem, ChannelGain, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::coupling::{self, Coupled, Gains, Scratch};
 use super::real::cast;
 use super::rows::Rows;
-use super::table::Table;
+use super::table::{Region, Samples, Table};
 use crate::SparseError;
 use crate::reduction::state_modes::StateModes;
 
 /// Between these multiples of the highest frequency of the band the near modes end, at the largest gap; chosen: what is beyond is smooth in
 /// the band.
 const NEAR: [f64; 2] = [1.1, 1.5];
-/// Relative errors of the tables, which take the fewest points that these need; chosen, on cases/disc-pad: for guesses of eigenvalues, which are
-/// then good to 1 rad/s; for what is followed from one friction to another, where eigenvalues err by some 1e-6 and paths ask for 1e-5; and
+/// Relative errors of the tables, which take the fewest points that these need; chosen, on cases/disc-pad: for guesses of eigenvalues, of what
+/// friction adds to A; for what is followed from one friction to another, where eigenvalues err by some 1e-6 and paths ask for 1e-5; and
 /// for last digits, below the residuals that are asked for.
 const COARSE_ERROR: f64 = 1e-5;
 const PATH_ERROR: f64 = 3e-7;
@@ -40,7 +41,7 @@ pub(super) struct Ports {
     pub force_rows: Rows,
     /// `R Y` and `B^T Y`, m x p.
     pub sides: [DMatrix<Complex<f64>>; 2],
-    /// `R F B` and `B^T F B` at the points of the band for guesses.
+    /// `R F B` and `B^T F B` for guesses: between its points A is read off A at them.
     pub coarse: Table<f32>,
     /// The same for paths.
     pub path: Table,
@@ -61,8 +62,9 @@ pub(super) struct Ports {
 }
 
 impl Ports {
-    /// The structure of a system through some of its channels, for a band of frequencies, rad/s; `None` where no small tables hold what is
-    /// smooth in it.
+    /// The structure of a system through some of its channels, for a band of frequencies, rad/s, and what A is made of in its coordinates;
+    /// `None` where no small tables hold what is smooth in it. Guesses are for gains like those of some known samples, and for modes that
+    /// are counted as far aside as a part of the highest frequency.
     ///
     /// # Errors
     /// A mass matrix that is singular, a table that cannot be made.
@@ -71,7 +73,9 @@ impl Ports {
         system: &AffineSystem,
         channels: &[usize],
         band: [f64; 2],
-    ) -> Result<Option<Self>, SparseError> {
+        known: &[Vec<ChannelGain>],
+        aside: f64,
+    ) -> Result<Option<(Self, Coupled<f64>)>, SparseError> {
         let order = structure.order();
         let gamma = band[1];
         let StateModes { lambdas, y: right, lower, .. } = StateModes::new(structure, gamma)?;
@@ -85,27 +89,30 @@ impl Ports {
 
         let driven = lower * &force / Complex::from(gamma);
         let read = [&reading * &right, force.transpose() * &right];
+        let count = channels.len();
+        let others_driven = Rows::of(&driven.select_rows(&others));
         let smooth = |lambda: Complex<f64>| {
-            let mut weighted = driven.select_rows(&others);
-            for (mut row, &at) in weighted.row_iter_mut().zip(&others) {
-                row *= (lambda - lambdas[at]).inv();
-            }
             let part = |side: &DMatrix<Complex<f64>>| {
-                let product = side.select_columns(&others) * &weighted;
-                Rows::from_fn(product.nrows(), product.ncols(), |i, j| product[(i, j)])
+                let mut part = Rows::zeros(count, count);
+                for port in 0..count {
+                    let factors = others.iter().map(|&at| side[(port, at)] / (lambda - lambdas[at]));
+                    coupling::add_rows(port, &factors.collect::<Vec<_>>(), &others_driven, &mut part);
+                }
+                part
             };
             [part(&read[0]), part(&read[1])]
         };
-        let Some([coarse, path, fine]) = Table::all(band, [COARSE_ERROR, PATH_ERROR, FINE_ERROR], smooth)? else {
+        let samples = Samples::new(band, aside, smooth);
+        let itself = |_: Complex<f64>, f: &[Rows; 2]| f.to_vec();
+        let Some([path, fine]) = samples.tables(Region::Growing, [PATH_ERROR, FINE_ERROR], &itself)? else {
             return Ok(None);
         };
-        let count = channels.len();
         let force = driven.select_rows(&near);
         let sides = read.map(|side| side.select_columns(&near));
         let moved = |side: &DMatrix<Complex<f64>>| {
             (0..count).map(|port| force.column(port).norm() * side.row(port).norm()).collect()
         };
-        Ok(Some(Self {
+        let mut ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
             right: right.select_columns(&near),
             moved: [moved(&sides[0]), moved(&sides[1])],
@@ -114,13 +121,27 @@ impl Ports {
             force_rows: Rows::of(&force),
             force,
             sides,
-            coarse: coarse.single(),
+            coarse: Table::default(),
             path,
             fine,
             others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
             others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
             others: others.iter().map(|&at| lambdas[at]).collect(),
-        }))
+        };
+        let own = Coupled::of_structure(&ports);
+        let by_friction = |lambda: Complex<f64>, f: &[Rows; 2]| {
+            let (mut scratch, p) = (Scratch::new(&ports), ports.near());
+            let of_gains = |gains: &Vec<ChannelGain>| {
+                let mut added = Rows::zeros(p, p);
+                coupling::with(&own, lambda, f, Gains::of(gains), &mut scratch, &mut added);
+                (0..p).for_each(|i| added.set(i, i, added.at(i, i) - ports.lambdas[i]));
+                added
+            };
+            known.iter().map(of_gains).collect()
+        };
+        let Some([coarse]) = samples.tables(Region::Around, [COARSE_ERROR], &by_friction)? else { return Ok(None) };
+        ports.coarse = coarse.single();
+        Ok(Some((ports, own)))
     }
 
     /// The weights of the points for guesses at the frequency of an eigenvalue, or at the end of the band next to it.

@@ -16,14 +16,14 @@ use crate::Rectangle;
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
 const COARSE_ERROR: f64 = 5e-4;
 /// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
-const GUESSED: f64 = 1e-5;
+const GUESSED: f64 = 1e-4;
 const MOST_CORRECTIONS: usize = 20;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
 const LARGEST_DEVIATION: f64 = 0.5;
 /// Half of the breadth of what that line encloses, as a part of the highest frequency, and points on each side; chosen.
-const ASIDE: f64 = 0.06;
+pub(super) const ASIDE: f64 = 0.06;
 const POINTS_OF_SIDE: usize = 4;
 
 /// Why a sample is left to the whole spectrum or to modes that are followed.
