@@ -12,8 +12,11 @@ use crate::path::{Links, Path};
 
 /// The part of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
 const CUT_FRACTION: f64 = 0.382;
-/// Sample points that are asked for when a step is cut; chosen: the solver takes four systems at little more than the cost of one.
+/// Sample points that are asked for when a step is cut; chosen: the solver takes four small systems at little more than the cost of one.
 const CUTS_AT_ONCE: usize = 3;
+/// Degrees of freedom from which on a step is cut once. Chosen: of a reduced brake of 50 the shapes at a sample point cost as much as its
+/// spectrum, and half of the sample points of a triple cut turn out to be needless.
+const LARGE: usize = 40;
 /// Longest step that is not cut any more, as a part of the path; chosen: a step that needs a cut there passes a coalescence.
 const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
@@ -102,7 +105,8 @@ impl<'a> Subdivision<'a> {
             self.at = place;
         } else {
             let mut part = place - self.at;
-            for _ in 0..CUTS_AT_ONCE {
+            let cuts = if self.path.mass().nrows() < LARGE { CUTS_AT_ONCE } else { 1 };
+            for _ in 0..cuts {
                 part *= CUT_FRACTION;
                 self.requested.push(self.at + part);
             }
