@@ -10,7 +10,7 @@
 //! | find some of them | [`Reduced::modes_among`] |
 //! | find the growing ones of samples that differ in friction alone | [`FrictionModes`] |
 //! | compare eigenvalues of two systems | [`compared`] |
-//! | hold the modes on the way from one of two dense systems to the other | [`path_directions`] |
+//! | hold the shapes of some modes | [`shape_directions`] |
 //! | see what fewer columns would hold | [`rungs`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
@@ -35,12 +35,12 @@ mod modal;
 mod norms;
 mod options;
 mod outer;
-mod path;
 mod reduced;
 mod report;
 mod residual;
 mod response;
 mod responses;
+mod shapes;
 mod shared;
 mod split;
 mod state_modes;
@@ -54,8 +54,8 @@ pub use follow::Doubt;
 pub use friction::{FrictionModes, FrictionPath, FrictionSearch, OnFrictionPath};
 pub use modal::real_modes;
 pub use options::Options;
-pub use path::path_directions;
 pub use reduced::{Reduced, ReducedModes, Route};
 pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
 pub use responses::{ResponseBasis, ResponseGoal, response_basis};
+pub use shapes::shape_directions;
 pub use within::{Rung, Within, rungs, within};

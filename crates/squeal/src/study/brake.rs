@@ -1,5 +1,6 @@
 //! The seam: what a study needs of a brake whose numbers are uncertain.
 
+use cea::Mode;
 use linsys::{Channel, OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
 use nalgebra::{DMatrix, DVector};
@@ -149,6 +150,8 @@ pub struct Bridge {
     pub origin: DMatrix<f64>,
     /// Those of the configuration.
     pub own: DMatrix<f64>,
+    /// The coordinates of the origin in terms of those of the configuration: the nearest that these have.
+    pub between: DMatrix<f64>,
 }
 
 /// A brake with everything that is uncertain in it.
@@ -228,11 +231,12 @@ pub trait UncertainBrake: Sync {
     }
 
     /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
-    /// freedom of both are not the same. Such a brake has one sector.
+    /// freedom of both are not the same; `modes` are those of the origin and its own. Asked of a brake with one sector that finds its modes
+    /// itself.
     ///
     /// # Errors
     /// Medians that have no operating point.
-    fn bridge(&self, _configuration: usize) -> Result<Option<Bridge>, Error> {
+    fn bridge(&self, _configuration: usize, _modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error> {
         Ok(None)
     }
 

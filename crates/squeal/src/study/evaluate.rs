@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, ranks_together};
+use cea::{Anchors, CeaError, EigenSolver, Gain, Growing, Mode, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, StreamRng};
 use nalgebra::DMatrix;
@@ -15,7 +15,7 @@ use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
 use super::memory::{Scratch, timed};
 use super::net_work::work_with;
-use super::reference::{Reference, References, SectoredReference, references};
+use super::reference::{Bridges, Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
 use super::{BandMode, ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
@@ -133,9 +133,10 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
+        let bridge = |configuration: usize, modes: [&[Mode]; 2]| brake.bridge(configuration, modes);
+        let bridge: Option<&Bridges<'_>> = if brake.has_band_modes() { Some(&bridge) } else { None };
         let References { origins, scenes } =
-            references(plan, &points, &|configuration| brake.bridge(configuration), by_likeness, solver, progress)
-                .map_err(failed)?;
+            references(plan, &points, bridge, by_likeness, solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && !brake.has_band_modes() {

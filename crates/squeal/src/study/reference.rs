@@ -203,8 +203,11 @@ pub(super) struct References {
     pub scenes: Vec<SectoredReference>,
 }
 
+/// The bridge to a configuration, from the modes of its origin and its own.
+pub(super) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridge>, Error> + Sync + 'a;
+
 /// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` what each configuration has in
-/// common with its origin where their degrees of freedom differ. Shapes of the origins are kept
+/// common with its origin where their degrees of freedom may differ. Shapes of the origins are kept
 /// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
@@ -212,7 +215,7 @@ pub(super) struct References {
 pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
-    bridge: &(dyn Fn(usize) -> Result<Option<Bridge>, Error> + Sync),
+    bridge: Option<&Bridges<'_>>,
     by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
@@ -224,10 +227,15 @@ pub(super) fn references(
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |(place, configuration): (usize, &Configuration)| {
         let origin = &origins[configuration.origin];
-        let found = bridge(place).and_then(|bridge| match bridge {
-            None => of_configuration(configuration, origin, plan, solver),
-            Some(bridge) => across(&bridge, configuration, origin, plan, solver),
-        });
+        let bridged = match bridge {
+            Some(bridge) => across(bridge, place, origin, plan, solver),
+            None => Ok(None),
+        };
+        let found = match bridged {
+            Ok(None) => of_configuration(configuration, origin, plan, solver),
+            Ok(Some(found)) => Ok(found),
+            Err(error) => Err(error),
+        };
         progress.advance(1);
         found.map_err(|source| Error::Scene {
             scene: format!("contact {}", configuration.contacts),
@@ -282,26 +290,31 @@ fn of_configuration(
     SectoredReference::linked(&from, solver, &brake.sectors, system, false, plan)
 }
 
-/// The modes of a configuration named by those of an origin with other degrees of freedom, in coordinates that both have in common.
+/// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that both have in common; `None`
+/// where both have the same.
 fn across(
-    bridge: &Bridge,
-    configuration: &Configuration,
+    bridge: &Bridges<'_>,
+    place: usize,
     origin: &Reference,
     plan: &Plan,
     solver: &dyn EigenSolver,
-) -> Result<SectoredReference, Error> {
-    let system = configuration.brake.system.assemble(&configuration.naming_point)?;
-    let mut work = bounded_workspace(bridge.from.order());
+) -> Result<Option<SectoredReference>, Error> {
+    let Configuration { brake, naming_point, .. } = &plan.configurations[place];
+    let system = brake.system.assemble(naming_point)?;
+    if system == origin.system {
+        return Ok(None);
+    }
+    let mut work = bounded_workspace(system.order());
     let (mut next, _) = Reference::unnamed(solver, system, plan, &mut work)?;
+    let Some(bridge) = bridge(place, [&origin.modes, &next.modes])? else { return Ok(None) };
     let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
         modes
             .iter()
             .map(|mode| Mode::normalised(&system.m, mode.lambda, real_times_complex(onto, &mode.shape)))
             .collect()
     };
-    let own = bridge.own.transpose() * &bridge.origin;
     next.shapes = origin.shapes.as_ref().map(|NamedShapes { modes, names }| NamedShapes {
-        modes: lifted(modes, &own, &next.system),
+        modes: lifted(modes, &bridge.between, &next.system),
         names: names.clone(),
     });
     if plan.mode_identity == ModeIdentity::Mac {
@@ -313,7 +326,7 @@ fn across(
         let path = Path { start: PathStart::System(&bridge.from), start_modes: &start_modes, end };
         next.name(&origin.names, identify(solver, path, &mut work)?);
     }
-    Ok(SectoredReference { whole: next.clone(), sectors: vec![next] })
+    Ok(Some(SectoredReference { whole: next.clone(), sectors: vec![next] }))
 }
 
 fn of_scene(

@@ -14,6 +14,7 @@ mod whole;
 pub use points::frictionless;
 pub use reduce::{Bases, Part, ReducedSet};
 
+use cea::Mode;
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
@@ -285,8 +286,8 @@ impl UncertainBrake for FiniteElementBrake {
         places::places(self, constraints).map(Some)
     }
 
-    fn bridge(&self, configuration: usize) -> Result<Option<Bridge>, Error> {
-        bridge::bridge(self, configuration)
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, Error> {
+        bridge::bridge(self, configuration, modes)
     }
 
     fn has_band_modes(&self) -> bool {
