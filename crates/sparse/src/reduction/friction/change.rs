@@ -9,7 +9,8 @@
 
 use num_complex::Complex;
 
-use super::coupling::{Coupled, Gains, Scratch, combine_part};
+use super::coupling::{Coupled, Gains, Pull, Scratch, combine_part};
+use super::real::{Real, cast};
 use super::rows::Rows;
 use super::table::Table;
 
@@ -17,45 +18,47 @@ use super::table::Table;
 const STEP: f64 = 1e-6;
 
 /// A right and a left vector, and A as [`super::coupling::at`] left it.
-pub(super) struct Seen<'a> {
-    own: &'a Coupled<f64>,
-    scratch: &'a Scratch,
-    x: &'a [Complex<f64>],
-    y: &'a [Complex<f64>],
+pub(super) struct Seen<'a, T> {
+    own: &'a Coupled<T>,
+    scratch: &'a Scratch<T>,
+    x: &'a [Complex<T>],
+    y: &'a [Complex<T>],
     /// g, by ports.
-    pub forces: Vec<Complex<f64>>,
+    pub forces: Vec<Complex<T>>,
 }
 
-impl<'a> Seen<'a> {
-    pub fn new(own: &'a Coupled<f64>, scratch: &'a Scratch, [y, x]: [&'a [Complex<f64>]; 2]) -> Self {
+impl<'a, T: Real> Seen<'a, T> {
+    pub fn new(own: &'a Coupled<T>, scratch: &'a Scratch<T>, [y, x]: [&'a [Complex<T>]; 2]) -> Self {
         let forces = (0..scratch.pulls.len()).map(|port| scratch.solved.row_times(port, x)).collect();
         Self { own, scratch, x, y, forces }
     }
 
     /// `y^H dA x` for changes of the gains mu and `lambda s(lambda)` of all ports.
-    pub fn by_gains(&self, change: impl Fn(usize) -> (f64, Complex<f64>)) -> Complex<f64> {
+    pub fn by_gains(&self, change: impl Fn(usize) -> Pull<T>) -> Complex<T> {
         self.of(|port| self.driven(port, change(port)))
     }
 
     /// `y^H (dA / d lambda) x` at the lambda of A.
-    pub fn by_lambda(&self, table: &Table, lambda: Complex<f64>, gains: Gains<'_>) -> Complex<f64> {
+    pub fn by_lambda(&self, table: &Table<T>, lambda: Complex<f64>, gains: Gains<'_>) -> Complex<T> {
         let m = self.forces.len();
         let (mut weights, mut smooth) = (Vec::new(), [Rows::zeros(m, m), Rows::zeros(m, m)]);
         table.slope_weights_at(lambda, &mut weights);
+        let weights: Vec<Complex<T>> = weights.into_iter().map(cast).collect();
         for (part, smooth) in smooth.iter_mut().enumerate() {
             combine_part(&weights, &table.values, part, smooth);
         }
         let step = lambda * Complex::new(0.0, STEP);
+        let by_lambda = gains.each(|port| (gains.at(port, lambda + step).1 - gains.at(port, lambda).1) / step);
         self.of(|port| {
             let (mu, slope) = self.scratch.pulls[port];
-            let by_gains = self.driven(port, (0.0, (gains.at(port, lambda + step).1 - slope) / step));
+            let by_gains = self.driven(port, (T::default(), cast(by_lambda[port])));
             let [reading, velocity] = [&smooth[0], &smooth[1]].map(|smooth| smooth.row_times(port, &self.forces));
             by_gains - reading * mu - velocity * slope
         })
     }
 
     /// `dS x - dT g` in a port whose gains change.
-    fn driven(&self, port: usize, (mu, slope): (f64, Complex<f64>)) -> Complex<f64> {
+    fn driven(&self, port: usize, (mu, slope): Pull<T>) -> Complex<T> {
         let along = |part: usize| {
             self.own.sides[part].row_times(port, self.x) - self.scratch.smooth[part].row_times(port, &self.forces)
         };
@@ -63,10 +66,10 @@ impl<'a> Seen<'a> {
     }
 
     /// `-y^H V^H B T^-1` times what each port has.
-    fn of(&self, ports: impl Fn(usize) -> Complex<f64>) -> Complex<f64> {
-        let mut changed: Vec<Complex<f64>> = (0..self.forces.len()).map(ports).collect();
+    fn of(&self, ports: impl Fn(usize) -> Complex<T>) -> Complex<T> {
+        let mut changed: Vec<Complex<T>> = (0..self.forces.len()).map(ports).collect();
         self.scratch.factors.solve(&self.scratch.square, &mut changed);
-        let row = |force: &[Complex<f64>]| -> Complex<f64> {
+        let row = |force: &[Complex<T>]| -> Complex<T> {
             force.iter().zip(&changed).map(|(force, changed)| force * changed).sum()
         };
         self.y.iter().zip(self.own.force.chunks_exact(changed.len())).map(|(y, force)| y.conj() * row(force)).sum()

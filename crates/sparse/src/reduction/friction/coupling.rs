@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::elimination::{Elimination, substitute};
+use super::elimination::Elimination;
 use super::ports::Ports;
 use super::real::{Real, cast};
 use super::rows::Rows;
@@ -48,6 +48,13 @@ impl Coupled<f64> {
         }
     }
 
+    /// What friction adds to A, in single precision.
+    pub fn added(&self) -> Coupled<f32> {
+        let mut added = self.single();
+        added.structure.clear();
+        added
+    }
+
     /// The same in single precision.
     pub fn single(&self) -> Coupled<f32> {
         Coupled {
@@ -76,6 +83,16 @@ impl<'a> Gains<'a> {
         let Some((t, to)) = self.to else { return (mu, slope) };
         let (other_mu, other_slope) = pull(&to[port], lambda);
         (mu * (1.0 - t) + other_mu * t, slope * (1.0 - t) + other_slope * t)
+    }
+
+    /// What is made of the gains of each port: once where those of the next one are the same, as of one patch.
+    pub fn each<V: Copy>(&self, of: impl Fn(usize) -> V) -> Vec<V> {
+        let mut each: Vec<V> = Vec::with_capacity(self.from.len());
+        for port in 0..self.from.len() {
+            let known = each.last().filter(|_| self.is_equal(port - 1, port));
+            each.push(known.copied().unwrap_or_else(|| of(port)));
+        }
+        each
     }
 
     fn is_equal(&self, a: usize, b: usize) -> bool {
@@ -136,19 +153,20 @@ pub(super) fn with<T: Real>(
 }
 
 /// A at a number near the band.
-pub(super) fn at(
-    own: &Coupled<f64>,
-    table: &Table,
+pub(super) fn at<T: Real>(
+    own: &Coupled<T>,
+    table: &Table<T>,
     lambda: Complex<f64>,
     gains: Gains<'_>,
-    scratch: &mut Scratch,
-    out: &mut Rows,
+    scratch: &mut Scratch<T>,
+    out: &mut Rows<T>,
 ) {
     scratch.pull(gains, lambda);
     table.weights_at(lambda, &mut scratch.weights);
     let Scratch { weights, pulls, smooth, square, factors, solved, .. } = scratch;
+    let weights: Vec<Complex<T>> = weights.iter().map(|&weight| cast(weight)).collect();
     for (part, smooth) in smooth.iter_mut().enumerate() {
-        combine_part(weights, &table.values, part, smooth);
+        combine_part(&weights, &table.values, part, smooth);
     }
     let [reading, velocity] = smooth;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
@@ -167,8 +185,8 @@ pub(super) fn factor_at(
     table.slope_weights_at(lambda, &mut scratch.slope_weights);
     let Scratch { weights, slope_weights, pulls, smooth, square, factors, .. } = scratch;
     for (part, (smooth, slope)) in smooth.iter_mut().zip(slopes).enumerate() {
-        combine_part(weights, &table.values, part, smooth);
-        combine_part(slope_weights, &table.values, part, slope);
+        let parts = table.values.iter().map(|pair| &pair[part]);
+        Arch::new().dispatch(CombineBoth { factors: [weights, slope_weights], parts, outs: [smooth, slope] });
     }
     let [reading, velocity] = smooth;
     Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });
@@ -196,14 +214,14 @@ pub(super) fn shape(
     d: &[Complex<f64>],
     forces: &[Complex<f64>],
 ) -> DVector<Complex<f64>> {
-    let mut out = &ports.right * DVector::from_column_slice(d);
-    let (mut driven, mut far) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, out.len()));
+    let order = ports.order;
+    let (mut driven, mut shape) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, order));
     add_rows(0, forces, &ports.others_force, &mut driven);
     let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) / (lambda - other);
     let factors: Vec<Complex<f64>> = ports.others.iter().enumerate().map(factor).collect();
-    add_rows(0, &factors, &ports.others_right, &mut far);
-    out.iter_mut().enumerate().for_each(|(at, entry)| *entry += far.at(0, at));
-    out
+    add_rows(0, d, &ports.right, &mut shape);
+    add_rows(0, &factors, &ports.others_right, &mut shape);
+    DVector::from_fn(order, |at, _| shape.at(0, at))
 }
 
 /// The gains mu and `lambda s(lambda)` of a port.
@@ -217,17 +235,10 @@ pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
 impl<T: Real> Scratch<T> {
     /// Sets the gains.
     pub fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
-        self.pulls.clear();
-        for port in 0..gains.from.len() {
-            // Channels of one patch have equal gains.
-            let next = if port > 0 && gains.is_equal(port - 1, port) {
-                self.pulls[port - 1]
-            } else {
-                let (mu, slope) = gains.at(port, lambda);
-                (T::of(mu), cast(slope))
-            };
-            self.pulls.push(next);
-        }
+        self.pulls = gains.each(|port| {
+            let (mu, slope) = gains.at(port, lambda);
+            (T::of(mu), cast(slope))
+        });
     }
 }
 
@@ -251,7 +262,7 @@ impl WithSimd for FactorSquare<'_> {
             square.add_row(simd, port, mu.into(), reading, port);
             square.add_row(simd, port, slope, velocity, port);
         }
-        factors.factor(simd, square, None, pulls.len());
+        factors.factor(simd, square, pulls.len());
     }
 }
 
@@ -284,8 +295,8 @@ impl<T: Real> WithSimd for Couple<'_, T> {
                 solved.add_row(simd, port, slope, &own.sides[1], port);
             }
         }
-        factors.factor(simd, square, Some(solved), m);
-        substitute(simd, square, solved, m);
+        factors.factor(simd, square, m);
+        factors.solve_rows(simd, square, solved);
         out.clone_from(&own.structure);
         for (row, force) in own.force.chunks_exact(m).enumerate() {
             out.add_rows(simd, row, force, solved);
@@ -305,6 +316,21 @@ impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for Combine<
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.out.set_sum(simd, self.factors, self.parts);
+    }
+}
+
+struct CombineBoth<'a, T, P> {
+    factors: [&'a [Complex<T>]; 2],
+    parts: P,
+    outs: [&'a mut Rows<T>; 2],
+}
+
+impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for CombineBoth<'a, T, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        Rows::set_sums(self.outs, simd, self.factors, self.parts);
     }
 }
 

@@ -18,7 +18,7 @@ impl<T: Real> WithSimd for Factor<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.elimination.factor(simd, self.matrix, None, self.order);
+        self.elimination.factor(simd, self.matrix, self.order);
     }
 }
 
@@ -29,7 +29,17 @@ pub(super) fn factor<T: Real>(
     elimination: &mut Elimination<T>,
     order: usize,
 ) {
-    (0..order).for_each(|i| matrix.set(i, i, matrix.at(i, i) + lambda));
+    factor_with(matrix, |_| lambda, elimination, order);
+}
+
+/// Factors of `D + B` with a diagonal matrix D; the matrix B is overwritten.
+pub(super) fn factor_with<T: Real>(
+    matrix: &mut Rows<T>,
+    diagonal: impl Fn(usize) -> Complex<T>,
+    elimination: &mut Elimination<T>,
+    order: usize,
+) {
+    (0..order).for_each(|i| matrix.set(i, i, matrix.at(i, i) + diagonal(i)));
     Arch::new().dispatch(Factor { matrix, elimination, order });
 }
 
@@ -43,16 +53,26 @@ pub(super) fn next_to(
 ) -> Complex<f64> {
     a.negate();
     factor(a, lambda, elimination, vector.len());
-    let (mut eigenvalue, mut next) = (lambda, vector.to_vec());
+    lambda + apart(a, vector, steps, elimination)
+}
+
+/// How far the eigenvalue of A next to a number is from it, given factors of the number minus A, and its vector as in [`next_to`].
+pub(super) fn apart<T: Real>(
+    factors: &Rows<T>,
+    vector: &mut [Complex<T>],
+    steps: usize,
+    elimination: &Elimination<T>,
+) -> Complex<T> {
+    let (mut apart, mut next) = (Complex::default(), vector.to_vec());
     for _ in 0..steps {
         next.copy_from_slice(vector);
-        elimination.solve(a, &mut next);
-        let along: Complex<f64> = vector.iter().zip(&next).map(|(v, next)| v.conj() * next).sum();
-        eigenvalue = lambda - vector.iter().map(Complex::norm_sqr).sum::<f64>() / along;
-        let size = next.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
-        vector.iter_mut().zip(&next).for_each(|(v, next)| *v = next / size);
+        elimination.solve(factors, &mut next);
+        let along: Complex<T> = vector.iter().zip(&next).map(|(v, next)| v.conj() * next).sum();
+        apart = -along.inv() * norm_squared(vector);
+        normalise(&mut next);
+        vector.copy_from_slice(&next);
     }
-    eigenvalue
+    apart
 }
 
 /// The left vector of the eigenvalue that [`next_to`] found, from what it left of A, up to a factor.
@@ -74,6 +94,10 @@ pub(super) fn right<T: Real>(factors: &Rows<T>, elimination: &Elimination<T>, ve
 }
 
 fn normalise<T: Real>(vector: &mut [Complex<T>]) {
-    let size = vector.iter().fold(T::default(), |sum, entry| sum + entry.norm_sqr()).sqrt();
+    let size = norm_squared(vector).sqrt();
     vector.iter_mut().for_each(|entry| *entry /= size);
+}
+
+fn norm_squared<T: Real>(vector: &[Complex<T>]) -> T {
+    vector.iter().fold(T::default(), |sum, entry| sum + entry.norm_sqr())
 }

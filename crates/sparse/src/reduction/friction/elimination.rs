@@ -19,9 +19,8 @@ pub(super) struct Elimination<T = f64> {
 }
 
 impl<T: Real> Elimination<T> {
-    /// Right sides go with the matrix.
     #[inline(always)]
-    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows<T>, mut sides: Option<&mut Rows<T>>, order: usize) {
+    pub fn factor<S: Simd>(&mut self, simd: S, a: &mut Rows<T>, order: usize) {
         self.order = order;
         self.lower.clear();
         self.lower.resize(order * order, Complex::default());
@@ -39,21 +38,26 @@ impl<T: Real> Elimination<T> {
             if largest != c {
                 a.swap_rows(c, largest);
                 (0..c).for_each(|column| self.lower.swap(c * order + column, largest * order + column));
-                if let Some(sides) = &mut sides {
-                    sides.swap_rows(c, largest);
-                }
             }
             let pivot = a.at(c, c);
             self.pivots.push(if largest == c { pivot } else { -pivot });
-            let inverse = pivot.inv();
-            for row in c + 1..order {
-                let factor = a.at(row, c) * inverse;
-                a.eliminate(simd, [c, row], c + 1, factor);
-                self.lower[row * order + c] = factor;
-                if let Some(sides) = &mut sides {
-                    sides.eliminate(simd, [c, row], 0, factor);
-                }
-            }
+            let lower = &mut self.lower;
+            a.eliminate(simd, c, pivot.inv(), order, |row, factor| lower[row * order + c] = factor);
+        }
+    }
+
+    /// Right sides through the factors of a matrix: they become the solution.
+    #[inline(always)]
+    pub fn solve_rows<S: Simd>(&self, simd: S, a: &Rows<T>, sides: &mut Rows<T>) {
+        for (c, &largest) in self.exchanged.iter().enumerate().filter(|(c, largest)| c != *largest) {
+            sides.swap_rows(c, largest);
+        }
+        for row in 1..self.order {
+            sides.add_rows_above(simd, row, |c| -self.lower[row * self.order + c]);
+        }
+        for row in (0..self.order).rev() {
+            sides.add_rows_below(simd, row, self.order, |c| -a.at(row, c));
+            sides.scale_row(row, a.at(row, row).inv());
         }
     }
 
@@ -89,17 +93,6 @@ impl<T: Real> Elimination<T> {
     }
 }
 
-/// What elimination left, solved: the right sides become the solution.
-#[inline(always)]
-pub(super) fn substitute<T: Real, S: Simd>(simd: S, a: &Rows<T>, sides: &mut Rows<T>, order: usize) {
-    for c in (0..order).rev() {
-        sides.scale_row(c, a.at(c, c).inv());
-        for row in 0..c {
-            sides.substitute(simd, [c, row], a.at(row, c));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,8 +106,8 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
-            self.2.factor(simd, self.0, Some(self.1), self.3);
-            substitute(simd, self.0, self.1, self.3);
+            self.2.factor(simd, self.0, self.3);
+            self.2.solve_rows(simd, self.0, self.1);
         }
     }
 

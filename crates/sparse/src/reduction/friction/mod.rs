@@ -8,6 +8,7 @@
 
 mod anchor;
 mod change;
+mod count;
 mod coupling;
 mod eigenvalue;
 mod elimination;
@@ -44,6 +45,8 @@ pub struct FrictionModes {
     ports: Ports,
     /// What A is made of in the coordinates of the structure.
     own: Coupled<f64>,
+    /// What friction adds to it, in single precision.
+    added: Coupled<f32>,
     anchors: Vec<Anchor>,
     residuals: Residuals,
 }
@@ -79,7 +82,8 @@ impl FrictionModes {
         let anchors = anchors.filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let residuals = Residuals::new(reduced.form(), &first.coefficients, structure, system);
         let coefficients = first.coefficients.clone();
-        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, own, anchors, residuals }))
+        let added = own.added();
+        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, own, added, anchors, residuals }))
     }
 
     /// Begins a search.

@@ -8,12 +8,15 @@ use super::FrictionModes;
 use super::change::Seen;
 use super::coupling::{self, Gains, Scratch};
 use super::eigenvalue;
+use super::real::cast;
 use super::rows::Rows;
 
 /// Most rounds, and the relative size of what the last one misses; chosen: A changes with lambda by some thousandths over the band, so that
 /// what is left of an eigenvalue after the step of Newton's method is below 1e-8 of it, and paths ask for 1e-5.
 const MOST_ROUNDS: usize = 6;
 const CONVERGED: f64 = 1e-3;
+/// Where A is factored, relative to the number: at an eigenvalue itself single precision may leave nothing of a pivot; chosen.
+const BESIDE: f64 = 1e-6;
 /// Steps of inverse iteration from a vector that is not known, and from one that is nearly right; chosen.
 const STEPS_FROM_ANY: usize = 4;
 const STEPS: usize = 2;
@@ -51,21 +54,16 @@ impl FrictionPath<'_> {
     /// always the same, so that no product of many large numbers overflows.
     #[must_use]
     pub fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
-        let ports = &self.modes.ports;
+        let FrictionModes { ports, own, .. } = self.modes;
         let (p, scale) = (ports.near(), 1.0 / ports.middle.norm());
         let (mut scratch, mut a) = (Scratch::new(ports), Rows::zeros(p, p));
         let mut value = |&(t, lambda): &(f64, Complex<f64>)| {
-            self.matrix(t, lambda, &mut scratch, &mut a);
+            coupling::at(own, &ports.fine, lambda, self.gains(t), &mut scratch, &mut a);
             a.negate();
             eigenvalue::factor(&mut a, lambda, &mut scratch.elimination, p);
             scratch.elimination.pivots.iter().map(|pivot| pivot * scale).product()
         };
         at.iter().map(&mut value).collect()
-    }
-
-    /// A at a place of the path.
-    fn matrix(&self, t: f64, lambda: Complex<f64>, scratch: &mut Scratch, out: &mut Rows) {
-        coupling::at(&self.modes.own, &self.modes.ports.path, lambda, self.gains(t), scratch, out);
     }
 
     fn gains(&self, t: f64) -> Gains<'_> {
@@ -76,17 +74,21 @@ impl FrictionPath<'_> {
     /// eigenvalue is found in a few rounds.
     ///
     /// The eigenvalue mu of `A(lambda)` next to lambda is to be lambda, which hardly depends on where A is evaluated: so it takes the place
-    /// of lambda until both agree, in the end by Newton's method. With the left vector y of A the rate is `(y^H (dA / dt) x / y^H x) / (1 - d mu / d lambda)`.
+    /// of lambda until both agree, in the end by Newton's method, all in single precision but what is subtracted from Lambda. With the left vector y of A the rate is `(y^H (dA / dt) x / y^H x) / (1 - d mu / d lambda)`.
     #[must_use]
     pub fn next_to(&self, t: f64, guess: Complex<f64>) -> Option<OnFrictionPath> {
-        let ports = &self.modes.ports;
+        let FrictionModes { ports, added, .. } = self.modes;
         let p = ports.near();
-        let (mut scratch, mut a, mut x) = (Scratch::new(ports), Rows::zeros(p, p), vec![Complex::new(1.0, 0.0); p]);
+        let (mut scratch, mut a) = (Scratch::<f32>::new(ports), Rows::zeros(p, p));
+        let mut x = vec![Complex::new(1.0, 0.0); p];
         let (mut at, mut miss) = (guess, Complex::default());
         for round in 0..MOST_ROUNDS {
-            self.matrix(t, at, &mut scratch, &mut a);
+            coupling::at(added, &ports.path, at, self.gains(t), &mut scratch, &mut a);
+            a.negate();
+            let beside = at * (1.0 + BESIDE);
+            eigenvalue::factor_with(&mut a, |i| cast(beside - ports.lambdas[i]), &mut scratch.elimination, p);
             let steps = if round == 0 { STEPS_FROM_ANY } else { STEPS };
-            miss = eigenvalue::next_to(&mut a, at, &mut x, steps, &mut scratch.elimination) - at;
+            miss = beside + cast::<f32, f64>(eigenvalue::apart(&a, &mut x, steps, &scratch.elimination)) - at;
             if miss.norm() <= CONVERGED * at.norm() {
                 break;
             }
@@ -96,15 +98,19 @@ impl FrictionPath<'_> {
             return None;
         }
         let y = eigenvalue::left(&a, &x, &scratch.elimination);
-        let along: Complex<f64> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
-        let seen = Seen::new(&self.modes.own, &scratch, [&y, &x]);
-        let slope = along - seen.by_lambda(&ports.path, at, self.gains(t));
-        let change = |port: usize| {
-            let [(mu, slope), (to_mu, to_slope)] = [&self.from, &self.to].map(|gains| Gains::of(gains).at(port, at));
-            (to_mu - mu, to_slope - slope)
-        };
-        let (lambda, rate) = (at + miss * along / slope, seen.by_gains(change) / slope);
-        let shape = coupling::shape(ports, at, &x, &seen.forces);
+        let along: Complex<f32> = y.iter().zip(&x).map(|(y, x)| y.conj() * x).sum();
+        let seen = Seen::new(added, &scratch, [&y, &x]);
+        let by_lambda = seen.by_lambda(&ports.path, at, self.gains(t));
+        let ends = [&self.from, &self.to].map(|gains| Gains::of(gains));
+        let change = self.gains(t).each(|port| {
+            let [(mu, slope), (to_mu, to_slope)] = ends.map(|gains| gains.at(port, at));
+            ((to_mu - mu) as f32, cast(to_slope - slope))
+        });
+        let slope: Complex<f64> = cast(along - by_lambda);
+        let rate = cast::<f32, f64>(seen.by_gains(|port| change[port])) / slope;
+        let lambda = at + miss * cast::<f32, f64>(along) / slope;
+        let [d, forces] = [&x, &seen.forces].map(|part| part.iter().map(|&entry| cast(entry)).collect::<Vec<_>>());
+        let shape = coupling::shape(ports, at, &d, &forces);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
     }
 }

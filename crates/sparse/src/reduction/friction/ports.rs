@@ -11,6 +11,7 @@ use linsys::{AffineSystem, ChannelGain, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::count::Around;
 use super::coupling::{self, Coupled, Gains, Scratch};
 use super::real::cast;
 use super::rows::Rows;
@@ -20,7 +21,7 @@ use crate::reduction::state_modes::StateModes;
 
 /// Between these multiples of the highest frequency of the band the near modes end, at the largest gap; chosen: what is beyond is smooth in
 /// the band.
-const NEAR: [f64; 2] = [1.1, 1.5];
+const NEAR: [f64; 2] = [1.1, 1.3];
 /// Relative errors of the tables, which take the fewest points that these need; chosen, on cases/disc-pad: for guesses of eigenvalues, of what
 /// friction adds to A; for what is followed from one friction to another, where eigenvalues err by some 1e-6 and paths ask for 1e-5; and
 /// for last digits, below the residuals that are asked for.
@@ -33,8 +34,10 @@ const FINE_ERROR: f64 = 1e-10;
 pub(super) struct Ports {
     /// Lambda, rad/s.
     pub lambdas: Vec<Complex<f64>>,
-    /// Y, k x p.
-    pub right: DMatrix<Complex<f64>>,
+    /// k, the number of degrees of freedom.
+    pub order: usize,
+    /// Y by modes, p x k.
+    pub right: Rows,
     /// `V^H B`, p x m.
     pub force: DMatrix<Complex<f64>>,
     /// The same by rows.
@@ -44,11 +47,13 @@ pub(super) struct Ports {
     /// `R F B` and `B^T F B` for guesses: between its points A is read off A at them.
     pub coarse: Table<f32>,
     /// The same for paths.
-    pub path: Table,
+    pub path: Table<f32>,
     /// The same for the last digits.
     pub fine: Table,
     /// What a unit of the gains mu and `lambda s(lambda)` of each port moves the near modes by at most, rad/s.
     pub moved: [Vec<f64>; 2],
+    /// Where modes are counted.
+    pub around: Around,
     /// Frequencies, rad/s.
     band: [f64; 2],
     /// i omega in the middle of the band.
@@ -114,15 +119,17 @@ impl Ports {
         };
         let mut ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
-            right: right.select_columns(&near),
+            order,
+            right: Rows::of(&right.select_columns(&near).transpose()),
             moved: [moved(&sides[0]), moved(&sides[1])],
             band,
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
             force_rows: Rows::of(&force),
             force,
             sides,
+            around: Around::new(band, aside * band[1], &Table::<f32>::default()),
             coarse: Table::default(),
-            path,
+            path: path.single(),
             fine,
             others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
             others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
@@ -140,6 +147,7 @@ impl Ports {
             known.iter().map(of_gains).collect()
         };
         let Some([coarse]) = samples.tables(Region::Around, [COARSE_ERROR], &by_friction)? else { return Ok(None) };
+        ports.around = Around::new(band, aside * band[1], &coarse);
         ports.coarse = coarse.single();
         Ok(Some((ports, own)))
     }

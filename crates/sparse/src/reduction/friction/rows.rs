@@ -47,6 +47,17 @@ impl<T: Real> Rows<T> {
         (self.re[place], self.im[place]) = (value.re, value.im);
     }
 
+    /// All rows in registers.
+    #[inline(always)]
+    pub fn registers<S: Simd>(&self, _: S) -> [&[T::Register<S>]; 2] {
+        [T::registers::<S>(&self.re), T::registers::<S>(&self.im)]
+    }
+
+    #[inline(always)]
+    pub fn registers_mut<S: Simd>(&mut self, _: S) -> [&mut [T::Register<S>]; 2] {
+        [T::registers_mut::<S>(&mut self.re), T::registers_mut::<S>(&mut self.im)]
+    }
+
     /// A row times a vector.
     pub fn row_times(&self, row: usize, vector: &[Complex<T>]) -> Complex<T> {
         let [re, im] = self.row(row);
@@ -72,6 +83,15 @@ impl<T: Real> Rows<T> {
         self.re.iter_mut().chain(&mut self.im).for_each(|value| *value = -*value);
     }
 
+    /// Exchanges an entry of two rows.
+    #[inline(always)]
+    pub fn swap(&mut self, [a, b]: [usize; 2], column: usize) {
+        for part in [&mut self.re, &mut self.im] {
+            part.swap(a * self.stride + column, b * self.stride + column);
+        }
+    }
+
+    #[inline(always)]
     pub fn swap_rows(&mut self, a: usize, b: usize) {
         for part in [&mut self.re, &mut self.im] {
             (0..self.stride).for_each(|column| part.swap(a * self.stride + column, b * self.stride + column));
@@ -121,32 +141,53 @@ impl<T: Real> Rows<T> {
         of.iter().enumerate().for_each(|(column, &value)| self.set(0, column, value));
     }
 
+    /// Two sums of multiples of the same matrices.
+    #[inline(always)]
+    pub fn set_sums<'a, S: Simd>(
+        outs: [&mut Self; 2],
+        simd: S,
+        factors: [&[Complex<T>]; 2],
+        of: impl Iterator<Item = &'a Self> + Clone,
+    ) {
+        let places = outs[0].re.len() / T::width::<S>();
+        let mut outs = outs.map(|out| (T::registers_mut::<S>(&mut out.re), T::registers_mut::<S>(&mut out.im)));
+        for place in 0..places {
+            let mut sums = [[T::filled(simd, T::default()); 2]; 2];
+            for ((first, second), part) in factors[0].iter().zip(factors[1]).zip(of.clone()) {
+                let x = [T::registers::<S>(&part.re)[place], T::registers::<S>(&part.im)[place]];
+                sums[0] = multiple_added(simd, *first, x, sums[0]);
+                sums[1] = multiple_added(simd, *second, x, sums[1]);
+            }
+            for ((re, im), sum) in outs.iter_mut().zip(sums) {
+                [re[place], im[place]] = sum;
+            }
+        }
+    }
+
     /// Adds multiples of the rows of another matrix to a row.
     #[inline(always)]
     pub fn add_rows<S: Simd>(&mut self, simd: S, to: usize, factors: &[Complex<T>], rows: &Self) {
-        let stride = rows.stride / T::width::<S>();
-        let (from_re, from_im) = (T::registers::<S>(&rows.re), T::registers::<S>(&rows.im));
-        let [re, im] = self.row_mut(to);
-        let (re, im) = (T::registers_mut::<S>(re), T::registers_mut::<S>(im));
-        let (re, last_re) = re.as_chunks_mut::<2>();
-        let (im, last_im) = im.as_chunks_mut::<2>();
-        for (pair, (re, im)) in re.iter_mut().zip(&mut *im).enumerate() {
-            let mut sums = [[re[0], im[0]], [re[1], im[1]]];
-            for (row, factor) in factors.iter().enumerate() {
-                let place = row * stride + 2 * pair;
-                sums[0] = multiple_added(simd, *factor, [from_re[place], from_im[place]], sums[0]);
-                sums[1] = multiple_added(simd, *factor, [from_re[place + 1], from_im[place + 1]], sums[1]);
-            }
-            (*re, *im) = ([sums[0][0], sums[1][0]], [sums[0][1], sums[1][1]]);
-        }
-        if let ([re], [im]) = (last_re, last_im) {
-            let mut sum = [*re, *im];
-            for (row, factor) in factors.iter().enumerate() {
-                let place = row * stride + stride - 1;
-                sum = multiple_added(simd, *factor, [from_re[place], from_im[place]], sum);
-            }
-            [*re, *im] = sum;
-        }
+        let from = [rows.re.as_slice(), &rows.im];
+        accumulate(simd, self.row_mut(to), from, rows.stride, factors.len(), |row| factors[row]);
+    }
+
+    /// Adds multiples of the rows above to a row.
+    #[inline(always)]
+    pub fn add_rows_above<S: Simd>(&mut self, simd: S, to: usize, factor: impl Fn(usize) -> Complex<T>) {
+        let stride = self.stride;
+        let (from_re, re) = self.re.split_at_mut(to * stride);
+        let (from_im, im) = self.im.split_at_mut(to * stride);
+        accumulate(simd, [&mut re[..stride], &mut im[..stride]], [from_re, from_im], stride, to, factor);
+    }
+
+    /// Adds multiples of the rows below, up to row `end`, to a row.
+    #[inline(always)]
+    pub fn add_rows_below<S: Simd>(&mut self, simd: S, to: usize, end: usize, factor: impl Fn(usize) -> Complex<T>) {
+        let (stride, first) = (self.stride, to + 1);
+        let (re, from_re) = self.re.split_at_mut(first * stride);
+        let (im, from_im) = self.im.split_at_mut(first * stride);
+        let row = [&mut re[to * stride..], &mut im[to * stride..]];
+        accumulate(simd, row, [from_re, from_im], stride, end - first, |row| factor(first + row));
     }
 
     /// Adds `factor` times a row of another matrix to a row.
@@ -155,28 +196,36 @@ impl<T: Real> Rows<T> {
         add_multiple(simd, factor, other.row(row), self.row_mut(to));
     }
 
-    /// Row `to` minus `factor` times row `from`, which is above it, from column `first` on.
+    /// The rows below row c, up to row `end`, minus multiples of it that make column c zero, from the next column on; `inverse` is that of its
+    /// entry there, and each row's multiple is told.
     #[inline(always)]
-    pub fn eliminate<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], first: usize, factor: Complex<T>) {
-        let (stride, first) = (self.stride, first - first % T::width::<S>());
-        let (above_re, below_re) = self.re.split_at_mut(to * stride);
-        let (above_im, below_im) = self.im.split_at_mut(to * stride);
-        let place = from * stride + first..(from + 1) * stride;
-        let above = [&above_re[place.clone()], &above_im[place]];
-        add_multiple(simd, -factor, above, [&mut below_re[first..stride], &mut below_im[first..stride]]);
+    pub fn eliminate<S: Simd>(
+        &mut self,
+        simd: S,
+        c: usize,
+        inverse: Complex<T>,
+        end: usize,
+        mut tell: impl FnMut(usize, Complex<T>),
+    ) {
+        let (stride, first) = (self.stride, (c + 1) / T::width::<S>());
+        let (above_re, below_re) = self.re.split_at_mut((c + 1) * stride);
+        let (above_im, below_im) = self.im.split_at_mut((c + 1) * stride);
+        let above_re = &T::registers::<S>(&above_re[c * stride..])[first..];
+        let above_im = &T::registers::<S>(&above_im[c * stride..])[first..];
+        let below = below_re.chunks_exact_mut(stride).zip(below_im.chunks_exact_mut(stride));
+        for (row, (re, im)) in (c + 1..end).zip(below) {
+            let factor = Complex::new(re[c], im[c]) * inverse;
+            tell(row, factor);
+            let (by_re, by_im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
+            let (re, im) = (&mut T::registers_mut::<S>(re)[first..], &mut T::registers_mut::<S>(im)[first..]);
+            for ((x_re, x_im), (y_re, y_im)) in above_re.iter().zip(above_im).zip(re.iter_mut().zip(im)) {
+                *y_re = T::add_product(simd, by_im, *x_im, T::take_product(simd, by_re, *x_re, *y_re));
+                *y_im = T::take_product(simd, by_im, *x_re, T::take_product(simd, by_re, *x_im, *y_im));
+            }
+        }
     }
 
-    /// Row `to` minus `factor` times row `from`, which is below it.
     #[inline(always)]
-    pub fn substitute<S: Simd>(&mut self, simd: S, [from, to]: [usize; 2], factor: Complex<T>) {
-        let stride = self.stride;
-        let (above_re, below_re) = self.re.split_at_mut(from * stride);
-        let (above_im, below_im) = self.im.split_at_mut(from * stride);
-        let place = to * stride..(to + 1) * stride;
-        let above = [&mut above_re[place.clone()], &mut above_im[place]];
-        add_multiple(simd, -factor, [&below_re[..stride], &below_im[..stride]], above);
-    }
-
     pub fn scale_row(&mut self, row: usize, factor: Complex<T>) {
         let [re, im] = self.row_mut(row);
         for (re, im) in re.iter_mut().zip(im) {
@@ -201,6 +250,39 @@ impl Rows {
             (0..columns).for_each(|column| out.set(row, column, cast(self.at(row, column))));
         }
         out
+    }
+}
+
+/// Adds multiples of the first rows of a matrix to a row: sums stay in registers, two of them side by side.
+#[inline(always)]
+fn accumulate<T: Real, S: Simd>(
+    simd: S,
+    [re, im]: [&mut [T]; 2],
+    [from_re, from_im]: [&[T]; 2],
+    stride: usize,
+    rows: usize,
+    factor: impl Fn(usize) -> Complex<T>,
+) {
+    let stride = stride / T::width::<S>();
+    let (from_re, from_im) = (T::registers::<S>(from_re), T::registers::<S>(from_im));
+    let (re, last_re) = T::registers_mut::<S>(re).as_chunks_mut::<2>();
+    let (im, last_im) = T::registers_mut::<S>(im).as_chunks_mut::<2>();
+    for (pair, (re, im)) in re.iter_mut().zip(&mut *im).enumerate() {
+        let mut sums = [[re[0], im[0]], [re[1], im[1]]];
+        for row in 0..rows {
+            let (factor, place) = (factor(row), row * stride + 2 * pair);
+            sums[0] = multiple_added(simd, factor, [from_re[place], from_im[place]], sums[0]);
+            sums[1] = multiple_added(simd, factor, [from_re[place + 1], from_im[place + 1]], sums[1]);
+        }
+        (*re, *im) = ([sums[0][0], sums[1][0]], [sums[0][1], sums[1][1]]);
+    }
+    if let ([re], [im]) = (last_re, last_im) {
+        let mut sum = [*re, *im];
+        for row in 0..rows {
+            let place = row * stride + stride - 1;
+            sum = multiple_added(simd, factor(row), [from_re[place], from_im[place]], sum);
+        }
+        [*re, *im] = sum;
     }
 }
 

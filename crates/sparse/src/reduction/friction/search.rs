@@ -4,7 +4,8 @@ use linsys::ChannelGain;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use super::anchor::{Anchor, Guess};
+use super::anchor::Anchor;
+use super::count::{AT_ONCE, Lanes};
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
 use super::eigenvalue;
 use super::ports::Ports;
@@ -18,13 +19,14 @@ const COARSE_ERROR: f64 = 5e-4;
 /// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
 const GUESSED: f64 = 1e-4;
 const MOST_CORRECTIONS: usize = 20;
+/// Rounds of corrections of guesses that are wanted only if they are wrong; chosen.
+const MOST_SEARCHES: usize = 6;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
-const LARGEST_DEVIATION: f64 = 0.5;
-/// Half of the breadth of what that line encloses, as a part of the highest frequency, and points on each side; chosen.
+const LARGEST_DEVIATION: f32 = 0.5;
+/// Half of the breadth of what that line encloses, as a part of the highest frequency; chosen.
 pub(super) const ASIDE: f64 = 0.06;
-const POINTS_OF_SIDE: usize = 4;
 
 /// Why a sample is left to the whole spectrum or to modes that are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +47,8 @@ pub(super) struct Memory {
     /// A at the coarse points.
     coarse: Vec<Rows<f32>>,
     refinement: Refinement,
+    /// For counts.
+    lanes: Lanes,
     weights: Vec<Complex<f64>>,
     /// Corrections so far.
     pub corrections: u64,
@@ -58,6 +62,7 @@ impl Memory {
             small: Rows::zeros(p, p),
             coarse: ports.coarse.points.iter().map(|_| Rows::zeros(p, p)).collect(),
             refinement: Refinement::new(ports),
+            lanes: Lanes::new(p),
             weights: Vec::new(),
             corrections: 0,
         }
@@ -89,10 +94,13 @@ impl Search<'_> {
             let beyond = moved + COARSE_ERROR * lambda.norm();
             lambda.re >= -part * lambda.norm() - beyond && self.rectangle.contains(lambda, beyond)
         };
-        let mut wanted: Vec<usize> = (0..guesses.len()).collect();
-        wanted.retain(|&i| may_be(guesses[i].lambda, guesses[i].moved));
-        let zeros = self.corrected(&guesses, &wanted, memory)?;
+        let (mut wanted, others): (Vec<usize>, Vec<usize>) =
+            (0..guesses.len()).partition(|&i| may_be(guesses[i].lambda, guesses[i].moved));
+        let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
+        self.correct(&mut zeros, &wanted, memory)?;
+        wanted.extend(self.others_wanted(&mut zeros, &others, &may_be, memory)?);
         self.count(&zeros, memory)?;
+        wanted.sort_unstable();
         wanted.retain(|&i| may_be(zeros[i], 0.0));
         let mut finished = |i: usize| {
             self.factor_coarse(zeros[i], memory);
@@ -109,20 +117,15 @@ impl Search<'_> {
         Ok(found)
     }
 
-    /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)` by the coarse polynomials; without the factor of one of the z_j.
-    fn ratio(
-        &self,
-        lambda: Complex<f64>,
-        zeros: &[Complex<f64>],
-        without: Option<usize>,
-        memory: &mut Memory,
-    ) -> Complex<f64> {
+    /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)` at one of the z_j without its factor.
+    fn lacking(&self, at: usize, zeros: &[Complex<f64>], memory: &mut Memory) -> Complex<f64> {
+        let lambda = zeros[at];
         self.factor_coarse(lambda, memory);
         // Factor by factor, so that no product of many large numbers overflows.
         let factors = memory.single.elimination.pivots.iter().zip(zeros).enumerate();
         let factor = |(j, (&pivot, zero)): (usize, (&Complex<f32>, &Complex<f64>))| {
             let pivot: Complex<f64> = cast(pivot);
-            if without == Some(j) { pivot } else { pivot / (lambda - zero) }
+            if at == j { pivot } else { pivot / (lambda - zero) }
         };
         factors.map(factor).product()
     }
@@ -136,16 +139,55 @@ impl Search<'_> {
         eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
     }
 
-    /// The guesses, some of them corrected: by what the polynomial with all of them as zeros lacks there (Weierstrass), then by the secant
+    /// Which of the other guesses are wanted all the same. All zeros are in discs around the guesses, and as many in overlapping ones as
+    /// these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc leaves it open, the
+    /// guess is corrected by what it lacks, all of these at once, which converges quadratically.
+    fn others_wanted(
+        &self,
+        zeros: &mut [Complex<f64>],
+        others: &[usize],
+        may_be: &dyn Fn(Complex<f64>, f64) -> bool,
+        memory: &mut Memory,
+    ) -> Result<Vec<usize>, Open> {
+        for _ in 0..MOST_SEARCHES {
+            let Memory { coarse, lanes, .. } = memory;
+            let mut lacking = Vec::with_capacity(others.len());
+            for some in others.chunks(AT_ONCE) {
+                lacking.extend(lanes.lacking(&self.ports.coarse, coarse, zeros, some));
+            }
+            let (mut wanted, mut is_settled) = (Vec::new(), true);
+            for (i, lacking) in lacking {
+                let lacking: Complex<f64> = cast(lacking);
+                let size = lacking.norm();
+                if !size.is_finite() {
+                    return Err(Open::NotConverged);
+                }
+                if !may_be(zeros[i], zeros.len() as f64 * size) {
+                    continue;
+                }
+                if size <= GUESSED * zeros[i].norm() {
+                    wanted.push(i);
+                } else {
+                    zeros[i] -= lacking;
+                    is_settled = false;
+                }
+            }
+            if is_settled {
+                return Ok(wanted);
+            }
+        }
+        Err(Open::NotConverged)
+    }
+
+    /// Corrects some of the guesses: by what the polynomial with all of them as zeros lacks there (Weierstrass), then by the secant
     /// method, so that the errors of others do not slow it down.
-    fn corrected(&self, guesses: &[Guess], wanted: &[usize], memory: &mut Memory) -> Result<Vec<Complex<f64>>, Open> {
-        let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
+    fn correct(&self, zeros: &mut [Complex<f64>], wanted: &[usize], memory: &mut Memory) -> Result<(), Open> {
         let mut open: Vec<(usize, Option<Missed>)> = wanted.iter().map(|&i| (i, None)).collect();
         for _ in 0..MOST_CORRECTIONS {
             if open.is_empty() {
-                return Ok(zeros);
+                return Ok(());
             }
-            let lacking = open.iter().map(|&(i, _)| self.ratio(zeros[i], &zeros, Some(i), memory));
+            let lacking = open.iter().map(|&(i, _)| self.lacking(i, zeros, memory));
             let lacking: Vec<Complex<f64>> = lacking.collect();
             memory.corrections += lacking.len() as u64;
             let mut next = Vec::with_capacity(open.len());
@@ -168,18 +210,10 @@ impl Search<'_> {
     /// Checks that on a line around the band the characteristic function is so near to the polynomial with these zeros that both have
     /// as many zeros within: so none is missing, and none is there twice.
     fn count(&self, zeros: &[Complex<f64>], memory: &mut Memory) -> Result<(), Open> {
-        let [low, high] = self.rectangle.im;
-        for point in 0..POINTS_OF_SIDE {
-            let im = low + (high - low) * point as f64 / (POINTS_OF_SIDE - 1) as f64;
-            for re in [-ASIDE * high, ASIDE * high] {
-                let ratio = self.ratio(Complex::new(re, im), zeros, None, memory);
-                let deviation = (ratio - 1.0).norm() / (ratio.norm() + 1.0);
-                if deviation.is_nan() || deviation > LARGEST_DEVIATION {
-                    return Err(Open::NotCounted);
-                }
-            }
-        }
-        Ok(())
+        let Memory { coarse, lanes, .. } = memory;
+        let is_near = |ratio: Complex<f32>| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0);
+        let is_counted = lanes.around(&self.ports.around, coarse, zeros).all(is_near);
+        if is_counted { Ok(()) } else { Err(Open::NotCounted) }
     }
 }
 
