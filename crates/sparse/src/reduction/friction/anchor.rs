@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::coarse::Coarse;
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, pull};
 use super::eigenvalue;
 use super::ports::Ports;
@@ -52,7 +53,12 @@ impl Anchor {
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub fn new(ports: &Ports, structure: &Coupled<f64>, gains: Vec<ChannelGain>) -> Result<Option<Self>, SparseError> {
+    pub fn new(
+        ports: &Ports,
+        structure: &Coupled<f64>,
+        coarse: &Coarse,
+        gains: Vec<ChannelGain>,
+    ) -> Result<Option<Self>, SparseError> {
         let (p, mut scratch) = (ports.near(), Scratch::new(ports));
         let mut a = Rows::zeros(p, p);
         coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
@@ -69,7 +75,7 @@ impl Anchor {
         }
         let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
         let is_sound = inverse.norm() * vectors.norm() <= LARGEST_CONDITION;
-        let weights = lambdas.iter().map(|lambda| ports.coarse_weights_near(*lambda)).collect();
+        let weights = lambdas.iter().map(|lambda| coarse.weights_near(*lambda)).collect();
         let pulls = gains.iter().map(|gain| pull(gain, ports.middle)).collect();
         let own = Coupled::new(ports, &vectors, &inverse).single();
         let vectors = [&vectors, &inverse].map(|matrix| Rows::of(matrix).single());

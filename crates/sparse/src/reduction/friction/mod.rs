@@ -2,12 +2,13 @@
 //!
 //! Friction acts in m ports, and all that it does to a structure is seen there. The structure is taken apart once into its modes
 //! ([`ports`]); of a sample there remains an eigenvalue problem of the modes in and near the band, in which all others are eliminated
-//! ([`coupling`]). Its eigenvalues are guessed from the nearest of a few known samples ([`anchor`]), those that may grow are corrected, and
-//! Rouché's theorem tells whether there are as many as there must be ([`search`]). A sample that this leaves open goes the way of
-//! [`Reduced::modes_among`].
+//! ([`coupling`]). Its eigenvalues are guessed from the nearest of a few known samples ([`anchor`]) and those that may grow are corrected. Discs
+//! around all others tell whether one of these may grow too, and Rouché's theorem whether there are as many as there must be ([`search`]).
+//! A sample that this leaves open goes the way of [`Reduced::modes_among`]. Modes that grow get their last digits ([`refinement`]).
 
 mod anchor;
 mod change;
+mod coarse;
 mod count;
 mod coupling;
 mod eigenvalue;
@@ -27,15 +28,13 @@ use num_complex::Complex;
 pub use self::path::{FrictionPath, OnFrictionPath};
 
 use self::anchor::Anchor;
+use self::coarse::Coarse;
 use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::Residuals;
-use self::search::{ASIDE, Memory, Search};
+use self::search::{Memory, Search};
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
-
-/// Known samples that the table for guesses is made of; chosen: two of each law of a study with three.
-const SEEN: usize = 6;
 
 /// A reduced brake whose structure stays and whose friction differs from sample to sample.
 #[derive(Debug, Clone)]
@@ -43,6 +42,7 @@ pub struct FrictionModes {
     coefficients: Vec<f64>,
     channels: Vec<usize>,
     ports: Ports,
+    coarse: Coarse,
     /// What A is made of in the coordinates of the structure.
     own: Coupled<f64>,
     /// What friction adds to it, in single precision.
@@ -74,22 +74,22 @@ impl FrictionModes {
         let structure = system.structure(&first.coefficients)?;
         let gains = |point: &OperatingPoint| channels.iter().map(|&channel| point.channels[channel]).collect();
         let known: Vec<Vec<ChannelGain>> = points.iter().map(gains).collect();
-        let some = &known[..known.len().min(SEEN)];
-        let Some((ports, own)) = Ports::new(&structure, system, channels, reduced.rectangle().im, some, ASIDE)? else {
-            return Ok(None);
-        };
-        let anchors = known.into_iter().map(|gains| Anchor::new(&ports, &own, gains));
+        let band = reduced.rectangle().im;
+        let Some((ports, samples)) = Ports::new(&structure, system, channels, band)? else { return Ok(None) };
+        let own = Coupled::of_structure(&ports);
+        let Some(coarse) = Coarse::new(&ports, &own, &samples, &known, band)? else { return Ok(None) };
+        let anchors = known.into_iter().map(|gains| Anchor::new(&ports, &own, &coarse, gains));
         let anchors = anchors.filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let residuals = Residuals::new(reduced.form(), &first.coefficients, structure, system);
         let coefficients = first.coefficients.clone();
         let added = own.added();
-        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, own, added, anchors, residuals }))
+        Ok(Some(Self { coefficients, channels: channels.to_vec(), ports, coarse, own, added, anchors, residuals }))
     }
 
     /// Begins a search.
     #[must_use]
     pub fn search(&self) -> FrictionSearch<'_> {
-        FrictionSearch { modes: self, memory: Memory::new(&self.ports), gains: Vec::new() }
+        FrictionSearch { modes: self, memory: Memory::new(&self.ports, &self.coarse), gains: Vec::new() }
     }
 
     /// Whether a point differs from the known ones in the friction of the channels alone.
@@ -114,13 +114,13 @@ impl FrictionSearch<'_> {
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
     ) -> Result<ReducedModes, SparseError> {
-        let FrictionModes { channels, ports, own, anchors, residuals, .. } = self.modes;
+        let FrictionModes { channels, ports, coarse, own, anchors, residuals, .. } = self.modes;
         if !self.modes.is_of(point) {
             return reduced.modes_among(point, is_wanted);
         }
         self.gains.clear();
         self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
-        let search = Search { ports, own, anchors, rectangle: reduced.rectangle() };
+        let search = Search { ports, coarse, own, anchors, rectangle: reduced.rectangle() };
         let before = self.memory.corrections;
         let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else {
             return reduced.modes_among(point, is_wanted);

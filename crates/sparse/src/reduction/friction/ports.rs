@@ -7,13 +7,12 @@
 //! with the p eigenvalues Lambda of the structure that have Im > 0 and are in or near the band, and all others in F, which is smooth there:
 //! what friction needs of it is read off [tables](super::table).
 
-use linsys::{AffineSystem, ChannelGain, SecondOrder};
+use linsys::{AffineSystem, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::count::Around;
-use super::coupling::{self, Coupled, Gains, Scratch};
-use super::real::cast;
+use super::coarse::ASIDE;
+use super::coupling;
 use super::rows::Rows;
 use super::table::{Region, Samples, Table};
 use crate::SparseError;
@@ -22,10 +21,9 @@ use crate::reduction::state_modes::StateModes;
 /// Between these multiples of the highest frequency of the band the near modes end, at the largest gap; chosen: what is beyond is smooth in
 /// the band.
 const NEAR: [f64; 2] = [1.1, 1.3];
-/// Relative errors of the tables, which take the fewest points that these need; chosen, on cases/disc-pad: for guesses of eigenvalues, of what
-/// friction adds to A; for what is followed from one friction to another, where eigenvalues err by some 1e-6 and paths ask for 1e-5; and
-/// for last digits, below the residuals that are asked for.
-const COARSE_ERROR: f64 = 1e-5;
+/// Relative errors of the tables, which take the fewest points that these need; chosen, on cases/disc-pad: for what is followed from one
+/// friction to another, where eigenvalues err by some 1e-6 and paths ask for 1e-5; and for last digits, below the residuals that are
+/// asked for.
 const PATH_ERROR: f64 = 3e-7;
 const FINE_ERROR: f64 = 1e-10;
 
@@ -44,18 +42,12 @@ pub(super) struct Ports {
     pub force_rows: Rows,
     /// `R Y` and `B^T Y`, m x p.
     pub sides: [DMatrix<Complex<f64>>; 2],
-    /// `R F B` and `B^T F B` for guesses: between its points A is read off A at them.
-    pub coarse: Table<f32>,
-    /// The same for paths.
+    /// `R F B` and `B^T F B` for paths.
     pub path: Table<f32>,
     /// The same for the last digits.
     pub fine: Table,
     /// What a unit of the gains mu and `lambda s(lambda)` of each port moves the near modes by at most, rad/s.
     pub moved: [Vec<f64>; 2],
-    /// Where modes are counted.
-    pub around: Around,
-    /// Frequencies, rad/s.
-    band: [f64; 2],
     /// i omega in the middle of the band.
     pub middle: Complex<f64>,
     /// The other eigenvalues.
@@ -67,9 +59,8 @@ pub(super) struct Ports {
 }
 
 impl Ports {
-    /// The structure of a system through some of its channels, for a band of frequencies, rad/s, and what A is made of in its coordinates;
-    /// `None` where no small tables hold what is smooth in it. Guesses are for gains like those of some known samples, and for modes that
-    /// are counted as far aside as a part of the highest frequency.
+    /// The structure of a system through some of its channels, for a band of frequencies, rad/s, and samples of what is smooth in it; `None`
+    /// where no small tables hold that.
     ///
     /// # Errors
     /// A mass matrix that is singular, a table that cannot be made.
@@ -78,9 +69,7 @@ impl Ports {
         system: &AffineSystem,
         channels: &[usize],
         band: [f64; 2],
-        known: &[Vec<ChannelGain>],
-        aside: f64,
-    ) -> Result<Option<(Self, Coupled<f64>)>, SparseError> {
+    ) -> Result<Option<(Self, Samples)>, SparseError> {
         let order = structure.order();
         let gamma = band[1];
         let StateModes { lambdas, y: right, lower, .. } = StateModes::new(structure, gamma)?;
@@ -107,7 +96,7 @@ impl Ports {
             };
             [part(&read[0]), part(&read[1])]
         };
-        let samples = Samples::new(band, aside, smooth);
+        let samples = Samples::new(band, ASIDE, smooth);
         let itself = |_: Complex<f64>, f: &[Rows; 2]| f.to_vec();
         let Some([path, fine]) = samples.tables(Region::Growing, [PATH_ERROR, FINE_ERROR], &itself)? else {
             return Ok(None);
@@ -117,47 +106,22 @@ impl Ports {
         let moved = |side: &DMatrix<Complex<f64>>| {
             (0..count).map(|port| force.column(port).norm() * side.row(port).norm()).collect()
         };
-        let mut ports = Self {
+        let ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
             order,
             right: Rows::of(&right.select_columns(&near).transpose()),
             moved: [moved(&sides[0]), moved(&sides[1])],
-            band,
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
             force_rows: Rows::of(&force),
             force,
             sides,
-            around: Around::new(band, aside * band[1], &Table::<f32>::default()),
-            coarse: Table::default(),
             path: path.single(),
             fine,
             others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
             others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
             others: others.iter().map(|&at| lambdas[at]).collect(),
         };
-        let own = Coupled::of_structure(&ports);
-        let by_friction = |lambda: Complex<f64>, f: &[Rows; 2]| {
-            let (mut scratch, p) = (Scratch::new(&ports), ports.near());
-            let of_gains = |gains: &Vec<ChannelGain>| {
-                let mut added = Rows::zeros(p, p);
-                coupling::with(&own, lambda, f, Gains::of(gains), &mut scratch, &mut added);
-                (0..p).for_each(|i| added.set(i, i, added.at(i, i) - ports.lambdas[i]));
-                added
-            };
-            known.iter().map(of_gains).collect()
-        };
-        let Some([coarse]) = samples.tables(Region::Around, [COARSE_ERROR], &by_friction)? else { return Ok(None) };
-        ports.around = Around::new(band, aside * band[1], &coarse);
-        ports.coarse = coarse.single();
-        Ok(Some((ports, own)))
-    }
-
-    /// The weights of the points for guesses at the frequency of an eigenvalue, or at the end of the band next to it.
-    pub fn coarse_weights_near(&self, lambda: Complex<f64>) -> Vec<Complex<f32>> {
-        let mut weights = Vec::new();
-        let [low, high] = self.band;
-        self.coarse.weights_at(Complex::new(0.0, lambda.im.clamp(low, high)), &mut weights);
-        weights.into_iter().map(cast).collect()
+        Ok(Some((ports, samples)))
     }
 
     /// p, the number of modes in and near the band.

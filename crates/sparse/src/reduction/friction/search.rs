@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::Anchor;
+use super::coarse::Coarse;
 use super::count::{AT_ONCE, Lanes};
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
 use super::eigenvalue;
@@ -25,8 +26,6 @@ const MOST_SEARCHES: usize = 6;
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
 const LARGEST_DEVIATION: f32 = 0.5;
-/// Half of the breadth of what that line encloses, as a part of the highest frequency; chosen.
-pub(super) const ASIDE: f64 = 0.06;
 
 /// Why a sample is left to the whole spectrum or to modes that are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,12 +54,12 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    pub fn new(ports: &Ports) -> Self {
+    pub fn new(ports: &Ports, coarse: &Coarse) -> Self {
         let p = ports.near();
         Self {
             single: Scratch::new(ports),
             small: Rows::zeros(p, p),
-            coarse: ports.coarse.points.iter().map(|_| Rows::zeros(p, p)).collect(),
+            coarse: coarse.table.points.iter().map(|_| Rows::zeros(p, p)).collect(),
             refinement: Refinement::new(ports),
             lanes: Lanes::new(p),
             weights: Vec::new(),
@@ -72,6 +71,7 @@ impl Memory {
 /// What is searched.
 pub(super) struct Search<'a> {
     pub ports: &'a Ports,
+    pub coarse: &'a Coarse,
     /// What A is made of in the coordinates of the structure.
     pub own: &'a Coupled<f64>,
     pub anchors: &'a [Anchor],
@@ -86,7 +86,7 @@ impl Search<'_> {
         let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
         let Memory { coarse, single, small, .. } = memory;
         for (point, a) in coarse.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own, &self.ports.coarse, point, Gains::of(gains), single, a);
+            coupling::at_point(&anchor.own, &self.coarse.table, point, Gains::of(gains), single, a);
         }
         let guesses = anchor.guesses(coarse, small);
         // As far as a guess was moved it may be wrong.
@@ -133,7 +133,7 @@ impl Search<'_> {
     /// Factors of `lambda - A` by the coarse points, in `memory.small`.
     fn factor_coarse(&self, lambda: Complex<f64>, memory: &mut Memory) {
         let Memory { single, coarse, small, weights, .. } = memory;
-        self.ports.coarse.weights_at(lambda, weights);
+        self.coarse.table.weights_at(lambda, weights);
         let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
         combine(&weights, coarse, small);
         eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
@@ -153,7 +153,7 @@ impl Search<'_> {
             let Memory { coarse, lanes, .. } = memory;
             let mut lacking = Vec::with_capacity(others.len());
             for some in others.chunks(AT_ONCE) {
-                lacking.extend(lanes.lacking(&self.ports.coarse, coarse, zeros, some));
+                lacking.extend(lanes.lacking(&self.coarse.table, coarse, zeros, some));
             }
             let (mut wanted, mut is_settled) = (Vec::new(), true);
             for (i, lacking) in lacking {
@@ -212,7 +212,7 @@ impl Search<'_> {
     fn count(&self, zeros: &[Complex<f64>], memory: &mut Memory) -> Result<(), Open> {
         let Memory { coarse, lanes, .. } = memory;
         let is_near = |ratio: Complex<f32>| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0);
-        let is_counted = lanes.around(&self.ports.around, coarse, zeros).all(is_near);
+        let is_counted = lanes.around(&self.coarse.around, coarse, zeros).all(is_near);
         if is_counted { Ok(()) } else { Err(Open::NotCounted) }
     }
 }

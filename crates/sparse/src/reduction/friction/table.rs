@@ -35,7 +35,7 @@ const DIRECTIONS: usize = 6;
 const BESIDE: f64 = 1e-7;
 
 /// Two matrices at points of a part of the imaginary axis, and weights.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Table<T = f64> {
     pub points: Vec<Complex<f64>>,
     pub weights: Vec<Complex<f64>>,
