@@ -42,12 +42,13 @@ fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clo
     (count, growing)
 }
 
-/// Samples in which an earlier search lost a mode: one that came from beyond where it looked, one of two that became one.
+/// Samples in which an earlier search lost a mode: one that came from beyond where it looked, one of two that became one, and in the last
+/// arrangement ones whose guess went to another mode while the guess of that one stood for both where modes are counted.
 #[test]
 fn no_growing_mode_is_missing() {
-    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8], [1, 3, 4, 5, 6, 7, 8, 9]]");
-    let (samples, growing) = compared(&brake, [0, 1, 2, 3, 81, 281, 288, 380].into_iter());
-    assert_eq!(samples, 96);
+    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8], [1, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]");
+    let (samples, growing) = compared(&brake, [0, 1, 2, 81, 281, 380, 209, 533, 616, 755, 978].into_iter());
+    assert_eq!(samples, 198);
     assert!(growing > 100, "{growing}");
 }
 

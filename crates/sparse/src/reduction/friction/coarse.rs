@@ -24,8 +24,6 @@ pub(super) const ASIDE: f64 = 0.06;
 pub(super) struct Coarse {
     pub table: Table<f32>,
     pub around: Around,
-    /// Frequencies, rad/s.
-    band: [f64; 2],
 }
 
 impl Coarse {
@@ -51,13 +49,13 @@ impl Coarse {
             known.iter().take(SEEN).map(of_gains).collect()
         };
         let Some([table]) = samples.tables(Region::Around, [ERROR], &by_friction)? else { return Ok(None) };
-        Ok(Some(Self { around: Around::new(band, ASIDE * band[1], &table), table: table.single(), band }))
+        Ok(Some(Self { around: Around { band, distance: ASIDE * band[1] }, table: table.single() }))
     }
 
     /// The weights of the points at the frequency of an eigenvalue, or at the end of the band next to it.
     pub fn weights_near(&self, lambda: Complex<f64>) -> Vec<Complex<f32>> {
         let mut weights = Vec::new();
-        let [low, high] = self.band;
+        let [low, high] = self.around.band;
         self.table.weights_at(Complex::new(0.0, lambda.im.clamp(low, high)), &mut weights);
         weights.into_iter().map(cast).collect()
     }

@@ -11,115 +11,117 @@ use super::rows::Rows;
 use super::table::Table;
 
 /// Numbers at once: as many as the widest register has.
-pub(super) const AT_ONCE: usize = f32::WIDEST;
+const AT_ONCE: usize = f32::WIDEST;
+/// Fewest points of the line; chosen. It takes the lanes that guesses leave.
+const FEWEST_POINTS: usize = 8;
 
-/// Numbers, and how A is read off there.
+/// A line around the band: both sides of it, at a distance.
 #[derive(Debug, Clone)]
-struct Numbers {
-    /// lambda, rad/s.
-    exact: Vec<Complex<f64>>,
-    /// The same as a row.
-    row: Rows<f32>,
-    /// The weights of the points of the table, with a minus, by rows.
-    weights: Rows<f32>,
+pub(super) struct Around {
+    /// Frequencies, rad/s.
+    pub band: [f64; 2],
+    /// rad/s.
+    pub distance: f64,
 }
-
-impl Numbers {
-    fn new<T>(exact: Vec<Complex<f64>>, table: &Table<T>) -> Self {
-        let mut weights = Rows::zeros(table.points.len(), AT_ONCE);
-        let mut here = Vec::new();
-        for (lane, &number) in exact.iter().enumerate() {
-            table.weights_at(number, &mut here);
-            here.iter().enumerate().for_each(|(n, &weight)| weights.set(n, lane, cast(-weight)));
-        }
-        let row = Rows::from_fn(1, exact.len(), |_, lane| cast(exact[lane]));
-        Self { exact, row, weights }
-    }
-}
-
-/// A line around the band.
-#[derive(Debug, Clone)]
-pub(super) struct Around(Numbers);
 
 impl Around {
-    /// Both sides of a band of frequencies, rad/s, at a distance.
-    pub fn new<T>([low, high]: [f64; 2], distance: f64, table: &Table<T>) -> Self {
-        let side = AT_ONCE / 2;
-        let number = |point: usize| {
-            let part = (point % side) as f64 / (side - 1) as f64;
-            Complex::new(if point < side { -distance } else { distance }, low + (high - low) * part)
-        };
-        Self(Numbers::new((0..AT_ONCE).map(number).collect(), table))
+    /// An even number of points of both sides.
+    fn points(&self, count: usize) -> impl Iterator<Item = Complex<f64>> {
+        let ([low, high], distance, side) = (self.band, self.distance, count / 2);
+        let along = move |n: usize| low + (high - low) * n as f64 / (side - 1) as f64;
+        (0..2 * side).map(move |n| Complex::new(if n < side { -distance } else { distance }, along(n % side)))
     }
+}
+
+/// `det(lambda - A(lambda)) / prod_j (lambda - z_j)`.
+pub(super) struct Lacking {
+    /// At some of the z_j, without their own factors.
+    pub at_zeros: Vec<(usize, Complex<f64>)>,
+    /// On a line.
+    pub around: Vec<Complex<f64>>,
+}
+
+/// A number at which the characteristic function is wanted: one of the zeros, or another.
+#[derive(Debug, Clone, Copy)]
+enum Number {
+    Zero(usize),
+    Other(Complex<f64>),
 }
 
 /// Working memory.
 pub(super) struct Lanes {
     /// The entries of p x p matrices, by rows.
     matrix: Rows<f32>,
+    /// What each pivot is divided by.
     divisors: Rows<f32>,
+    /// The numbers as a row, and the weights of the points of a table there, with a minus, by rows.
+    numbers: Rows<f32>,
+    weights: Rows<f32>,
     ratios: Rows<f32>,
 }
 
 impl Lanes {
-    pub fn new(p: usize) -> Self {
-        let [matrix, divisors, ratios] = [p * p, p, 1].map(|rows| Rows::zeros(rows, AT_ONCE));
-        Self { matrix, divisors, ratios }
+    /// For p zeros, and a table with this number of points.
+    pub fn new(p: usize, points: usize) -> Self {
+        let [matrix, divisors, numbers, weights, ratios] =
+            [p * p, p, 1, points, 1].map(|rows| Rows::zeros(rows, AT_ONCE));
+        Self { matrix, divisors, numbers, weights, ratios }
     }
 
-    /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)` on a line, from A at the points of its table.
-    pub fn around<'a>(
-        &'a mut self,
-        line: &Around,
-        values: &[Rows<f32>],
-        zeros: &[Complex<f64>],
-    ) -> impl Iterator<Item = Complex<f32>> + 'a {
-        let Around(numbers) = line;
-        for (lane, number) in numbers.exact.iter().enumerate() {
-            zeros.iter().enumerate().for_each(|(c, zero)| self.divisors.set(c, lane, cast(number - zero)));
-        }
-        self.ratios(numbers, values, zeros.len(), &[]);
-        (0..AT_ONCE).map(|lane| self.ratios.at(0, lane))
-    }
-
-    /// The same at some of the z_j, no more than [`AT_ONCE`], each without its own factor.
-    pub fn lacking<'a, T>(
-        &'a mut self,
+    /// What is lacking at some of the zeros and on a line, from A at the points of a table.
+    pub fn lacking<T>(
+        &mut self,
         table: &Table<T>,
         values: &[Rows<f32>],
         zeros: &[Complex<f64>],
-        of: &'a [usize],
-    ) -> impl Iterator<Item = (usize, Complex<f32>)> + 'a {
-        let numbers = Numbers::new(of.iter().map(|&own| zeros[own]).collect(), table);
-        let last = zeros.len() - 1;
-        self.divisors.clear();
-        for (lane, &own) in of.iter().enumerate() {
-            for (c, zero) in zeros.iter().enumerate() {
-                let to = if c == own {
-                    last
-                } else if c == last {
-                    own
-                } else {
-                    c
-                };
-                let divisor = if c == own { Complex::from(1.0) } else { cast(zeros[own] - zero) };
-                self.divisors.set(to, lane, divisor);
+        of: &[usize],
+        line: &Around,
+    ) -> Lacking {
+        if zeros.is_empty() {
+            return Lacking { at_zeros: Vec::new(), around: Vec::new() };
+        }
+        let lanes = (of.len() + FEWEST_POINTS).next_multiple_of(AT_ONCE);
+        let numbers = of.iter().map(|&zero| Number::Zero(zero));
+        let numbers: Vec<Number> = numbers.chain(line.points(lanes - of.len()).map(Number::Other)).collect();
+        let mut found = Lacking { at_zeros: Vec::with_capacity(of.len()), around: Vec::with_capacity(lanes) };
+        for numbers in numbers.chunks(AT_ONCE) {
+            self.evaluate(table, values, zeros, numbers);
+            for (lane, number) in numbers.iter().enumerate() {
+                let ratio = cast(self.ratios.at(0, lane));
+                match number {
+                    Number::Zero(zero) => found.at_zeros.push((*zero, ratio)),
+                    Number::Other(_) => found.around.push(ratio),
+                }
             }
         }
-        self.ratios(&numbers, values, zeros.len(), of);
-        of.iter().enumerate().map(|(lane, &own)| (own, self.ratios.at(0, lane)))
+        found
     }
 
-    fn ratios(&mut self, numbers: &Numbers, values: &[Rows<f32>], order: usize, last: &[usize]) {
-        let Self { matrix, divisors, ratios } = self;
-        Arch::new().dispatch(Build { numbers, values, order, matrix });
-        for (lane, &own) in last.iter().enumerate() {
-            for other in 0..order {
-                matrix.swap([own * order + other, (order - 1) * order + other], lane);
+    /// The ratios at some numbers, no more than lanes.
+    fn evaluate<T>(&mut self, table: &Table<T>, values: &[Rows<f32>], zeros: &[Complex<f64>], at: &[Number]) {
+        let (order, last) = (zeros.len(), zeros.len() - 1);
+        let mut weights = Vec::with_capacity(table.points.len());
+        for (lane, &number) in at.iter().enumerate() {
+            let (lambda, own) = match number {
+                Number::Zero(zero) => (zeros[zero], Some(zero)),
+                Number::Other(lambda) => (lambda, None),
+            };
+            table.weights_at(lambda, &mut weights);
+            weights.iter().enumerate().for_each(|(n, &weight)| self.weights.set(n, lane, cast(-weight)));
+            self.numbers.set(0, lane, cast(lambda));
+            zeros.iter().enumerate().for_each(|(c, zero)| self.divisors.set(c, lane, cast(lambda - zero)));
+            if let Some(own) = own {
+                let of_last = self.divisors.at(last, lane);
+                self.divisors.set(own, lane, of_last);
+                self.divisors.set(last, lane, Complex::from(1.0));
             }
-            for other in 0..order {
-                matrix.swap([other * order + own, other * order + order - 1], lane);
-            }
+        }
+        let Self { matrix, divisors, numbers, weights, ratios } = self;
+        Arch::new().dispatch(Build { numbers, weights, values, order, matrix });
+        for (lane, &number) in at.iter().enumerate() {
+            let Number::Zero(own) = number else { continue };
+            (0..order).for_each(|other| matrix.swap([own * order + other, last * order + other], lane));
+            (0..order).for_each(|other| matrix.swap([other * order + own, other * order + last], lane));
         }
         Arch::new().dispatch(Eliminate { order, matrix, divisors, ratios });
     }
@@ -130,7 +132,8 @@ type Wide<S> = [<f32 as Real>::Register<S>; 2];
 
 /// `lambda - A(lambda)`.
 struct Build<'a> {
-    numbers: &'a Numbers,
+    numbers: &'a Rows<f32>,
+    weights: &'a Rows<f32>,
     values: &'a [Rows<f32>],
     order: usize,
     matrix: &'a mut Rows<f32>,
@@ -141,9 +144,9 @@ impl WithSimd for Build<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { numbers, values, order, matrix } = self;
-        let [row_re, row_im] = numbers.row.registers(simd);
-        let [weights_re, weights_im] = numbers.weights.registers(simd);
+        let Self { numbers, weights, values, order, matrix } = self;
+        let [row_re, row_im] = numbers.registers(simd);
+        let [weights_re, weights_im] = weights.registers(simd);
         let [out_re, out_im] = matrix.registers_mut(simd);
         let parts = AT_ONCE / S::F32_LANES;
         for row in 0..order {

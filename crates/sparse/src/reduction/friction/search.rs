@@ -6,7 +6,7 @@ use num_complex::Complex;
 
 use super::anchor::Anchor;
 use super::coarse::Coarse;
-use super::count::{AT_ONCE, Lanes};
+use super::count::{Lacking, Lanes};
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
 use super::eigenvalue;
 use super::ports::Ports;
@@ -25,7 +25,7 @@ const MOST_SEARCHES: usize = 6;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
-const LARGEST_DEVIATION: f32 = 0.5;
+const LARGEST_DEVIATION: f64 = 0.5;
 
 /// Why a sample is left to the whole spectrum or to modes that are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl Memory {
             small: Rows::zeros(p, p),
             coarse: coarse.table.points.iter().map(|_| Rows::zeros(p, p)).collect(),
             refinement: Refinement::new(ports),
-            lanes: Lanes::new(p),
+            lanes: Lanes::new(p, coarse.table.points.len()),
             weights: Vec::new(),
             corrections: 0,
         }
@@ -99,7 +99,6 @@ impl Search<'_> {
         let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
         self.correct(&mut zeros, &wanted, memory)?;
         wanted.extend(self.others_wanted(&mut zeros, &others, &may_be, memory)?);
-        self.count(&zeros, memory)?;
         wanted.sort_unstable();
         wanted.retain(|&i| may_be(zeros[i], 0.0));
         let mut finished = |i: usize| {
@@ -139,7 +138,7 @@ impl Search<'_> {
         eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
     }
 
-    /// Which of the other guesses are wanted all the same. All zeros are in discs around the guesses, and as many in overlapping ones as
+    /// Which of the other guesses are wanted all the same, where all are counted. All zeros are in discs around the guesses, and as many in overlapping ones as
     /// these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc leaves it open, the
     /// guess is corrected by what it lacks, all of these at once, which converges quadratically.
     fn others_wanted(
@@ -151,13 +150,10 @@ impl Search<'_> {
     ) -> Result<Vec<usize>, Open> {
         for _ in 0..MOST_SEARCHES {
             let Memory { coarse, lanes, .. } = memory;
-            let mut lacking = Vec::with_capacity(others.len());
-            for some in others.chunks(AT_ONCE) {
-                lacking.extend(lanes.lacking(&self.coarse.table, coarse, zeros, some));
-            }
+            let Coarse { table, around, .. } = self.coarse;
+            let Lacking { at_zeros, around } = lanes.lacking(table, coarse, zeros, others, around);
             let (mut wanted, mut is_settled) = (Vec::new(), true);
-            for (i, lacking) in lacking {
-                let lacking: Complex<f64> = cast(lacking);
+            for (i, lacking) in at_zeros {
                 let size = lacking.norm();
                 if !size.is_finite() {
                     return Err(Open::NotConverged);
@@ -173,7 +169,7 @@ impl Search<'_> {
                 }
             }
             if is_settled {
-                return Ok(wanted);
+                return if is_counted(&around) { Ok(wanted) } else { Err(Open::NotCounted) };
             }
         }
         Err(Open::NotConverged)
@@ -206,15 +202,12 @@ impl Search<'_> {
         }
         Err(Open::NotConverged)
     }
+}
 
-    /// Checks that on a line around the band the characteristic function is so near to the polynomial with these zeros that both have
-    /// as many zeros within: so none is missing, and none is there twice.
-    fn count(&self, zeros: &[Complex<f64>], memory: &mut Memory) -> Result<(), Open> {
-        let Memory { coarse, lanes, .. } = memory;
-        let is_near = |ratio: Complex<f32>| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0);
-        let is_counted = lanes.around(&self.coarse.around, coarse, zeros).all(is_near);
-        if is_counted { Ok(()) } else { Err(Open::NotCounted) }
-    }
+/// Whether on a line around the band the characteristic function is so near to the polynomial with some zeros that both have as many within:
+/// so none is missing, and none is there twice.
+fn is_counted(around: &[Complex<f64>]) -> bool {
+    around.iter().all(|ratio| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0))
 }
 
 /// A number, and what was missed there: how far it is from where it should be, as far as one can tell.
