@@ -22,7 +22,7 @@ pub(super) struct BandNames<'a> {
 
 /// Where modes in doubt are followed from.
 pub(super) enum BandStart<'a> {
-    System(SecondOrder),
+    System(Box<SecondOrder>),
     /// The brake evaluates the path from there to the reference.
     Owned(Box<dyn OwnedPath + 'a>),
 }

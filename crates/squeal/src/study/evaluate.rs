@@ -250,7 +250,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             let mass = self.mass(scene, at)?;
             let start = || match self.brake.path(of_scene, at, reference) {
                 Some(path) => Ok(BandStart::Owned(path)),
-                None => Ok(BandStart::System(model.assemble(at)?)),
+                None => Ok(BandStart::System(Box::new(model.assemble(at)?))),
             };
             let modes = names.sector_modes(found, &mass, start, memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))

@@ -35,8 +35,8 @@ impl Around {
 
 /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)`.
 pub(super) struct Lacking {
-    /// At some of the z_j, without their own factors.
-    pub at_zeros: Vec<(usize, Complex<f64>)>,
+    /// At each of the z_j, without its own factor.
+    pub at_zeros: Vec<Complex<f64>>,
     /// On a line.
     pub around: Vec<Complex<f64>>,
 }
@@ -68,28 +68,27 @@ impl Lanes {
         Self { matrix, divisors, numbers, weights, ratios }
     }
 
-    /// What is lacking at some of the zeros and on a line, from A at the points of a table.
+    /// What is lacking at all zeros and on a line, from A at the points of a table.
     pub fn lacking<T>(
         &mut self,
         table: &Table<T>,
         values: &[Rows<f32>],
         zeros: &[Complex<f64>],
-        of: &[usize],
         line: &Around,
     ) -> Lacking {
         if zeros.is_empty() {
             return Lacking { at_zeros: Vec::new(), around: Vec::new() };
         }
-        let lanes = (of.len() + FEWEST_POINTS).next_multiple_of(AT_ONCE);
-        let numbers = of.iter().map(|&zero| Number::Zero(zero));
-        let numbers: Vec<Number> = numbers.chain(line.points(lanes - of.len()).map(Number::Other)).collect();
-        let mut found = Lacking { at_zeros: Vec::with_capacity(of.len()), around: Vec::with_capacity(lanes) };
+        let lanes = (zeros.len() + FEWEST_POINTS).next_multiple_of(AT_ONCE);
+        let points = line.points(lanes - zeros.len()).map(Number::Other);
+        let numbers: Vec<Number> = (0..zeros.len()).map(Number::Zero).chain(points).collect();
+        let mut found = Lacking { at_zeros: Vec::with_capacity(zeros.len()), around: Vec::with_capacity(lanes) };
         for numbers in numbers.chunks(AT_ONCE) {
             self.evaluate(table, values, zeros, numbers);
             for (lane, number) in numbers.iter().enumerate() {
                 let ratio = cast(self.ratios.at(0, lane));
                 match number {
-                    Number::Zero(zero) => found.at_zeros.push((*zero, ratio)),
+                    Number::Zero(_) => found.at_zeros.push(ratio),
                     Number::Other(_) => found.around.push(ratio),
                 }
             }

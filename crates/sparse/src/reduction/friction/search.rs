@@ -22,6 +22,8 @@ const GUESSED: f64 = 1e-4;
 const MOST_CORRECTIONS: usize = 20;
 /// Rounds of corrections of guesses that are wanted only if they are wrong; chosen.
 const MOST_SEARCHES: usize = 6;
+/// Relative distance up to which two eigenvalues with last digits are one; chosen.
+const SAME: f64 = 1e-8;
 /// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
 /// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
 /// line is looked at in a few points.
@@ -94,12 +96,10 @@ impl Search<'_> {
             let beyond = moved + COARSE_ERROR * lambda.norm();
             lambda.re >= -part * lambda.norm() - beyond && self.rectangle.contains(lambda, beyond)
         };
-        let (mut wanted, others): (Vec<usize>, Vec<usize>) =
-            (0..guesses.len()).partition(|&i| may_be(guesses[i].lambda, guesses[i].moved));
+        let likely: Vec<usize> = (0..guesses.len()).filter(|&i| may_be(guesses[i].lambda, guesses[i].moved)).collect();
         let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
-        self.correct(&mut zeros, &wanted, memory)?;
-        wanted.extend(self.others_wanted(&mut zeros, &others, &may_be, memory)?);
-        wanted.sort_unstable();
+        self.correct(&mut zeros, &likely, memory)?;
+        let mut wanted = self.wanted(&mut zeros, &may_be, memory)?;
         wanted.retain(|&i| may_be(zeros[i], 0.0));
         let mut finished = |i: usize| {
             self.factor_coarse(zeros[i], memory);
@@ -112,6 +112,10 @@ impl Search<'_> {
             found.filter(is_same).ok_or(Open::NotConverged)
         };
         let mut found = wanted.into_iter().map(&mut finished).collect::<Result<Vec<_>, Open>>()?;
+        let is_other = |(a, b): (&Pair, &Pair)| (a.0 - b.0).norm() > SAME * a.0.norm();
+        if !(1..found.len()).all(|next| found[..next].iter().all(|before| is_other((before, &found[next])))) {
+            return Err(Open::NotConverged);
+        }
         found.retain(|(lambda, _)| self.rectangle.contains(*lambda, 0.0) && lambda.re >= -part * lambda.norm());
         Ok(found)
     }
@@ -138,22 +142,21 @@ impl Search<'_> {
         eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
     }
 
-    /// Which of the other guesses are wanted all the same, where all are counted. All zeros are in discs around the guesses, and as many in overlapping ones as
-    /// these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc leaves it open, the
-    /// guess is corrected by what it lacks, all of these at once, which converges quadratically.
-    fn others_wanted(
+    /// Which of the guesses are wanted, where all are told apart and counted. All zeros are in discs around the guesses, and as many in
+    /// overlapping ones as these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc
+    /// leaves it open, the guess is corrected by what it lacks, all of these at once, which converges quadratically.
+    fn wanted(
         &self,
         zeros: &mut [Complex<f64>],
-        others: &[usize],
         may_be: &dyn Fn(Complex<f64>, f64) -> bool,
         memory: &mut Memory,
     ) -> Result<Vec<usize>, Open> {
         for _ in 0..MOST_SEARCHES {
             let Memory { coarse, lanes, .. } = memory;
             let Coarse { table, around, .. } = self.coarse;
-            let Lacking { at_zeros, around } = lanes.lacking(table, coarse, zeros, others, around);
+            let Lacking { at_zeros, around } = lanes.lacking(table, coarse, zeros, around);
             let (mut wanted, mut is_settled) = (Vec::new(), true);
-            for (i, lacking) in at_zeros {
+            for (i, lacking) in at_zeros.into_iter().enumerate() {
                 let size = lacking.norm();
                 if !size.is_finite() {
                     return Err(Open::NotConverged);
