@@ -290,8 +290,8 @@ fn of_configuration(
     SectoredReference::linked(&from, solver, &brake.sectors, system, false, plan)
 }
 
-/// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that both have in common; `None`
-/// where both have the same.
+/// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that
+/// both have in common; `None` where both have the same.
 fn across(
     bridge: &Bridges<'_>,
     place: usize,
