@@ -8,7 +8,7 @@ use super::coupling::{self, Coupled, Gains, Scratch};
 use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
-use super::table::{Region, Samples, Table};
+use super::table::{ASIDE, Region, Samples, Table};
 use crate::SparseError;
 
 /// Relative error of what friction adds to A; chosen: on cases/disc-pad guesses are then good to some millionths, and with 1e-4 one sample in
@@ -16,8 +16,6 @@ use crate::SparseError;
 const ERROR: f64 = 1e-5;
 /// Known samples for which this is so; chosen: two of each law of a study with three.
 const SEEN: usize = 6;
-/// Half of the breadth of what the line encloses, as a part of the highest frequency; chosen.
-pub(super) const ASIDE: f64 = 0.06;
 
 /// A table with few points, in single precision, and that line.
 #[derive(Debug, Clone)]

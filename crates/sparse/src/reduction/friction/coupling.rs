@@ -15,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::elimination::Elimination;
 use super::ports::Ports;
 use super::real::{Real, cast};
-use super::rows::Rows;
+use super::rows::{Rows, add_rows};
 use super::table::Table;
 
 /// What A is made of, in coordinates d' of the near modes: `d = S d'`.
@@ -202,11 +202,6 @@ pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2
     Arch::new().dispatch(Combine { factors, parts: pairs.iter().map(|pair| &pair[part]), out });
 }
 
-/// Adds multiples of the rows of a matrix to a row of another one.
-pub(super) fn add_rows(to: usize, factors: &[Complex<f64>], rows: &Rows, out: &mut Rows) {
-    Arch::new().dispatch(AddRows { to, factors, rows, out });
-}
-
 /// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
 pub(super) fn shape(
     ports: &Ports,
@@ -331,21 +326,5 @@ impl<'a, T: Real, P: Iterator<Item = &'a Rows<T>> + Clone> WithSimd for CombineB
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         Rows::set_sums(self.outs, simd, self.factors, self.parts);
-    }
-}
-
-struct AddRows<'a> {
-    to: usize,
-    factors: &'a [Complex<f64>],
-    rows: &'a Rows,
-    out: &'a mut Rows,
-}
-
-impl WithSimd for AddRows<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.out.add_rows(simd, self.to, self.factors, self.rows);
     }
 }

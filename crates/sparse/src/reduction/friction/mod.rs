@@ -20,6 +20,7 @@ mod refinement;
 mod residuals;
 mod rows;
 mod search;
+mod secant;
 mod table;
 
 use linsys::{ChannelGain, OperatingPoint};

@@ -11,10 +11,8 @@ use linsys::{AffineSystem, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::coarse::ASIDE;
-use super::coupling;
-use super::rows::Rows;
-use super::table::{Region, Samples, Table};
+use super::rows::{Rows, add_rows};
+use super::table::{ASIDE, Region, Samples, Table};
 use crate::SparseError;
 use crate::reduction::state_modes::StateModes;
 
@@ -90,7 +88,7 @@ impl Ports {
                 let mut part = Rows::zeros(count, count);
                 for port in 0..count {
                     let factors = others.iter().map(|&at| side[(port, at)] / (lambda - lambdas[at]));
-                    coupling::add_rows(port, &factors.collect::<Vec<_>>(), &others_driven, &mut part);
+                    add_rows(port, &factors.collect::<Vec<_>>(), &others_driven, &mut part);
                 }
                 part
             };

@@ -11,6 +11,7 @@
 //! has of digits: with the left vector y, `-y^H r / y^H d` of lambda, and the rest of d by the factors of `lambda - A`.
 
 use linsys::ChannelGain;
+use nalgebra::DVector;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -19,9 +20,9 @@ use super::coupling::{self, Coupled, Gains, Scratch};
 use super::eigenvalue;
 use super::elimination::Elimination;
 use super::ports::Ports;
-use super::real::cast;
+use super::real::{Real, cast};
 use super::rows::Rows;
-use super::search::{Missed, Pair, secant};
+use super::secant::{Missed, secant};
 
 /// Size of what may be missing, relative to that of `lambda d`; chosen, below all residuals that are asked for.
 const CONVERGED: f64 = 1e-11;
@@ -29,6 +30,9 @@ const MOST_ROUNDS: u64 = 12;
 /// Distance from the number, relative to it, up to which what is smooth is a straight line; chosen: it changes by some thousandths over the
 /// band, and what is then missing of it is below 1e-8 of that.
 const STRAIGHT: f64 = 1e-3;
+
+/// An eigenvalue with its shape in the coordinates of the system.
+pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// Factors of `number - A` in the coordinates of an anchor.
 pub(super) struct Factors<'a> {
@@ -177,7 +181,7 @@ struct Times<'a, T> {
     out: &'a mut Vec<Complex<T>>,
 }
 
-impl<T: super::real::Real> WithSimd for Times<'_, T> {
+impl<T: Real> WithSimd for Times<'_, T> {
     type Output = ();
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::search::Pair;
+use super::refinement::Pair;
 use crate::reduction::residual::ResidualForm;
 use crate::reduction::shared::Friction;
 use crate::reduction::{Reduced, ReducedModes, Route, split};

@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 use num_complex::Complex;
-use pulp::Simd;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::real::{Real, cast};
 
@@ -253,6 +253,27 @@ impl Rows {
     }
 }
 
+/// Adds multiples of the rows of a matrix to a row of another one.
+pub(super) fn add_rows(to: usize, factors: &[Complex<f64>], rows: &Rows, out: &mut Rows) {
+    Arch::new().dispatch(AddRows { to, factors, rows, out });
+}
+
+struct AddRows<'a> {
+    to: usize,
+    factors: &'a [Complex<f64>],
+    rows: &'a Rows,
+    out: &'a mut Rows,
+}
+
+impl WithSimd for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.out.add_rows(simd, self.to, self.factors, self.rows);
+    }
+}
+
 /// Adds multiples of the first rows of a matrix to a row: sums stay in registers, two of them side by side.
 #[inline(always)]
 fn accumulate<T: Real, S: Simd>(
@@ -317,7 +338,6 @@ fn multiple_added<T: Real, S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pulp::{Arch, WithSimd};
 
     #[test]
     fn sums_are_those_of_the_entries() {
@@ -329,7 +349,7 @@ mod tests {
             let before = out.clone();
             let factors =
                 [Complex::new(1.0, 2.0), Complex::new(-0.5, 0.0), Complex::new(0.0, 3.0), Complex::new(2.0, -1.0)];
-            Arch::new().dispatch(AddRows(&mut out, &factors, &a));
+            add_rows(0, &factors, &a, &mut out);
             let mut sum = Rows::zeros(4, columns);
             Arch::new().dispatch(SetSum(&mut sum, &factors[..2], &[&a, &b]));
             for j in 0..columns {
@@ -347,17 +367,6 @@ mod tests {
             let total: Complex<f64> =
                 (0..4).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| a.at(i, j)).sum();
             assert!((a.entries().sum::<Complex<f64>>() - total).norm() < 1e-12 * total.norm());
-        }
-    }
-
-    struct AddRows<'a>(&'a mut Rows, &'a [Complex<f64>], &'a Rows);
-
-    impl WithSimd for AddRows<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            self.0.add_rows(simd, 0, self.1, self.2);
         }
     }
 

@@ -1,7 +1,6 @@
 //! The growing modes of one sample: guesses from an anchor, corrected one by one, and counted.
 
 use linsys::ChannelGain;
-use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::anchor::Anchor;
@@ -11,11 +10,12 @@ use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
 use super::eigenvalue;
 use super::ports::Ports;
 use super::real::cast;
-use super::refinement::{Factors, Refinement};
+use super::refinement::{Factors, Pair, Refinement};
 use super::rows::Rows;
+use super::secant::{Missed, secant};
 use crate::Rectangle;
 
-/// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad the coarse polynomials err by 1 rad/s at 10,000.
+/// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad they err by some millionths, a few by 1e-4.
 const COARSE_ERROR: f64 = 5e-4;
 /// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
 const GUESSED: f64 = 1e-4;
@@ -36,9 +36,6 @@ pub(super) enum Open {
     NotConverged,
     NotCounted,
 }
-
-/// An eigenvalue with its shape in the coordinates of the system.
-pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// Working memory.
 pub(super) struct Memory {
@@ -211,15 +208,4 @@ impl Search<'_> {
 /// so none is missing, and none is there twice.
 fn is_counted(around: &[Complex<f64>]) -> bool {
     around.iter().all(|ratio| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0))
-}
-
-/// A number, and what was missed there: how far it is from where it should be, as far as one can tell.
-pub(super) type Missed = (Complex<f64>, Complex<f64>);
-
-/// The next number of the secant method, from the last two. The first step is what was missed.
-pub(super) fn secant(before: Option<Missed>, (lambda, miss): Missed) -> Complex<f64> {
-    match before {
-        Some((there, missed)) if missed != miss => lambda - miss * (lambda - there) / (miss - missed),
-        _ => lambda + miss,
-    }
 }

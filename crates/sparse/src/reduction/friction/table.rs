@@ -27,6 +27,8 @@ const OF_GROWING: usize = 12;
 const OF_SIDES: usize = 8;
 /// That line, as a part of the highest frequency.
 const GROWING: f64 = 0.02;
+/// Those on both sides too; chosen.
+pub(super) const ASIDE: f64 = 0.06;
 /// Most points of a table; chosen, the tables of cases/disc-pad have 12.
 const MOST_POINTS: usize = 24;
 /// Random combinations of the entries of each matrix that stand for all of them; chosen.
