@@ -254,7 +254,8 @@ pub trait UncertainBrake: Sync {
         at.iter().map(|_| Ok(Vec::new())).collect()
     }
 
-    /// The path between two operating points of a scene, of a brake that evaluates it in a cheaper way than by matrices.
+    /// The path between two operating points of a scene, of a brake that evaluates it in a cheaper way than by matrices. Such a brake has one
+    /// sector.
     fn path(&self, _scene: &Scene, _from: &OperatingPoint, _to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
         None
     }

@@ -135,8 +135,9 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
         let bridge = |configuration: usize, modes: [&[Mode]; 2]| brake.bridge(configuration, modes);
         let bridge: Option<&Bridges<'_>> = if brake.has_band_modes() { Some(&bridge) } else { None };
+        let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| brake.path(scene, from, to);
         let References { origins, scenes } =
-            references(plan, &points, bridge, by_likeness, solver, progress).map_err(failed)?;
+            references(plan, &points, bridge, &paths, by_likeness, solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && !brake.has_band_modes() {

@@ -19,7 +19,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use osc_model::{Brake, OscModelError, Sector, Sectors};
 use rayon::prelude::*;
-use tracking::{Links, Path, PathEnd, PathStart, follow, identify, identify_all};
+use tracking::{Links, OwnedPath, Path, PathEnd, PathStart, follow, identify, identify_all};
 
 use super::named_shapes::NamedShapes;
 use super::{Bridge, Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
@@ -162,13 +162,12 @@ impl Reference {
         Ok(if self.shapes.is_some() { part.naming_by_likeness() } else { part })
     }
 
-    /// The modes of `system`, with names from this reference: by likeness to the shapes of the origin, or by continuation. For
-    /// this a `near` system is compared by MAC first; to any other every mode is continued.
+    /// The modes of `system`, with names from this reference: by likeness to the shapes of the origin, or by continuation.
     fn linked(
         &self,
         solver: &dyn EigenSolver,
         system: SecondOrder,
-        near: bool,
+        way: Way<'_>,
         plan: &Plan,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
@@ -178,10 +177,13 @@ impl Reference {
             next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
             return Ok(next);
         }
-        let link = if near { identify } else { follow };
         let end = PathEnd { system: &next.system, modes: &next.modes };
-        let path = Path { start: PathStart::System(&self.system), start_modes: &self.modes, end };
-        let links = link(solver, path, work)?;
+        let (link, start): (fn(&dyn EigenSolver, Path<'_>, &mut Workspace) -> Result<Links, CeaError>, _) = match way {
+            Way::Far => (follow, PathStart::System(&self.system)),
+            Way::Near(None) => (identify, PathStart::System(&self.system)),
+            Way::Near(Some(path)) => (identify, PathStart::Owned(&self.system.m, path)),
+        };
+        let links = link(solver, Path { start, start_modes: &self.modes, end }, work)?;
         next.name(&self.names, links);
         Ok(next)
     }
@@ -197,6 +199,15 @@ impl Reference {
     }
 }
 
+/// How modes get from one system to another.
+#[derive(Debug, Clone, Copy)]
+enum Way<'a> {
+    /// Every mode is continued.
+    Far,
+    /// Modes are compared by MAC first; those in doubt are followed on a path that the brake evaluates, where it has one.
+    Near(Option<&'a dyn OwnedPath>),
+}
+
 /// The references of the origins and of the scenes of a plan, each in their order.
 pub(super) struct References {
     pub origins: Vec<Reference>,
@@ -206,8 +217,11 @@ pub(super) struct References {
 /// The bridge to a configuration, from the modes of its origin and its own.
 pub(super) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridge>, Error> + Sync + 'a;
 
+/// A path that the brake evaluates, from an operating point of a scene to another.
+pub(super) type Paths<'a> = dyn Fn(&Scene, [&OperatingPoint; 2]) -> Option<Box<dyn OwnedPath + 'a>> + Sync + 'a;
+
 /// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` what each configuration has in
-/// common with its origin where their degrees of freedom may differ. Shapes of the origins are kept
+/// common with its origin where their degrees of freedom may differ, `paths` those of the brake's own. Shapes of the origins are kept
 /// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
 ///
 /// # Errors
@@ -216,6 +230,7 @@ pub(super) fn references(
     plan: &Plan,
     points: &[OperatingPoint],
     bridge: Option<&Bridges<'_>>,
+    paths: &Paths<'_>,
     by_likeness: bool,
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
@@ -249,7 +264,9 @@ pub(super) fn references(
         .map(of_configuration)
         .collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
-        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], plan, solver);
+        let path = paths(scene, [&plan.configuration(scene).naming_point, at]);
+        let way = Way::Near(path.as_deref());
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], way, plan, solver);
         progress.advance(1);
         found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
     };
@@ -287,7 +304,7 @@ fn of_configuration(
     }
     // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
     // together.
-    SectoredReference::linked(&from, solver, &brake.sectors, system, false, plan)
+    SectoredReference::linked(&from, solver, &brake.sectors, system, Way::Far, plan)
 }
 
 /// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that
@@ -333,6 +350,7 @@ fn of_scene(
     brake: &Brake,
     at: &OperatingPoint,
     configuration: &SectoredReference,
+    way: Way<'_>,
     plan: &Plan,
     solver: &dyn EigenSolver,
 ) -> Result<SectoredReference, Error> {
@@ -340,7 +358,7 @@ fn of_scene(
     if system == configuration.whole.system {
         return Ok(configuration.clone());
     }
-    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, true, plan)
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, way, plan)
 }
 
 impl SectoredReference {
@@ -350,13 +368,12 @@ impl SectoredReference {
         solver: &dyn EigenSolver,
         sectors: &Sectors,
         system: SecondOrder,
-        near: bool,
+        way: Way<'_>,
         plan: &Plan,
     ) -> Result<Self, Error> {
         let mut work = bounded_workspace(system.order());
-        let of_sector = |(from, sector): (&Reference, &Sector)| {
-            from.linked(solver, sector.reduced(&system)?, near, plan, &mut work)
-        };
+        let of_sector =
+            |(from, sector): (&Reference, &Sector)| from.linked(solver, sector.reduced(&system)?, way, plan, &mut work);
         let parts = from.iter().zip(sectors.iter()).map(of_sector).collect::<Result<Vec<_>, Error>>()?;
         Ok(Self { whole: Reference::joined(system, sectors, &parts), sectors: parts })
     }
