@@ -1,14 +1,15 @@
 //! Adaptive subdivision: spectra at sample points on the path, in steps that are cut until every match by MAC is clear. Many
-//! paths are subdivided together, each in steps of its own length, so that their systems are solved together.
+//! paths are subdivided together, each in steps of its own length, so that their systems are solved together. Where the owner of a
+//! path knows the eigenvalues next to a number, it is asked for the candidates of a step instead.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
+use cea::{CeaError, EigenSolver, Mode, Modes, Workspace, by_frequency};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
 use crate::mac::match_modes;
-use crate::path::{Links, Path};
+use crate::path::{Links, Path, PathStart};
 
 /// The part of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
 const CUT_FRACTION: f64 = 0.382;
@@ -22,6 +23,8 @@ const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
 /// chosen.
 const MULTIPLE_SEPARATION: f64 = 1e-4;
+/// Relative distance up to which two eigenvalues that an owner found are one; chosen.
+const SAME: f64 = 1e-7;
 /// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
 const CANDIDATES_OF_STEP: usize = 3;
 
@@ -39,11 +42,25 @@ pub(crate) struct Subdivision<'a> {
     requested: Vec<f64>,
     /// Sample points ahead, the next one last. The end of the path is not among them.
     sample_points: Vec<SamplePoint>,
+    /// Whether the owner of the path is asked before spectra are taken.
+    asks_owner: bool,
 }
 
-/// A solved system on the path.
+/// A place on the path, and the modes there.
 struct SamplePoint {
     at: f64,
+    known: Known,
+}
+
+/// What is known of a sample point.
+enum Known {
+    Spectrum(Solved),
+    /// What its owner knows of the modes that are followed from a place on the path; `None` where it has not been asked.
+    Candidates(Option<(f64, Vec<Mode>)>),
+}
+
+/// A solved system.
+struct Solved {
     system: SecondOrder,
     lambdas: Vec<Complex<f64>>,
     /// The modes whose shapes have been computed, by index in `lambdas`.
@@ -63,6 +80,7 @@ impl<'a> Subdivision<'a> {
             modes: start,
             requested: (0..sample_points).rev().map(place).collect(),
             sample_points: Vec::new(),
+            asks_owner: matches!(path.start, PathStart::Owned(..)),
         }
     }
 
@@ -75,6 +93,7 @@ impl<'a> Subdivision<'a> {
         let mut paths: Vec<Result<Self, CeaError>> = paths.into_iter().map(Ok).collect();
         let mut is_under_way = !paths.is_empty();
         while is_under_way {
+            paths.iter_mut().flatten().for_each(Self::ask_owner);
             solve_sample_points(solver, &mut paths, work);
             find_shapes(&mut paths, work);
             is_under_way = false;
@@ -98,7 +117,7 @@ impl<'a> Subdivision<'a> {
         let place = next.as_ref().map_or(1.0, |sample_point| sample_point.at);
         let last_try = place - self.at <= SHORTEST_SUBDIVISION;
         let is_taken = match &next {
-            Some(sample_point) => self.step_to(&sample_point.modes_near(&self.modes), last_try),
+            Some(sample_point) => self.step_to(&sample_point.known.modes_near(&self.modes), last_try),
             None => self.step_to(self.path.end.modes, last_try),
         };
         if is_taken {
@@ -158,14 +177,63 @@ impl<'a> Subdivision<'a> {
         true
     }
 
+    fn next(&self) -> Option<&Known> {
+        self.sample_points.last().map(|next| &next.known)
+    }
+
+    /// Asks the owner of the path for the modes at the next sample point. One that cannot tell is not asked again.
+    fn ask_owner(&mut self) {
+        if !self.asks_owner {
+            return;
+        }
+        let unknown = |at| SamplePoint { at, known: Known::Candidates(None) };
+        self.sample_points.extend(self.requested.drain(..).map(unknown));
+        let Some(SamplePoint { at, known: Known::Candidates(known) }) = self.sample_points.last() else { return };
+        if known.as_ref().is_some_and(|(from, _)| *from == self.at) {
+            return;
+        }
+        let (place, candidates) = (*at, self.candidates_at(*at));
+        self.asks_owner = candidates.is_some();
+        match (candidates, self.sample_points.last_mut()) {
+            (Some(modes), Some(next)) => {
+                *next = SamplePoint { at: place, known: Known::Candidates(Some((self.at, modes))) }
+            }
+            _ => self.requested.extend(self.sample_points.drain(..).map(|sample_point| sample_point.at)),
+        }
+    }
+
+    /// The modes at a place that the followed ones may have become, as the owner of the path finds them, ascending in frequency.
+    fn candidates_at(&self, place: f64) -> Option<Vec<Mode>> {
+        let PathStart::Owned(mass, owner) = self.path.start else { return None };
+        let mut found: Vec<Mode> = Vec::new();
+        for mode in &self.modes {
+            for (lambda, shape) in owner.nearest(place, mode.lambda, CANDIDATES_OF_STEP)? {
+                if found.iter().all(|known| (known.lambda - lambda).norm() > SAME * lambda.norm()) {
+                    found.push(Mode::normalised(mass, lambda, shape));
+                }
+            }
+        }
+        found.sort_by(|a, b| by_frequency(&a.lambda, &b.lambda));
+        Some(found)
+    }
+
     /// The modes of the next sample point that may be asked for and have no shapes yet.
     fn missing_shapes(&self) -> Vec<usize> {
-        let Some(next) = self.sample_points.last() else { return Vec::new() };
+        let Some(Known::Spectrum(next)) = self.next() else { return Vec::new() };
         next.wanted(&self.modes).into_iter().filter(|i| !next.modes.contains_key(i)).collect()
     }
 }
 
-impl SamplePoint {
+impl Known {
+    fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
+        match self {
+            Self::Spectrum(solved) => solved.modes_near(followed),
+            Self::Candidates(candidates) => candidates.iter().flat_map(|(_, modes)| modes).cloned().collect(),
+        }
+    }
+}
+
+impl Solved {
     /// The modes that a followed one may have become, ascending in frequency.
     fn wanted(&self, followed: &[Mode]) -> BTreeSet<usize> {
         let mut wanted = BTreeSet::new();
@@ -209,12 +277,10 @@ fn solve_sample_points(
     for (((i, at), system), spectrum) in places.into_iter().zip(systems).zip(spectra) {
         let modes = spectrum.and_then(|spectrum| Modes::classify(&system, &spectrum, work));
         match (&mut paths[i], modes) {
-            (Ok(of_path), Ok(modes)) => of_path.sample_points.push(SamplePoint {
-                at,
-                system,
-                lambdas: modes.oscillatory,
-                modes: BTreeMap::new(),
-            }),
+            (Ok(of_path), Ok(modes)) => {
+                let solved = Solved { system, lambdas: modes.oscillatory, modes: BTreeMap::new() };
+                of_path.sample_points.push(SamplePoint { at, known: Known::Spectrum(solved) });
+            }
             (of_path, Err(error)) => *of_path = Err(error),
             (Err(_), Ok(_)) => {}
         }
@@ -227,19 +293,18 @@ fn find_shapes(paths: &mut [Result<Subdivision<'_>, CeaError>], work: &mut Works
         paths.iter().map(|of_path| of_path.as_ref().map(Subdivision::missing_shapes).unwrap_or_default()).collect();
     let mut sample_points = Vec::new();
     for (of_path, missing) in paths.iter().zip(&missing) {
-        if let Some(sample_point) = of_path.as_ref().ok().and_then(|of_path| of_path.sample_points.last()) {
-            let lambdas: Vec<Complex<f64>> = missing.iter().map(|&i| sample_point.lambdas[i]).collect();
-            sample_points.push((&sample_point.system, lambdas));
+        if let Some(Known::Spectrum(solved)) = of_path.as_ref().ok().and_then(Subdivision::next) {
+            let lambdas: Vec<Complex<f64>> = missing.iter().map(|&i| solved.lambdas[i]).collect();
+            sample_points.push((&solved.system, lambdas));
         }
     }
     let of: Vec<_> = sample_points.iter().map(|(system, lambdas)| (*system, lambdas.as_slice())).collect();
     let mut shaped = Mode::of_all(&of, work).into_iter();
     for (slot, missing) in paths.iter_mut().zip(missing) {
-        let Some(sample_point) = slot.as_mut().ok().and_then(|of_path| of_path.sample_points.last_mut()) else {
-            continue;
-        };
+        let next = slot.as_mut().ok().and_then(|of_path| of_path.sample_points.last_mut());
+        let Some(SamplePoint { known: Known::Spectrum(solved), .. }) = next else { continue };
         match shaped.next() {
-            Some(Ok(modes)) => sample_point.modes.extend(missing.into_iter().zip(modes)),
+            Some(Ok(modes)) => solved.modes.extend(missing.into_iter().zip(modes)),
             Some(Err(error)) => *slot = Err(error),
             None => {}
         }

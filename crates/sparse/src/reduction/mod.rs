@@ -11,6 +11,7 @@
 //! | find the growing ones of samples that differ in friction alone | [`FrictionModes`] |
 //! | compare eigenvalues of two systems | [`compared`] |
 //! | hold the shapes of some modes | [`shape_directions`] |
+//! | follow modes while contacts open | [`ContactPath`] |
 //! | see what fewer columns would hold | [`rungs`] |
 //! | have a dense brake for a study | [`Reduced::system`] |
 //! | count and list what is above the tolerance | [`ResidualTally`] |
@@ -24,6 +25,7 @@ mod anchor;
 mod basis;
 mod build;
 mod compared;
+mod contact_path;
 mod dense;
 mod directions;
 mod far;
@@ -35,6 +37,7 @@ mod modal;
 mod norms;
 mod options;
 mod outer;
+mod outer_products;
 mod reduced;
 mod report;
 mod residual;
@@ -50,6 +53,7 @@ mod within;
 pub use basis::Vectors;
 pub use build::{Reduction, Wanted};
 pub use compared::{Compared, compared};
+pub use contact_path::{ContactPath, OnContactPath};
 pub use follow::Doubt;
 pub use friction::{FrictionModes, FrictionPath, FrictionSearch, OnFrictionPath};
 pub use modal::real_modes;

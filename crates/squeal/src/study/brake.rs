@@ -140,12 +140,14 @@ pub struct OwnSize {
 
 /// A larger brake of which an origin and a configuration are reductions, in coordinates that they have in common: there the modes of
 /// the origin are followed to those of the configuration.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct Bridge {
     /// The larger brake at the operating point of the origin.
     pub from: SecondOrder,
     /// The larger brake at the naming point of the configuration.
     pub to: SecondOrder,
+    /// The path between these, where the brake evaluates it in a cheaper way than by matrices.
+    pub path: Option<Box<dyn OwnedPath>>,
     /// The coordinates of the origin in terms of those in common, as columns.
     pub origin: DMatrix<f64>,
     /// Those of the configuration.

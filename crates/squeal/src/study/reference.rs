@@ -339,8 +339,12 @@ fn across(
     } else {
         let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.from);
         let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
+        let start = match &bridge.path {
+            Some(path) => PathStart::Owned(&bridge.from.m, path.as_ref()),
+            None => PathStart::System(&bridge.from),
+        };
         let end = PathEnd { system: &bridge.to, modes: &end_modes };
-        let path = Path { start: PathStart::System(&bridge.from), start_modes: &start_modes, end };
+        let path = Path { start, start_modes: &start_modes, end };
         next.name(&origin.names, identify(solver, path, &mut work)?);
     }
     Ok(Some(SectoredReference { whole: next.clone(), sectors: vec![next] }))

@@ -1,9 +1,11 @@
 //! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
 
-use cea::Mode;
-use linsys::real_times_complex;
-use nalgebra::DMatrix;
-use sparse::reduction::shape_directions;
+use cea::{CeaError, Mode, NewtonStep};
+use linsys::{SecondOrder, real_times_complex};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use sparse::reduction::{ContactPath, OnContactPath, shape_directions};
+use tracking::OwnedPath;
 
 use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
@@ -37,11 +39,47 @@ pub(super) fn bridge(
         Ok::<_, Error>(brake.sets[set].reduced.assemble(&at)?.projected(&common)?)
     };
     let onto: DMatrix<f64> = common.transpose();
+    let [start, end] = [system(&all)?, system(&brake.closed[configuration])?];
+    let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
+    let path = ContactPath::new([&start, &end], highest)?;
+    let own_path = |path| Box::new(OpeningPath { path, start: start.clone() }) as Box<dyn OwnedPath>;
     Ok(Some(Bridge {
-        from: system(&all)?,
-        to: system(&brake.closed[configuration])?,
+        path: path.map(own_path),
+        from: start.clone(),
+        to: end,
         origin: &onto * from,
         own: &onto * to,
         between: to.transpose() * from,
     }))
+}
+
+/// The path of a bridge: contacts open, all else stays.
+#[derive(Debug)]
+struct OpeningPath {
+    path: ContactPath,
+    start: SecondOrder,
+}
+
+impl OwnedPath for OpeningPath {
+    fn correct(&self, t: f64, lambda: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)> {
+        let OnContactPath { lambda, rate, shape } = self.path.next_to(t, lambda)?;
+        Some((NewtonStep { lambda, rate }, shape))
+    }
+
+    fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
+        self.path.characteristic(at)
+    }
+
+    fn nearest(
+        &self,
+        t: f64,
+        lambda: Complex<f64>,
+        count: usize,
+    ) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+        Some(self.path.nearest(t, lambda, count)?.into_iter().map(|found| (found.lambda, found.shape)).collect())
+    }
+
+    fn system(&self) -> Result<SecondOrder, CeaError> {
+        Ok(self.start.clone())
+    }
 }
