@@ -1,7 +1,7 @@
 //! Coordinates that the bases of two arrangements have in common, in which the modes of one become those of the other.
 
 use cea::{CeaError, Mode, NewtonStep};
-use linsys::{SecondOrder, real_times_complex};
+use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::reduction::{ContactPath, OnContactPath, shape_directions};
@@ -10,6 +10,7 @@ use tracking::OwnedPath;
 use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
+use crate::case::FiniteElementCase;
 use crate::study::Bridge;
 
 /// The bridge from the naming point of a configuration's set of constraints to its own; `None` where both have one basis.
@@ -33,13 +34,15 @@ pub(super) fn bridge(
     let in_set =
         |basis, modes: &[Mode]| -> Vec<_> { modes.iter().map(|mode| real_times_complex(basis, &mode.shape)).collect() };
     let common = shape_directions(&[in_set(from, origin_modes), in_set(to, own_modes)].concat())?;
-    let all = all_patches(&brake.case);
-    let system = |closed: &[usize]| {
-        let at = of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?);
-        Ok::<_, Error>(brake.sets[set].reduced.assemble(&at)?.projected(&common)?)
-    };
     let onto: DMatrix<f64> = common.transpose();
-    let [start, end] = [system(&all)?, system(&brake.closed[configuration])?];
+    let start = brake.naming_systems[set].projected(&common)?;
+    let change = brake.sets[set].reduced.assemble(&change(brake, configuration)?)?;
+    let changed = |from: &DMatrix<f64>, change: &DMatrix<f64>| match change.iter().all(|&entry| entry == 0.0) {
+        true => from.clone(),
+        false => from + &onto * (change * &common),
+    };
+    let end =
+        SecondOrder::new(changed(&start.m, &change.m), changed(&start.c, &change.c), changed(&start.k, &change.k))?;
     let highest = origin_modes.iter().chain(own_modes).map(|mode| mode.lambda.im).fold(0.0, f64::max);
     let path = ContactPath::new([&start, &end], highest)?;
     let own_path = |path| Box::new(OpeningPath { path, start: start.clone() }) as Box<dyn OwnedPath>;
@@ -51,6 +54,27 @@ pub(super) fn bridge(
         own: &onto * to,
         between: to.transpose() * from,
     }))
+}
+
+/// A brake that holds all arrangements, with all patches closed, at the point where modes are named.
+pub(super) fn naming_system(case: &FiniteElementCase, brake: &AffineSystem) -> Result<SecondOrder, Error> {
+    let all = all_patches(case);
+    Ok(brake.assemble(&of_brake(case, &all, &naming_point(case, &all)?))?)
+}
+
+/// What changes from the naming point of a configuration's set of constraints to its own. A system is linear in it.
+fn change(brake: &FiniteElementBrake, configuration: usize) -> Result<OperatingPoint, Error> {
+    let at = |closed: &[usize]| Ok::<_, Error>(of_brake(&brake.case, closed, &naming_point(&brake.case, closed)?));
+    let [from, to] = [at(&all_patches(&brake.case))?, at(&brake.closed[configuration])?];
+    let gain = |(from, to): (&ChannelGain, &ChannelGain)| ChannelGain {
+        mu: to.mu - from.mu,
+        slope: to.slope - from.slope,
+        lag: None,
+    };
+    Ok(OperatingPoint {
+        coefficients: to.coefficients.iter().zip(&from.coefficients).map(|(to, from)| to - from).collect(),
+        channels: from.channels.iter().zip(&to.channels).map(gain).collect(),
+    })
 }
 
 /// The path of a bridge: contacts open, all else stays.

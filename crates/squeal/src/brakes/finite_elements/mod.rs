@@ -56,6 +56,8 @@ pub struct FiniteElementBrake {
     pub sets: Vec<ReducedSet>,
     /// The brake on its smaller bases.
     pub parts: Vec<Part>,
+    /// The system of each set of constraints at the point where its modes are named.
+    naming_systems: Vec<SecondOrder>,
     /// The part of each set of constraints with all patches closed.
     of_origins: Vec<usize>,
     /// The part of each configuration of the plan.
@@ -113,7 +115,9 @@ impl FiniteElementBrake {
         let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
         let (plan, closed) = layout::plan(&case, &of_origins_parts, &of_configurations_parts)?;
-        Ok(Self { case, plan, sets, parts, of_origins, of_configurations, closed })
+        let naming_systems =
+            sets.iter().map(|set| bridge::naming_system(&case, &set.reduced)).collect::<Result<_, Error>>()?;
+        Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed })
     }
 
     /// Memory and processor time of the bases of a case, roughly, before any of them is made: as many columns are taken for each as those of
