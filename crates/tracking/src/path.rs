@@ -43,12 +43,12 @@ pub trait OwnedPath: Debug + Sync {
     /// Values of a function of t and lambda that is analytic near the eigenvalues and has them as zeros.
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>>;
 
-    /// The `count` eigenvalues at `t` that are nearest to a number, rad/s, with their shapes up to a factor; `None` where the owner cannot
-    /// tell, so that a spectrum is taken.
+    /// For each of some numbers, rad/s, the `count` eigenvalues at `t` that are nearest to it, each of them once, with shapes up to a
+    /// factor; `None` where the owner cannot tell, so that a spectrum is taken.
     fn nearest(
         &self,
         _t: f64,
-        _lambda: Complex<f64>,
+        _to: &[Complex<f64>],
         _count: usize,
     ) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
         None

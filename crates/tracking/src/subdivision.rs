@@ -23,8 +23,8 @@ const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
 /// chosen.
 const MULTIPLE_SEPARATION: f64 = 1e-4;
-/// Relative distance up to which two eigenvalues that an owner found are one; chosen.
-const SAME: f64 = 1e-7;
+/// How far a mode may move, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
+const MOVED: f64 = 0.1;
 /// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
 const CANDIDATES_OF_STEP: usize = 3;
 
@@ -55,8 +55,14 @@ struct SamplePoint {
 /// What is known of a sample point.
 enum Known {
     Spectrum(Solved),
-    /// What its owner knows of the modes that are followed from a place on the path; `None` where it has not been asked.
-    Candidates(Option<(f64, Vec<Mode>)>),
+    /// What the owner of the path knows of the modes that are followed; `None` where it has not been asked.
+    Candidates(Option<Candidates>),
+}
+
+/// The modes nearest to some eigenvalues, ascending in frequency.
+struct Candidates {
+    asked: Vec<Complex<f64>>,
+    modes: Vec<Mode>,
 }
 
 /// A solved system.
@@ -189,32 +195,25 @@ impl<'a> Subdivision<'a> {
         let unknown = |at| SamplePoint { at, known: Known::Candidates(None) };
         self.sample_points.extend(self.requested.drain(..).map(unknown));
         let Some(SamplePoint { at, known: Known::Candidates(known) }) = self.sample_points.last() else { return };
-        if known.as_ref().is_some_and(|(from, _)| *from == self.at) {
+        if known.as_ref().is_some_and(|known| known.are_of(&self.modes)) {
             return;
         }
         let (place, candidates) = (*at, self.candidates_at(*at));
         self.asks_owner = candidates.is_some();
         match (candidates, self.sample_points.last_mut()) {
-            (Some(modes), Some(next)) => {
-                *next = SamplePoint { at: place, known: Known::Candidates(Some((self.at, modes))) }
-            }
+            (Some(found), Some(next)) => *next = SamplePoint { at: place, known: Known::Candidates(Some(found)) },
             _ => self.requested.extend(self.sample_points.drain(..).map(|sample_point| sample_point.at)),
         }
     }
 
-    /// The modes at a place that the followed ones may have become, as the owner of the path finds them, ascending in frequency.
-    fn candidates_at(&self, place: f64) -> Option<Vec<Mode>> {
+    /// The modes at a place that the followed ones may have become, as the owner of the path finds them.
+    fn candidates_at(&self, place: f64) -> Option<Candidates> {
         let PathStart::Owned(mass, owner) = self.path.start else { return None };
-        let mut found: Vec<Mode> = Vec::new();
-        for mode in &self.modes {
-            for (lambda, shape) in owner.nearest(place, mode.lambda, CANDIDATES_OF_STEP)? {
-                if found.iter().all(|known| (known.lambda - lambda).norm() > SAME * lambda.norm()) {
-                    found.push(Mode::normalised(mass, lambda, shape));
-                }
-            }
-        }
-        found.sort_by(|a, b| by_frequency(&a.lambda, &b.lambda));
-        Some(found)
+        let asked: Vec<Complex<f64>> = self.modes.iter().map(|mode| mode.lambda).collect();
+        let found = owner.nearest(place, &asked, CANDIDATES_OF_STEP)?.into_iter();
+        let mut modes: Vec<Mode> = found.map(|(lambda, shape)| Mode::normalised(mass, lambda, shape)).collect();
+        modes.sort_by(|a, b| by_frequency(&a.lambda, &b.lambda));
+        Some(Candidates { asked, modes })
     }
 
     /// The modes of the next sample point that may be asked for and have no shapes yet.
@@ -228,8 +227,25 @@ impl Known {
     fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
         match self {
             Self::Spectrum(solved) => solved.modes_near(followed),
-            Self::Candidates(candidates) => candidates.iter().flat_map(|(_, modes)| modes).cloned().collect(),
+            Self::Candidates(known) => known.iter().flat_map(|known| &known.modes).cloned().collect(),
         }
+    }
+}
+
+impl Candidates {
+    /// Whether they are those of other modes too, which have hardly moved from the eigenvalues that were asked for.
+    fn are_of(&self, followed: &[Mode]) -> bool {
+        let distances = |from: Complex<f64>, to: &[Complex<f64>]| -> Vec<f64> {
+            let mut distances: Vec<f64> = to.iter().map(|to| (to - from).norm()).collect();
+            distances.sort_by(f64::total_cmp);
+            distances
+        };
+        let lambdas: Vec<Complex<f64>> = self.modes.iter().map(|mode| mode.lambda).collect();
+        followed.iter().all(|mode| {
+            let moved = distances(mode.lambda, &self.asked).first().copied().unwrap_or(f64::INFINITY);
+            let reach = distances(mode.lambda, &lambdas).get(CANDIDATES_OF_STEP - 1).copied().unwrap_or(0.0);
+            moved <= MOVED * reach
+        })
     }
 }
 

@@ -13,6 +13,8 @@
 //!
 //! An evaluation costs a small part of a factorisation of Q, and next to none of a spectrum.
 
+use std::collections::BTreeSet;
+
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -33,7 +35,7 @@ const BESIDE: f64 = 1e-7;
 const CONVERGED: f64 = 5e-5;
 const MOST_CORRECTIONS: usize = 4;
 /// The same where eigenvalues are to be told apart, and the relative distance up to which two are one; chosen.
-const LAST_DIGITS: f64 = 1e-8;
+const LAST_DIGITS: f64 = 1e-6;
 const MOST_ROUNDS: usize = 8;
 const SAME: f64 = 1e-7;
 /// Inverse iterations for a vector that is not known, and for one that is nearly right; chosen.
@@ -150,28 +152,27 @@ impl ContactPath {
         self.corrected(t, guess, CONVERGED, MOST_CORRECTIONS)
     }
 
-    /// The `count` eigenvalues at a place of the path that are nearest to a number, rad/s, with rates and shapes; `None` where they are not
-    /// told apart.
+    /// For each of some numbers, rad/s, the `count` eigenvalues at a place of the path that are nearest to it, each of them once, with rates
+    /// and shapes; `None` where they are not told apart.
     ///
-    /// Guesses are the eigenvalues of the problem with all but lambda itself as it is at the number: what is eliminated hardly changes
-    /// over the way to them.
+    /// Guesses are the eigenvalues of the problem with all but lambda itself as it is amid the numbers: what is eliminated hardly changes
+    /// over the band.
     #[must_use]
-    pub fn nearest(&self, t: f64, number: Complex<f64>, count: usize) -> Option<Vec<OnContactPath>> {
-        let distance = |lambda: &Complex<f64>| (lambda - number).norm();
-        let mut matrix = -self.at(t, number)?.matrix;
-        (0..matrix.nrows()).for_each(|entry| matrix[(entry, entry)] += number);
-        let mut guesses = dense::eigen_complex(&matrix).ok()?.0;
-        guesses.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        // One more: the order of the last ones may be another.
-        let found = guesses.into_iter().take(count + 1).map(|guess| self.corrected(t, guess, LAST_DIGITS, MOST_ROUNDS));
-        let mut found = found.collect::<Option<Vec<_>>>()?;
+    pub fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<OnContactPath>> {
+        let middle = to.iter().sum::<Complex<f64>>() / to.len() as f64;
+        let mut matrix = -self.at(t, middle)?.matrix;
+        (0..matrix.nrows()).for_each(|entry| matrix[(entry, entry)] += middle);
+        let guesses = dense::eigen_complex(&matrix).ok()?.0;
+        // One more of each: the order of the last ones may be another.
+        let likely = nearest(to, &guesses, count + 1);
+        let found = likely.into_iter().map(|at| self.corrected(t, guesses[at], LAST_DIGITS, MOST_ROUNDS));
+        let found = found.collect::<Option<Vec<_>>>()?;
         let is_same = |a: &OnContactPath, b: &OnContactPath| (a.lambda - b.lambda).norm() <= SAME * a.lambda.norm();
         if (1..found.len()).any(|next| found[..next].iter().any(|before| is_same(before, &found[next]))) {
             return None;
         }
-        found.sort_by(|a, b| distance(&a.lambda).total_cmp(&distance(&b.lambda)));
-        found.truncate(count);
-        Some(found)
+        let lambdas: Vec<Complex<f64>> = found.iter().map(|found| found.lambda).collect();
+        Some(nearest(to, &lambdas, count).into_iter().map(|at| found[at].clone()).collect())
     }
 
     fn corrected(&self, t: f64, guess: Complex<f64>, tolerance: f64, most: usize) -> Option<OnContactPath> {
@@ -254,6 +255,18 @@ impl Part {
     }
 }
 
+/// The places of the `count` values nearest to each of some numbers, each of them once, ascending.
+fn nearest(to: &[Complex<f64>], values: &[Complex<f64>], count: usize) -> BTreeSet<usize> {
+    let of_number = |number: &Complex<f64>| {
+        let distance = |at: &usize| (values[*at] - number).norm();
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        order.truncate(count);
+        order
+    };
+    to.iter().flat_map(of_number).collect()
+}
+
 /// Makes x the right singular vector of the smallest singular value of a matrix, by iteration with `(N^H N)^-1`.
 fn inverse_iteration(matrix: &Matrix, x: &mut Vector, steps: usize) -> Option<()> {
     let lu = matrix.clone().lu();
@@ -321,6 +334,23 @@ mod tests {
                 assert!((moved / 1e-6 - found.rate).norm() < 1e-3 * (found.rate.norm() + 0.1));
             }
         }
+    }
+
+    #[test]
+    fn the_nearest_eigenvalues_are_found_without_a_spectrum() {
+        let ends = ends();
+        let path = ContactPath::new([&ends[0], &ends[1]], 3.0).unwrap().unwrap();
+        let mut expected = eigenvalues(&system(&ends, 0.6));
+        let [low, high] = [Complex::new(0.0, 1.0), Complex::new(0.0, 2.0)];
+        let found = path.nearest(0.6, &[low, high], 2).unwrap();
+        let distance = |lambda: &Complex<f64>| (lambda - low).norm().min((lambda - high).norm());
+        expected.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        assert!((3..=4).contains(&found.len()));
+        for OnContactPath { lambda, .. } in found {
+            assert!(expected.iter().any(|other| (other - lambda).norm() < 1e-9 * lambda.norm()));
+        }
+        let alone = path.nearest(0.6, &[expected[0]], 1).unwrap();
+        assert!((alone[0].lambda - expected[0]).norm() < 1e-9 * expected[0].norm());
     }
 
     #[test]

@@ -94,13 +94,8 @@ impl OwnedPath for OpeningPath {
         self.path.characteristic(at)
     }
 
-    fn nearest(
-        &self,
-        t: f64,
-        lambda: Complex<f64>,
-        count: usize,
-    ) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
-        Some(self.path.nearest(t, lambda, count)?.into_iter().map(|found| (found.lambda, found.shape)).collect())
+    fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+        Some(self.path.nearest(t, to, count)?.into_iter().map(|found| (found.lambda, found.shape)).collect())
     }
 
     fn system(&self) -> Result<SecondOrder, CeaError> {
