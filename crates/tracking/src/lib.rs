@@ -73,6 +73,7 @@ mod locus;
 mod mac;
 mod onset;
 mod path;
+mod sample_point;
 mod step_control;
 mod subdivision;
 

@@ -4,12 +4,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cea::{CeaError, EigenSolver, Mode, Modes, Workspace, by_frequency};
-use linsys::SecondOrder;
+use cea::{CeaError, EigenSolver, Mode, Modes, Workspace};
 use num_complex::Complex;
 
 use crate::mac::match_modes;
 use crate::path::{Links, Path, PathStart};
+use crate::sample_point::{Candidates, Known, SamplePoint, Solved};
 
 /// The part of a step at which it is cut; chosen: no simple fraction, because symmetric paths have their crossings there.
 const CUT_FRACTION: f64 = 0.382;
@@ -23,10 +23,6 @@ const SHORTEST_SUBDIVISION: f64 = 1.0 / 4096.0;
 /// Largest relative distance between eigenvalues that count as one multiple eigenvalue, whose vectors no step tells apart;
 /// chosen.
 const MULTIPLE_SEPARATION: f64 = 1e-4;
-/// How far a mode may move, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
-const MOVED: f64 = 0.1;
-/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
-const CANDIDATES_OF_STEP: usize = 3;
 
 /// The modes being followed on one path, and what each mode at its beginning may have become.
 pub(crate) struct Subdivision<'a> {
@@ -44,33 +40,6 @@ pub(crate) struct Subdivision<'a> {
     sample_points: Vec<SamplePoint>,
     /// Whether the owner of the path is asked before spectra are taken.
     asks_owner: bool,
-}
-
-/// A place on the path, and the modes there.
-struct SamplePoint {
-    at: f64,
-    known: Known,
-}
-
-/// What is known of a sample point.
-enum Known {
-    Spectrum(Solved),
-    /// What the owner of the path knows of the modes that are followed; `None` where it has not been asked.
-    Candidates(Option<Candidates>),
-}
-
-/// The modes nearest to some eigenvalues, ascending in frequency.
-struct Candidates {
-    asked: Vec<Complex<f64>>,
-    modes: Vec<Mode>,
-}
-
-/// A solved system.
-struct Solved {
-    system: SecondOrder,
-    lambdas: Vec<Complex<f64>>,
-    /// The modes whose shapes have been computed, by index in `lambdas`.
-    modes: BTreeMap<usize, Mode>,
 }
 
 impl<'a> Subdivision<'a> {
@@ -198,7 +167,7 @@ impl<'a> Subdivision<'a> {
         if known.as_ref().is_some_and(|known| known.are_of(&self.modes)) {
             return;
         }
-        let (place, candidates) = (*at, self.candidates_at(*at));
+        let (place, candidates) = (*at, Candidates::at(*at, &self.path, &self.modes));
         self.asks_owner = candidates.is_some();
         match (candidates, self.sample_points.last_mut()) {
             (Some(found), Some(next)) => *next = SamplePoint { at: place, known: Known::Candidates(Some(found)) },
@@ -206,66 +175,10 @@ impl<'a> Subdivision<'a> {
         }
     }
 
-    /// The modes at a place that the followed ones may have become, as the owner of the path finds them.
-    fn candidates_at(&self, place: f64) -> Option<Candidates> {
-        let PathStart::Owned(mass, owner) = self.path.start else { return None };
-        let asked: Vec<Complex<f64>> = self.modes.iter().map(|mode| mode.lambda).collect();
-        let found = owner.nearest(place, &asked, CANDIDATES_OF_STEP)?.into_iter();
-        let mut modes: Vec<Mode> = found.map(|(lambda, shape)| Mode::normalised(mass, lambda, shape)).collect();
-        modes.sort_by(|a, b| by_frequency(&a.lambda, &b.lambda));
-        Some(Candidates { asked, modes })
-    }
-
     /// The modes of the next sample point that may be asked for and have no shapes yet.
     fn missing_shapes(&self) -> Vec<usize> {
         let Some(Known::Spectrum(next)) = self.next() else { return Vec::new() };
         next.wanted(&self.modes).into_iter().filter(|i| !next.modes.contains_key(i)).collect()
-    }
-}
-
-impl Known {
-    fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
-        match self {
-            Self::Spectrum(solved) => solved.modes_near(followed),
-            Self::Candidates(known) => known.iter().flat_map(|known| &known.modes).cloned().collect(),
-        }
-    }
-}
-
-impl Candidates {
-    /// Whether they are those of other modes too, which have hardly moved from the eigenvalues that were asked for.
-    fn are_of(&self, followed: &[Mode]) -> bool {
-        let distances = |from: Complex<f64>, to: &[Complex<f64>]| -> Vec<f64> {
-            let mut distances: Vec<f64> = to.iter().map(|to| (to - from).norm()).collect();
-            distances.sort_by(f64::total_cmp);
-            distances
-        };
-        let lambdas: Vec<Complex<f64>> = self.modes.iter().map(|mode| mode.lambda).collect();
-        followed.iter().all(|mode| {
-            let moved = distances(mode.lambda, &self.asked).first().copied().unwrap_or(f64::INFINITY);
-            let reach = distances(mode.lambda, &lambdas).get(CANDIDATES_OF_STEP - 1).copied().unwrap_or(0.0);
-            moved <= MOVED * reach
-        })
-    }
-}
-
-impl Solved {
-    /// The modes that a followed one may have become, ascending in frequency.
-    fn wanted(&self, followed: &[Mode]) -> BTreeSet<usize> {
-        let mut wanted = BTreeSet::new();
-        for mode in followed {
-            let distance = |&i: &usize| (self.lambdas[i] - mode.lambda).norm_sqr();
-            let mut order: Vec<usize> = (0..self.lambdas.len()).collect();
-            order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-            // Where more than half of the modes are followed, nearly all shapes at the sample point are needed.
-            let few = if 2 * followed.len() < order.len() { CANDIDATES_OF_STEP } else { order.len() };
-            wanted.extend(order.into_iter().take(few));
-        }
-        wanted
-    }
-
-    fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
-        self.wanted(followed).iter().filter_map(|i| self.modes.get(i).cloned()).collect()
     }
 }
 

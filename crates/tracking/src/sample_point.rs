@@ -1,0 +1,98 @@
+//! The sample points of a subdivision: a place on a path, and what is known of the modes there.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cea::{Mode, by_frequency};
+use linsys::SecondOrder;
+use num_complex::Complex;
+
+use crate::path::{Path, PathStart};
+
+/// Number of eigenvalues nearest to a followed one that are its candidates in a step; chosen.
+const CANDIDATES_OF_STEP: usize = 3;
+/// How far a mode may move, as a part of the distance of the last of its candidates, before an owner is asked for others; chosen.
+const MOVED: f64 = 0.1;
+
+/// A place on the path, and the modes there.
+pub(crate) struct SamplePoint {
+    pub at: f64,
+    pub known: Known,
+}
+
+/// What is known of a sample point.
+pub(crate) enum Known {
+    Spectrum(Solved),
+    /// What the owner of the path knows of the modes that are followed; `None` where it has not been asked.
+    Candidates(Option<Candidates>),
+}
+
+/// The modes nearest to some eigenvalues, ascending in frequency.
+pub(crate) struct Candidates {
+    asked: Vec<Complex<f64>>,
+    modes: Vec<Mode>,
+}
+
+/// A solved system.
+pub(crate) struct Solved {
+    pub system: SecondOrder,
+    pub lambdas: Vec<Complex<f64>>,
+    /// The modes whose shapes have been computed, by index in `lambdas`.
+    pub modes: BTreeMap<usize, Mode>,
+}
+
+impl Known {
+    /// The modes that some followed ones may have become, ascending in frequency.
+    pub fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
+        match self {
+            Self::Spectrum(solved) => solved.modes_near(followed),
+            Self::Candidates(known) => known.iter().flat_map(|known| &known.modes).cloned().collect(),
+        }
+    }
+}
+
+impl Candidates {
+    /// Those at a place of the path that some followed modes may have become, as its owner finds them; `None` where it cannot tell.
+    pub fn at(place: f64, path: &Path<'_>, followed: &[Mode]) -> Option<Self> {
+        let PathStart::Owned(mass, owner) = path.start else { return None };
+        let asked: Vec<Complex<f64>> = followed.iter().map(|mode| mode.lambda).collect();
+        let found = owner.nearest(place, &asked, CANDIDATES_OF_STEP)?.into_iter();
+        let mut modes: Vec<Mode> = found.map(|(lambda, shape)| Mode::normalised(mass, lambda, shape)).collect();
+        modes.sort_by(|a, b| by_frequency(&a.lambda, &b.lambda));
+        Some(Self { asked, modes })
+    }
+
+    /// Whether they are those of other modes too, which have hardly moved from the eigenvalues that were asked for.
+    pub fn are_of(&self, followed: &[Mode]) -> bool {
+        let distances = |from: Complex<f64>, to: &[Complex<f64>]| -> Vec<f64> {
+            let mut distances: Vec<f64> = to.iter().map(|to| (to - from).norm()).collect();
+            distances.sort_by(f64::total_cmp);
+            distances
+        };
+        let lambdas: Vec<Complex<f64>> = self.modes.iter().map(|mode| mode.lambda).collect();
+        followed.iter().all(|mode| {
+            let moved = distances(mode.lambda, &self.asked).first().copied().unwrap_or(f64::INFINITY);
+            let reach = distances(mode.lambda, &lambdas).get(CANDIDATES_OF_STEP - 1).copied().unwrap_or(0.0);
+            moved <= MOVED * reach
+        })
+    }
+}
+
+impl Solved {
+    /// The modes that a followed one may have become, ascending in frequency.
+    pub fn wanted(&self, followed: &[Mode]) -> BTreeSet<usize> {
+        let mut wanted = BTreeSet::new();
+        for mode in followed {
+            let distance = |&i: &usize| (self.lambdas[i] - mode.lambda).norm_sqr();
+            let mut order: Vec<usize> = (0..self.lambdas.len()).collect();
+            order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+            // Where more than half of the modes are followed, nearly all shapes at the sample point are needed.
+            let few = if 2 * followed.len() < order.len() { CANDIDATES_OF_STEP } else { order.len() };
+            wanted.extend(order.into_iter().take(few));
+        }
+        wanted
+    }
+
+    fn modes_near(&self, followed: &[Mode]) -> Vec<Mode> {
+        self.wanted(followed).iter().filter_map(|i| self.modes.get(i).cloned()).collect()
+    }
+}
