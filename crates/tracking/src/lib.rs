@@ -85,7 +85,7 @@ pub use kept_spectra::{KeptSpectra, SystemAt, SystemChange};
 pub use locus::{Ambiguity, Branch, RootLocus, root_locus};
 pub use mac::{clear_matches, mac};
 pub use onset::{Onset, Onsets, find_onsets, onset_between};
-pub use path::{Links, OwnedPath, Path, PathEnd, PathStart};
+pub use path::{Eigenpair, Links, OwnedPath, Path, PathEnd, PathStart};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -35,6 +35,9 @@ pub enum PathStart<'a> {
     Gain(GainPath<'a>),
 }
 
+/// An eigenvalue, rad/s, with its shape up to a factor.
+pub type Eigenpair = (Complex<f64>, DVector<Complex<f64>>);
+
 /// A path that its owner evaluates, because it knows a cheaper way than by the matrices: between two frictions of one structure, say.
 pub trait OwnedPath: Debug + Sync {
     /// The eigenvalue at `t` that a guess, rad/s, leads to, its derivative over t, and its shape up to a factor; `None` where there is none.
@@ -45,12 +48,7 @@ pub trait OwnedPath: Debug + Sync {
 
     /// For each of some numbers, rad/s, the `count` eigenvalues at `t` that are nearest to it, each of them once, with shapes up to a
     /// factor; `None` where the owner cannot tell, so that a spectrum is taken.
-    fn nearest(
-        &self,
-        _t: f64,
-        _to: &[Complex<f64>],
-        _count: usize,
-    ) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+    fn nearest(&self, _t: f64, _to: &[Complex<f64>], _count: usize) -> Option<Vec<Eigenpair>> {
         None
     }
 

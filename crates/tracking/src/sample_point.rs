@@ -21,7 +21,7 @@ pub(crate) struct SamplePoint {
 
 /// What is known of a sample point.
 pub(crate) enum Known {
-    Spectrum(Solved),
+    Spectrum(Box<Solved>),
     /// What the owner of the path knows of the modes that are followed; `None` where it has not been asked.
     Candidates(Option<Candidates>),
 }

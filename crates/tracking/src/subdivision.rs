@@ -208,7 +208,7 @@ fn solve_sample_points(
         match (&mut paths[i], modes) {
             (Ok(of_path), Ok(modes)) => {
                 let solved = Solved { system, lambdas: modes.oscillatory, modes: BTreeMap::new() };
-                of_path.sample_points.push(SamplePoint { at, known: Known::Spectrum(solved) });
+                of_path.sample_points.push(SamplePoint { at, known: Known::Spectrum(Box::new(solved)) });
             }
             (of_path, Err(error)) => *of_path = Err(error),
             (Err(_), Ok(_)) => {}

@@ -178,12 +178,13 @@ impl Reference {
             return Ok(next);
         }
         let end = PathEnd { system: &next.system, modes: &next.modes };
-        let (link, start): (fn(&dyn EigenSolver, Path<'_>, &mut Workspace) -> Result<Links, CeaError>, _) = match way {
-            Way::Far => (follow, PathStart::System(&self.system)),
-            Way::Near(None) => (identify, PathStart::System(&self.system)),
-            Way::Near(Some(path)) => (identify, PathStart::Owned(&self.system.m, path)),
+        let path = |start| Path { start, start_modes: &self.modes, end };
+        let links = match way {
+            Way::Far => follow(solver, path(PathStart::System(&self.system)), work),
+            Way::Near(None) => identify(solver, path(PathStart::System(&self.system)), work),
+            Way::Near(Some(own)) => identify(solver, path(PathStart::Owned(&self.system.m, own)), work),
         };
-        let links = link(solver, Path { start, start_modes: &self.modes, end }, work)?;
+        let links = links?;
         next.name(&self.names, links);
         Ok(next)
     }

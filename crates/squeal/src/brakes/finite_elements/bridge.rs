@@ -5,7 +5,7 @@ use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::reduction::{ContactPath, OnContactPath, shape_directions};
-use tracking::OwnedPath;
+use tracking::{Eigenpair, OwnedPath};
 
 use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
@@ -94,7 +94,7 @@ impl OwnedPath for OpeningPath {
         self.path.characteristic(at)
     }
 
-    fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<(Complex<f64>, DVector<Complex<f64>>)>> {
+    fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<Eigenpair>> {
         Some(self.path.nearest(t, to, count)?.into_iter().map(|found| (found.lambda, found.shape)).collect())
     }
 
