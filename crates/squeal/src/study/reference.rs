@@ -346,7 +346,7 @@ fn across(
         };
         let end = PathEnd { system: &bridge.to, modes: &end_modes };
         let path = Path { start, start_modes: &start_modes, end };
-        next.name(&origin.names, identify(solver, path, &mut work)?);
+        next.name(&origin.names, follow(solver, path, &mut work)?);
     }
     Ok(Some(SectoredReference { whole: next.clone(), sectors: vec![next] }))
 }
