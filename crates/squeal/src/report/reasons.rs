@@ -26,7 +26,7 @@ pub struct SceneReasons {
 
 /// Why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
 ///
-/// A mode that is not one of those that the study names is left out.
+/// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
 pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>) -> Vec<SceneReasons> {
     let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
     let of_scene =
@@ -44,7 +44,8 @@ fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec
     let mut named = Vec::with_capacity(unstable.len());
     unstable.retain(|lambda| {
         let nearest = (0..modes.len()).min_by(|&a, &b| distance(lambda, a).total_cmp(&distance(lambda, b)));
-        let known = nearest.filter(|&at| distance(lambda, at) <= SAME_MODE * lambda.norm());
+        let is_named = |at: usize| distance(lambda, at) <= SAME_MODE * lambda.norm() && !names[at].is_empty();
+        let known = nearest.filter(|&at| is_named(at));
         named.extend(known.map(|at| names[at].clone()));
         known.is_some()
     });
@@ -156,6 +157,5 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
 
 /// The candidates for a name, as in 1|2.
 fn in_words(names: &[ModeLabel]) -> String {
-    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-    if names.is_empty() { "?".into() } else { names.join("|") }
+    names.iter().map(ToString::to_string).collect::<Vec<_>>().join("|")
 }
