@@ -251,8 +251,8 @@ mod tests {
         for e in &expected {
             let distance = |l: &Complex<f64>| (l - e).norm();
             let (at, nearest) = found.iter().map(distance).enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-            // Nearly all agree to 1e-14; of random matrices one in some ten thousand is nearly singular.
-            prop_assert!(nearest < 1e-12 * e.norm(), "{} {}", nearest / e.norm(), e);
+            // Of 22,000 problems one had an eigenvalue that was 4e-14 away, all others less than 1e-14.
+            prop_assert!(nearest < 1e-13 * e.norm(), "{} {}", nearest / e.norm(), e);
             found.swap_remove(at);
         }
         Ok(())

@@ -44,8 +44,8 @@ fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec
     let mut named = Vec::with_capacity(unstable.len());
     unstable.retain(|lambda| {
         let nearest = (0..modes.len()).min_by(|&a, &b| distance(lambda, a).total_cmp(&distance(lambda, b)));
-        let is_named = |at: usize| distance(lambda, at) <= SAME_MODE * lambda.norm() && !names[at].is_empty();
-        let known = nearest.filter(|&at| is_named(at));
+        let is_named = |at: &usize| distance(lambda, *at) <= SAME_MODE * lambda.norm() && !names[*at].is_empty();
+        let known = nearest.filter(is_named);
         named.extend(known.map(|at| names[at].clone()));
         known.is_some()
     });

@@ -180,11 +180,9 @@ impl Reference {
         let end = PathEnd { system: &next.system, modes: &next.modes };
         let path = |start| Path { start, start_modes: &self.modes, end };
         let links = match way {
-            Way::Far => follow(solver, path(PathStart::System(&self.system)), work),
-            Way::Near(None) => identify(solver, path(PathStart::System(&self.system)), work),
-            Way::Near(Some(own)) => identify(solver, path(PathStart::Owned(&self.system.m, own)), work),
+            Way::Far => follow(solver, path(PathStart::System(&self.system)), work)?,
+            Way::Near(own) => identify(solver, path(path_start(&self.system, own)), work)?,
         };
-        let links = links?;
         next.name(&self.names, links);
         Ok(next)
     }
@@ -207,6 +205,11 @@ enum Way<'a> {
     Far,
     /// Modes are compared by MAC first; those in doubt are followed on a path that the brake evaluates, where it has one.
     Near(Option<&'a dyn OwnedPath>),
+}
+
+/// The beginning of a path from a system, which the brake evaluates where it can.
+fn path_start<'a>(system: &'a SecondOrder, own: Option<&'a dyn OwnedPath>) -> PathStart<'a> {
+    own.map_or(PathStart::System(system), |own| PathStart::Owned(&system.m, own))
 }
 
 /// The references of the origins and of the scenes of a plan, each in their order.
@@ -340,10 +343,7 @@ fn across(
     } else {
         let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.from);
         let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
-        let start = match &bridge.path {
-            Some(path) => PathStart::Owned(&bridge.from.m, path.as_ref()),
-            None => PathStart::System(&bridge.from),
-        };
+        let start = path_start(&bridge.from, bridge.path.as_deref());
         let end = PathEnd { system: &bridge.to, modes: &end_modes };
         let path = Path { start, start_modes: &start_modes, end };
         next.name(&origin.names, follow(solver, path, &mut work)?);
