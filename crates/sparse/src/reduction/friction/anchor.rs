@@ -8,14 +8,17 @@ use pulp::{Arch, Simd, WithSimd};
 use super::coarse::Coarse;
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, pull};
 use super::eigenvalue;
+use super::expansion::Expansion;
 use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
 use crate::SparseError;
 use crate::reduction::dense;
 
-/// Rounds in which a mode of A in the middle of the band becomes one of A at its own eigenvalue; chosen: each gains two digits or more.
-const ROUNDS: usize = 3;
+/// Most rounds in which a mode of A in the middle of the band becomes one of A at its own eigenvalue, and the relative size of the last step;
+/// chosen: each round multiplies what is missing by how much A changes with lambda, a few hundredths, or a half where A has poles near.
+const MOST_ROUNDS: usize = 40;
+const CONVERGED: f64 = 1e-9;
 /// Where A is evaluated for an eigenvalue that is known, relative to it: at the eigenvalue itself `lambda - A` is singular.
 const BESIDE: f64 = 1e-9;
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
@@ -33,8 +36,10 @@ pub(super) struct Anchor {
     pulls: Vec<Pull>,
     /// What A is made of with the vectors of these modes as coordinates, in which it is nearly diagonal.
     pub own: Coupled<f32>,
-    /// These vectors S, and their inverse, p x p.
-    pub vectors: [Rows<f32>; 2],
+    /// These vectors S as rows, p x p.
+    pub vectors: Rows<f32>,
+    /// A around these gains, where all ports have the same and A has no poles near.
+    pub expansion: Option<Expansion>,
     /// For each of them the weights of the points for guesses at its frequency.
     weights: Vec<Vec<Complex<f32>>>,
 }
@@ -64,32 +69,36 @@ impl Anchor {
         coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
         let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
-            for _ in 0..ROUNDS {
+            let mut step = f64::INFINITY;
+            for _ in 0..MOST_ROUNDS {
                 coupling::at(structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
                 let beside = *lambda * (1.0 + BESIDE);
-                *lambda = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
+                let next = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
+                step = (next - *lambda).norm();
+                *lambda = next;
+                if step <= CONVERGED * lambda.norm() {
+                    break;
+                }
+            }
+            if step.is_nan() || step > CONVERGED * lambda.norm() {
+                return Ok(None);
             }
         }
-        if !lambdas.iter().all(|lambda| lambda.is_finite()) {
+        let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
+        if inverse.norm() * vectors.norm() > LARGEST_CONDITION {
             return Ok(None);
         }
-        let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
-        let is_sound = inverse.norm() * vectors.norm() <= LARGEST_CONDITION;
         let weights = lambdas.iter().map(|lambda| coarse.weights_near(*lambda)).collect();
         let pulls = gains.iter().map(|gain| pull(gain, ports.middle)).collect();
+        let expansion = shared(&gains).and_then(|gain| Expansion::new(ports, gain, lambdas, &vectors, &inverse));
         let own = Coupled::new(ports, &vectors, &inverse).single();
-        let vectors = [&vectors, &inverse].map(|matrix| Rows::of(matrix).single());
-        Ok(is_sound.then_some(Self { pulls, own, vectors, weights }))
+        let vectors = Rows::of(&vectors.transpose()).single();
+        Ok(Some(Self { pulls, own, vectors, weights, expansion }))
     }
 
-    /// The square of how far gains are, by their pulls in the middle of the band: the changes, each times what it moves the near modes by at
-    /// most, rad/s.
+    /// The square of how far gains are.
     pub fn distance(&self, ports: &Ports, pulls: &[Pull]) -> f64 {
-        let [of_friction, of_slope] = &ports.moved;
-        let apart = |(port, ((mu, slope), (to_mu, to_slope))): (usize, (&Pull, &Pull))| {
-            ((mu - to_mu) * of_friction[port]).powi(2) + (slope - to_slope).norm_sqr() * of_slope[port].powi(2)
-        };
-        pulls.iter().zip(&self.pulls).enumerate().map(apart).sum()
+        distance(ports, pulls, &self.pulls)
     }
 
     /// The eigenvalues of A, given at the points for guesses in the coordinates of this anchor: its diagonal, and to second order what
@@ -111,6 +120,38 @@ impl Anchor {
         }
         guesses
     }
+}
+
+/// The square of how far gains are from others, by their pulls in the middle of the band: the changes, each times what it moves the near modes
+/// by at most, rad/s.
+fn distance(ports: &Ports, pulls: &[Pull], others: &[Pull]) -> f64 {
+    let [of_friction, of_slope] = &ports.moved;
+    let apart = |(port, ((mu, slope), (to_mu, to_slope))): (usize, (&Pull, &Pull))| {
+        ((mu - to_mu) * of_friction[port]).powi(2) + (slope - to_slope).norm_sqr() * of_slope[port].powi(2)
+    };
+    pulls.iter().zip(others).enumerate().map(apart).sum()
+}
+
+/// The gain that all ports have, where they have one.
+pub(super) fn shared(gains: &[ChannelGain]) -> Option<&ChannelGain> {
+    let (first, others) = gains.split_first()?;
+    others.iter().all(|gain| gain == first).then_some(first)
+}
+
+/// The first of some gains and others, each as far as can be from all before it.
+pub(super) fn spread(ports: &Ports, known: Vec<Vec<ChannelGain>>, most: usize) -> Vec<Vec<ChannelGain>> {
+    let pulls: Vec<Vec<Pull>> =
+        known.iter().map(|gains| gains.iter().map(|gain| pull(gain, ports.middle)).collect()).collect();
+    let mut nearest = vec![f64::INFINITY; known.len()];
+    let (mut chosen, mut next) = (Vec::new(), 0);
+    while chosen.len() < most.min(known.len()) {
+        chosen.push(known[next].clone());
+        for (nearest, of) in nearest.iter_mut().zip(&pulls) {
+            *nearest = nearest.min(distance(ports, of, &pulls[next]));
+        }
+        next = (0..known.len()).max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])).unwrap_or(0);
+    }
+    chosen
 }
 
 /// The rows of A, each at a frequency of its own.

@@ -15,7 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::elimination::Elimination;
 use super::ports::Ports;
 use super::real::{Real, cast};
-use super::rows::{Rows, add_rows};
+use super::rows::Rows;
 use super::table::Table;
 
 /// What A is made of, in coordinates d' of the near modes: `d = S d'`.
@@ -185,11 +185,30 @@ pub(super) fn factor_at(
     table.slope_weights_at(lambda, &mut scratch.slope_weights);
     let Scratch { weights, slope_weights, pulls, smooth, square, factors, .. } = scratch;
     for (part, (smooth, slope)) in smooth.iter_mut().zip(slopes).enumerate() {
-        let parts = table.values.iter().map(|pair| &pair[part]);
-        Arch::new().dispatch(CombineBoth { factors: [weights, slope_weights], parts, outs: [smooth, slope] });
+        combine_part(weights, &table.values, part, smooth);
+        combine_part(slope_weights, &table.values, part, slope);
     }
     let [reading, velocity] = smooth;
     Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });
+}
+
+/// What `R F B` and `B^T F B` at a number near the band differ by from those at the first point of a table, and their derivatives over
+/// lambda; `weights` are overwritten.
+pub(super) fn differences_at(
+    table: &Table<f32>,
+    lambda: Complex<f64>,
+    weights: &mut Vec<Complex<f64>>,
+    values: &mut [Rows<f32>; 2],
+    slopes: &mut [Rows<f32>; 2],
+) {
+    table.weights_at(lambda, weights);
+    let of_values: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(weight)).collect();
+    table.slope_weights_at(lambda, weights);
+    let of_slopes: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(weight)).collect();
+    for (part, (value, slope)) in values.iter_mut().zip(slopes).enumerate() {
+        let parts = table.values.iter().map(|pair| &pair[part]);
+        Arch::new().dispatch(CombineBoth { factors: [&of_values, &of_slopes], parts, outs: [value, slope] });
+    }
 }
 
 /// The sum of multiples of matrices.
@@ -202,25 +221,16 @@ pub(super) fn combine_part<T: Real>(factors: &[Complex<T>], pairs: &[[Rows<T>; 2
     Arch::new().dispatch(Combine { factors, parts: pairs.iter().map(|pair| &pair[part]), out });
 }
 
-/// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
-pub(super) fn shape(
-    ports: &Ports,
-    lambda: Complex<f64>,
-    d: &[Complex<f64>],
-    forces: &[Complex<f64>],
-) -> DVector<Complex<f64>> {
-    let order = ports.order;
-    let (mut driven, mut shape) = (Rows::zeros(1, ports.others.len()), Rows::zeros(1, order));
-    add_rows(0, forces, &ports.others_force, &mut driven);
-    let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) / (lambda - other);
-    let factors: Vec<Complex<f64>> = ports.others.iter().enumerate().map(factor).collect();
-    add_rows(0, d, &ports.right, &mut shape);
-    add_rows(0, &factors, &ports.others_right, &mut shape);
-    DVector::from_fn(order, |at, _| shape.at(0, at))
-}
-
 /// The gains mu and `lambda s(lambda)` of a port.
 pub(super) type Pull<T = f64> = (T, Complex<T>);
+
+/// Those of all ports at a number.
+pub(super) fn pulls<T: Real>(gains: Gains<'_>, lambda: Complex<f64>) -> Vec<Pull<T>> {
+    gains.each(|port| {
+        let (mu, slope) = gains.at(port, lambda);
+        (T::of(mu), cast(slope))
+    })
+}
 
 /// Those of a gain at a number.
 pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
@@ -230,10 +240,7 @@ pub(super) fn pull(gain: &ChannelGain, lambda: Complex<f64>) -> Pull {
 impl<T: Real> Scratch<T> {
     /// Sets the gains.
     pub fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
-        self.pulls = gains.each(|port| {
-            let (mu, slope) = gains.at(port, lambda);
-            (T::of(mu), cast(slope))
-        });
+        self.pulls = pulls(gains, lambda);
     }
 }
 

@@ -85,14 +85,6 @@ pub(super) fn left<T: Real>(factors: &Rows<T>, right: &[Complex<T>], elimination
     left
 }
 
-/// The right vector of the eigenvalue next to the number of some factors, from a vector that has a part of it.
-pub(super) fn right<T: Real>(factors: &Rows<T>, elimination: &Elimination<T>, vector: &mut [Complex<T>]) {
-    for _ in 0..2 {
-        elimination.solve(factors, vector);
-        normalise(vector);
-    }
-}
-
 fn normalise<T: Real>(vector: &mut [Complex<T>]) {
     let size = norm_squared(vector).sqrt();
     vector.iter_mut().for_each(|entry| *entry /= size);

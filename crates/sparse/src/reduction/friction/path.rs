@@ -109,8 +109,7 @@ impl FrictionPath<'_> {
         let slope: Complex<f64> = cast(along - by_lambda);
         let rate = cast::<f32, f64>(seen.by_gains(|port| change[port])) / slope;
         let lambda = at + miss * cast::<f32, f64>(along) / slope;
-        let [d, forces] = [&x, &seen.forces].map(|part| part.iter().map(|&entry| cast(entry)).collect::<Vec<_>>());
-        let shape = coupling::shape(ports, at, &d, &forces);
+        let shape = ports.path_shapes.shape(at, &x, &seen.forces);
         (lambda.is_finite() && rate.is_finite()).then_some(OnFrictionPath { lambda, rate, shape })
     }
 }

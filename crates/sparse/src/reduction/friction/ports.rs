@@ -12,7 +12,8 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::rows::{Rows, add_rows};
-use super::table::{ASIDE, Region, Samples, Table};
+use super::shapes::Shapes;
+use super::table::{ASIDE, Differences, Region, Samples, Table};
 use crate::SparseError;
 use crate::reduction::state_modes::StateModes;
 
@@ -30,10 +31,6 @@ const FINE_ERROR: f64 = 1e-10;
 pub(super) struct Ports {
     /// Lambda, rad/s.
     pub lambdas: Vec<Complex<f64>>,
-    /// k, the number of degrees of freedom.
-    pub order: usize,
-    /// Y by modes, p x k.
-    pub right: Rows,
     /// `V^H B`, p x m.
     pub force: DMatrix<Complex<f64>>,
     /// The same by rows.
@@ -44,16 +41,16 @@ pub(super) struct Ports {
     pub path: Table<f32>,
     /// The same for the last digits.
     pub fine: Table,
+    /// The same with what its points differ by.
+    pub differences: Differences,
     /// What a unit of the gains mu and `lambda s(lambda)` of each port moves the near modes by at most, rad/s.
     pub moved: [Vec<f64>; 2],
     /// i omega in the middle of the band.
     pub middle: Complex<f64>,
-    /// The other eigenvalues.
-    pub others: Vec<Complex<f64>>,
-    /// `(V^H B)^T` of the others, by ports.
-    pub others_force: Rows,
-    /// Y of the others, by modes.
-    pub others_right: Rows,
+    /// What shapes are made of.
+    pub shapes: Shapes,
+    /// The same for paths.
+    pub path_shapes: Shapes<f32>,
 }
 
 impl Ports {
@@ -104,20 +101,25 @@ impl Ports {
         let moved = |side: &DMatrix<Complex<f64>>| {
             (0..count).map(|port| force.column(port).norm() * side.row(port).norm()).collect()
         };
+        let shapes = Shapes {
+            order,
+            near: Rows::of(&right.select_columns(&near).transpose()),
+            others: others.iter().map(|&at| lambdas[at]).collect(),
+            others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
+            others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
+        };
         let ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
-            order,
-            right: Rows::of(&right.select_columns(&near).transpose()),
             moved: [moved(&sides[0]), moved(&sides[1])],
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
             force_rows: Rows::of(&force),
             force,
             sides,
             path: path.single(),
+            differences: fine.differences(),
             fine,
-            others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
-            others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
-            others: others.iter().map(|&at| lambdas[at]).collect(),
+            path_shapes: shapes.single(),
+            shapes,
         };
         Ok(Some((ports, samples)))
     }

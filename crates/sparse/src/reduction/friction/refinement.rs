@@ -15,18 +15,24 @@ use nalgebra::DVector;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::anchor::Anchor;
-use super::coupling::{self, Coupled, Gains, Scratch};
+use super::coupling::{self, Coupled, Gains, Pull, Scratch};
 use super::eigenvalue;
-use super::elimination::Elimination;
 use super::ports::Ports;
 use super::real::{Real, cast};
 use super::rows::Rows;
 use super::secant::{Missed, secant};
+use super::table::Differences;
 
 /// Size of what may be missing, relative to that of `lambda d`; chosen, below all residuals that are asked for.
 const CONVERGED: f64 = 1e-11;
 const MOST_ROUNDS: u64 = 12;
+/// Most numbers at which A is factored for a mode, and the distance of the last from its eigenvalue, relative to it; chosen.
+const MOST_NUMBERS: usize = 3;
+const NEAR: f64 = 1e-4;
+/// Where A is factored, relative to a guess: at an eigenvalue itself single precision may leave nothing of a pivot; chosen.
+const BESIDE: f64 = 1e-6;
+/// Steps of inverse iteration at each of these numbers; chosen.
+const STEPS: usize = 2;
 /// Distance from the number, relative to it, up to which what is smooth is a straight line; chosen: it changes by some thousandths over the
 /// band, and what is then missing of it is below 1e-8 of that.
 const STRAIGHT: f64 = 1e-3;
@@ -34,70 +40,86 @@ const STRAIGHT: f64 = 1e-3;
 /// An eigenvalue with its shape in the coordinates of the system.
 pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
-/// Factors of `number - A` in the coordinates of an anchor.
-pub(super) struct Factors<'a> {
-    pub number: Complex<f64>,
-    pub matrix: &'a Rows<f32>,
-    pub elimination: &'a Elimination<f32>,
+/// A sample.
+pub(super) struct Sample<'a> {
+    pub ports: &'a Ports,
+    /// What A is made of in the coordinates of the structure, and what friction adds to it.
+    pub own: &'a Coupled<f64>,
+    pub added: &'a Coupled<f32>,
+    pub gains: &'a [ChannelGain],
+}
+
+/// What is known of a mode.
+pub(super) struct Start {
+    /// Its eigenvalue, rad/s.
+    pub guess: Complex<f64>,
+    /// A vector of the near modes that has a part of its own.
+    pub vector: Vec<Complex<f32>>,
+    /// `y^H (dA / d lambda) x` of its left and right vector with `y^H x = 1`, roughly.
+    pub drift: Complex<f32>,
 }
 
 /// Working memory.
 pub(super) struct Refinement {
-    scratch: Scratch,
-    slopes: [Rows; 2],
+    single: Scratch<f32>,
+    matrix: Rows<f32>,
+    weights: Vec<Complex<f64>>,
+    pulls: Vec<Pull>,
+    /// `R F B` and `B^T F B`, what they are made of, and their derivatives.
+    smooth: [Rows; 2],
+    apart: [Rows<f32>; 2],
+    slopes: [Rows<f32>; 2],
     /// Vectors of the near modes, in both precisions, and of the ports.
     near: Rows,
-    single: Rows<f32>,
     port: Rows,
+    single_port: Rows<f32>,
     /// Products with vectors: two sides, and four matrices of the ports.
     sides: [Vec<Complex<f64>>; 2],
-    smooth: [Vec<Complex<f64>>; 4],
+    of_smooth: [Vec<Complex<f64>>; 2],
+    of_slopes: [Vec<Complex<f32>>; 2],
     force: Vec<Complex<f64>>,
-    turned: Vec<Complex<f32>>,
 }
 
 impl Refinement {
     pub fn new(ports: &Ports) -> Self {
         let (p, m) = (ports.near(), ports.count());
         Self {
-            scratch: Scratch::new(ports),
+            single: Scratch::new(ports),
+            matrix: Rows::zeros(p, p),
+            weights: Vec::new(),
+            pulls: Vec::new(),
+            smooth: [Rows::zeros(m, m), Rows::zeros(m, m)],
+            apart: [Rows::zeros(m, m), Rows::zeros(m, m)],
             slopes: [Rows::zeros(m, m), Rows::zeros(m, m)],
             near: Rows::zeros(1, p),
-            single: Rows::zeros(1, p),
             port: Rows::zeros(1, m),
             sides: Default::default(),
-            smooth: Default::default(),
+            of_smooth: Default::default(),
+            of_slopes: Default::default(),
+            single_port: Rows::zeros(1, m),
             force: Vec::new(),
-            turned: Vec::new(),
         }
     }
 
-    /// The eigenvalue next to the number of some factors and its shape, from mode `at` of an anchor, and the number of rounds; `None` where
-    /// they do not converge.
-    pub fn refined(
-        &mut self,
-        ports: &Ports,
-        own: &Coupled<f64>,
-        gains: &[ChannelGain],
-        anchor: &Anchor,
-        factors: Factors<'_>,
-        at: usize,
-    ) -> (Option<Pair>, u64) {
-        let Factors { number, matrix, elimination } = factors;
-        let gains = Gains::of(gains);
-        let mut x = vec![Complex::default(); ports.near()];
-        x[at] = Complex::new(1.0, 0.0);
-        eigenvalue::right(matrix, elimination, &mut x);
-        let y = eigenvalue::left(matrix, &x, elimination);
+    /// The eigenvalue next to a guess and its shape, and the number of rounds; `None` where they do not converge.
+    pub fn refined(&mut self, sample: &Sample<'_>, start: Start) -> (Option<Pair>, u64) {
+        let (ports, Start { guess, vector: mut x, drift }) = (sample.ports, start);
+        let Some((number, mut lambda)) = self.approached(sample, guess, &mut x) else { return (None, 0) };
+        let y = eigenvalue::left(&self.matrix, &x, &self.single.elimination);
         let along = inner(&y, &x);
-        coupling::factor_at(&ports.fine, number, gains, &mut self.scratch, &mut self.slopes);
+        let slope = (Complex::from(1.0) - drift).inv();
+        let Differences { first, table } = &ports.differences;
+        coupling::differences_at(table, number, &mut self.weights, &mut self.apart, &mut self.slopes);
+        for ((smooth, first), apart) in self.smooth.iter_mut().zip(first).zip(&self.apart) {
+            smooth.set_apart(first, apart);
+        }
 
-        let [vectors, inverse] = &anchor.vectors;
-        let mut d: Vec<Complex<f64>> = self.turn(vectors, &x).iter().map(|&entry| cast(entry)).collect();
-        let (mut lambda, mut before): (_, Option<Missed>) = (number, None);
-        let mut forces = vec![Complex::default(); ports.count()];
+        let mut d: Vec<Complex<f64>> = x.iter().map(|&entry| cast(entry)).collect();
+        let mut before: Option<Missed> = None;
+        let mut forces: Vec<Complex<f64>> =
+            (0..ports.count()).map(|port| cast(self.single.solved.row_times(port, &x))).collect();
         for round in 1..=MOST_ROUNDS {
-            self.solve_forces(own, lambda, lambda - number, gains, &d, &mut forces);
+            self.solve_forces(sample, lambda, lambda - number, &d, &mut forces);
             self.port.set_row(&forces);
             Arch::new().dispatch(Times { matrix: &ports.force_rows, vector: &self.port, out: &mut self.force });
             let missing = |((lambda_i, d), force): ((&Complex<f64>, &Complex<f64>), &Complex<f64>)| {
@@ -106,63 +128,87 @@ impl Refinement {
             let missing: Vec<Complex<f64>> = ports.lambdas.iter().zip(&d).zip(&self.force).map(missing).collect();
             let size = norm_squared(&missing).sqrt();
             if size <= CONVERGED * lambda.norm() * norm_squared(&d).sqrt() {
-                return (Some((lambda, coupling::shape(ports, lambda, &d, &forces))), round);
+                return (Some((lambda, ports.shapes.shape(lambda, &d, &forces))), round);
             }
             if size.is_nan() || (lambda - number).norm() > STRAIGHT * number.norm() {
                 return (None, round);
             }
-            let missing: Vec<Complex<f32>> = missing.iter().map(|&entry| cast(entry)).collect();
-            let mut rest = self.turn(inverse, &missing).to_vec();
+            let mut rest: Vec<Complex<f32>> = missing.iter().map(|&entry| cast(entry)).collect();
             let miss = -inner(&y, &rest) / along;
+            let step = miss * slope;
             rest.iter_mut().zip(&x).for_each(|(rest, x)| *rest += x * miss);
-            elimination.solve(matrix, &mut rest);
+            self.single.elimination.solve(&self.matrix, &mut rest);
             // The factors are next to singular along x, of which no more is wanted.
             let part = inner(&x, &rest);
             rest.iter_mut().zip(&x).for_each(|(rest, x)| *rest -= x * part);
-            self.turn(vectors, &rest).iter().zip(&mut d).for_each(|(&rest, d)| *d -= cast::<f32, f64>(rest));
-            let here = (lambda, cast(miss));
+            rest.iter().zip(&mut d).for_each(|(&rest, d)| *d -= cast::<f32, f64>(rest));
+            let here = (lambda, cast(step));
             lambda = secant(before, here);
             before = Some(here);
         }
         (None, MOST_ROUNDS)
     }
 
-    /// A matrix of an anchor times a vector.
-    fn turn(&mut self, matrix: &Rows<f32>, vector: &[Complex<f32>]) -> &[Complex<f32>] {
-        self.single.set_row(vector);
-        Arch::new().dispatch(Times { matrix, vector: &self.single, out: &mut self.turned });
-        &self.turned
+    /// In single precision: a number next to the eigenvalue, of which factors of `number - A` are left, and the eigenvalue; its vector takes
+    /// the place of another.
+    fn approached(
+        &mut self,
+        sample: &Sample<'_>,
+        mut guess: Complex<f64>,
+        x: &mut [Complex<f32>],
+    ) -> Option<(Complex<f64>, Complex<f64>)> {
+        let Self { single, matrix, .. } = self;
+        let (ports, gains) = (sample.ports, Gains::of(sample.gains));
+        for _ in 0..MOST_NUMBERS {
+            coupling::at(sample.added, &ports.path, guess, gains, single, matrix);
+            matrix.negate();
+            let number = guess * (1.0 + BESIDE);
+            eigenvalue::factor_with(matrix, |i| cast(number - ports.lambdas[i]), &mut single.elimination, ports.near());
+            let apart: Complex<f64> = cast(eigenvalue::apart(matrix, x, STEPS, &single.elimination));
+            guess = number + apart;
+            if apart.norm() <= NEAR * number.norm() {
+                return Some((number, guess));
+            }
+            if !guess.is_finite() {
+                break;
+            }
+        }
+        None
     }
 
     /// The forces c of amplitudes d at a number that is `apart` from that of the factors, by one step of refinement from other forces.
     fn solve_forces(
         &mut self,
-        own: &Coupled<f64>,
+        sample: &Sample<'_>,
         lambda: Complex<f64>,
         apart: Complex<f64>,
-        gains: Gains<'_>,
         d: &[Complex<f64>],
         forces: &mut [Complex<f64>],
     ) {
-        let Self { scratch, slopes, near, port, sides, smooth, .. } = self;
-        scratch.pull(gains, lambda);
+        let Self { pulls, single, smooth, slopes, near, port, single_port, sides, of_smooth, of_slopes, .. } = self;
+        *pulls = coupling::pulls(Gains::of(sample.gains), lambda);
         near.set_row(d);
         port.set_row(forces);
-        for (side, out) in own.sides.iter().zip(sides.iter_mut()) {
-            Arch::new().dispatch(Times { matrix: side, vector: near, out });
+        (0..forces.len()).for_each(|at| single_port.set(0, at, cast(forces[at])));
+        for (matrix, out) in sample.own.sides.iter().zip(sides.iter_mut()) {
+            Arch::new().dispatch(Times { matrix, vector: near, out });
         }
-        for (matrix, out) in scratch.smooth.iter().chain(&*slopes).zip(smooth.iter_mut()) {
+        for (matrix, out) in smooth.iter().zip(of_smooth.iter_mut()) {
             Arch::new().dispatch(Times { matrix, vector: port, out });
         }
-        let [reading, velocity, reading_slope, velocity_slope] = smooth;
+        for (matrix, out) in slopes.iter().zip(of_slopes.iter_mut()) {
+            Arch::new().dispatch(Times { matrix, vector: single_port, out });
+        }
+        let [reading, velocity] = of_smooth;
+        let [reading_slope, velocity_slope] = of_slopes;
         let missing = |(port, &(mu, slope)): (usize, &(f64, Complex<f64>))| {
-            let of_reading = sides[0][port] - reading[port] - reading_slope[port] * apart;
-            let of_velocity = sides[1][port] - velocity[port] - velocity_slope[port] * apart;
+            let of_reading = sides[0][port] - reading[port] - cast::<f32, f64>(reading_slope[port]) * apart;
+            let of_velocity = sides[1][port] - velocity[port] - cast::<f32, f64>(velocity_slope[port]) * apart;
             of_reading * mu + of_velocity * slope - forces[port]
         };
-        let mut missing: Vec<Complex<f64>> = scratch.pulls.iter().enumerate().map(missing).collect();
-        scratch.factors.solve(&scratch.square, &mut missing);
-        forces.iter_mut().zip(missing).for_each(|(force, missing)| *force += missing);
+        let mut missing: Vec<Complex<f32>> = pulls.iter().enumerate().map(|pull| cast(missing(pull))).collect();
+        single.factors.solve(&single.square, &mut missing);
+        forces.iter_mut().zip(missing).for_each(|(force, missing)| *force += cast::<f32, f64>(missing));
     }
 }
 

@@ -64,14 +64,26 @@ impl<T: Real> Rows<T> {
         re.iter().zip(im).zip(vector).map(|((&re, &im), value)| Complex::new(re, im) * value).sum()
     }
 
-    fn row(&self, row: usize) -> [&[T]; 2] {
+    pub fn row(&self, row: usize) -> [&[T]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&self.re[place.clone()], &self.im[place]]
     }
 
-    fn row_mut(&mut self, row: usize) -> [&mut [T]; 2] {
+    pub fn row_mut(&mut self, row: usize) -> [&mut [T]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&mut self.re[place.clone()], &mut self.im[place]]
+    }
+
+    /// Takes the rows of another matrix as its first ones, and clears all others.
+    pub fn take_rows(&mut self, of: &Self) {
+        for (part, of) in [(&mut self.re, &of.re), (&mut self.im, &of.im)] {
+            part[..of.len()].copy_from_slice(of);
+            part[of.len()..].fill(T::default());
+        }
+    }
+
+    pub fn rows(&self) -> usize {
+        self.re.len().checked_div(self.stride).unwrap_or_default()
     }
 
     pub fn clear(&mut self) {
@@ -171,6 +183,20 @@ impl<T: Real> Rows<T> {
         accumulate(simd, self.row_mut(to), from, rows.stride, factors.len(), |row| factors[row]);
     }
 
+    /// Adds multiples of the first rows of another matrix to a row.
+    #[inline(always)]
+    pub fn add_rows_from<S: Simd>(
+        &mut self,
+        simd: S,
+        to: usize,
+        rows: &Self,
+        count: usize,
+        factor: impl Fn(usize) -> Complex<T>,
+    ) {
+        let from = [rows.re.as_slice(), &rows.im];
+        accumulate(simd, self.row_mut(to), from, rows.stride, count, factor);
+    }
+
     /// Adds multiples of the rows above to a row.
     #[inline(always)]
     pub fn add_rows_above<S: Simd>(&mut self, simd: S, to: usize, factor: impl Fn(usize) -> Complex<T>) {
@@ -236,6 +262,24 @@ impl<T: Real> Rows<T> {
 }
 
 impl Rows {
+    /// This matrix minus another one.
+    pub fn minus(&self, other: &Self) -> Self {
+        let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
+        Self { stride: self.stride, re: minus(&self.re, &other.re), im: minus(&self.im, &other.im) }
+    }
+
+    /// Takes the sum of a matrix and one in single precision that has as many columns, and may have more beyond these.
+    #[inline(always)]
+    pub fn set_apart(&mut self, from: &Self, apart: &Rows<f32>) {
+        let parts = [(&mut self.re, &from.re, &apart.re), (&mut self.im, &from.im, &apart.im)];
+        for (out, from, apart) in parts {
+            let rows = out.chunks_exact_mut(self.stride).zip(from.chunks_exact(self.stride));
+            for ((out, from), apart) in rows.zip(apart.chunks_exact(apart.len() / (from.len() / self.stride))) {
+                out.iter_mut().zip(from).zip(apart).for_each(|((out, from), apart)| *out = from + f64::from(*apart));
+            }
+        }
+    }
+
     /// All entries and the zeros beyond the columns.
     pub fn entries(&self) -> impl Iterator<Item = Complex<f64>> + '_ {
         self.re.iter().zip(&self.im).map(|(&re, &im)| Complex::new(re, im))
@@ -254,18 +298,18 @@ impl Rows {
 }
 
 /// Adds multiples of the rows of a matrix to a row of another one.
-pub(super) fn add_rows(to: usize, factors: &[Complex<f64>], rows: &Rows, out: &mut Rows) {
+pub(super) fn add_rows<T: Real>(to: usize, factors: &[Complex<T>], rows: &Rows<T>, out: &mut Rows<T>) {
     Arch::new().dispatch(AddRows { to, factors, rows, out });
 }
 
-struct AddRows<'a> {
+struct AddRows<'a, T> {
     to: usize,
-    factors: &'a [Complex<f64>],
-    rows: &'a Rows,
-    out: &'a mut Rows,
+    factors: &'a [Complex<T>],
+    rows: &'a Rows<T>,
+    out: &'a mut Rows<T>,
 }
 
-impl WithSimd for AddRows<'_> {
+impl<T: Real> WithSimd for AddRows<'_, T> {
     type Output = ();
 
     #[inline(always)]

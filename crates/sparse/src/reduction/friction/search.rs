@@ -1,53 +1,45 @@
-//! The growing modes of one sample: guesses from an anchor, corrected one by one, and counted.
+//! The growing modes of one sample: known by discs or by guesses, and then refined.
 
 use linsys::ChannelGain;
 use num_complex::Complex;
 
-use super::anchor::Anchor;
+use super::anchor::{Anchor, shared};
 use super::coarse::Coarse;
-use super::count::{Lacking, Lanes};
-use super::coupling::{self, Coupled, Gains, Pull, Scratch, combine, pull};
-use super::eigenvalue;
+use super::count::Lanes;
+use super::coupling::{Coupled, Pull, Scratch, pull};
+use super::discs::Discs;
+use super::expansion::Expansion;
 use super::ports::Ports;
-use super::real::cast;
-use super::refinement::{Factors, Pair, Refinement};
+use super::refinement::{Pair, Refinement, Sample, Start};
 use super::rows::Rows;
-use super::secant::{Missed, secant};
 use crate::Rectangle;
 
-/// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad they err by some millionths, a few by 1e-4.
-const COARSE_ERROR: f64 = 5e-4;
-/// Relative size of the last correction of a guess; chosen, below that error and above that of single precision.
-const GUESSED: f64 = 1e-4;
-const MOST_CORRECTIONS: usize = 20;
-/// Rounds of corrections of guesses that are wanted only if they are wrong; chosen.
-const MOST_SEARCHES: usize = 6;
+/// From how many known samples, the nearest first, discs are tried; chosen.
+const MOST_TRIES: usize = 2;
 /// Relative distance up to which two eigenvalues with last digits are one; chosen.
 const SAME: f64 = 1e-8;
-/// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
-/// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
-/// line is looked at in a few points.
-const LARGEST_DEVIATION: f64 = 0.5;
 
-/// Why a sample is left to the whole spectrum or to modes that are followed.
+/// Why a sample is left to another way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Open {
     NoAnchor,
+    NotClear,
     NotConverged,
     NotCounted,
 }
 
 /// Working memory.
 pub(super) struct Memory {
+    pub discs: Discs,
+    pub refinement: Refinement,
     /// For guesses and counts.
-    single: Scratch<f32>,
-    small: Rows<f32>,
+    pub single: Scratch<f32>,
+    pub small: Rows<f32>,
     /// A at the coarse points.
-    coarse: Vec<Rows<f32>>,
-    refinement: Refinement,
+    pub coarse: Vec<Rows<f32>>,
     /// For counts.
-    lanes: Lanes,
-    weights: Vec<Complex<f64>>,
+    pub lanes: Lanes,
+    pub weights: Vec<Complex<f64>>,
     /// Corrections so far.
     pub corrections: u64,
 }
@@ -56,10 +48,11 @@ impl Memory {
     pub fn new(ports: &Ports, coarse: &Coarse) -> Self {
         let p = ports.near();
         Self {
+            discs: Discs::new(ports),
+            refinement: Refinement::new(ports),
             single: Scratch::new(ports),
             small: Rows::zeros(p, p),
             coarse: coarse.table.points.iter().map(|_| Rows::zeros(p, p)).collect(),
-            refinement: Refinement::new(ports),
             lanes: Lanes::new(p, coarse.table.points.len()),
             weights: Vec::new(),
             corrections: 0,
@@ -71,8 +64,9 @@ impl Memory {
 pub(super) struct Search<'a> {
     pub ports: &'a Ports,
     pub coarse: &'a Coarse,
-    /// What A is made of in the coordinates of the structure.
+    /// What A is made of in the coordinates of the structure, and what friction adds to it.
     pub own: &'a Coupled<f64>,
+    pub added: &'a Coupled<f32>,
     pub anchors: &'a [Anchor],
     pub rectangle: &'a Rectangle,
 }
@@ -82,130 +76,63 @@ impl Search<'_> {
     pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
         let pulls: Vec<Pull> = gains.iter().map(|gain| pull(gain, self.ports.middle)).collect();
         let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, &pulls), anchor));
-        let (_, anchor) = distances.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Open::NoAnchor)?;
-        let Memory { coarse, single, small, .. } = memory;
-        for (point, a) in coarse.iter_mut().enumerate() {
-            coupling::at_point(&anchor.own, &self.coarse.table, point, Gains::of(gains), single, a);
+        let mut distances: Vec<_> = distances.collect();
+        distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let is_wanted = |lambda: Complex<f64>, beyond: f64| {
+            lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && self.rectangle.contains(lambda, beyond)
+        };
+        if let Some(gain) = shared(gains) {
+            let expanded = distances.iter().filter_map(|(_, anchor)| Some((*anchor, anchor.expansion.as_ref()?)));
+            for (anchor, expansion) in expanded.take(MOST_TRIES) {
+                if let Ok(found) = self.by_discs((anchor, expansion), gain, gains, &is_wanted, memory) {
+                    return Ok(found);
+                }
+            }
         }
-        let guesses = anchor.guesses(coarse, small);
-        // As far as a guess was moved it may be wrong.
-        let may_be = |lambda: Complex<f64>, moved: f64| {
-            let beyond = moved + COARSE_ERROR * lambda.norm();
-            lambda.re >= -part * lambda.norm() - beyond && self.rectangle.contains(lambda, beyond)
-        };
-        let likely: Vec<usize> = (0..guesses.len()).filter(|&i| may_be(guesses[i].lambda, guesses[i].moved)).collect();
-        let mut zeros: Vec<Complex<f64>> = guesses.iter().map(|guess| guess.lambda).collect();
-        self.correct(&mut zeros, &likely, memory)?;
-        let mut wanted = self.wanted(&mut zeros, &may_be, memory)?;
-        wanted.retain(|&i| may_be(zeros[i], 0.0));
-        let mut finished = |i: usize| {
-            self.factor_coarse(zeros[i], memory);
-            let Memory { single, small, refinement, corrections, .. } = memory;
-            let factors = Factors { number: zeros[i], matrix: small, elimination: &single.elimination };
-            let (found, rounds) = refinement.refined(self.ports, self.own, gains, anchor, factors, i);
-            *corrections += rounds;
-            // The other: not the mode that was counted.
-            let is_same = |(lambda, _): &Pair| (lambda - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
-            found.filter(is_same).ok_or(Open::NotConverged)
-        };
-        let mut found = wanted.into_iter().map(&mut finished).collect::<Result<Vec<_>, Open>>()?;
-        let is_other = |(a, b): (&Pair, &Pair)| (a.0 - b.0).norm() > SAME * a.0.norm();
-        if !(1..found.len()).all(|next| found[..next].iter().all(|before| is_other((before, &found[next])))) {
-            return Err(Open::NotConverged);
-        }
-        found.retain(|(lambda, _)| self.rectangle.contains(*lambda, 0.0) && lambda.re >= -part * lambda.norm());
-        Ok(found)
+        let (_, nearest) = distances.first().ok_or(Open::NoAnchor)?;
+        self.by_guesses(nearest, gains, &is_wanted, memory)
     }
 
-    /// `det(lambda - A(lambda)) / prod_j (lambda - z_j)` at one of the z_j without its factor.
-    fn lacking(&self, at: usize, zeros: &[Complex<f64>], memory: &mut Memory) -> Complex<f64> {
-        let lambda = zeros[at];
-        self.factor_coarse(lambda, memory);
-        // Factor by factor, so that no product of many large numbers overflows.
-        let factors = memory.single.elimination.pivots.iter().zip(zeros).enumerate();
-        let factor = |(j, (&pivot, zero)): (usize, (&Complex<f32>, &Complex<f64>))| {
-            let pivot: Complex<f64> = cast(pivot);
-            if at == j { pivot } else { pivot / (lambda - zero) }
-        };
-        factors.map(factor).product()
-    }
-
-    /// Factors of `lambda - A` by the coarse points, in `memory.small`.
-    fn factor_coarse(&self, lambda: Complex<f64>, memory: &mut Memory) {
-        let Memory { single, coarse, small, weights, .. } = memory;
-        self.coarse.table.weights_at(lambda, weights);
-        let weights: Vec<Complex<f32>> = weights.iter().map(|&weight| cast(-weight)).collect();
-        combine(&weights, coarse, small);
-        eigenvalue::factor(small, cast(lambda), &mut single.elimination, self.ports.near());
-    }
-
-    /// Which of the guesses are wanted, where all are told apart and counted. All zeros are in discs around the guesses, and as many in
-    /// overlapping ones as these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc
-    /// leaves it open, the guess is corrected by what it lacks, all of these at once, which converges quadratically.
-    fn wanted(
+    /// Modes that are wanted, by discs around those of known gains; all ports have one gain.
+    fn by_discs(
         &self,
-        zeros: &mut [Complex<f64>],
-        may_be: &dyn Fn(Complex<f64>, f64) -> bool,
+        (anchor, expansion): (&Anchor, &Expansion),
+        gain: &ChannelGain,
+        gains: &[ChannelGain],
+        is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
         memory: &mut Memory,
-    ) -> Result<Vec<usize>, Open> {
-        for _ in 0..MOST_SEARCHES {
-            let Memory { coarse, lanes, .. } = memory;
-            let Coarse { table, around, .. } = self.coarse;
-            let Lacking { at_zeros, around } = lanes.lacking(table, coarse, zeros, around);
-            let (mut wanted, mut is_settled) = (Vec::new(), true);
-            for (i, lacking) in at_zeros.into_iter().enumerate() {
-                let size = lacking.norm();
-                if !size.is_finite() {
-                    return Err(Open::NotConverged);
-                }
-                if !may_be(zeros[i], zeros.len() as f64 * size) {
-                    continue;
-                }
-                if size <= GUESSED * zeros[i].norm() {
-                    wanted.push(i);
-                } else {
-                    zeros[i] -= lacking;
-                    is_settled = false;
-                }
-            }
-            if is_settled {
-                return if is_counted(&around) { Ok(wanted) } else { Err(Open::NotCounted) };
+    ) -> Result<Vec<Pair>, Open> {
+        let unions = memory.discs.wanted(expansion, gain, is_wanted).ok_or(Open::NotClear)?;
+        let mut found = Vec::new();
+        for union in unions {
+            for &mode in &union {
+                let vector = memory.discs.vectors.of(mode, &anchor.vectors);
+                let start = Start { guess: memory.discs.centers[mode], vector, drift: expansion.drift[mode].0 };
+                let pair = self.refined(gains, start, memory)?;
+                // Another one is not the mode that the disc has.
+                found.push(
+                    Some(pair).filter(|(lambda, _)| memory.discs.hold(&union, *lambda)).ok_or(Open::NotConverged)?,
+                );
             }
         }
-        Err(Open::NotConverged)
+        all_of(found, is_wanted)
     }
 
-    /// Corrects some of the guesses: by what the polynomial with all of them as zeros lacks there (Weierstrass), then by the secant
-    /// method, so that the errors of others do not slow it down.
-    fn correct(&self, zeros: &mut [Complex<f64>], wanted: &[usize], memory: &mut Memory) -> Result<(), Open> {
-        let mut open: Vec<(usize, Option<Missed>)> = wanted.iter().map(|&i| (i, None)).collect();
-        for _ in 0..MOST_CORRECTIONS {
-            if open.is_empty() {
-                return Ok(());
-            }
-            let lacking = open.iter().map(|&(i, _)| self.lacking(i, zeros, memory));
-            let lacking: Vec<Complex<f64>> = lacking.collect();
-            memory.corrections += lacking.len() as u64;
-            let mut next = Vec::with_capacity(open.len());
-            for ((i, before), lacking) in open.into_iter().zip(lacking) {
-                let (here, miss) = (zeros[i], -lacking);
-                zeros[i] = secant(before, (here, miss));
-                let step = (zeros[i] - here).norm();
-                if !step.is_finite() {
-                    return Err(Open::NotConverged);
-                }
-                if step > GUESSED * here.norm() {
-                    next.push((i, Some((here, miss))));
-                }
-            }
-            open = next;
-        }
-        Err(Open::NotConverged)
+    /// A mode with its last digits.
+    pub fn refined(&self, gains: &[ChannelGain], start: Start, memory: &mut Memory) -> Result<Pair, Open> {
+        let Self { ports, own, added, .. } = self;
+        let (found, rounds) = memory.refinement.refined(&Sample { ports, own, added, gains }, start);
+        memory.corrections += rounds;
+        found.ok_or(Open::NotConverged)
     }
 }
 
-/// Whether on a line around the band the characteristic function is so near to the polynomial with some zeros that both have as many within:
-/// so none is missing, and none is there twice.
-fn is_counted(around: &[Complex<f64>]) -> bool {
-    around.iter().all(|ratio| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0))
+/// The modes found that are wanted; none of them may have been found twice.
+pub(super) fn all_of(mut found: Vec<Pair>, is_wanted: &dyn Fn(Complex<f64>, f64) -> bool) -> Result<Vec<Pair>, Open> {
+    let is_other = |(a, b): (&Pair, &Pair)| (a.0 - b.0).norm() > SAME * a.0.norm();
+    if !(1..found.len()).all(|next| found[..next].iter().all(|before| is_other((before, &found[next])))) {
+        return Err(Open::NotConverged);
+    }
+    found.retain(|(lambda, _)| is_wanted(*lambda, 0.0));
+    Ok(found)
 }

@@ -50,6 +50,24 @@ impl Table {
         let Self { points, weights, values } = self;
         Table { points, weights, values: values.iter().map(|parts| parts.each_ref().map(Rows::single)).collect() }
     }
+
+    /// The matrices at the first point, and what those at all points differ by from these.
+    pub fn differences(&self) -> Differences {
+        let first = self.values[0].clone();
+        let apart = |parts: &[Rows; 2]| [0, 1].map(|part| parts[part].minus(&first[part]));
+        let Self { points, weights, values } = self;
+        let values = values.iter().map(apart).collect();
+        let table = Self { points: points.clone(), weights: weights.clone(), values }.single();
+        Differences { first, table }
+    }
+}
+
+/// A table of what the matrices differ by from those at its first point: where F changes little over the band, single precision holds that as
+/// well as double precision holds F.
+#[derive(Debug, Clone)]
+pub(super) struct Differences {
+    pub first: [Rows; 2],
+    pub table: Table<f32>,
 }
 
 /// F at the points where it is known.

@@ -7,6 +7,12 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use num_complex::Complex;
 
 use super::FrictionModes;
+use super::anchor::spread;
+use super::coupling::{self, Gains, Scratch, pull};
+use super::discs::Discs;
+use super::expansion::{Factors, TERMS};
+use super::real::cast;
+use super::rows::Rows;
 use crate::reduction::{Options, Reduced};
 use crate::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
@@ -52,18 +58,32 @@ fn point(at: usize) -> OperatingPoint {
     OperatingPoint { coefficients: vec![1.0, 2.0], channels: (0..3).map(gain).collect() }
 }
 
-fn modes(reduced: &Reduced) -> FrictionModes {
+/// The same gains in all channels.
+fn shared_point(at: usize) -> OperatingPoint {
+    let mut point = point(at);
+    let gain = ChannelGain { mu: 0.3 * point.channels[0].mu, ..point.channels[0] };
+    point.channels.fill(gain);
+    point
+}
+
+fn modes(reduced: &Reduced, point: fn(usize) -> OperatingPoint) -> FrictionModes {
     let points: Vec<OperatingPoint> = (100..112).map(point).collect();
     FrictionModes::new(reduced, &points, &[0, 1, 2]).unwrap().unwrap()
 }
 
 #[test]
 fn growing_modes_are_those_of_whole_spectra() {
+    let grown = [point, shared_point].map(compared_with_whole_spectra);
+    assert!(grown[0] > 50 && grown[1] > 20, "{grown:?}");
+}
+
+/// How many growing modes there were.
+fn compared_with_whole_spectra(of: fn(usize) -> OperatingPoint) -> usize {
     let (reduced, mut followed, mut grown) = (reduced(), 0, 0);
-    let modes = modes(&reduced);
+    let modes = modes(&reduced, of);
     let mut search = modes.search();
     for at in 0..99 {
-        let point = point(at);
+        let point = of(at);
         let assembled = reduced.system().assemble(&point).unwrap();
         let all = QrSolver.eigenvalues(&assembled, &mut Workspace::default()).unwrap().eigenvalues;
         let expected: Vec<_> = all.into_iter().filter(|l| rectangle().contains(*l, 0.0) && l.re >= 0.0).collect();
@@ -81,13 +101,83 @@ fn growing_modes_are_those_of_whole_spectra() {
         }
         followed += usize::from(search.memory.corrections > 0);
     }
-    assert!(grown > 50 && followed > 90, "{grown} {followed}");
+    assert!(followed > 40, "{followed}");
+    grown
+}
+
+#[test]
+fn a_is_its_polynomial_around_known_gains_up_to_what_that_says() {
+    let modes = modes(&reduced(), shared_point);
+    let (p, mut checked) = (modes.ports.near(), 0);
+    let (mut scratch, mut a) = (Scratch::new(&modes.ports), Rows::zeros(p, p));
+    let (mut at, ones) = (Rows::zeros(2, p), Rows::from_fn(1, p, |_, _| Complex::from(1.0)));
+    for (anchor, expansion) in modes.anchors.iter().filter_map(|anchor| Some((anchor, anchor.expansion.as_ref()?))) {
+        let vectors = DMatrix::from_fn(p, p, |row, mode| cast::<f32, f64>(anchor.vectors.at(mode, row)));
+        let inverse = vectors.clone().try_inverse().unwrap();
+        for (mu, slope) in [(0.0, 0.0), (0.04, 0.0), (-0.02, 0.01), (0.1, -0.02)] {
+            let known = expansion.gain;
+            let gain = ChannelGain { mu: known.mu + mu, slope: known.slope + slope, ..known };
+            for (mode, known) in expansion.lambdas.iter().enumerate() {
+                let lambda = known * Complex::new(1.001, 0.002);
+                coupling::at(&modes.own, &modes.ports.fine, lambda, Gains::of(&[gain; 3]), &mut scratch, &mut a);
+                let exact = &inverse * DMatrix::from_fn(p, p, |i, j| a.at(i, j)) * vectors.column(mode);
+                (0..p).for_each(|i| at.set(0, i, cast(lambda)));
+                (0..p).for_each(|i| at.set(1, i, cast(pull(&gain, lambda).1)));
+                let mut factors = Factors::new(p);
+                expansion.factors(gain.mu, &at, ones.row(0), &mut factors);
+                let mut apart = exact;
+                apart[mode] -= known;
+                for k in 0..TERMS {
+                    let (row, factor) = (k * p + mode, factors.values.at(0, k * p + mode));
+                    (0..p).for_each(|i| apart[i] -= cast::<f32, f64>(factor * expansion.terms.at(row, i)));
+                }
+                let sum: f64 = apart.iter().map(|entry| entry.norm()).sum();
+                assert!(
+                    sum <= f64::from(factors.missed[mode]) + 1e-5 * known.norm(),
+                    "{mode} {mu} {slope}: {sum} {factors:?}"
+                );
+                checked += usize::from(factors.missed[mode].is_finite());
+            }
+        }
+    }
+    assert!(checked > 100, "{checked}");
+}
+
+#[test]
+fn unions_of_discs_hold_as_many_eigenvalues_as_they_have_discs() {
+    let reduced = reduced();
+    let modes = modes(&reduced, shared_point);
+    let (mut discs, mut clear) = (Discs::new(&modes.ports), 0);
+    for at in 0..99 {
+        let point = shared_point(at);
+        let assembled = reduced.system().assemble(&point).unwrap();
+        let all = QrSolver.eigenvalues(&assembled, &mut Workspace::default()).unwrap().eigenvalues;
+        for expansion in modes.anchors.iter().filter_map(|anchor| anchor.expansion.as_ref()) {
+            let is_wanted = |lambda: Complex<f64>, beyond: f64| rectangle().contains(lambda, beyond);
+            let Some(unions) = discs.wanted(expansion, &point.channels[0], &is_wanted) else { continue };
+            let within = |union: &Vec<usize>| all.iter().filter(|lambda| discs.hold(union, **lambda)).count();
+            assert!(unions.iter().all(|union| within(union) == union.len()), "{at} {unions:?}");
+            let is_held = |lambda: &Complex<f64>| unions.iter().any(|union| discs.hold(union, *lambda));
+            assert!(all.iter().filter(|lambda| rectangle().contains(**lambda, 0.0)).all(is_held), "{at}");
+            clear += 1;
+        }
+    }
+    assert!(clear > 100, "{clear}");
+}
+
+#[test]
+fn known_gains_are_spread_over_all_that_there_are() {
+    let modes = modes(&reduced(), shared_point);
+    let gains = |mu: f64| vec![ChannelGain { mu, ..ChannelGain::default() }; 3];
+    let all: Vec<_> = [0.5, 0.51, 0.95, 0.52, 0.1, 0.49].map(gains).into();
+    let chosen = spread(&modes.ports, all, 3);
+    assert_eq!(chosen, [0.5, 0.95, 0.1].map(gains));
 }
 
 #[test]
 fn eigenvalues_on_a_path_are_those_of_the_straight_line_between_the_systems() {
     let reduced = reduced();
-    let (modes, system) = (modes(&reduced), reduced.system());
+    let (modes, system) = (modes(&reduced, point), reduced.system());
     for (from, to) in [(0, 3), (1, 4), (2, 5), (0, 5), (4, 2)] {
         let (from, to) = (point(from), point(to));
         let path = modes.path(&from, &to).unwrap();
@@ -120,7 +210,7 @@ fn eigenvalues_on_a_path_are_those_of_the_straight_line_between_the_systems() {
 #[test]
 fn points_that_differ_in_more_than_friction_have_no_path() {
     let reduced = reduced();
-    let (modes, here) = (modes(&reduced), point(1));
+    let (modes, here) = (modes(&reduced, point), point(1));
     let mut other = here.clone();
     other.coefficients[0] = 3.0;
     assert!(modes.path(&here, &other).is_none());

@@ -37,7 +37,7 @@ const MOST_COLUMNS: usize = 600;
 const MOST_ANCHORS: usize = 12;
 const ANCHORS_BESIDE_FRICTION: usize = 4;
 /// Points from where growing modes are guessed there; chosen.
-const GUESSED_FROM: u64 = 24;
+const GUESSED_FROM: u64 = 240;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
