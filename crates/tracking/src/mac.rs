@@ -75,25 +75,36 @@ pub(crate) fn match_weighted(old: &[Mode], weighted: &[DVector<Complex<f64>>], n
             let Some(best) = to[i] else {
                 return Match { to: None, rivals: Vec::new() };
             };
-            let distance = |j: usize| (new[j].lambda - old[i].lambda).norm();
-            let rivals = (0..new.len()).filter(|&j| {
-                let near = mac[(i, j)] > mac[(i, best)] - RIVAL_MAC_MARGIN || mac[(i, best)] < LEAST_CLEAR_MAC;
-                j != best
-                    && near
-                    && mac[(i, j)] > 1.0 - LEAST_CLEAR_MAC
-                    && distance(j) < RIVAL_DISTANCE_RATIO * distance(best)
-            });
-            let mut rivals: Vec<_> = rivals.collect();
-            if rivals.is_empty() && mac[(i, best)] < LEAST_CLEAR_MAC / 2.0 {
-                // No new mode has a similar shape: the modes with the nearest eigenvalues are rivals, at least the assigned one.
-                rivals = (0..new.len()).filter(|&j| j != best && distance(j) < 2.0 * distance(best)).collect();
-                if rivals.is_empty() {
-                    rivals.push(best);
-                }
-            }
+            let likeness: Vec<f64> = mac.row(i).iter().copied().collect();
+            let rivals = rivals(&likeness, best, |j| (new[j].lambda - old[i].lambda).norm());
             Match { to: Some(best), rivals }
         })
         .collect()
+}
+
+/// Which of some modes one mode clearly is, by its MAC with each of them and the distance of its eigenvalue from theirs, by the rule of
+/// [`clear_matches`]; `None` where that is in doubt.
+#[must_use]
+pub fn clear_likeness(mac: &[f64], distance: impl Fn(usize) -> f64) -> Option<usize> {
+    let best = (0..mac.len()).max_by(|&a, &b| mac[a].total_cmp(&mac[b])).filter(|&best| mac[best].is_finite())?;
+    rivals(mac, best, distance).is_empty().then_some(best)
+}
+
+/// The modes that a mode may be beside the best one, by its MAC with each and the distance of its eigenvalue from theirs.
+fn rivals(mac: &[f64], best: usize, distance: impl Fn(usize) -> f64) -> Vec<usize> {
+    let rivals = (0..mac.len()).filter(|&j| {
+        let near = mac[j] > mac[best] - RIVAL_MAC_MARGIN || mac[best] < LEAST_CLEAR_MAC;
+        j != best && near && mac[j] > 1.0 - LEAST_CLEAR_MAC && distance(j) < RIVAL_DISTANCE_RATIO * distance(best)
+    });
+    let mut rivals: Vec<_> = rivals.collect();
+    if rivals.is_empty() && mac[best] < LEAST_CLEAR_MAC / 2.0 {
+        // No mode has a similar shape: those with the nearest eigenvalues are rivals, at least the best one.
+        rivals = (0..mac.len()).filter(|&j| j != best && distance(j) < 2.0 * distance(best)).collect();
+        if rivals.is_empty() {
+            rivals.push(best);
+        }
+    }
+    rivals
 }
 
 fn assign(mac: &DMatrix<f64>) -> Vec<Option<usize>> {

@@ -1,14 +1,16 @@
-//! The modes of a brake that finds them itself, with their names: by likeness to those of the reference, and followed to these only where
-//! that is in doubt, so that most samples need no matrices.
+//! The modes of a brake that finds them itself, with their names: by likeness to those of the reference; where one is in doubt, by likeness
+//! to modes at known points near by, which are followed to the reference once for all samples; and followed there themselves only where
+//! that is in doubt too. So most samples need no matrices.
 
 use cea::{EigenSolver, Mode, Modes, Workspace};
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use tracking::{OwnedPath, Path, PathEnd, PathStart, clear_matches};
 
+use super::known_names::KnownNames;
 use super::memory::{Memory, timed};
 use super::sector_modes::{SectorModes, UnstableSectorMode};
-use super::{BandMode, ModeIdentity, ModeLabel, Plan, Reference};
+use super::{BandMode, KnownMode, ModeIdentity, ModeLabel, Plan, Reference};
 use crate::Error;
 
 /// What the modes of a scene are named by.
@@ -16,6 +18,8 @@ pub(super) struct BandNames<'a> {
     pub solver: &'a dyn EigenSolver,
     pub plan: &'a Plan,
     pub reference: &'a Reference,
+    /// The names of modes at known points.
+    pub known: &'a KnownNames,
     /// Whether modes are named by likeness to those of the origin too.
     pub likeness_too: bool,
 }
@@ -38,6 +42,7 @@ impl<'a> BandNames<'a> {
         found: Vec<BandMode>,
         mass: &DMatrix<f64>,
         start: impl FnOnce() -> Result<BandStart<'a>, Error>,
+        from_known: impl Fn(&KnownMode) -> Option<Box<dyn OwnedPath + 'a>>,
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
@@ -48,7 +53,8 @@ impl<'a> BandNames<'a> {
         let mode = |&at: &usize| Mode::normalised(mass, studied[at].lambda, studied[at].shape.clone());
         let modes: Vec<Mode> = unstable.iter().map(mode).collect();
         let Memory { work, spent, .. } = memory;
-        let names = timed(&mut spent.names, || self.names(&modes, mass, start, work))?;
+        let like: Vec<Option<KnownMode>> = unstable.iter().map(|&at| studied[at].like).collect();
+        let names = timed(&mut spent.names, || self.names(&modes, &like, mass, start, from_known, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
         let named = unstable.iter().zip(modes).zip(names);
@@ -62,23 +68,62 @@ impl<'a> BandNames<'a> {
         Ok(SectorModes { modes, unstable, undecided })
     }
 
-    /// The names of some modes of a system.
+    /// The names of some modes of a system, of which some look like known ones.
     fn names(
         &self,
         modes: &[Mode],
+        like: &[Option<KnownMode>],
         mass: &DMatrix<f64>,
         start: impl FnOnce() -> Result<BandStart<'a>, Error>,
+        from_known: impl Fn(&KnownMode) -> Option<Box<dyn OwnedPath + 'a>>,
         work: &mut Workspace,
     ) -> Result<Vec<Vec<ModeLabel>>, Error> {
         if self.plan.mode_identity == ModeIdentity::Mac {
             return Ok(self.reference.names_by_likeness(modes).unwrap_or_default());
         }
-        let known = self.reference;
-        let clear: Option<Vec<usize>> = clear_matches(modes, &known.modes, mass).into_iter().collect();
+        let clear: Option<Vec<usize>> = clear_matches(modes, &self.reference.modes, mass).into_iter().collect();
         if let Some(clear) = clear {
-            return Ok(clear.into_iter().map(|to| known.names_of([to])).collect());
+            return Ok(clear.into_iter().map(|to| self.reference.names_of([to])).collect());
         }
-        let (start, end) = (start()?, PathEnd { system: &known.system, modes: &known.modes });
+        let mut by_known = |like: &Option<KnownMode>| match like {
+            Some(known) => self.known_names(known, mass, &from_known, work),
+            None => Ok(None),
+        };
+        let names = like.iter().map(&mut by_known).collect::<Result<Vec<_>, Error>>()?;
+        let open = modes.iter().zip(&names).filter(|(_, names)| names.is_none());
+        let open: Vec<Mode> = open.map(|(mode, _)| mode.clone()).collect();
+        let followed = if open.is_empty() { Vec::new() } else { self.followed(&open, mass, start()?, work)? };
+        let mut followed = followed.into_iter();
+        Ok(names.into_iter().map(|names| names.or_else(|| followed.next()).unwrap_or_default()).collect())
+    }
+
+    /// The names of a mode at a known point, followed to the reference once for all samples; `None` where the brake cannot follow it.
+    fn known_names(
+        &self,
+        known: &KnownMode,
+        mass: &DMatrix<f64>,
+        path: &impl Fn(&KnownMode) -> Option<Box<dyn OwnedPath + 'a>>,
+        work: &mut Workspace,
+    ) -> Result<Option<Vec<ModeLabel>>, Error> {
+        self.known.of(known, || {
+            let Some(path) = path(known) else { return Ok(None) };
+            let Some((step, shape)) = path.correct(0.0, known.lambda) else { return Ok(None) };
+            let mode = Mode::normalised(mass, step.lambda, shape);
+            let names = self.followed(&[mode], mass, BandStart::Owned(path), work)?;
+            Ok(Some(names.concat()))
+        })
+    }
+
+    /// The names of some modes of a system, followed from there to the reference.
+    fn followed(
+        &self,
+        modes: &[Mode],
+        mass: &DMatrix<f64>,
+        start: BandStart<'a>,
+        work: &mut Workspace,
+    ) -> Result<Vec<Vec<ModeLabel>>, Error> {
+        let known = self.reference;
+        let end = PathEnd { system: &known.system, modes: &known.modes };
         let start = match &start {
             BandStart::System(system) => PathStart::System(system),
             BandStart::Owned(path) => PathStart::Owned(mass, path.as_ref()),

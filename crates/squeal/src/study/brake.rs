@@ -61,6 +61,17 @@ pub struct FullChecks {
     pub largest_distance: f64,
 }
 
+/// A mode at a point where a brake knows its modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownMode {
+    /// Which of the known points of a scene, from 0: [`UncertainBrake::known_point`].
+    pub point: usize,
+    /// Which of the modes there, from 0.
+    pub mode: usize,
+    /// Its eigenvalue, rad/s.
+    pub lambda: Complex<f64>,
+}
+
 /// A mode that a brake finds itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandMode {
@@ -72,6 +83,8 @@ pub struct BandMode {
     pub bound: f64,
     /// The residual in the system that the brake is a reduction of; `None` of a brake that is none.
     pub residual: Option<ModeResidual>,
+    /// The mode at a known point near by that it clearly looks like; `None` where there is none.
+    pub like: Option<KnownMode>,
 }
 
 /// An eigenvalue of the brake that another one is a reduction of.
@@ -259,6 +272,11 @@ pub trait UncertainBrake: Sync {
     /// The path between two operating points of a scene, of a brake that evaluates it in a cheaper way than by matrices. Such a brake has one
     /// sector.
     fn path(&self, _scene: &Scene, _from: &OperatingPoint, _to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
+        None
+    }
+
+    /// A point at which the brake knows the modes of a scene, from which samples near by may have their names.
+    fn known_point(&self, _scene: &Scene, _point: usize) -> Option<OperatingPoint> {
         None
     }
 

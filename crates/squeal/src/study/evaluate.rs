@@ -13,12 +13,13 @@ use work::ModeWork;
 use super::band::{BandNames, BandStart};
 use super::certificate::{Certificate, certificates};
 use super::cost::Cost;
+use super::known_names::KnownNames;
 use super::memory::{Scratch, timed};
 use super::net_work::work_with;
 use super::reference::{Bridges, Reference, References, SectoredReference, references};
 use super::sector_modes::{SectorEquation, SectorModes, SectorSolver, SecularAnswer, UnstableSectorMode};
 use super::secular_equations::{SecularEquations, anchors, equations, growing_modes};
-use super::{BandMode, ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
+use super::{BandMode, KnownMode, ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
 use crate::Error;
 
 /// The result of one complex eigenvalue analysis (CEA) of a study.
@@ -82,6 +83,8 @@ pub struct Study<'a, B: UncertainBrake> {
     equations: Vec<SecularEquations>,
     /// By scene and sector.
     anchors: Vec<Vec<Option<Anchors>>>,
+    /// By scene, of a brake that finds its modes itself.
+    known_names: Vec<KnownNames>,
     /// By scene: where its reference modes were computed.
     reference_points: Vec<OperatingPoint>,
     /// By scene: the gain there.
@@ -158,6 +161,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             certificates,
             equations,
             anchors,
+            known_names: plan.scenes.iter().map(|_| KnownNames::default()).collect(),
             reference_points: points,
             reference_gains,
             options,
@@ -237,6 +241,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             solver: self.solver,
             plan: self.plan(),
             reference: &self.references[scene],
+            known: &self.known_names[scene],
             likeness_too: self.options.likeness_too,
         };
         let reference = &self.reference_points[scene];
@@ -253,7 +258,10 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
                 Some(path) => Ok(BandStart::Owned(path)),
                 None => Ok(BandStart::System(Box::new(model.assemble(at)?))),
             };
-            let modes = names.sector_modes(found, &mass, start, memory)?;
+            let from_known = |known: &KnownMode| {
+                self.brake.path(of_scene, &self.brake.known_point(of_scene, known.point)?, reference)
+            };
+            let modes = names.sector_modes(found, &mass, start, from_known, memory)?;
             timed(&mut memory.spent.outcomes, || self.outcome(scene, at, &[modes]))
         };
         points.iter().zip(found).map(outcome).collect()

@@ -14,6 +14,7 @@ mod comparison;
 mod cost;
 mod evaluate;
 mod kept_samples;
+mod known_names;
 mod memory;
 mod mode_label;
 mod named_shapes;
@@ -27,7 +28,7 @@ mod set_links;
 mod tally;
 
 pub use brake::{
-    BandMode, Bridge, Direction, FullChecks, Input, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
+    BandMode, Bridge, Direction, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
     UncertainBrake, WholeContact, WholeEigenvalue,
 };
 pub use certificate::Certificate;

@@ -32,7 +32,8 @@ const WEAK: f64 = 1e-4;
 /// Gains at which the near modes are known.
 #[derive(Debug, Clone)]
 pub(super) struct Anchor {
-    /// Of the gains in the middle of the band.
+    gains: Vec<ChannelGain>,
+    /// Of these gains in the middle of the band.
     pulls: Vec<Pull>,
     /// What A is made of with the vectors of these modes as coordinates, in which it is nearly diagonal.
     pub own: Coupled<f32>,
@@ -93,7 +94,12 @@ impl Anchor {
         let expansion = shared(&gains).and_then(|gain| Expansion::new(ports, gain, lambdas, &vectors, &inverse));
         let own = Coupled::new(ports, &vectors, &inverse).single();
         let vectors = Rows::of(&vectors.transpose()).single();
-        Ok(Some(Self { pulls, own, vectors, weights, expansion }))
+        Ok(Some(Self { gains, pulls, own, vectors, weights, expansion }))
+    }
+
+    /// These gains, and the eigenvalues under them where they are expanded around.
+    pub fn known(&self) -> (&[ChannelGain], &[Complex<f64>]) {
+        (&self.gains, self.expansion.as_ref().map_or(&[], |expansion| &expansion.lambdas))
     }
 
     /// The square of how far gains are.

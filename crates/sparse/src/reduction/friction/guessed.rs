@@ -11,7 +11,7 @@ use super::coupling::{self, Gains, combine};
 use super::eigenvalue;
 use super::real::cast;
 use super::refinement::{Pair, Start};
-use super::search::{Memory, Open, Search, all_of};
+use super::search::{Found, Memory, Open, Search, all_of};
 use super::secant::{Missed, secant};
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad they err by some millionths, a few by 1e-4.
@@ -34,7 +34,7 @@ impl Search<'_> {
         gains: &[ChannelGain],
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
         memory: &mut Memory,
-    ) -> Result<Vec<Pair>, Open> {
+    ) -> Result<Vec<Found>, Open> {
         let Memory { coarse, single, small, .. } = memory;
         for (point, a) in coarse.iter_mut().enumerate() {
             coupling::at_point(&anchor.own, &self.coarse.table, point, Gains::of(gains), single, a);
@@ -52,7 +52,8 @@ impl Search<'_> {
             let pair = self.refined(gains, Start { guess: zeros[i], vector, drift: Complex::default() }, memory)?;
             // Another one is not the mode that was counted.
             let is_same = |(lambda, _): &Pair| (lambda - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
-            Some(pair).filter(is_same).ok_or(Open::NotConverged)
+            let pair = Some(pair).filter(is_same).ok_or(Open::NotConverged)?;
+            Ok(Found { pair, likeness: None })
         };
         all_of(wanted.into_iter().map(&mut finished).collect::<Result<_, Open>>()?, is_wanted)
     }

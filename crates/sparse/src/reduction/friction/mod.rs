@@ -32,13 +32,14 @@ use linsys::{ChannelGain, OperatingPoint};
 use num_complex::Complex;
 
 pub use self::path::{FrictionPath, OnFrictionPath};
+pub use self::search::Likeness;
 
 use self::anchor::Anchor;
 use self::coarse::Coarse;
 use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::Residuals;
-use self::search::{Memory, Search};
+use self::search::{Found, Memory, Search};
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
 
@@ -103,6 +104,12 @@ impl FrictionModes {
         FrictionSearch { modes: self, memory: Memory::new(&self.ports, &self.coarse), gains: Vec::new() }
     }
 
+    /// The points at which modes are known, by the friction of the channels, with their eigenvalues, rad/s; those next to which A is no
+    /// polynomial have none.
+    pub fn known_points(&self) -> impl ExactSizeIterator<Item = (&[ChannelGain], &[Complex<f64>])> {
+        self.anchors.iter().map(Anchor::known)
+    }
+
     /// Whether a point differs from the known ones in the friction of the channels alone.
     fn is_of(&self, point: &OperatingPoint) -> bool {
         let is_open = |(channel, gain): (usize, &ChannelGain)| {
@@ -113,8 +120,9 @@ impl FrictionModes {
 }
 
 impl FrictionSearch<'_> {
-    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals. The brake is the
-    /// one that the modes were made of; a point of another structure goes the way of [`Reduced::modes_among`] as a whole.
+    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals, and how like each is
+    /// to those at a known point, where it was found from there. The brake is the one that the modes were made of; a point of another
+    /// structure goes the way of [`Reduced::modes_among`] as a whole.
     ///
     /// # Errors
     /// As [`Reduced::modes`].
@@ -124,20 +132,26 @@ impl FrictionSearch<'_> {
         point: &OperatingPoint,
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<ReducedModes, SparseError> {
+    ) -> Result<(ReducedModes, Vec<Option<Likeness>>), SparseError> {
         let FrictionModes { channels, ports, coarse, own, added, anchors, residuals, .. } = self.modes;
+        let another_way = || {
+            let modes = reduced.modes_among(point, is_wanted)?;
+            let likenesses = vec![None; modes.lambdas.len()];
+            Ok((modes, likenesses))
+        };
         if !self.modes.is_of(point) {
-            return reduced.modes_among(point, is_wanted);
+            return another_way();
         }
         self.gains.clear();
         self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
         let search = Search { ports, coarse, own, added, anchors, rectangle: reduced.rectangle() };
         let before = self.memory.corrections;
-        let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else {
-            return reduced.modes_among(point, is_wanted);
-        };
-        found.retain(|(lambda, _)| is_wanted(*lambda));
-        Ok(residuals.judged(reduced, point, found, self.memory.corrections - before))
+        let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else { return another_way() };
+        found.retain(|found| is_wanted(found.pair.0));
+        // The order in which they are judged.
+        found.sort_by(|a, b| cea::by_frequency(&a.pair.0, &b.pair.0));
+        let (pairs, likenesses) = found.into_iter().map(|Found { pair, likeness }| (pair, likeness)).unzip();
+        Ok((residuals.judged(reduced, point, pairs, self.memory.corrections - before), likenesses))
     }
 }
 

@@ -47,6 +47,8 @@ pub(super) struct Ports {
     pub moved: [Vec<f64>; 2],
     /// i omega in the middle of the band.
     pub middle: Complex<f64>,
+    /// M, k x k.
+    pub mass: DMatrix<f64>,
     /// What shapes are made of.
     pub shapes: Shapes,
     /// The same for paths.
@@ -118,6 +120,7 @@ impl Ports {
             path: path.single(),
             differences: fine.differences(),
             fine,
+            mass: structure.m.clone(),
             path_shapes: shapes.single(),
             shapes,
         };

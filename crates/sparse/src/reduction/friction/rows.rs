@@ -302,6 +302,14 @@ pub(super) fn add_rows<T: Real>(to: usize, factors: &[Complex<T>], rows: &Rows<T
     Arch::new().dispatch(AddRows { to, factors, rows, out });
 }
 
+/// The sum of multiples of the first rows of a matrix.
+pub(super) fn combined<T: Real>(factors: &[Complex<T>], rows: &Rows<T>) -> Vec<Complex<T>> {
+    let mut sum =
+        Rows { stride: rows.stride, re: vec![T::default(); rows.stride], im: vec![T::default(); rows.stride] };
+    add_rows(0, factors, rows, &mut sum);
+    (0..rows.rows()).map(|column| sum.at(0, column)).collect()
+}
+
 struct AddRows<'a, T> {
     to: usize,
     factors: &'a [Complex<T>],

@@ -8,16 +8,33 @@ use super::coarse::Coarse;
 use super::count::Lanes;
 use super::coupling::{Coupled, Pull, Scratch, pull};
 use super::discs::Discs;
-use super::expansion::Expansion;
 use super::ports::Ports;
 use super::refinement::{Pair, Refinement, Sample, Start};
-use super::rows::Rows;
+use super::rows::{Rows, combined};
 use crate::Rectangle;
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
 const MOST_TRIES: usize = 2;
 /// Relative distance up to which two eigenvalues with last digits are one; chosen.
 const SAME: f64 = 1e-8;
+
+/// How like a mode is to those at a known point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Likeness {
+    /// Which of the [`FrictionModes::known_points`](super::FrictionModes::known_points).
+    pub point: usize,
+    /// The modal assurance criterion (MAC) with each of the modes there, with the mass matrix as weight: to first order in what friction
+    /// adds.
+    pub mac: Vec<f64>,
+}
+
+/// A mode that was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub pair: Pair,
+    /// Where it was found from a known point.
+    pub likeness: Option<Likeness>,
+}
 
 /// Why a sample is left to another way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,46 +90,52 @@ pub(super) struct Search<'a> {
 
 impl Search<'_> {
     /// All modes in the rectangle with `Re lambda >= -part |lambda|`.
-    pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Pair>, Open> {
+    pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Found>, Open> {
         let pulls: Vec<Pull> = gains.iter().map(|gain| pull(gain, self.ports.middle)).collect();
-        let distances = self.anchors.iter().map(|anchor| (anchor.distance(self.ports, &pulls), anchor));
-        let mut distances: Vec<_> = distances.collect();
+        let distances = self.anchors.iter().map(|anchor| anchor.distance(self.ports, &pulls)).zip(0..);
+        let mut distances: Vec<(f64, usize)> = distances.collect();
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_wanted = |lambda: Complex<f64>, beyond: f64| {
             lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && self.rectangle.contains(lambda, beyond)
         };
         if let Some(gain) = shared(gains) {
-            let expanded = distances.iter().filter_map(|(_, anchor)| Some((*anchor, anchor.expansion.as_ref()?)));
-            for (anchor, expansion) in expanded.take(MOST_TRIES) {
-                if let Ok(found) = self.by_discs((anchor, expansion), gain, gains, &is_wanted, memory) {
+            let expanded = distances.iter().filter(|(_, at)| self.anchors[*at].expansion.is_some());
+            for &(_, at) in expanded.take(MOST_TRIES) {
+                if let Ok(found) = self.by_discs(at, gain, gains, &is_wanted, memory) {
                     return Ok(found);
                 }
             }
         }
-        let (_, nearest) = distances.first().ok_or(Open::NoAnchor)?;
-        self.by_guesses(nearest, gains, &is_wanted, memory)
+        let &(_, nearest) = distances.first().ok_or(Open::NoAnchor)?;
+        self.by_guesses(&self.anchors[nearest], gains, &is_wanted, memory)
     }
 
-    /// Modes that are wanted, by discs around those of known gains; all ports have one gain.
+    /// Modes that are wanted, by discs around those of an anchor; all ports have one gain.
     fn by_discs(
         &self,
-        (anchor, expansion): (&Anchor, &Expansion),
+        at: usize,
         gain: &ChannelGain,
         gains: &[ChannelGain],
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
         memory: &mut Memory,
-    ) -> Result<Vec<Pair>, Open> {
+    ) -> Result<Vec<Found>, Open> {
+        let Anchor { expansion: Some(expansion), vectors, .. } = &self.anchors[at] else { return Err(Open::NotClear) };
         let unions = memory.discs.wanted(expansion, gain, is_wanted).ok_or(Open::NotClear)?;
         let mut found = Vec::new();
         for union in unions {
             for &mode in &union {
-                let vector = memory.discs.vectors.of(mode, &anchor.vectors);
-                let start = Start { guess: memory.discs.centers[mode], vector, drift: expansion.drift[mode].0 };
+                let vector = memory.discs.vectors.of(mode);
+                let start = Start {
+                    guess: memory.discs.centers[mode],
+                    vector: combined(&vector, vectors),
+                    drift: expansion.drift[mode].0,
+                };
                 let pair = self.refined(gains, start, memory)?;
-                // Another one is not the mode that the disc has.
-                found.push(
-                    Some(pair).filter(|(lambda, _)| memory.discs.hold(&union, *lambda)).ok_or(Open::NotConverged)?,
-                );
+                if !memory.discs.hold(&union, pair.0) {
+                    // Not the mode that the disc has.
+                    return Err(Open::NotConverged);
+                }
+                found.push(Found { pair, likeness: Some(Likeness { point: at, mac: expansion.mac(&vector) }) });
             }
         }
         all_of(found, is_wanted)
@@ -128,11 +151,12 @@ impl Search<'_> {
 }
 
 /// The modes found that are wanted; none of them may have been found twice.
-pub(super) fn all_of(mut found: Vec<Pair>, is_wanted: &dyn Fn(Complex<f64>, f64) -> bool) -> Result<Vec<Pair>, Open> {
-    let is_other = |(a, b): (&Pair, &Pair)| (a.0 - b.0).norm() > SAME * a.0.norm();
+pub(super) fn all_of(mut found: Vec<Found>, is_wanted: &dyn Fn(Complex<f64>, f64) -> bool) -> Result<Vec<Found>, Open> {
+    let lambda = |found: &Found| found.pair.0;
+    let is_other = |(a, b): (&Found, &Found)| (lambda(a) - lambda(b)).norm() > SAME * lambda(a).norm();
     if !(1..found.len()).all(|next| found[..next].iter().all(|before| is_other((before, &found[next])))) {
         return Err(Open::NotConverged);
     }
-    found.retain(|(lambda, _)| is_wanted(*lambda, 0.0));
+    found.retain(|found| is_wanted(lambda(found), 0.0));
     Ok(found)
 }

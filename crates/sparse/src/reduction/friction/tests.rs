@@ -87,7 +87,8 @@ fn compared_with_whole_spectra(of: fn(usize) -> OperatingPoint) -> usize {
         let assembled = reduced.system().assemble(&point).unwrap();
         let all = QrSolver.eigenvalues(&assembled, &mut Workspace::default()).unwrap().eigenvalues;
         let expected: Vec<_> = all.into_iter().filter(|l| rectangle().contains(*l, 0.0) && l.re >= 0.0).collect();
-        let found = search.modes(&reduced, &point, 0.0, &|lambda| lambda.re >= 0.0).unwrap();
+        let (found, likenesses) = search.modes(&reduced, &point, 0.0, &|lambda| lambda.re >= 0.0).unwrap();
+        assert_eq!(likenesses.len(), found.lambdas.len());
         assert_eq!(found.lambdas.len(), expected.len(), "{at}: {:?} {expected:?}", found.lambdas);
         for (at, lambda) in found.lambdas.iter().enumerate() {
             assert!(expected.iter().any(|l| (l - lambda).norm() < 1e-9), "{at}: {lambda} {expected:?}");

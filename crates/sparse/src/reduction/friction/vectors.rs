@@ -36,15 +36,12 @@ impl Vectors {
         }
     }
 
-    /// The vector of a mode, where the known vectors are these rows.
-    pub fn of(&self, mode: usize, known: &Rows<f32>) -> Vec<Complex<f32>> {
-        let order = known.rows();
+    /// The vector of a mode.
+    pub fn of(&self, mode: usize) -> Vec<Complex<f32>> {
+        let order = self.rows.rows();
         match self.corrected.iter().position(|&corrected| corrected == mode) {
-            None => (0..order).map(|row| known.at(mode, row)).collect(),
-            Some(at) => {
-                let sum = |row| (0..order).map(|i| known.at(i, row) * self.rows.at(at, i)).sum();
-                (0..order).map(sum).collect()
-            }
+            None => (0..order).map(|i| Complex::from(if i == mode { 1.0 } else { 0.0 })).collect(),
+            Some(at) => (0..order).map(|i| self.rows.at(at, i)).collect(),
         }
     }
 

@@ -19,8 +19,8 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use sparse::reduction::{FrictionModes, Rung};
-use tracking::OwnedPath;
+use sparse::reduction::{FrictionModes, Likeness, Rung};
+use tracking::{OwnedPath, clear_likeness};
 
 use self::friction_path::FrictionalPath;
 use self::parameters::SceneOf;
@@ -29,8 +29,8 @@ use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
 use crate::study::{
-    BandMode, Bridge, Cost, FullChecks, Input, ModeResidual, NamedParameter, Place, Plan, Scene, UncertainBrake,
-    WholeContact, WholeEigenvalue,
+    BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
+    UncertainBrake, WholeContact, WholeEigenvalue,
 };
 use crate::sweep::Over;
 
@@ -301,22 +301,38 @@ impl UncertainBrake for FiniteElementBrake {
     fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
-        let mode = |((&lambda, shape), &value): ((&Complex<f64>, DVectorView<'_, Complex<f64>>), &f64)| {
+        let known: Vec<_> =
+            part.friction.iter().flat_map(FrictionModes::known_points).map(|(_, modes)| modes).collect();
+        let like = |lambda: Complex<f64>, Likeness { point, mac }: Likeness| {
+            let modes = known[point];
+            let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
+            Some(KnownMode { point, mode, lambda: modes[mode] })
+        };
+        let mode = |lambda: Complex<f64>, shape: DVectorView<'_, Complex<f64>>, value: f64, likeness| {
             // One that is no number is above too.
             let is_within = value <= self.case.reduction.residual;
             let residual = Some(ModeResidual { value, is_above: !is_within });
-            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual }
+            let like = Option::and_then(likeness, |likeness| like(lambda, likeness));
+            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
         };
         let mut search = part.friction.as_ref().map(FrictionModes::search);
         let found = |at: &OperatingPoint| {
             let at = self.full_point(scene, at);
-            let found = match &mut search {
+            let (found, likenesses) = match &mut search {
                 Some(search) => search.modes(&part.reduced, &at, error, &may_grow)?,
-                None => part.reduced.modes_among(&at, &may_grow)?,
+                None => (part.reduced.modes_among(&at, &may_grow)?, Vec::new()),
             };
-            Ok(found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).map(mode).collect())
+            let likenesses = likenesses.into_iter().chain(std::iter::repeat(None));
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).zip(likenesses);
+            Ok(each.map(|(((&lambda, shape), &value), likeness)| mode(lambda, shape, value, likeness)).collect())
         };
         at.iter().map(found).collect()
+    }
+
+    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
+        let (gains, _) = self.part(scene).friction.as_ref()?.known_points().nth(point)?;
+        let reference = self.operating_point(scene, &self.median()).ok()?;
+        Some(OperatingPoint { channels: gains.to_vec(), ..reference })
     }
 
     fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {

@@ -1,0 +1,34 @@
+//! The names of modes at known points of a scene, each followed once to the reference: samples near by take theirs from there.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use super::{KnownMode, ModeLabel};
+
+/// The names found so far, by known point and mode. Whoever finds one finds the same.
+#[derive(Debug, Default)]
+pub(super) struct KnownNames {
+    found: Mutex<HashMap<(usize, usize), Option<Vec<ModeLabel>>>>,
+}
+
+impl KnownNames {
+    /// The names of a mode, which are found where they are not known.
+    ///
+    /// # Errors
+    /// Those of finding them.
+    pub fn of<E>(
+        &self,
+        known: &KnownMode,
+        find: impl FnOnce() -> Result<Option<Vec<ModeLabel>>, E>,
+    ) -> Result<Option<Vec<ModeLabel>>, E> {
+        let key = (known.point, known.mode);
+        let at_hand = self.found.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        if let Some(names) = at_hand {
+            return Ok(names);
+        }
+        // Others may find names meanwhile, the same ones too.
+        let names = find()?;
+        self.found.lock().unwrap_or_else(PoisonError::into_inner).insert(key, names.clone());
+        Ok(names)
+    }
+}
