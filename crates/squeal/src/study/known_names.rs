@@ -5,10 +5,13 @@ use std::sync::{Mutex, PoisonError};
 
 use super::{KnownMode, ModeLabel};
 
+/// The names of a mode; `None` where it cannot be followed.
+type Names = Option<Vec<ModeLabel>>;
+
 /// The names found so far, by known point and mode. Whoever finds one finds the same.
 #[derive(Debug, Default)]
 pub(super) struct KnownNames {
-    found: Mutex<HashMap<(usize, usize), Option<Vec<ModeLabel>>>>,
+    found: Mutex<HashMap<(usize, usize), Names>>,
 }
 
 impl KnownNames {
@@ -16,11 +19,7 @@ impl KnownNames {
     ///
     /// # Errors
     /// Those of finding them.
-    pub fn of<E>(
-        &self,
-        known: &KnownMode,
-        find: impl FnOnce() -> Result<Option<Vec<ModeLabel>>, E>,
-    ) -> Result<Option<Vec<ModeLabel>>, E> {
+    pub fn of<E>(&self, known: &KnownMode, find: impl FnOnce() -> Result<Names, E>) -> Result<Names, E> {
         let key = (known.point, known.mode);
         let at_hand = self.found.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
         if let Some(names) = at_hand {

@@ -1,14 +1,15 @@
 //! The last digits of a mode: `(lambda - A(lambda)) d = 0` in double precision, corrected by factors in single precision.
 //!
-//! A is only ever applied to one vector, so that of T alone is needed in double precision. It is factored at a guess, and next to it the
-//! straight line of the tables stands for them:
+//! A mode is found in single precision first. In double precision A is only ever applied to one vector: what is smooth in it is read off the
+//! tables at the eigenvalue of single precision, and next to that the straight line of the tables stands for it:
 //!
 //! ```text
 //! A(lambda) d = Lambda d - V^H B c,    T(lambda) c = (D_mu R Y + D_s B^T Y) d
 //! ```
 //!
-//! Each round takes what is missing, `r = (lambda - A(lambda)) d`, solves for c by one step of refinement, and gains what single precision
-//! has of digits: with the left vector y, `-y^H r / y^H d` of lambda, and the rest of d by the factors of `lambda - A`.
+//! Each round takes what is missing, `r = (lambda - A(lambda)) d`, solves for c by one step of refinement with factors of T in single precision,
+//! and gains what single precision has of digits: with the left vector y, `-y^H r / y^H d` of lambda, and the rest of d by the factors of
+//! `lambda - A`.
 
 use linsys::ChannelGain;
 use nalgebra::DVector;

@@ -14,7 +14,7 @@ use super::rows::{Rows, combined};
 use crate::Rectangle;
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
-const MOST_TRIES: usize = 2;
+const MOST_TRIES: usize = 3;
 /// Relative distance up to which two eigenvalues with last digits are one; chosen.
 const SAME: f64 = 1e-8;
 

@@ -36,8 +36,8 @@ const MOST_COLUMNS: usize = 600;
 /// friction alone few of them are followed.
 const MOST_ANCHORS: usize = 12;
 const ANCHORS_BESIDE_FRICTION: usize = 4;
-/// Points from where growing modes are guessed there; chosen.
-const GUESSED_FROM: u64 = 240;
+/// Draws among which those are chosen at which modes are known there; chosen.
+const KNOWN_FROM: u64 = 240;
 /// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
@@ -239,7 +239,7 @@ fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, swept: &[Oper
     let friction = match asked.arrangements.as_slice() {
         [closed] if swept.is_empty() => {
             let channels: Vec<usize> = closed_channels(case, closed).collect();
-            FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, GUESSED_FROM, &[])?, &channels)?
+            FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, KNOWN_FROM, &[])?, &channels)?
         }
         _ => None,
     };
