@@ -9,6 +9,7 @@ use super::coarse::Coarse;
 use super::coupling::{self, Coupled, Gains, Pull, Scratch, pull};
 use super::eigenvalue;
 use super::expansion::Expansion;
+use super::pair::moved;
 use super::ports::Ports;
 use super::real::cast;
 use super::rows::Rows;
@@ -24,10 +25,6 @@ const BESIDE: f64 = 1e-9;
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
 /// thousands next to a coalescence, from where guesses are no use.
 const LARGEST_CONDITION: f64 = 1e3;
-
-/// Product of two couplings, as a part of the square of half of what is between two eigenvalues, up to which the first order moves these;
-/// chosen: what is left out is an eighth of its square.
-const WEAK: f64 = 1e-4;
 
 /// Gains at which the near modes are known.
 #[derive(Debug, Clone)]
@@ -178,37 +175,6 @@ impl WithSimd for OwnRows<'_> {
             for (&weight, a) in weights.iter().zip(self.values) {
                 self.out.add_row(simd, row, weight, a, row);
             }
-        }
-    }
-}
-
-/// What moves an eigenvalue of a matrix of two rows from its diagonal entry: given half of the difference from the other diagonal entry, and
-/// the product of the two entries off the diagonal.
-fn moved(half: Complex<f64>, product: Complex<f64>) -> Complex<f64> {
-    let square = half * half;
-    if product.norm_sqr() <= WEAK * WEAK * square.norm_sqr() {
-        return product / half * 0.5;
-    }
-    let root = square_root(square + product);
-    if (root * half.conj()).re >= 0.0 { root - half } else { -root - half }
-}
-
-/// A square root, without the angles that `Complex::sqrt` goes through.
-fn square_root(z: Complex<f64>) -> Complex<f64> {
-    let size = z.norm_sqr().sqrt();
-    let large = (0.5 * (size + z.re.abs())).sqrt();
-    let small = if large > 0.0 { 0.5 * z.im / large } else { 0.0 };
-    if z.re >= 0.0 { Complex::new(large, small) } else { Complex::new(small.abs(), large.copysign(z.im)) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn square_roots_are_those_of_the_right_half_plane() {
-        for z in [Complex::new(3.0, -4.0), Complex::new(-3.0, 4.0), Complex::new(-2.0, -1e-3), Complex::default()] {
-            assert!((square_root(z) - z.sqrt()).norm() < 1e-15 * (1.0 + z.norm()));
         }
     }
 }

@@ -104,7 +104,6 @@ impl<'a> Gains<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Scratch<T = f64> {
     weights: Vec<Complex<f64>>,
-    slope_weights: Vec<Complex<f64>>,
     /// The gains mu and `lambda s(lambda)` of the last matrix A.
     pub pulls: Vec<Pull<T>>,
     /// `R F B` and `B^T F B` of it, unless it is at a point of a table.
@@ -182,11 +181,12 @@ pub(super) fn factor_at(
 ) {
     scratch.pull(gains, lambda);
     table.weights_at(lambda, &mut scratch.weights);
-    table.slope_weights_at(lambda, &mut scratch.slope_weights);
-    let Scratch { weights, slope_weights, pulls, smooth, square, factors, .. } = scratch;
+    let mut slope_weights = Vec::new();
+    table.slope_weights_at(lambda, &mut slope_weights);
+    let Scratch { weights, pulls, smooth, square, factors, .. } = scratch;
     for (part, (smooth, slope)) in smooth.iter_mut().zip(slopes).enumerate() {
         combine_part(weights, &table.values, part, smooth);
-        combine_part(slope_weights, &table.values, part, slope);
+        combine_part(&slope_weights, &table.values, part, slope);
     }
     let [reading, velocity] = smooth;
     Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });

@@ -17,6 +17,7 @@ mod eigenvalue;
 mod elimination;
 mod expansion;
 mod guessed;
+mod pair;
 mod path;
 mod ports;
 mod real;

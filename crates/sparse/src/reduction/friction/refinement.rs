@@ -65,7 +65,6 @@ pub(super) struct Refinement {
     single: Scratch<f32>,
     matrix: Rows<f32>,
     weights: Vec<Complex<f64>>,
-    pulls: Vec<Pull>,
     /// `R F B` and `B^T F B`, what they are made of, and their derivatives.
     smooth: [Rows; 2],
     apart: [Rows<f32>; 2],
@@ -88,7 +87,6 @@ impl Refinement {
             single: Scratch::new(ports),
             matrix: Rows::zeros(p, p),
             weights: Vec::new(),
-            pulls: Vec::new(),
             smooth: [Rows::zeros(m, m), Rows::zeros(m, m)],
             apart: [Rows::zeros(m, m), Rows::zeros(m, m)],
             slopes: [Rows::zeros(m, m), Rows::zeros(m, m)],
@@ -186,8 +184,8 @@ impl Refinement {
         d: &[Complex<f64>],
         forces: &mut [Complex<f64>],
     ) {
-        let Self { pulls, single, smooth, slopes, near, port, single_port, sides, of_smooth, of_slopes, .. } = self;
-        *pulls = coupling::pulls(Gains::of(sample.gains), lambda);
+        let Self { single, smooth, slopes, near, port, single_port, sides, of_smooth, of_slopes, .. } = self;
+        let pulls: Vec<Pull> = coupling::pulls(Gains::of(sample.gains), lambda);
         near.set_row(d);
         port.set_row(forces);
         (0..forces.len()).for_each(|at| single_port.set(0, at, cast(forces[at])));

@@ -179,8 +179,7 @@ impl<T: Real> Rows<T> {
     /// Adds multiples of the rows of another matrix to a row.
     #[inline(always)]
     pub fn add_rows<S: Simd>(&mut self, simd: S, to: usize, factors: &[Complex<T>], rows: &Self) {
-        let from = [rows.re.as_slice(), &rows.im];
-        accumulate(simd, self.row_mut(to), from, rows.stride, factors.len(), |row| factors[row]);
+        self.add_rows_from(simd, to, rows, factors.len(), |row| factors[row]);
     }
 
     /// Adds multiples of the first rows of another matrix to a row.
@@ -272,9 +271,9 @@ impl Rows {
     #[inline(always)]
     pub fn set_apart(&mut self, from: &Self, apart: &Rows<f32>) {
         let parts = [(&mut self.re, &from.re, &apart.re), (&mut self.im, &from.im, &apart.im)];
-        for (out, from, apart) in parts {
+        for (out, from, of_apart) in parts {
             let rows = out.chunks_exact_mut(self.stride).zip(from.chunks_exact(self.stride));
-            for ((out, from), apart) in rows.zip(apart.chunks_exact(apart.len() / (from.len() / self.stride))) {
+            for ((out, from), apart) in rows.zip(of_apart.chunks_exact(apart.stride)) {
                 out.iter_mut().zip(from).zip(apart).for_each(|((out, from), apart)| *out = from + f64::from(*apart));
             }
         }

@@ -3,6 +3,8 @@
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::elimination::Elimination;
+use super::pair::moved;
 use super::rows::Rows;
 
 /// Product of two couplings, as a part of the square of half of what is between two modes, from which on these are corrected as a pair;
@@ -18,8 +20,9 @@ pub(super) struct Vectors {
     pub rows: Rows<f32>,
     before: Rows<f32>,
     change: Rows<f32>,
-    /// The entries of these vectors for these modes, in triangular factors.
-    square: Vec<Complex<f32>>,
+    /// The entries of these vectors for these modes, and their factors.
+    square: Rows<f32>,
+    elimination: Elimination<f32>,
     sides: Rows<f32>,
 }
 
@@ -31,7 +34,8 @@ impl Vectors {
             rows: Rows::zeros(p, p),
             before: Rows::zeros(p, p),
             change: Rows::zeros(1, p),
-            square: Vec::new(),
+            square: Rows::zeros(p, p),
+            elimination: Elimination::default(),
             sides: Rows::zeros(p, 2 * p),
         }
     }
@@ -68,20 +72,16 @@ impl Vectors {
 
     /// V^-1 times rows, one for each mode, and then the columns of V^-1 of the corrected modes, as rows.
     pub fn turn(&mut self, of: &Rows<f32>, out: &mut Rows<f32>) {
-        let Self { corrected, rows, square, sides, .. } = self;
+        let Self { corrected, rows, square, elimination, sides, .. } = self;
         let (order, count) = (of.rows(), corrected.len());
         out.take_rows(of);
-        square.clear();
-        for &row in &*corrected {
-            square.extend((0..count).map(|at| rows.at(at, row)));
-        }
-        factor(square, count);
         // A row of right sides for each of those modes: of the rows, and of the identity matrix.
         for (at, &row) in corrected.iter().enumerate() {
+            (0..count).for_each(|of| square.set(at, of, rows.at(of, row)));
             (0..order).for_each(|mode| sides.set(at, mode, of.at(mode, row)));
             (0..count).for_each(|of| sides.set(at, order + of, Complex::from(if of == at { 1.0 } else { 0.0 })));
         }
-        Arch::new().dispatch(Turn { square, sides, count, vectors: rows, out, rows: order + count });
+        Arch::new().dispatch(Turn { square, elimination, sides, count, vectors: rows, out, rows: order + count });
         for (at, &row) in corrected.iter().enumerate() {
             (0..order + count).for_each(|mode| out.set(mode, row, sides.at(at, mode)));
         }
@@ -93,10 +93,8 @@ impl Vectors {
 pub(super) fn first_order(gap: Complex<f32>, to_other: Complex<f32>, to_own: Complex<f32>) -> Complex<f32> {
     let (half, product) = (gap * 0.5, to_other * to_own);
     if product.norm_sqr() > (STRONG * half.norm_sqr()).powi(2) {
-        let root = (half * half + product).sqrt();
-        let moved = if (root * half.conj()).re >= 0.0 { root - half } else { -root - half };
         // The vectors of the two: (1, back) and (own, 1).
-        let apart = gap + moved;
+        let apart = gap + moved(half, product);
         let [own, back] = [to_other / apart, -to_own / apart];
         if (Complex::from(1.0) - own * back).norm() >= LEAST_DETERMINANT {
             return own;
@@ -106,24 +104,10 @@ pub(super) fn first_order(gap: Complex<f32>, to_other: Complex<f32>, to_own: Com
     to_other * gap.conj() / (gap.norm_sqr() + to_other.norm_sqr()).max(f32::MIN_POSITIVE)
 }
 
-/// Triangular factors of a small matrix with a dominant diagonal, by rows.
-fn factor(square: &mut [Complex<f32>], order: usize) {
-    for c in 0..order {
-        let inverse = square[c * order + c].inv();
-        for row in c + 1..order {
-            let factor = square[row * order + c] * inverse;
-            square[row * order + c] = factor;
-            for column in c + 1..order {
-                let above = square[c * order + column];
-                square[row * order + column] -= factor * above;
-            }
-        }
-    }
-}
-
-/// Solves with factors of the corrected modes' own entries, and takes the vectors times what that gives from all rows.
+/// Solves with the corrected modes' own entries, and takes the vectors times what that gives from all rows.
 struct Turn<'a> {
-    square: &'a [Complex<f32>],
+    square: &'a mut Rows<f32>,
+    elimination: &'a mut Elimination<f32>,
     sides: &'a mut Rows<f32>,
     count: usize,
     vectors: &'a Rows<f32>,
@@ -136,14 +120,9 @@ impl WithSimd for Turn<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { square, sides, count, vectors, out, rows } = self;
-        for row in 1..count {
-            sides.add_rows_above(simd, row, |c| -square[row * count + c]);
-        }
-        for row in (0..count).rev() {
-            sides.add_rows_below(simd, row, count, |c| -square[row * count + c]);
-            sides.scale_row(row, square[row * count + row].inv());
-        }
+        let Self { square, elimination, sides, count, vectors, out, rows } = self;
+        elimination.factor(simd, square, count);
+        elimination.solve_rows(simd, square, sides);
         for mode in 0..rows {
             out.add_rows_from(simd, mode, vectors, count, |at| -sides.at(at, mode));
         }
