@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
 
 /// `A x` of a real n x m matrix and a complex vector of length m; length n. Entries beyond the shorter of m and the length of
 /// x are not read.
@@ -9,35 +10,53 @@ use num_complex::Complex;
 /// Columns without an entry off the diagonal cost one product each, as in a diagonal mass matrix.
 #[must_use]
 pub fn real_times_complex(a: &DMatrix<f64>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
-    let rows = a.nrows();
-    if rows == 0 {
-        return DVector::zeros(0);
+    if a.is_empty() {
+        return DVector::zeros(a.nrows());
     }
-    let (re, im): (Vec<f64>, Vec<f64>) = x.iter().take(a.ncols()).map(|value| (value.re, value.im)).unzip();
-    // The vectors of real eigenvalues have one part, to the same bits.
-    let parts = if im.iter().all(|&value| value == 0.0) { vec![re] } else { vec![re, im] };
-    let mut sums = vec![vec![0.0; rows]; 2];
-    for (group, columns) in a.as_slice().chunks(AT_ONCE * rows).enumerate() {
-        let first = group * AT_ONCE;
-        let is_diagonal = columns.chunks_exact(rows).enumerate().all(|(at, column)| is_diagonal(column, first + at));
-        for (sums, part) in sums.iter_mut().zip(&parts) {
-            let factors = &part[part.len().min(first)..part.len().min(first + AT_ONCE)];
-            if is_diagonal {
-                for (at, (sum, factor)) in (first..).zip(sums.iter_mut().skip(first).zip(factors)) {
-                    *sum += factor * columns[(at - first) * rows + at];
+    Arch::new().dispatch(Product { a, x })
+}
+
+/// The product on the widest registers that there are: its sums are the same bits on all.
+struct Product<'a> {
+    a: &'a DMatrix<f64>,
+    x: &'a DVector<Complex<f64>>,
+}
+
+impl WithSimd for Product<'_> {
+    type Output = DVector<Complex<f64>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> DVector<Complex<f64>> {
+        let Self { a, x } = self;
+        let rows = a.nrows();
+        let (re, im): (Vec<f64>, Vec<f64>) = x.iter().take(a.ncols()).map(|value| (value.re, value.im)).unzip();
+        // The vectors of real eigenvalues have one part, to the same bits.
+        let parts = if im.iter().all(|&value| value == 0.0) { vec![re] } else { vec![re, im] };
+        let mut sums = vec![vec![0.0; rows]; 2];
+        for (group, columns) in a.as_slice().chunks(AT_ONCE * rows).enumerate() {
+            let first = group * AT_ONCE;
+            let is_diagonal =
+                columns.chunks_exact(rows).enumerate().all(|(at, column)| is_diagonal(column, first + at));
+            for (sums, part) in sums.iter_mut().zip(&parts) {
+                let factors = &part[part.len().min(first)..part.len().min(first + AT_ONCE)];
+                if is_diagonal {
+                    for (at, (sum, factor)) in (first..).zip(sums.iter_mut().skip(first).zip(factors)) {
+                        *sum += factor * columns[(at - first) * rows + at];
+                    }
+                } else {
+                    add_columns(sums, columns, factors);
                 }
-            } else {
-                add_columns(sums, columns, factors);
             }
         }
+        DVector::from_fn(rows, |i, _| Complex::new(sums[0][i], sums[1][i]))
     }
-    DVector::from_fn(rows, |i, _| Complex::new(sums[0][i], sums[1][i]))
 }
 
 /// Columns that are added in one pass over the sums.
 const AT_ONCE: usize = 4;
 
 /// Adds each column times its factor.
+#[inline(always)]
 fn add_columns(sums: &mut [f64], columns: &[f64], factors: &[f64]) {
     let rows = sums.len();
     let &[a, b, c, d] = factors else {
@@ -55,6 +74,7 @@ fn add_columns(sums: &mut [f64], columns: &[f64], factors: &[f64]) {
 }
 
 /// Whether a column has no entry but perhaps this one.
+#[inline(always)]
 fn is_diagonal(column: &[f64], at: usize) -> bool {
     let (above, below) = column.split_at(at.min(column.len()));
     is_zero(above) && is_zero(below.get(1..).unwrap_or_default())
@@ -62,6 +82,7 @@ fn is_diagonal(column: &[f64], at: usize) -> bool {
 
 /// Whether all numbers are zero of either sign: a few without a branch, so that the compiler can use vector operations; the shift
 /// removes the sign bit.
+#[inline(always)]
 fn is_zero(numbers: &[f64]) -> bool {
     numbers.chunks(32).all(|few| few.iter().fold(0, |bits, x| bits | (x.to_bits() << 1)) == 0)
 }

@@ -13,13 +13,12 @@
 //!
 //! An evaluation costs a small part of a factorisation of Q, and next to none of a spectrum.
 
-use std::collections::BTreeSet;
-
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::dense;
+use super::nearest::{nearest, nearest_of};
 use super::outer_products::outer_products;
 use super::state_modes::StateModes;
 use crate::SparseError;
@@ -34,10 +33,9 @@ const MOST_DIRECTIONS: f64 = 0.34;
 const BESIDE: f64 = 1e-7;
 const CONVERGED: f64 = 5e-5;
 const MOST_CORRECTIONS: usize = 4;
-/// The same where eigenvalues are to be told apart, and the relative distance up to which two are one; chosen.
+/// The same where eigenvalues are to be told apart; chosen.
 const LAST_DIGITS: f64 = 1e-6;
 const MOST_ROUNDS: usize = 8;
-const SAME: f64 = 1e-7;
 /// Inverse iterations for a vector that is not known, and for one that is nearly right; chosen.
 const STEPS_FROM_ANY: usize = 3;
 const STEPS: usize = 1;
@@ -166,13 +164,7 @@ impl ContactPath {
         // One more of each: the order of the last ones may be another.
         let likely = nearest(to, &guesses, count + 1);
         let found = likely.into_iter().map(|at| self.corrected(t, guesses[at], LAST_DIGITS, MOST_ROUNDS));
-        let found = found.collect::<Option<Vec<_>>>()?;
-        let is_same = |a: &OnContactPath, b: &OnContactPath| (a.lambda - b.lambda).norm() <= SAME * a.lambda.norm();
-        if (1..found.len()).any(|next| found[..next].iter().any(|before| is_same(before, &found[next]))) {
-            return None;
-        }
-        let lambdas: Vec<Complex<f64>> = found.iter().map(|found| found.lambda).collect();
-        Some(nearest(to, &lambdas, count).into_iter().map(|at| found[at].clone()).collect())
+        nearest_of(to, found.collect::<Option<_>>()?, |found| found.lambda, count)
     }
 
     fn corrected(&self, t: f64, guess: Complex<f64>, tolerance: f64, most: usize) -> Option<OnContactPath> {
@@ -224,7 +216,7 @@ impl ContactPath {
         };
         let through = (times_w(g.clone()) + Matrix::identity(w.len(), w.len())).lu();
         let (determinant, inverse) = (through.determinant(), through.try_inverse()?);
-        let mut matrix = times_w(self.kept.driven.clone()) * (&inverse * &self.kept.read);
+        let mut matrix = dense::product(&times_w(self.kept.driven.clone()), &dense::product(&inverse, &self.kept.read));
         for (entry, own) in (0..matrix.nrows()).zip(&self.kept.lambdas) {
             matrix[(entry, entry)] += lambda - own;
         }
@@ -237,7 +229,7 @@ impl Part {
     fn smooth(&self, lambda: Complex<f64>) -> Matrix {
         let mut driven = self.driven.clone();
         driven.row_iter_mut().zip(&self.lambdas).for_each(|(mut row, own)| row /= lambda - own);
-        &self.read * driven
+        dense::product(&self.read, &driven)
     }
 
     /// `-(d / d lambda) R Q^-1 F` of these modes, times a vector.
@@ -253,18 +245,6 @@ impl Part {
         states.iter_mut().zip(&self.lambdas).for_each(|(state, own)| *state /= lambda - own);
         &self.right * states
     }
-}
-
-/// The places of the `count` values nearest to each of some numbers, each of them once, ascending.
-fn nearest(to: &[Complex<f64>], values: &[Complex<f64>], count: usize) -> BTreeSet<usize> {
-    let of_number = |number: &Complex<f64>| {
-        let distance = |at: &usize| (values[*at] - number).norm();
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        order.truncate(count);
-        order
-    };
-    to.iter().flat_map(of_number).collect()
 }
 
 /// Makes x the right singular vector of the smallest singular value of a matrix, by iteration with `(N^H N)^-1`.

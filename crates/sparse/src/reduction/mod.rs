@@ -34,6 +34,7 @@ mod friction;
 mod full;
 mod mixing;
 mod modal;
+mod nearest;
 mod norms;
 mod options;
 mod outer;

@@ -6,9 +6,9 @@ use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::coarse::Coarse;
-use super::coupling::{self, Coupled, Gains, Pull, Scratch, pull};
-use super::eigenvalue;
+use super::coupling::{Coupled, Gains, Pull, pull};
 use super::expansion::Expansion;
+use super::own::Own;
 use super::pair::moved;
 use super::ports::Ports;
 use super::real::cast;
@@ -16,12 +16,6 @@ use super::rows::Rows;
 use crate::SparseError;
 use crate::reduction::dense;
 
-/// Most rounds in which a mode of A in the middle of the band becomes one of A at its own eigenvalue, and the relative size of the last step;
-/// chosen: each round multiplies what is missing by how much A changes with lambda, a few hundredths, or a half where A has poles near.
-const MOST_ROUNDS: usize = 40;
-const CONVERGED: f64 = 1e-9;
-/// Where A is evaluated for an eigenvalue that is known, relative to it: at the eigenvalue itself `lambda - A` is singular.
-const BESIDE: f64 = 1e-9;
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
 /// thousands next to a coalescence, from where guesses are no use.
 const LARGEST_CONDITION: f64 = 1e3;
@@ -31,7 +25,7 @@ const LARGEST_CONDITION: f64 = 1e3;
 pub(super) struct Anchor {
     gains: Vec<ChannelGain>,
     /// Of these gains in the middle of the band.
-    pulls: Vec<Pull>,
+    pulls: Pulls,
     /// What A is made of with the vectors of these modes as coordinates, in which it is nearly diagonal.
     pub own: Coupled<f32>,
     /// These vectors S as rows, p x p.
@@ -62,32 +56,19 @@ impl Anchor {
         coarse: &Coarse,
         gains: Vec<ChannelGain>,
     ) -> Result<Option<Self>, SparseError> {
-        let (p, mut scratch) = (ports.near(), Scratch::new(ports));
-        let mut a = Rows::zeros(p, p);
-        coupling::at(structure, &ports.fine, ports.middle, Gains::of(&gains), &mut scratch, &mut a);
-        let (mut lambdas, mut vectors) = dense::eigen_complex(&DMatrix::from_fn(p, p, |i, j| a.at(i, j)))?;
+        let mut a = Own::new(ports, structure, Gains::of(&gains));
+        let (mut lambdas, mut vectors) = a.eigen(ports.middle)?;
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
-            let mut step = f64::INFINITY;
-            for _ in 0..MOST_ROUNDS {
-                coupling::at(structure, &ports.fine, *lambda, Gains::of(&gains), &mut scratch, &mut a);
-                let beside = *lambda * (1.0 + BESIDE);
-                let next = eigenvalue::next_to(&mut a, beside, vector.as_mut_slice(), 2, &mut scratch.elimination);
-                step = (next - *lambda).norm();
-                *lambda = next;
-                if step <= CONVERGED * lambda.norm() {
-                    break;
-                }
-            }
-            if step.is_nan() || step > CONVERGED * lambda.norm() {
-                return Ok(None);
-            }
+            let Some(own) = a.next_to(*lambda, vector.as_mut_slice()) else { return Ok(None) };
+            *lambda = own;
         }
+        let p = ports.near();
         let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
         if inverse.norm() * vectors.norm() > LARGEST_CONDITION {
             return Ok(None);
         }
         let weights = lambdas.iter().map(|lambda| coarse.weights_near(*lambda)).collect();
-        let pulls = gains.iter().map(|gain| pull(gain, ports.middle)).collect();
+        let pulls = Pulls::of(ports, &gains);
         let expansion = shared(&gains).and_then(|gain| Expansion::new(ports, gain, lambdas, &vectors, &inverse));
         let own = Coupled::new(ports, &vectors, &inverse).single();
         let vectors = Rows::of(&vectors.transpose()).single();
@@ -100,8 +81,8 @@ impl Anchor {
     }
 
     /// The square of how far gains are.
-    pub fn distance(&self, ports: &Ports, pulls: &[Pull]) -> f64 {
-        distance(ports, pulls, &self.pulls)
+    pub fn distance(&self, ports: &Ports, to: &Pulls) -> f64 {
+        to.distance(ports, &self.pulls)
     }
 
     /// The eigenvalues of A, given at the points for guesses in the coordinates of this anchor: its diagonal, and to second order what
@@ -125,14 +106,41 @@ impl Anchor {
     }
 }
 
-/// The square of how far gains are from others, by their pulls in the middle of the band: the changes, each times what it moves the near modes
-/// by at most, rad/s.
-fn distance(ports: &Ports, pulls: &[Pull], others: &[Pull]) -> f64 {
-    let [of_friction, of_slope] = &ports.moved;
-    let apart = |(port, ((mu, slope), (to_mu, to_slope))): (usize, (&Pull, &Pull))| {
-        ((mu - to_mu) * of_friction[port]).powi(2) + (slope - to_slope).norm_sqr() * of_slope[port].powi(2)
-    };
-    pulls.iter().zip(others).enumerate().map(apart).sum()
+/// The pulls of gains in the middle of the band.
+#[derive(Debug, Clone)]
+pub(super) enum Pulls {
+    /// Those of a gain that all ports have.
+    Shared(Pull),
+    Each(Vec<Pull>),
+}
+
+impl Pulls {
+    pub fn of(ports: &Ports, gains: &[ChannelGain]) -> Self {
+        let pull = |gain: &ChannelGain| pull(gain, ports.middle);
+        shared(gains).map_or_else(|| Self::Each(gains.iter().map(pull).collect()), |gain| Self::Shared(pull(gain)))
+    }
+
+    /// The square of how far these are from others: the changes, each times what it moves the near modes by at most, rad/s.
+    fn distance(&self, ports: &Ports, to: &Self) -> f64 {
+        let apart = |(mu, slope): Pull, (to_mu, to_slope): Pull| [(mu - to_mu).powi(2), (slope - to_slope).norm_sqr()];
+        if let (Self::Shared(pull), Self::Shared(to)) = (self, to) {
+            let [of_friction, of_slope] = apart(*pull, *to);
+            return of_friction * ports.moved_by_all[0] + of_slope * ports.moved_by_all[1];
+        }
+        let moved = ports.moved[0].iter().zip(&ports.moved[1]).enumerate();
+        let of_port = |(port, (by_friction, by_slope)): (usize, (&f64, &f64))| {
+            let [of_friction, of_slope] = apart(self.at(port), to.at(port));
+            of_friction * by_friction.powi(2) + of_slope * by_slope.powi(2)
+        };
+        moved.map(of_port).sum()
+    }
+
+    fn at(&self, port: usize) -> Pull {
+        match self {
+            Self::Shared(pull) => *pull,
+            Self::Each(pulls) => pulls[port],
+        }
+    }
 }
 
 /// The gain that all ports have, where they have one.
@@ -143,14 +151,13 @@ pub(super) fn shared(gains: &[ChannelGain]) -> Option<&ChannelGain> {
 
 /// The first of some gains and others, each as far as can be from all before it.
 pub(super) fn spread(ports: &Ports, known: Vec<Vec<ChannelGain>>, most: usize) -> Vec<Vec<ChannelGain>> {
-    let pulls: Vec<Vec<Pull>> =
-        known.iter().map(|gains| gains.iter().map(|gain| pull(gain, ports.middle)).collect()).collect();
+    let pulls: Vec<Pulls> = known.iter().map(|gains| Pulls::of(ports, gains)).collect();
     let mut nearest = vec![f64::INFINITY; known.len()];
     let (mut chosen, mut next) = (Vec::new(), 0);
     while chosen.len() < most.min(known.len()) {
         chosen.push(known[next].clone());
         for (nearest, of) in nearest.iter_mut().zip(&pulls) {
-            *nearest = nearest.min(distance(ports, of, &pulls[next]));
+            *nearest = nearest.min(of.distance(ports, &pulls[next]));
         }
         next = (0..known.len()).max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])).unwrap_or(0);
     }

@@ -8,8 +8,11 @@ use super::FrictionModes;
 use super::change::Seen;
 use super::coupling::{self, Gains, Scratch};
 use super::eigenvalue;
+use super::own::Own;
 use super::real::cast;
+use super::refinement::Pair;
 use super::rows::Rows;
+use crate::reduction::nearest::{is_apart, nearest, nearest_of};
 
 /// Most rounds, and the relative size of what the last one misses; chosen: A changes with lambda by some thousandths over the band, so that
 /// what is left of an eigenvalue after the step of Newton's method is below 1e-8 of it, and paths ask for 1e-5.
@@ -50,20 +53,48 @@ impl FrictionModes {
 }
 
 impl FrictionPath<'_> {
-    /// `det(lambda - A(lambda))` at places of the path, 0 at its beginning and 1 at its end, and numbers, rad/s: up to a factor that is
-    /// always the same, so that no product of many large numbers overflows.
+    /// A function of lambda, rad/s, and of the place t, 0 at the beginning and 1 at the end, that has the eigenvalues as zeros and no poles
+    /// near the band, at places and numbers: the determinants of what is kept and of what is eliminated, up to a factor that is always the
+    /// same, so that no product of many large numbers overflows.
     #[must_use]
     pub fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
-        let FrictionModes { ports, own, .. } = self.modes;
-        let (p, scale) = (ports.near(), 1.0 / ports.middle.norm());
-        let (mut scratch, mut a) = (Scratch::new(ports), Rows::zeros(p, p));
-        let mut value = |&(t, lambda): &(f64, Complex<f64>)| {
-            coupling::at(own, &ports.fine, lambda, self.gains(t), &mut scratch, &mut a);
-            a.negate();
-            eigenvalue::factor(&mut a, lambda, &mut scratch.elimination, p);
-            scratch.elimination.pivots.iter().map(|pivot| pivot * scale).product()
+        let mut a = Own::new(&self.modes.ports, &self.modes.own, self.gains(0.0));
+        let value = |&(t, lambda): &(f64, Complex<f64>)| {
+            a.gains = self.gains(t);
+            a.determinant(lambda)
         };
-        at.iter().map(&mut value).collect()
+        at.iter().map(value).collect()
+    }
+
+    /// For each of some numbers, rad/s, the `count` eigenvalues at a place of the path that are nearest to it, each of them once, with shapes
+    /// over the coordinates of the reduced system, up to a factor; `None` where they are not told apart, or where others may be nearer that
+    /// are not near the band.
+    ///
+    /// Guesses are the eigenvalues of A amid the numbers: it hardly depends on lambda.
+    #[must_use]
+    pub fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<Pair>> {
+        let FrictionModes { ports, own, .. } = self.modes;
+        let mut a = Own::new(ports, own, self.gains(t));
+        let middle = to.iter().sum::<Complex<f64>>() / to.len() as f64;
+        let (guesses, mut vectors) = a.eigen(middle).ok()?;
+        let (mut found, mut before): (Vec<Pair>, Vec<Complex<f64>>) = (Vec::new(), Vec::new());
+        // One more of each: the order of the last ones may be another.
+        for at in nearest(to, &guesses, count + 1) {
+            let mut vector = vectors.column_mut(at);
+            let vector = vector.as_mut_slice();
+            let lambda = match a.next_to(guesses[at], vector).filter(|&lambda| is_apart(&before, lambda)) {
+                Some(lambda) => lambda,
+                None => a.other_than(&before, guesses[at], vector)?,
+            };
+            before.push(lambda);
+            found.push((lambda, ports.shapes.shape(lambda, vector, &a.forces(vector))));
+        }
+        let found = nearest_of(to, found, |(lambda, _)| *lambda, count)?;
+        let is_inside = |number: &Complex<f64>| {
+            let within = found.iter().filter(|(lambda, _)| (lambda - number).norm() <= ports.end - number.im);
+            within.count() >= count
+        };
+        to.iter().all(is_inside).then_some(found)
     }
 
     fn gains(&self, t: f64) -> Gains<'_> {

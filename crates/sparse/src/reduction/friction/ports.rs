@@ -45,6 +45,10 @@ pub(super) struct Ports {
     pub differences: Differences,
     /// What a unit of the gains mu and `lambda s(lambda)` of each port moves the near modes by at most, rad/s.
     pub moved: [Vec<f64>; 2],
+    /// The sums of their squares.
+    pub moved_by_all: [f64; 2],
+    /// Where the near modes end, rad/s.
+    pub end: f64,
     /// i omega in the middle of the band.
     pub middle: Complex<f64>,
     /// M, k x k.
@@ -100,9 +104,9 @@ impl Ports {
         };
         let force = driven.select_rows(&near);
         let sides = read.map(|side| side.select_columns(&near));
-        let moved = |side: &DMatrix<Complex<f64>>| {
+        let moved = sides.each_ref().map(|side| -> Vec<f64> {
             (0..count).map(|port| force.column(port).norm() * side.row(port).norm()).collect()
-        };
+        });
         let shapes = Shapes {
             order,
             near: Rows::of(&right.select_columns(&near).transpose()),
@@ -112,7 +116,9 @@ impl Ports {
         };
         let ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
-            moved: [moved(&sides[0]), moved(&sides[1])],
+            moved_by_all: moved.each_ref().map(|moved| moved.iter().map(|moved| moved.powi(2)).sum()),
+            moved,
+            end,
             middle: Complex::new(0.0, 0.5 * (band[0] + band[1])),
             force_rows: Rows::of(&force),
             force,

@@ -3,10 +3,10 @@
 use linsys::ChannelGain;
 use num_complex::Complex;
 
-use super::anchor::{Anchor, shared};
+use super::anchor::{Anchor, Pulls, shared};
 use super::coarse::Coarse;
 use super::count::Lanes;
-use super::coupling::{Coupled, Pull, Scratch, pull};
+use super::coupling::{Coupled, Scratch};
 use super::discs::Discs;
 use super::ports::Ports;
 use super::refinement::{Pair, Refinement, Sample, Start};
@@ -91,7 +91,7 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// All modes in the rectangle with `Re lambda >= -part |lambda|`.
     pub fn growing(&self, gains: &[ChannelGain], part: f64, memory: &mut Memory) -> Result<Vec<Found>, Open> {
-        let pulls: Vec<Pull> = gains.iter().map(|gain| pull(gain, self.ports.middle)).collect();
+        let pulls = Pulls::of(self.ports, gains);
         let distances = self.anchors.iter().map(|anchor| anchor.distance(self.ports, &pulls)).zip(0..);
         let mut distances: Vec<(f64, usize)> = distances.collect();
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -5,7 +5,7 @@ use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::DVector;
 use num_complex::Complex;
 use sparse::reduction::{FrictionPath, OnFrictionPath};
-use tracking::OwnedPath;
+use tracking::{Eigenpair, OwnedPath};
 
 /// A path between two frictions of one structure.
 #[derive(Debug)]
@@ -24,6 +24,10 @@ impl OwnedPath for FrictionalPath<'_> {
 
     fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
         self.path.characteristic(at)
+    }
+
+    fn nearest(&self, t: f64, to: &[Complex<f64>], count: usize) -> Option<Vec<Eigenpair>> {
+        self.path.nearest(t, to, count)
     }
 
     fn system(&self) -> Result<SecondOrder, CeaError> {
