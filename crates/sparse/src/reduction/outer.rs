@@ -1,9 +1,10 @@
 //! The part of residuals outside of the basis, in all directions or in a few random combinations of them.
 
-use linsys::{ChannelGain, OperatingPoint};
-use nalgebra::{DMatrix, DVector};
+use linsys::OperatingPoint;
+use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::shared::Friction;
 use super::{dense, split};
 
 /// `W^T Q(lambda) V` by its terms, or `S W^T Q(lambda) V`.
@@ -12,8 +13,8 @@ pub(super) struct OuterRows {
     pub count: usize,
     /// `W^T A_k V` of each term's M, C and K; no rows where the matrix is zero.
     pub terms: Vec<[DMatrix<f64>; 3]>,
-    /// `W^T b_i` of each channel.
-    pub force: Vec<DVector<f64>>,
+    /// `W^T b_i` of each channel, as columns.
+    pub force: DMatrix<f64>,
 }
 
 impl OuterRows {
@@ -26,7 +27,7 @@ impl OuterRows {
         Self {
             count,
             terms: self.terms.iter().map(|parts| parts.each_ref().map(of)).collect(),
-            force: self.force.iter().map(|force| &sketch * force).collect(),
+            force: dense::product(&sketch, &self.force),
         }
     }
 
@@ -45,27 +46,18 @@ impl OuterRows {
         Self { count: self.count, terms: vec![sums], force: self.force.clone() }
     }
 
-    /// `W^T Q(lambda_j) V y_j`, with `V^T b_i` and `V^T r_i` of each channel.
+    /// `W^T Q(lambda_j) V y_j`, with the friction of all channels over the basis.
     pub fn of(
         &self,
-        channels: &[[DVector<f64>; 2]],
+        friction: &Friction,
         point: &OperatingPoint,
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,
     ) -> DMatrix<f64> {
         let [inertia, damping, stiffness] = [0, 1, 2].map(|power| self.product(power, &point.coefficients, y));
         let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
-        for ((out, [force, reading]), gain) in self.force.iter().zip(channels).zip(&point.channels) {
-            if *gain == ChannelGain::default() {
-                continue;
-            }
-            for (at, &lambda) in lambdas.iter().enumerate() {
-                let (re, im) = split::parts(y, at);
-                let along = |side: &DVector<f64>| Complex::new(side.dot(&re), side.dot(&im));
-                let pull = along(reading) * gain.mu + along(force) * lambda * gain.complex_slope(lambda);
-                outer.column_mut(at).axpy(pull.re, out, 1.0);
-                outer.column_mut(lambdas.len() + at).axpy(pull.im, out, 1.0);
-            }
+        if let Some(pulls) = friction.pulls(&point.channels, lambdas, y) {
+            dense::add_product(&mut outer, 1.0, &self.force, &pulls);
         }
         outer
     }
@@ -118,7 +110,7 @@ mod tests {
             terms: vec![
                 [(); 3].map(|()| DMatrix::from_fn(400, 90, |i, j| ((i * i + 7 * i * j + 3 * j) % 23) as f64 - 11.0)),
             ],
-            force: Vec::new(),
+            force: DMatrix::zeros(400, 0),
         };
         let sketch = rows.sketched(128);
         for (whole, short) in rows.terms[0][0].column_iter().zip(sketch.terms[0][0].column_iter()) {

@@ -17,6 +17,7 @@ use num_complex::Complex;
 
 use super::norms::{Norms, NormsAt};
 use super::outer::OuterRows;
+use super::shared::Friction;
 use super::{dense, split};
 use crate::product::times;
 use crate::{SparseAffineSystem, SparseError};
@@ -34,8 +35,9 @@ pub(super) struct ResidualForm {
     rows: OuterRows,
     /// Random combinations of the rows, where they are fewer by far.
     sketch: Option<OuterRows>,
-    /// `V^T b_i`, `V^T r_i` of each channel.
-    channels: Vec<[DVector<f64>; 2]>,
+    /// With `V^T b_i` and `V^T r_i` of each channel, and their norms.
+    friction: Friction,
+    sizes: Vec<[f64; 2]>,
     /// 2-norms at most of what was left out of each term's matrices and of each b_i.
     dropped: (Vec<[f64; 3]>, Vec<f64>),
     norms: Norms,
@@ -173,17 +175,22 @@ impl ResidualForm {
             terms[block.term][block.power] = columns.rows(0, rank) / block.weight;
             dropped.0[block.term][block.power] = columns.rows(rank, r.nrows() - rank).norm() / block.weight;
         }
-        let (mut channels, mut force_rows) = (Vec::with_capacity(sides.len()), Vec::with_capacity(sides.len()));
+        let mut force_rows = DMatrix::zeros(rank, sides.len());
+        let (mut force_of, mut reading_of) = (DMatrix::zeros(k, sides.len()), DMatrix::zeros(sides.len(), k));
+        let mut sizes = Vec::with_capacity(sides.len());
         for (at, ((force, reading), weight)) in sides.iter().zip(&weights).enumerate() {
             let column = r.column(of_blocks + at);
             let scale = if *weight > 0.0 { 1.0 / weight } else { 0.0 };
-            force_rows.push(column.rows(0, rank) * scale);
-            channels.push([basis.tr_mul(force), basis.tr_mul(reading)]);
+            force_rows.set_column(at, &(column.rows(0, rank) * scale));
+            let [force, reading] = [basis.tr_mul(force), basis.tr_mul(reading)];
+            sizes.push([force.norm(), reading.norm()]);
+            force_of.set_column(at, &force);
+            reading_of.set_row(at, &reading.transpose());
             dropped.1[at] = column.rows(rank, r.nrows() - rank).norm() * scale;
         }
         let rows = OuterRows { count: rank, terms, force: force_rows };
         let sketch = (rank >= LEAST_SKETCHED * SKETCH_ROWS).then(|| rows.sketched(SKETCH_ROWS));
-        Ok(Self { rows, sketch, channels, dropped, norms })
+        Ok(Self { rows, sketch, friction: Friction::of(force_of, &reading_of), sizes, dropped, norms })
     }
 
     /// The form of points with these coefficients, as of a system with one term whose coefficient is 1.
@@ -195,7 +202,8 @@ impl ResidualForm {
         Self {
             rows: self.rows.summed(coefficients),
             sketch: self.sketch.as_ref().map(|sketch| sketch.summed(coefficients)),
-            channels: self.channels.clone(),
+            friction: self.friction.clone(),
+            sizes: self.sizes.clone(),
             dropped: (vec![dropped], self.dropped.1.clone()),
             norms: self.norms.summed(coefficients),
         }
@@ -217,10 +225,10 @@ impl ResidualForm {
         for (left_out, theta) in self.dropped.0.iter().zip(&point.coefficients) {
             dropped.iter_mut().zip(left_out).for_each(|(sum, left_out)| *sum += theta.abs() * left_out);
         }
-        for (([force, reading], left_out), gain) in self.channels.iter().zip(&self.dropped.1).zip(&point.channels) {
+        for (([force, reading], left_out), gain) in self.sizes.iter().zip(&self.dropped.1).zip(&point.channels) {
             let lag = gain.lag.map_or(0.0, |lag| lag.force * lag.drive);
-            dropped[2] += gain.mu.abs() * left_out * reading.norm() + lag.abs() * left_out * force.norm();
-            dropped[1] += gain.slope.abs() * left_out * force.norm();
+            dropped[2] += gain.mu.abs() * left_out * reading + lag.abs() * left_out * force;
+            dropped[1] += gain.slope.abs() * left_out * force;
         }
         ResidualAt { form: self, point, norms: self.norms.at(point), dropped }
     }
@@ -253,7 +261,7 @@ impl ResidualAt<'_> {
         y: &DMatrix<f64>,
     ) -> Vec<f64> {
         let (lambdas, y): (Vec<_>, _) = (wanted.iter().map(|&at| lambdas[at]).collect(), split::selected(y, wanted));
-        let outer = rows.of(&self.form.channels, self.point, &lambdas, &y);
+        let outer = rows.of(&self.form.friction, self.point, &lambdas, &y);
         let [m, c, k] = self.dropped;
         let residual = |(at, &lambda): (usize, &Complex<f64>)| {
             let (size, l) = (split::norm_squared(&y, at).sqrt(), lambda.norm());

@@ -4,6 +4,7 @@ use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Te
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::dense::{add_product, product};
 use super::split;
 use crate::SparseError;
 
@@ -47,28 +48,51 @@ pub(super) struct Friction {
 
 impl Friction {
     pub fn new(system: &AffineSystem) -> Self {
-        let (force, count) = (system.force_matrix(), system.channels().len());
-        let mut sides = DMatrix::zeros(2 * count, system.order());
+        Self::of(system.force_matrix(), &system.reading_matrix())
+    }
+
+    /// With b_i as columns and r_i^T as rows.
+    pub fn of(force: DMatrix<f64>, reading: &DMatrix<f64>) -> Self {
+        let (order, count) = force.shape();
+        let mut sides = DMatrix::zeros(2 * count, order);
         sides.rows_mut(0, count).copy_from(&force.transpose());
-        sides.rows_mut(count, count).copy_from(&system.reading_matrix());
+        sides.rows_mut(count, count).copy_from(reading);
         Self { force, sides }
+    }
+
+    /// What each channel pulls with along its b_i, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j`, split, m x vectors; `None` where
+    /// there is no friction.
+    pub fn pulls(
+        &self,
+        gains: &[ChannelGain],
+        lambdas: &[Complex<f64>],
+        shapes: &DMatrix<f64>,
+    ) -> Option<DMatrix<f64>> {
+        if gains.iter().all(|gain| *gain == ChannelGain::default()) {
+            return None;
+        }
+        let sides = product(&self.sides, shapes);
+        let mut pulls = split::zeros(gains.len(), lambdas.len());
+        for (at, &lambda) in lambdas.iter().enumerate() {
+            let motion = split::vector(&sides, at);
+            // Most channels have the gain of the one before.
+            let mut last = (ChannelGain::default(), Complex::default());
+            let pull = |(channel, gain): (usize, &ChannelGain)| {
+                if *gain != last.0 {
+                    last = (*gain, lambda * gain.complex_slope(lambda));
+                }
+                motion[gains.len() + channel] * gain.mu + motion[channel] * last.1
+            };
+            split::set(&mut pulls, at, gains.iter().enumerate().map(pull));
+        }
+        Some(pulls)
     }
 
     /// Adds what friction adds to `Q(lambda_j) x_j`, all split.
     pub fn add(&self, gains: &[ChannelGain], lambdas: &[Complex<f64>], shapes: &DMatrix<f64>, out: &mut DMatrix<f64>) {
-        if gains.iter().all(|gain| *gain == ChannelGain::default()) {
-            return;
+        if let Some(pulls) = self.pulls(gains, lambdas, shapes) {
+            add_product(out, 1.0, &self.force, &pulls);
         }
-        let sides = &self.sides * shapes;
-        let mut pulls = split::zeros(gains.len(), lambdas.len());
-        for (at, &lambda) in lambdas.iter().enumerate() {
-            let motion = split::vector(&sides, at);
-            let pull = |(channel, gain): (usize, &ChannelGain)| {
-                motion[gains.len() + channel] * gain.mu + motion[channel] * lambda * gain.complex_slope(lambda)
-            };
-            split::set(&mut pulls, at, gains.iter().enumerate().map(pull));
-        }
-        out.gemm(1.0, &self.force, &pulls, 1.0);
     }
 
     /// What friction changes Q by from some gains to others.

@@ -11,7 +11,7 @@ use num_complex::Complex;
 
 use super::coupling::{Coupled, Gains, Pull, Scratch, combine_part};
 use super::real::{Real, cast};
-use super::rows::Rows;
+use super::rows::{Rows, product};
 use super::table::Table;
 
 /// Change of lambda, relative to it, over which slopes of friction are differentiated; chosen: rates then have six digits.
@@ -21,16 +21,21 @@ const STEP: f64 = 1e-6;
 pub(super) struct Seen<'a, T> {
     own: &'a Coupled<T>,
     scratch: &'a Scratch<T>,
-    x: &'a [Complex<T>],
     y: &'a [Complex<T>],
     /// g, by ports.
     pub forces: Vec<Complex<T>>,
+    /// `R Y x - R F B g` and `B^T Y x - B^T F B g`, by ports.
+    along: [Vec<Complex<T>>; 2],
 }
 
 impl<'a, T: Real> Seen<'a, T> {
     pub fn new(own: &'a Coupled<T>, scratch: &'a Scratch<T>, [y, x]: [&'a [Complex<T>]; 2]) -> Self {
-        let forces = (0..scratch.pulls.len()).map(|port| scratch.solved.row_times(port, x)).collect();
-        Self { own, scratch, x, y, forces }
+        let forces = product(&scratch.solved, x);
+        let along = [0, 1].map(|part| {
+            let (of_amplitudes, of_forces) = (product(&own.sides[part], x), product(&scratch.smooth[part], &forces));
+            of_amplitudes.into_iter().zip(of_forces).map(|(d, c)| d - c).collect()
+        });
+        Self { own, scratch, y, forces, along }
     }
 
     /// `y^H dA x` for changes of the gains mu and `lambda s(lambda)` of all ports.
@@ -47,22 +52,19 @@ impl<'a, T: Real> Seen<'a, T> {
         for (part, smooth) in smooth.iter_mut().enumerate() {
             combine_part(&weights, &table.values, part, smooth);
         }
+        let [reading, velocity] = smooth.map(|smooth| product(&smooth, &self.forces));
         let step = lambda * Complex::new(0.0, STEP);
         let by_lambda = gains.each(|port| (gains.at(port, lambda + step).1 - gains.at(port, lambda).1) / step);
         self.of(|port| {
             let (mu, slope) = self.scratch.pulls[port];
             let by_gains = self.driven(port, (T::default(), cast(by_lambda[port])));
-            let [reading, velocity] = [&smooth[0], &smooth[1]].map(|smooth| smooth.row_times(port, &self.forces));
-            by_gains - reading * mu - velocity * slope
+            by_gains - reading[port] * mu - velocity[port] * slope
         })
     }
 
     /// `dS x - dT g` in a port whose gains change.
     fn driven(&self, port: usize, (mu, slope): Pull<T>) -> Complex<T> {
-        let along = |part: usize| {
-            self.own.sides[part].row_times(port, self.x) - self.scratch.smooth[part].row_times(port, &self.forces)
-        };
-        along(0) * mu + along(1) * slope
+        self.along[0][port] * mu + self.along[1][port] * slope
     }
 
     /// `-y^H V^H B T^-1` times what each port has.

@@ -23,7 +23,7 @@ use num_complex::Complex;
 use super::coupling::{self, Gains, Scratch, pull};
 use super::ports::Ports;
 use super::real::cast;
-use super::rows::Rows;
+use super::rows::{Rows, product};
 
 /// The numbers c_k.
 pub(super) const TERMS: usize = 6;
@@ -127,7 +127,7 @@ impl Expansion {
     /// The modal assurance criterion (MAC), with M as weight, of a shape that has some vector in these coordinates with the shapes of all
     /// known modes.
     pub fn mac(&self, vector: &[Complex<f32>]) -> Vec<f64> {
-        let seen: Vec<Complex<f32>> = (0..vector.len()).map(|i| self.products.row_times(i, vector)).collect();
+        let seen: Vec<Complex<f32>> = product(&self.products, vector);
         let own: Complex<f32> = vector.iter().zip(&seen).map(|(v, seen)| v.conj() * seen).sum();
         let of = |(i, seen): (usize, &Complex<f32>)| f64::from(seen.norm_sqr() / (own.re * self.products.at(i, i).re));
         seen.iter().enumerate().map(of).collect()

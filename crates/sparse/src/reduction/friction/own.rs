@@ -6,7 +6,7 @@ use num_complex::Complex;
 use super::coupling::{self, Coupled, Gains, Scratch};
 use super::eigenvalue;
 use super::ports::Ports;
-use super::rows::Rows;
+use super::rows::{Rows, product};
 use crate::SparseError;
 use crate::reduction::dense;
 
@@ -49,7 +49,7 @@ impl<'a> Own<'a> {
 
     /// The forces of amplitudes, at the number where A was made last.
     pub fn forces(&self, vector: &[Complex<f64>]) -> Vec<Complex<f64>> {
-        (0..self.ports.count()).map(|port| self.scratch.solved.row_times(port, vector)).collect()
+        product(&self.scratch.solved, vector)
     }
 
     /// The eigenvalue that is one of A at itself next to one of A at another number, whose vector is replaced by its own; `None` where it does

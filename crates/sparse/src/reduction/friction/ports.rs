@@ -102,18 +102,12 @@ impl Ports {
         let Some([path, fine]) = samples.tables(Region::Growing, [PATH_ERROR, FINE_ERROR], &itself)? else {
             return Ok(None);
         };
+        let shapes = Shapes::new(&lambdas, &right, &driven, [&near, &others]);
         let force = driven.select_rows(&near);
         let sides = read.map(|side| side.select_columns(&near));
         let moved = sides.each_ref().map(|side| -> Vec<f64> {
             (0..count).map(|port| force.column(port).norm() * side.row(port).norm()).collect()
         });
-        let shapes = Shapes {
-            order,
-            near: Rows::of(&right.select_columns(&near).transpose()),
-            others: others.iter().map(|&at| lambdas[at]).collect(),
-            others_force: Rows::from_fn(count, others.len(), |port, at| driven[(others[at], port)]),
-            others_right: Rows::from_fn(others.len(), order, |at, row| right[(row, others[at])]),
-        };
         let ports = Self {
             lambdas: near.iter().map(|&at| lambdas[at]).collect(),
             moved_by_all: moved.each_ref().map(|moved| moved.iter().map(|moved| moved.powi(2)).sum()),

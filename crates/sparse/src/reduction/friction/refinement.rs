@@ -14,13 +14,13 @@
 use linsys::ChannelGain;
 use nalgebra::DVector;
 use num_complex::Complex;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use super::coupling::{self, Coupled, Gains, Pull, Scratch};
 use super::eigenvalue;
 use super::ports::Ports;
-use super::real::{Real, cast};
-use super::rows::Rows;
+use super::real::cast;
+use super::rows::{Rows, Times, product};
 use super::secant::{Missed, secant};
 use super::table::Differences;
 
@@ -65,8 +65,9 @@ pub(super) struct Refinement {
     single: Scratch<f32>,
     matrix: Rows<f32>,
     weights: Vec<Complex<f64>>,
-    /// `R F B` and `B^T F B`, what they are made of, and their derivatives.
+    /// `R F B` and `B^T F B`, in both precisions, what they differ by from those at the first point of the table, and their derivatives.
     smooth: [Rows; 2],
+    single_smooth: [Rows<f32>; 2],
     apart: [Rows<f32>; 2],
     slopes: [Rows<f32>; 2],
     /// Vectors of the near modes, in both precisions, and of the ports.
@@ -88,6 +89,7 @@ impl Refinement {
             matrix: Rows::zeros(p, p),
             weights: Vec::new(),
             smooth: [Rows::zeros(m, m), Rows::zeros(m, m)],
+            single_smooth: [Rows::zeros(m, m), Rows::zeros(m, m)],
             apart: [Rows::zeros(m, m), Rows::zeros(m, m)],
             slopes: [Rows::zeros(m, m), Rows::zeros(m, m)],
             near: Rows::zeros(1, p),
@@ -107,16 +109,13 @@ impl Refinement {
         let y = eigenvalue::left(&self.matrix, &x, &self.single.elimination);
         let along = inner(&y, &x);
         let slope = (Complex::from(1.0) - drift).inv();
-        let Differences { first, table } = &ports.differences;
-        coupling::differences_at(table, number, &mut self.weights, &mut self.apart, &mut self.slopes);
-        for ((smooth, first), apart) in self.smooth.iter_mut().zip(first).zip(&self.apart) {
+        for ((smooth, first), apart) in self.smooth.iter_mut().zip(&ports.differences.first).zip(&self.apart) {
             smooth.set_apart(first, apart);
         }
 
         let mut d: Vec<Complex<f64>> = x.iter().map(|&entry| cast(entry)).collect();
         let mut before: Option<Missed> = None;
-        let mut forces: Vec<Complex<f64>> =
-            (0..ports.count()).map(|port| cast(self.single.solved.row_times(port, &x))).collect();
+        let mut forces: Vec<Complex<f64>> = product(&self.single.solved, &x).into_iter().map(cast).collect();
         for round in 1..=MOST_ROUNDS {
             self.solve_forces(sample, lambda, lambda - number, &d, &mut forces);
             self.port.set_row(&forces);
@@ -156,12 +155,17 @@ impl Refinement {
         mut guess: Complex<f64>,
         x: &mut [Complex<f32>],
     ) -> Option<(Complex<f64>, Complex<f64>)> {
-        let Self { single, matrix, .. } = self;
+        let Self { single, matrix, weights, single_smooth, apart, slopes, .. } = self;
         let (ports, gains) = (sample.ports, Gains::of(sample.gains));
+        let Differences { single_first, table, .. } = &ports.differences;
         for _ in 0..MOST_NUMBERS {
-            coupling::at(sample.added, &ports.path, guess, gains, single, matrix);
-            matrix.negate();
             let number = guess * (1.0 + BESIDE);
+            coupling::differences_at(table, number, weights, apart, slopes);
+            for ((smooth, first), apart) in single_smooth.iter_mut().zip(single_first).zip(&*apart) {
+                smooth.set_total(first, apart);
+            }
+            coupling::with(sample.added, number, single_smooth, gains, single, matrix);
+            matrix.negate();
             eigenvalue::factor_with(matrix, |i| cast(number - ports.lambdas[i]), &mut single.elimination, ports.near());
             let apart: Complex<f64> = cast(eigenvalue::apart(matrix, x, STEPS, &single.elimination));
             guess = number + apart;
@@ -218,19 +222,4 @@ fn inner(a: &[Complex<f32>], b: &[Complex<f32>]) -> Complex<f32> {
 
 fn norm_squared(vector: &[Complex<f64>]) -> f64 {
     vector.iter().map(Complex::norm_sqr).sum()
-}
-
-struct Times<'a, T> {
-    matrix: &'a Rows<T>,
-    vector: &'a Rows<T>,
-    out: &'a mut Vec<Complex<T>>,
-}
-
-impl<T: Real> WithSimd for Times<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.matrix.times(simd, self.vector, self.out);
-    }
 }

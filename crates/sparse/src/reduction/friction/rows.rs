@@ -58,12 +58,6 @@ impl<T: Real> Rows<T> {
         [T::registers_mut::<S>(&mut self.re), T::registers_mut::<S>(&mut self.im)]
     }
 
-    /// A row times a vector.
-    pub fn row_times(&self, row: usize, vector: &[Complex<T>]) -> Complex<T> {
-        let [re, im] = self.row(row);
-        re.iter().zip(im).zip(vector).map(|((&re, &im), value)| Complex::new(re, im) * value).sum()
-    }
-
     pub fn row(&self, row: usize) -> [&[T]; 2] {
         let place = row * self.stride..(row + 1) * self.stride;
         [&self.re[place.clone()], &self.im[place]]
@@ -126,6 +120,13 @@ impl<T: Real> Rows<T> {
                 sum = multiple_added(simd, *factor, x, sum);
             }
             [*re, *im] = sum;
+        }
+    }
+
+    /// Takes the sum of two matrices of this shape.
+    pub fn set_total(&mut self, a: &Self, b: &Self) {
+        for (out, a, b) in [(&mut self.re, &a.re, &b.re), (&mut self.im, &a.im, &b.im)] {
+            out.iter_mut().zip(a).zip(b).for_each(|((out, a), b)| *out = *a + *b);
         }
     }
 
@@ -296,6 +297,30 @@ impl Rows {
     }
 }
 
+/// A matrix times a vector.
+pub(super) fn product<T: Real>(matrix: &Rows<T>, vector: &[Complex<T>]) -> Vec<Complex<T>> {
+    let (mut row, mut out) = (Rows::zeros(1, vector.len()), Vec::with_capacity(matrix.rows()));
+    row.set_row(vector);
+    Arch::new().dispatch(Times { matrix, vector: &row, out: &mut out });
+    out
+}
+
+/// A matrix times a vector, the first row of another one.
+pub(super) struct Times<'a, T> {
+    pub matrix: &'a Rows<T>,
+    pub vector: &'a Rows<T>,
+    pub out: &'a mut Vec<Complex<T>>,
+}
+
+impl<T: Real> WithSimd for Times<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.matrix.times(simd, self.vector, self.out);
+    }
+}
+
 /// Adds multiples of the rows of a matrix to a row of another one.
 pub(super) fn add_rows<T: Real>(to: usize, factors: &[Complex<T>], rows: &Rows<T>, out: &mut Rows<T>) {
     Arch::new().dispatch(AddRows { to, factors, rows, out });
@@ -409,26 +434,14 @@ mod tests {
                 let expected = factors[0] * a.at(2, j) + factors[1] * b.at(2, j);
                 assert!((sum.at(2, j) - expected).norm() < 1e-12 * expected.norm());
             }
-            let mut product = Vec::new();
-            Arch::new().dispatch(Times(&a, &out, &mut product));
-            for (i, product) in product.into_iter().enumerate() {
+            let row: Vec<Complex<f64>> = (0..columns).map(|j| out.at(0, j)).collect();
+            for (i, product) in product(&a, &row).into_iter().enumerate() {
                 let expected: Complex<f64> = (0..columns).map(|j| a.at(i, j) * out.at(0, j)).sum();
                 assert!((product - expected).norm() < 1e-12 * expected.norm());
             }
             let total: Complex<f64> =
                 (0..4).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| a.at(i, j)).sum();
             assert!((a.entries().sum::<Complex<f64>>() - total).norm() < 1e-12 * total.norm());
-        }
-    }
-
-    struct Times<'a>(&'a Rows, &'a Rows, &'a mut Vec<Complex<f64>>);
-
-    impl WithSimd for Times<'_> {
-        type Output = ();
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
-            self.0.times(simd, self.1, self.2);
         }
     }
 

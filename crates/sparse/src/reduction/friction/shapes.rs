@@ -1,35 +1,94 @@
 //! The shapes of modes in the coordinates of the reduced system.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::real::{Real, cast};
 use super::rows::{Rows, add_rows};
 
-/// What the shapes of k degrees of freedom are made of.
+/// What the shapes of k degrees of freedom are made of: the right vectors of the structure, of which most come in conjugate pairs, by their real
+/// and imaginary parts.
 #[derive(Debug, Clone)]
 pub(super) struct Shapes<T = f64> {
     /// k.
     pub order: usize,
-    /// Y of the near modes, by modes.
-    pub near: Rows<T>,
-    /// The other eigenvalues, rad/s.
-    pub others: Vec<Complex<f64>>,
+    /// The parts as rows, each with room for whole registers.
+    parts: Vec<T>,
+    stride: usize,
+    /// Where the near modes and the others have theirs.
+    near: Vec<Place>,
+    others: Vec<(Complex<f64>, Place)>,
     /// `(V^H B)^T` of the others, by ports.
-    pub others_force: Rows<T>,
-    /// Y of the others, by modes.
-    pub others_right: Rows<T>,
+    others_force: Rows<T>,
+}
+
+/// The row of the real part of a vector; the imaginary part is the next, times this. The vector of a real eigenvalue has none.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    row: usize,
+    sign: Option<f64>,
 }
 
 impl Shapes {
+    /// With the eigenvalues, rad/s, and right vectors of the structure, k x 2 k, `V^H B` of all, and which are near and which are not.
+    pub fn new(
+        lambdas: &[Complex<f64>],
+        right: &DMatrix<Complex<f64>>,
+        driven: &DMatrix<Complex<f64>>,
+        [near, others]: [&[usize]; 2],
+    ) -> Self {
+        let order = right.nrows();
+        let stride = order.next_multiple_of(f64::WIDEST);
+        let (mut parts, mut places): (Vec<f64>, Vec<Place>) = (Vec::new(), Vec::new());
+        let push = |parts: &mut Vec<f64>, column: usize, part: fn(&Complex<f64>) -> f64| {
+            let row = parts.len() / stride;
+            parts.extend(right.column(column).iter().map(part));
+            parts.resize((row + 1) * stride, 0.0);
+            row
+        };
+        while places.len() < lambdas.len() {
+            let at = places.len();
+            let row = push(&mut parts, at, |entry| entry.re);
+            if lambdas[at].im == 0.0 {
+                places.push(Place { row, sign: None });
+                continue;
+            }
+            push(&mut parts, at, |entry| entry.im);
+            places.push(Place { row, sign: Some(1.0) });
+            let is_conjugate = |next: &usize| {
+                let vectors = right.column(at).into_iter().zip(right.column(*next).into_iter());
+                lambdas[*next] == lambdas[at].conj() && vectors.into_iter().all(|(a, b)| a.conj() == *b)
+            };
+            if Some(at + 1).filter(|&next| next < lambdas.len()).as_ref().is_some_and(is_conjugate) {
+                places.push(Place { row, sign: Some(-1.0) });
+            }
+        }
+        Self {
+            order,
+            parts,
+            stride,
+            near: near.iter().map(|&at| places[at]).collect(),
+            others: others.iter().map(|&at| (lambdas[at], places[at])).collect(),
+            others_force: Rows::from_fn(driven.ncols(), others.len(), |port, at| driven[(others[at], port)]),
+        }
+    }
+
     /// The same in single precision.
     pub fn single(&self) -> Shapes<f32> {
+        let stride = self.order.next_multiple_of(f32::WIDEST);
+        let mut parts = Vec::with_capacity(self.parts.len() / self.stride.max(1) * stride);
+        for row in self.parts.chunks_exact(self.stride.max(1)) {
+            parts.extend(row[..self.order].iter().map(|&entry| entry as f32));
+            parts.resize(parts.len().next_multiple_of(stride), 0.0);
+        }
         Shapes {
             order: self.order,
-            near: self.near.single(),
+            parts,
+            stride,
+            near: self.near.clone(),
             others: self.others.clone(),
             others_force: self.others_force.single(),
-            others_right: self.others_right.single(),
         }
     }
 }
@@ -37,12 +96,53 @@ impl Shapes {
 impl<T: Real> Shapes<T> {
     /// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
     pub fn shape(&self, lambda: Complex<f64>, d: &[Complex<T>], forces: &[Complex<T>]) -> DVector<Complex<f64>> {
-        let (mut driven, mut shape) = (Rows::zeros(1, self.others.len()), Rows::zeros(1, self.order));
+        let mut driven = Rows::zeros(1, self.others.len());
         add_rows(0, forces, &self.others_force, &mut driven);
-        let factor = |(at, other): (usize, &Complex<f64>)| -driven.at(0, at) * cast::<f64, T>((lambda - other).inv());
-        let factors: Vec<Complex<T>> = self.others.iter().enumerate().map(factor).collect();
-        add_rows(0, d, &self.near, &mut shape);
-        add_rows(0, &factors, &self.others_right, &mut shape);
+        let mut factors = vec![Complex::default(); self.parts.len() / self.stride.max(1)];
+        let mut add = |Place { row, sign }: Place, amplitude: Complex<T>| {
+            factors[row] += amplitude;
+            if let Some(sign) = sign {
+                factors[row + 1] += Complex::new(-amplitude.im, amplitude.re) * T::of(sign);
+            }
+        };
+        self.near.iter().zip(d).for_each(|(&place, &amplitude)| add(place, amplitude));
+        for (at, &(other, place)) in self.others.iter().enumerate() {
+            add(place, -driven.at(0, at) * cast::<f64, T>((lambda - other).inv()));
+        }
+        let mut shape = Rows::zeros(1, self.order);
+        Arch::new().dispatch(Sum { factors: &factors, parts: &self.parts, stride: self.stride, out: &mut shape });
         DVector::from_fn(self.order, |at, _| cast(shape.at(0, at)))
+    }
+}
+
+/// The sum of complex multiples of real rows.
+struct Sum<'a, T> {
+    factors: &'a [Complex<T>],
+    parts: &'a [T],
+    stride: usize,
+    out: &'a mut Rows<T>,
+}
+
+impl<T: Real> WithSimd for Sum<'_, T> {
+    type Output = ();
+
+    /// Sums stay in registers, two of each part side by side.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { factors, parts, stride, out } = self;
+        let (parts, stride) = (T::registers::<S>(parts), stride / T::width::<S>());
+        let [re, im] = out.registers_mut(simd);
+        for (first, (re, im)) in re.chunks_mut(2).zip(im.chunks_mut(2)).enumerate() {
+            let mut sums = [[T::filled(simd, T::default()); 2]; 2];
+            for (row, factor) in factors.iter().enumerate() {
+                let (by_re, by_im) = (T::filled(simd, factor.re), T::filled(simd, factor.im));
+                let of_row = &parts[row * stride + 2 * first..][..re.len()];
+                for (part, sum) in of_row.iter().zip(&mut sums) {
+                    sum[0] = T::add_product(simd, by_re, *part, sum[0]);
+                    sum[1] = T::add_product(simd, by_im, *part, sum[1]);
+                }
+            }
+            re.iter_mut().zip(im).zip(sums).for_each(|((re, im), sum)| [*re, *im] = sum);
+        }
     }
 }

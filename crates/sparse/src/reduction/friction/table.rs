@@ -58,7 +58,7 @@ impl Table {
         let Self { points, weights, values } = self;
         let values = values.iter().map(apart).collect();
         let table = Self { points: points.clone(), weights: weights.clone(), values }.single();
-        Differences { first, table }
+        Differences { single_first: first.each_ref().map(Rows::single), first, table }
     }
 }
 
@@ -67,6 +67,8 @@ impl Table {
 #[derive(Debug, Clone)]
 pub(super) struct Differences {
     pub first: [Rows; 2],
+    /// The same in single precision.
+    pub single_first: [Rows<f32>; 2],
     pub table: Table<f32>,
 }
 
