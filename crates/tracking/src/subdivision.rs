@@ -38,8 +38,6 @@ pub(crate) struct Subdivision<'a> {
     requested: Vec<f64>,
     /// Sample points ahead, the next one last. The end of the path is not among them.
     sample_points: Vec<SamplePoint>,
-    /// Whether the owner of the path is asked before spectra are taken.
-    asks_owner: bool,
 }
 
 impl<'a> Subdivision<'a> {
@@ -55,7 +53,6 @@ impl<'a> Subdivision<'a> {
             modes: start,
             requested: (0..sample_points).rev().map(place).collect(),
             sample_points: Vec::new(),
-            asks_owner: matches!(path.start, PathStart::Owned(..)),
         }
     }
 
@@ -156,9 +153,9 @@ impl<'a> Subdivision<'a> {
         self.sample_points.last().map(|next| &next.known)
     }
 
-    /// Asks the owner of the path for the modes at the next sample point. One that cannot tell is not asked again.
+    /// Asks the owner of the path for the modes at the next sample point. Where it cannot tell, a spectrum is requested there.
     fn ask_owner(&mut self) {
-        if !self.asks_owner {
+        if !matches!(self.path.start, PathStart::Owned(..)) {
             return;
         }
         let unknown = |at| SamplePoint { at, known: Known::Candidates(None) };
@@ -167,11 +164,11 @@ impl<'a> Subdivision<'a> {
         if known.as_ref().is_some_and(|known| known.are_of(&self.modes)) {
             return;
         }
-        let (place, candidates) = (*at, Candidates::at(*at, &self.path, &self.modes));
-        self.asks_owner = candidates.is_some();
-        match (candidates, self.sample_points.last_mut()) {
-            (Some(found), Some(next)) => *next = SamplePoint { at: place, known: Known::Candidates(Some(found)) },
-            _ => self.requested.extend(self.sample_points.drain(..).map(|sample_point| sample_point.at)),
+        let at = *at;
+        self.sample_points.pop();
+        match Candidates::at(at, &self.path, &self.modes) {
+            Some(found) => self.sample_points.push(SamplePoint { at, known: Known::Candidates(Some(found)) }),
+            None => self.requested.push(at),
         }
     }
 

@@ -18,8 +18,11 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::dense;
+use super::eigenvalue;
+use super::elimination::Elimination;
 use super::nearest::{nearest, nearest_of};
 use super::outer_products::outer_products;
+use super::rows::Rows;
 use super::state_modes::StateModes;
 use crate::SparseError;
 
@@ -249,13 +252,12 @@ impl Part {
 
 /// Makes x the right singular vector of the smallest singular value of a matrix, by iteration with `(N^H N)^-1`.
 fn inverse_iteration(matrix: &Matrix, x: &mut Vector, steps: usize) -> Option<()> {
-    let lu = matrix.clone().lu();
-    let (lower, upper) = (lu.l(), lu.u());
+    let (mut factors, mut elimination) = (Rows::of(matrix), Elimination::default());
+    eigenvalue::factor(&mut factors, Complex::default(), &mut elimination, x.len());
     for _ in 0..steps {
-        let mut left = lower.ad_solve_lower_triangular(&upper.ad_solve_upper_triangular(x)?)?;
-        lu.p().inv_permute_rows(&mut left);
-        left.normalize_mut();
-        *x = lu.solve(&left)?;
+        elimination.solve_adjoint(&factors, x.as_mut_slice());
+        x.normalize_mut();
+        elimination.solve(&factors, x.as_mut_slice());
         x.normalize_mut();
     }
     x.iter().all(|entry| entry.is_finite()).then_some(())

@@ -11,10 +11,10 @@ use super::expansion::Expansion;
 use super::own::Own;
 use super::pair::moved;
 use super::ports::Ports;
-use super::real::cast;
-use super::rows::Rows;
 use crate::SparseError;
 use crate::reduction::dense;
+use crate::reduction::real::cast;
+use crate::reduction::rows::Rows;
 
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
 /// thousands next to a coalescence, from where guesses are no use.

@@ -10,9 +10,9 @@
 use num_complex::Complex;
 
 use super::coupling::{Coupled, Gains, Pull, Scratch, combine_part};
-use super::real::{Real, cast};
-use super::rows::{Rows, product};
 use super::table::Table;
+use crate::reduction::real::{Real, cast};
+use crate::reduction::rows::{Rows, product};
 
 /// Change of lambda, relative to it, over which slopes of friction are differentiated; chosen: rates then have six digits.
 const STEP: f64 = 1e-6;

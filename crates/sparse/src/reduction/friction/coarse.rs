@@ -6,10 +6,10 @@ use num_complex::Complex;
 use super::count::Around;
 use super::coupling::{self, Coupled, Gains, Scratch};
 use super::ports::Ports;
-use super::real::cast;
-use super::rows::Rows;
 use super::table::{ASIDE, Region, Samples, Table};
 use crate::SparseError;
+use crate::reduction::real::cast;
+use crate::reduction::rows::Rows;
 
 /// Relative error of what friction adds to A; chosen: on cases/disc-pad guesses are then good to some millionths, and with 1e-4 one sample in
 /// 250 is left to the whole spectrum.

@@ -6,9 +6,9 @@
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::real::{Real, cast};
-use super::rows::Rows;
 use super::table::Table;
+use crate::reduction::real::{Real, cast};
+use crate::reduction::rows::Rows;
 
 /// Numbers at once: as many as the widest register has.
 const AT_ONCE: usize = f32::WIDEST;

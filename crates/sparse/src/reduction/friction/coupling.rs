@@ -12,11 +12,11 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::elimination::Elimination;
 use super::ports::Ports;
-use super::real::{Real, cast};
-use super::rows::Rows;
 use super::table::Table;
+use crate::reduction::elimination::Elimination;
+use crate::reduction::real::{Real, cast};
+use crate::reduction::rows::Rows;
 
 /// What A is made of, in coordinates d' of the near modes: `d = S d'`.
 #[derive(Debug, Clone)]

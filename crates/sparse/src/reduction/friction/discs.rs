@@ -20,9 +20,9 @@ use pulp::{Arch, Simd, WithSimd};
 use super::coupling::pull;
 use super::expansion::{Expansion, Factors, TERMS};
 use super::ports::Ports;
-use super::real::{Real, cast};
-use super::rows::Rows;
 use super::vectors::{Vectors, first_order};
+use crate::reduction::real::{Real, cast};
+use crate::reduction::rows::Rows;
 
 /// Most corrections of vectors; chosen.
 const MOST_STEPS: usize = 6;
@@ -81,11 +81,9 @@ impl Discs {
         gain: &ChannelGain,
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Option<Vec<Vec<usize>>> {
-        let order = self.centers.len();
         self.vectors.corrected.clear();
         self.lambdas.copy_from_slice(&expansion.lambdas);
-        self.evaluate_all(expansion, gain);
-        (0..order).for_each(|mode| self.lambdas[mode] += cast::<f32, f64>(self.rest.at(mode, mode)));
+        self.move_all(expansion, gain);
         self.evaluate_all(expansion, gain);
         for step in 0..=MOST_STEPS {
             if !self.wrong.iter().all(|wrong| wrong.is_finite()) {
@@ -118,13 +116,29 @@ impl Discs {
         union.iter().any(|&i| (lambda - self.centers[i]).norm() <= self.radii[i])
     }
 
+    /// Moves each number to the diagonal entry of A at the one that is known.
+    fn move_all(&mut self, expansion: &Expansion, gain: &ChannelGain) {
+        self.set_numbers(gain);
+        let Self { lambdas, at, ones, factors, .. } = self;
+        expansion.factors(gain.mu, at, ones.row(0), factors);
+        let order = lambdas.len();
+        for (mode, lambda) in lambdas.iter_mut().enumerate() {
+            let term = |k: usize| factors.values.at(0, k * order + mode) * expansion.terms.at(k * order + mode, mode);
+            *lambda += cast::<f32, f64>((0..TERMS).map(term).sum());
+        }
+    }
+
+    fn set_numbers(&mut self, gain: &ChannelGain) {
+        for (mode, &lambda) in self.lambdas.iter().enumerate() {
+            self.at.set(0, mode, cast(lambda));
+            self.at.set(1, mode, cast(pull(gain, lambda).1));
+        }
+    }
+
     /// `(A(lambda_j) - lambda_j) e_j` of all modes.
     fn evaluate_all(&mut self, expansion: &Expansion, gain: &ChannelGain) {
+        self.set_numbers(gain);
         let Self { lambdas, rest, wrong, at, ones, factors, .. } = self;
-        for (mode, &lambda) in lambdas.iter().enumerate() {
-            at.set(0, mode, cast(lambda));
-            at.set(1, mode, cast(pull(gain, lambda).1));
-        }
         Arch::new().dispatch(OwnColumns { expansion, mu: gain.mu, at, ones, factors, out: rest });
         for (mode, (lambda, known)) in lambdas.iter().zip(&expansion.lambdas).enumerate() {
             rest.set(mode, mode, rest.at(mode, mode) + cast::<f64, f32>(known - lambda));

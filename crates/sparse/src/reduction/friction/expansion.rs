@@ -22,8 +22,8 @@ use num_complex::Complex;
 
 use super::coupling::{self, Gains, Scratch, pull};
 use super::ports::Ports;
-use super::real::cast;
-use super::rows::{Rows, product};
+use crate::reduction::real::cast;
+use crate::reduction::rows::{Rows, product};
 
 /// The numbers c_k.
 pub(super) const TERMS: usize = 6;

@@ -8,11 +8,11 @@ use super::anchor::Anchor;
 use super::coarse::Coarse;
 use super::count::Lacking;
 use super::coupling::{self, Gains, combine};
-use super::eigenvalue;
-use super::real::cast;
 use super::refinement::{Pair, Start};
 use super::search::{Found, Memory, Open, Search, all_of};
 use super::secant::{Missed, secant};
+use crate::reduction::eigenvalue;
+use crate::reduction::real::cast;
 
 /// What corrected guesses err by at most, relative to |lambda|; chosen: on cases/disc-pad they err by some millionths, a few by 1e-4.
 const COARSE_ERROR: f64 = 5e-4;

@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use super::coupling::{self, Coupled, Gains, Scratch};
-use super::eigenvalue;
 use super::ports::Ports;
-use super::rows::{Rows, product};
 use crate::SparseError;
 use crate::reduction::dense;
+use crate::reduction::eigenvalue;
+use crate::reduction::rows::{Rows, product};
 
 /// Most rounds in which an eigenvalue of A at another number becomes one of A at itself, and the relative size of the last step; chosen: each
 /// round multiplies what is missing by how much A changes with lambda, a few hundredths, or a half where A has poles near.

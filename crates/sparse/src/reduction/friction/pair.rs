@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 
-use super::real::Real;
+use crate::reduction::real::Real;
 
 /// Product of two couplings, as a part of the square of half of what is between two eigenvalues, up to which the first order moves these;
 /// chosen: what is left out is an eighth of its square.

@@ -7,12 +7,12 @@ use num_complex::Complex;
 use super::FrictionModes;
 use super::change::Seen;
 use super::coupling::{self, Gains, Scratch};
-use super::eigenvalue;
 use super::own::Own;
-use super::real::cast;
 use super::refinement::Pair;
-use super::rows::Rows;
+use crate::reduction::eigenvalue;
 use crate::reduction::nearest::{is_apart, nearest, nearest_of};
+use crate::reduction::real::cast;
+use crate::reduction::rows::Rows;
 
 /// Most rounds, and the relative size of what the last one misses; chosen: A changes with lambda by some thousandths over the band, so that
 /// what is left of an eigenvalue after the step of Newton's method is below 1e-8 of it, and paths ask for 1e-5.

@@ -11,10 +11,10 @@ use linsys::{AffineSystem, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::rows::{Rows, add_rows};
 use super::shapes::Shapes;
 use super::table::{ASIDE, Differences, Region, Samples, Table};
 use crate::SparseError;
+use crate::reduction::rows::{Rows, add_rows};
 use crate::reduction::state_modes::StateModes;
 
 /// Between these multiples of the highest frequency of the band the near modes end, at the largest gap; chosen: what is beyond is smooth in

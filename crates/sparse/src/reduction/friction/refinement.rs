@@ -17,12 +17,12 @@ use num_complex::Complex;
 use pulp::Arch;
 
 use super::coupling::{self, Coupled, Gains, Pull, Scratch};
-use super::eigenvalue;
 use super::ports::Ports;
-use super::real::cast;
-use super::rows::{Rows, Times, product};
 use super::secant::{Missed, secant};
 use super::table::Differences;
+use crate::reduction::eigenvalue;
+use crate::reduction::real::cast;
+use crate::reduction::rows::{Rows, Times, product};
 
 /// Size of what may be missing, relative to that of `lambda d`; chosen, below all residuals that are asked for.
 const CONVERGED: f64 = 1e-11;

@@ -10,8 +10,8 @@ use super::coupling::{Coupled, Scratch};
 use super::discs::Discs;
 use super::ports::Ports;
 use super::refinement::{Pair, Refinement, Sample, Start};
-use super::rows::{Rows, combined};
 use crate::Rectangle;
+use crate::reduction::rows::{Rows, combined};
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
 const MOST_TRIES: usize = 3;

@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::real::{Real, cast};
-use super::rows::{Rows, add_rows};
+use crate::reduction::real::{Real, cast};
+use crate::reduction::rows::{Rows, add_rows};
 
 /// What the shapes of k degrees of freedom are made of: the right vectors of the structure, of which most come in conjugate pairs, by their real
 /// and imaginary parts.

@@ -15,10 +15,10 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::rows::Rows;
 use crate::SparseError;
 use crate::reduction::dense;
 use crate::reduction::outer::Random;
+use crate::reduction::rows::Rows;
 
 /// Points at which F is known while a table is made; chosen, two to each of the widest table: of the band, of a line to its right where
 /// growing modes are, and of lines on both sides where modes are counted.

@@ -11,8 +11,8 @@ use super::anchor::spread;
 use super::coupling::{self, Gains, Scratch, pull};
 use super::discs::Discs;
 use super::expansion::{Factors, TERMS};
-use super::real::cast;
-use super::rows::Rows;
+use crate::reduction::real::cast;
+use crate::reduction::rows::Rows;
 use crate::reduction::{Options, Reduced};
 use crate::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 

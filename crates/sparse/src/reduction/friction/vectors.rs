@@ -3,9 +3,9 @@
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::elimination::Elimination;
 use super::pair::moved;
-use super::rows::Rows;
+use crate::reduction::elimination::Elimination;
+use crate::reduction::rows::Rows;
 
 /// Product of two couplings, as a part of the square of half of what is between two modes, from which on these are corrected as a pair;
 /// chosen.
