@@ -60,7 +60,7 @@ pub use build::{Reduction, Wanted};
 pub use compared::{Compared, compared};
 pub use contact_path::{ContactPath, OnContactPath};
 pub use follow::Doubt;
-pub use friction::{FrictionModes, FrictionPath, FrictionSearch, Likeness, OnFrictionPath};
+pub use friction::{Amplitudes, FrictionModes, FrictionPath, FrictionSearch, Likeness, OnFrictionPath};
 pub use modal::real_modes;
 pub use options::Options;
 pub use reduced::{Reduced, ReducedModes, Route};

@@ -14,7 +14,7 @@ use super::ports::Ports;
 use crate::SparseError;
 use crate::reduction::dense;
 use crate::reduction::real::cast;
-use crate::reduction::rows::Rows;
+use crate::reduction::rows::{Rows, product};
 
 /// Largest condition number, in Frobenius norms, of the vectors of an anchor; chosen: those of cases/disc-pad have 40 to 60, and some tens of
 /// thousands next to a coalescence, from where guesses are no use.
@@ -30,6 +30,8 @@ pub(super) struct Anchor {
     pub own: Coupled<f32>,
     /// These vectors S as rows, p x p.
     pub vectors: Rows<f32>,
+    /// `S^-1`.
+    inverse: Rows<f32>,
     /// A around these gains, where all ports have the same and A has no poles near.
     pub expansion: Option<Expansion>,
     /// For each of them the weights of the points for guesses at its frequency.
@@ -71,13 +73,19 @@ impl Anchor {
         let pulls = Pulls::of(ports, &gains);
         let expansion = shared(&gains).and_then(|gain| Expansion::new(ports, gain, lambdas, &vectors, &inverse));
         let own = Coupled::new(ports, &vectors, &inverse).single();
-        let vectors = Rows::of(&vectors.transpose()).single();
-        Ok(Some(Self { gains, pulls, own, vectors, weights, expansion }))
+        let (vectors, inverse) = (Rows::of(&vectors.transpose()).single(), Rows::of(&inverse).single());
+        Ok(Some(Self { gains, pulls, own, vectors, inverse, weights, expansion }))
     }
 
     /// These gains, and the eigenvalues under them where they are expanded around.
     pub fn known(&self) -> (&[ChannelGain], &[Complex<f64>]) {
         (&self.gains, self.expansion.as_ref().map_or(&[], |expansion| &expansion.lambdas))
+    }
+
+    /// The MAC of a mode, given the amplitudes of the near modes, with each of the modes under these gains; `None` where they are not expanded
+    /// around.
+    pub fn mac(&self, amplitudes: &[Complex<f32>]) -> Option<Vec<f64>> {
+        Some(self.expansion.as_ref()?.mac(&product(&self.inverse, amplitudes)))
     }
 
     /// The square of how far gains are.

@@ -8,8 +8,8 @@ use super::anchor::Anchor;
 use super::coarse::Coarse;
 use super::count::Lacking;
 use super::coupling::{self, Gains, combine};
-use super::refinement::{Pair, Start};
-use super::search::{Found, Memory, Open, Search, all_of};
+use super::refinement::{Found, Start};
+use super::search::{Memory, Open, Search, all_of};
 use super::secant::{Missed, secant};
 use crate::reduction::eigenvalue;
 use crate::reduction::real::cast;
@@ -49,11 +49,10 @@ impl Search<'_> {
         wanted.retain(|&i| may_be(zeros[i], 0.0));
         let mut finished = |i: usize| {
             let vector = (0..self.ports.near()).map(|row| anchor.vectors.at(i, row)).collect();
-            let pair = self.refined(gains, Start { guess: zeros[i], vector, drift: Complex::default() }, memory)?;
+            let mode = self.refined(gains, Start { guess: zeros[i], vector, drift: Complex::default() }, memory)?;
             // Another one is not the mode that was counted.
-            let is_same = |(lambda, _): &Pair| (lambda - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
-            let pair = Some(pair).filter(is_same).ok_or(Open::NotConverged)?;
-            Ok(Found { pair, likeness: None })
+            let is_same = |mode: &Found| (mode.pair.0 - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
+            Some(mode).filter(is_same).ok_or(Open::NotConverged)
         };
         all_of(wanted.into_iter().map(&mut finished).collect::<Result<_, Open>>()?, is_wanted)
     }

@@ -38,13 +38,20 @@ use self::coarse::Coarse;
 use self::coupling::Coupled;
 use self::ports::Ports;
 use self::residuals::Residuals;
-use self::search::{Found, Memory, Search};
+use self::search::{Memory, Search};
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
 
 /// Most points at which modes are known; chosen: on cases/disc-pad samples take 6 percent less time with 64, and as much more memory as these
 /// take.
 const MOST_ANCHORS: usize = 64;
+
+/// With how many known points, the nearest first, a mode is compared; chosen.
+const MOST_LIKENESSES: usize = 8;
+
+/// The amplitudes in a mode of those of the structure in and near the band.
+#[derive(Debug, Clone)]
+pub struct Amplitudes(Vec<Complex<f32>>);
 
 /// A reduced brake whose structure stays and whose friction differs from sample to sample.
 #[derive(Debug, Clone)]
@@ -120,8 +127,8 @@ impl FrictionModes {
 }
 
 impl FrictionSearch<'_> {
-    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals, and how like each is
-    /// to those at a known point, where it was found from there. The brake is the one that the modes were made of; a point of another
+    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals, and what
+    /// [`FrictionSearch::likenesses`] needs of each, where it is known. The brake is the one that the modes were made of; a point of another
     /// structure goes the way of [`Reduced::modes_among`] as a whole.
     ///
     /// # Errors
@@ -132,13 +139,9 @@ impl FrictionSearch<'_> {
         point: &OperatingPoint,
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<(ReducedModes, Vec<Option<Likeness>>), SparseError> {
+    ) -> Result<(ReducedModes, Vec<Amplitudes>), SparseError> {
         let FrictionModes { channels, ports, coarse, own, added, anchors, residuals, .. } = self.modes;
-        let another_way = || {
-            let modes = reduced.modes_among(point, is_wanted)?;
-            let likenesses = vec![None; modes.lambdas.len()];
-            Ok((modes, likenesses))
-        };
+        let another_way = || Ok((reduced.modes_among(point, is_wanted)?, Vec::new()));
         if !self.modes.is_of(point) {
             return another_way();
         }
@@ -150,8 +153,14 @@ impl FrictionSearch<'_> {
         found.retain(|found| is_wanted(found.pair.0));
         // The order in which they are judged.
         found.sort_by(|a, b| cea::by_frequency(&a.pair.0, &b.pair.0));
-        let (pairs, likenesses) = found.into_iter().map(|Found { pair, likeness }| (pair, likeness)).unzip();
-        Ok((residuals.judged(reduced, point, pairs, self.memory.corrections - before), likenesses))
+        let (pairs, amplitudes) = found.into_iter().map(|mode| (mode.pair, Amplitudes(mode.amplitudes))).unzip();
+        Ok((residuals.judged(reduced, point, pairs, self.memory.corrections - before), amplitudes))
+    }
+
+    /// How like a mode of the last point is to those at some known points, the nearest first: to first order in what friction adds.
+    pub fn likenesses(&self, of: &Amplitudes) -> impl Iterator<Item = Likeness> {
+        let nearest = self.memory.nearest.iter().take(MOST_LIKENESSES);
+        nearest.filter_map(|&point| Some(Likeness { point, mac: self.modes.anchors[point].mac(&of.0)? }))
     }
 }
 

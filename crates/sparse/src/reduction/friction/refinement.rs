@@ -41,6 +41,14 @@ const STRAIGHT: f64 = 1e-3;
 /// An eigenvalue with its shape in the coordinates of the system.
 pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
+/// A mode that was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub pair: Pair,
+    /// Amplitudes of the near modes.
+    pub amplitudes: Vec<Complex<f32>>,
+}
+
 /// A sample.
 pub(super) struct Sample<'a> {
     pub ports: &'a Ports,
@@ -103,7 +111,7 @@ impl Refinement {
     }
 
     /// The eigenvalue next to a guess and its shape, and the number of rounds; `None` where they do not converge.
-    pub fn refined(&mut self, sample: &Sample<'_>, start: Start) -> (Option<Pair>, u64) {
+    pub fn refined(&mut self, sample: &Sample<'_>, start: Start) -> (Option<Found>, u64) {
         let (ports, Start { guess, vector: mut x, drift }) = (sample.ports, start);
         let Some((number, mut lambda)) = self.approached(sample, guess, &mut x) else { return (None, 0) };
         let y = eigenvalue::left(&self.matrix, &x, &self.single.elimination);
@@ -126,7 +134,8 @@ impl Refinement {
             let missing: Vec<Complex<f64>> = ports.lambdas.iter().zip(&d).zip(&self.force).map(missing).collect();
             let size = norm_squared(&missing).sqrt();
             if size <= CONVERGED * lambda.norm() * norm_squared(&d).sqrt() {
-                return (Some((lambda, ports.shapes.shape(lambda, &d, &forces))), round);
+                let pair = (lambda, ports.shapes.shape(lambda, &d, &forces));
+                return (Some(Found { pair, amplitudes: x }), round);
             }
             if size.is_nan() || (lambda - number).norm() > STRAIGHT * number.norm() {
                 return (None, round);

@@ -9,7 +9,7 @@ use super::count::Lanes;
 use super::coupling::{Coupled, Scratch};
 use super::discs::Discs;
 use super::ports::Ports;
-use super::refinement::{Pair, Refinement, Sample, Start};
+use super::refinement::{Found, Refinement, Sample, Start};
 use crate::Rectangle;
 use crate::reduction::rows::{Rows, combined};
 
@@ -26,14 +26,6 @@ pub struct Likeness {
     /// The modal assurance criterion (MAC) with each of the modes there, with the mass matrix as weight: to first order in what friction
     /// adds.
     pub mac: Vec<f64>,
-}
-
-/// A mode that was found.
-#[derive(Debug, Clone)]
-pub(super) struct Found {
-    pub pair: Pair,
-    /// Where it was found from a known point.
-    pub likeness: Option<Likeness>,
 }
 
 /// Why a sample is left to another way.
@@ -56,6 +48,8 @@ pub(super) struct Memory {
     pub coarse: Vec<Rows<f32>>,
     /// For counts.
     pub lanes: Lanes,
+    /// The anchors with an expansion, from the one that is nearest to the last sample.
+    pub nearest: Vec<usize>,
     pub weights: Vec<Complex<f64>>,
     /// Corrections so far.
     pub corrections: u64,
@@ -71,6 +65,7 @@ impl Memory {
             small: Rows::zeros(p, p),
             coarse: coarse.table.points.iter().map(|_| Rows::zeros(p, p)).collect(),
             lanes: Lanes::new(p, coarse.table.points.len()),
+            nearest: Vec::new(),
             weights: Vec::new(),
             corrections: 0,
         }
@@ -98,10 +93,12 @@ impl Search<'_> {
         let is_wanted = |lambda: Complex<f64>, beyond: f64| {
             lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && self.rectangle.contains(lambda, beyond)
         };
+        let expanded = distances.iter().map(|(_, at)| *at).filter(|&at| self.anchors[at].expansion.is_some());
+        memory.nearest.clear();
+        memory.nearest.extend(expanded);
         if let Some(gain) = shared(gains) {
-            let expanded = distances.iter().filter(|(_, at)| self.anchors[*at].expansion.is_some());
-            for &(_, at) in expanded.take(MOST_TRIES) {
-                if let Ok(found) = self.by_discs(at, gain, gains, &is_wanted, memory) {
+            for place in 0..memory.nearest.len().min(MOST_TRIES) {
+                if let Ok(found) = self.by_discs(memory.nearest[place], gain, gains, &is_wanted, memory) {
                     return Ok(found);
                 }
             }
@@ -130,19 +127,19 @@ impl Search<'_> {
                     vector: combined(&vector, vectors),
                     drift: expansion.drift[mode].0,
                 };
-                let pair = self.refined(gains, start, memory)?;
-                if !memory.discs.hold(&union, pair.0) {
+                let mode = self.refined(gains, start, memory)?;
+                if !memory.discs.hold(&union, mode.pair.0) {
                     // Not the mode that the disc has.
                     return Err(Open::NotConverged);
                 }
-                found.push(Found { pair, likeness: Some(Likeness { point: at, mac: expansion.mac(&vector) }) });
+                found.push(mode);
             }
         }
         all_of(found, is_wanted)
     }
 
     /// A mode with its last digits.
-    pub fn refined(&self, gains: &[ChannelGain], start: Start, memory: &mut Memory) -> Result<Pair, Open> {
+    pub fn refined(&self, gains: &[ChannelGain], start: Start, memory: &mut Memory) -> Result<Found, Open> {
         let Self { ports, own, added, .. } = self;
         let (found, rounds) = memory.refinement.refined(&Sample { ports, own, added, gains }, start);
         memory.corrections += rounds;

@@ -308,23 +308,25 @@ impl UncertainBrake for FiniteElementBrake {
             let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
             Some(KnownMode { point, mode, lambda: modes[mode] })
         };
-        let mode = |lambda: Complex<f64>, shape: DVectorView<'_, Complex<f64>>, value: f64, likeness| {
+        let mode = |lambda: Complex<f64>, shape: DVectorView<'_, Complex<f64>>, value: f64, like| {
             // One that is no number is above too.
             let is_within = value <= self.case.reduction.residual;
             let residual = Some(ModeResidual { value, is_above: !is_within });
-            let like = Option::and_then(likeness, |likeness| like(lambda, likeness));
             BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
         };
         let mut search = part.friction.as_ref().map(FrictionModes::search);
         let found = |at: &OperatingPoint| {
             let at = self.full_point(scene, at);
-            let (found, likenesses) = match &mut search {
+            let (found, amplitudes) = match &mut search {
                 Some(search) => search.modes(&part.reduced, &at, error, &may_grow)?,
                 None => (part.reduced.modes_among(&at, &may_grow)?, Vec::new()),
             };
-            let likenesses = likenesses.into_iter().chain(std::iter::repeat(None));
-            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).zip(likenesses);
-            Ok(each.map(|(((&lambda, shape), &value), likeness)| mode(lambda, shape, value, likeness)).collect())
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
+            let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, _), &f64))| {
+                let likenesses = search.as_ref().zip(amplitudes.get(place)).map(|(search, of)| search.likenesses(of));
+                mode(lambda, shape, value, likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness)))
+            };
+            Ok(each.map(mode).collect())
         };
         at.iter().map(found).collect()
     }
