@@ -240,3 +240,62 @@ fn find_shapes(paths: &mut [Result<Subdivision<'_>, CeaError>], work: &mut Works
 fn is_multiple(a: &Mode, b: &Mode) -> bool {
     (a.lambda - b.lambda).norm() <= MULTIPLE_SEPARATION * a.lambda.norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::{Eigenpair, OwnedPath, PathEnd};
+    use cea::{NewtonStep, QrSolver};
+    use linsys::SecondOrder;
+    use nalgebra::{DMatrix, DVector, dmatrix};
+
+    fn modes(system: &SecondOrder) -> Vec<Mode> {
+        let mut work = Workspace::default();
+        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
+        Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
+    }
+
+    /// Knows the eigenvalues next to a number up to some place of the path.
+    #[derive(Debug)]
+    struct UpTo<'a>(Path<'a>, f64);
+
+    impl OwnedPath for UpTo<'_> {
+        fn correct(&self, _: f64, _: Complex<f64>) -> Option<(NewtonStep, DVector<Complex<f64>>)> {
+            None
+        }
+
+        fn characteristic(&self, at: &[(f64, Complex<f64>)]) -> Vec<Complex<f64>> {
+            vec![Complex::from(f64::NAN); at.len()]
+        }
+
+        fn nearest(&self, t: f64, _: &[Complex<f64>], _: usize) -> Option<Vec<Eigenpair>> {
+            let all = || modes(&self.0.system_at(t).unwrap()).into_iter().map(|mode| (mode.lambda, mode.shape));
+            (t <= self.1).then(|| all().collect())
+        }
+
+        fn system(&self) -> Result<SecondOrder, CeaError> {
+            self.0.system_at(0.0)
+        }
+    }
+
+    #[test]
+    fn spectra_are_taken_only_where_an_owner_cannot_tell() {
+        let system = |a: f64, b: f64| {
+            let k = dmatrix![a, 0.4, 0.0; 0.4, b, 0.1; 0.0, 0.1, 50.0];
+            SecondOrder::new(DMatrix::identity(3, 3), DMatrix::identity(3, 3) * 0.01, k).unwrap()
+        };
+        let (from, to) = (system(1.0, 4.0), system(4.0, 1.0));
+        let (start, end) = (modes(&from), modes(&to));
+        let by_systems =
+            Path { start: PathStart::System(&from), start_modes: &start, end: PathEnd { system: &to, modes: &end } };
+        let solved = [0.0, 0.5, 1.0].map(|up_to| {
+            let owner = UpTo(by_systems, up_to);
+            let path = Path { start: PathStart::Owned(&from.m, &owner), ..by_systems };
+            let mut work = Workspace::default();
+            let links = Subdivision::all(&QrSolver, vec![Subdivision::new(path, start.clone(), 7)], &mut work);
+            assert_eq!(links[0].as_ref().unwrap(), &[vec![0], vec![1], vec![2]]);
+            work.counters.eigenvalue_solves
+        });
+        assert!(solved[0] > solved[1] && solved[1] > 0 && solved[2] == 0, "{solved:?}");
+    }
+}

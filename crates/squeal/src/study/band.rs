@@ -97,7 +97,8 @@ impl<'a> BandNames<'a> {
         Ok(names.into_iter().map(|names| names.or_else(|| followed.next()).unwrap_or_default()).collect())
     }
 
-    /// The names of a mode at a known point, followed to the reference once for all samples; `None` where the brake cannot follow it.
+    /// The name of a mode at a known point, followed to the reference once for all samples; `None` where the brake cannot follow it, or where
+    /// that leaves its name open: of a mode that looks like it that need not be so.
     fn known_names(
         &self,
         known: &KnownMode,
@@ -110,7 +111,7 @@ impl<'a> BandNames<'a> {
             let Some((step, shape)) = path.correct(0.0, known.lambda) else { return Ok(None) };
             let mode = Mode::normalised(mass, step.lambda, shape);
             let names = self.followed(&[mode], mass, BandStart::Owned(path), work)?;
-            Ok(Some(names.concat()))
+            Ok(Some(names.concat()).filter(|names| names.len() == 1))
         })
     }
 

@@ -11,6 +11,7 @@ use super::anchor::spread;
 use super::coupling::{self, Gains, Scratch, pull};
 use super::discs::Discs;
 use super::expansion::{Factors, TERMS};
+use super::own::Own;
 use crate::reduction::real::cast;
 use crate::reduction::rows::Rows;
 use crate::reduction::{Options, Reduced};
@@ -204,6 +205,39 @@ fn eigenvalues_on_a_path_are_those_of_the_straight_line_between_the_systems() {
                 }
                 guess = here.lambda + here.rate / 20.0;
             }
+        }
+    }
+}
+
+#[test]
+fn eigenvalues_next_to_a_number_are_those_of_spectra() {
+    let reduced = reduced();
+    let (modes, system) = (modes(&reduced, point), reduced.system());
+    for (from, to) in [(0, 3), (1, 4), (2, 5)] {
+        let path = modes.path(&point(from), &point(to)).unwrap();
+        for (t, end) in [(0.0, from), (1.0, to)] {
+            let end = system.assemble(&point(end)).unwrap();
+            let spectrum = QrSolver.eigenvalues(&end, &mut Workspace::default()).unwrap().eigenvalues;
+            for number in [1.0, 2.0, 2.7].map(|im| Complex::new(0.01, im)) {
+                let mut expected = spectrum.clone();
+                expected.sort_by(|a, b| (a - number).norm().total_cmp(&(b - number).norm()));
+                let found = path.nearest(t, &[number], 3).unwrap();
+                assert_eq!(found.len(), 3);
+                for (lambda, shape) in &found {
+                    assert!(expected[..3].iter().any(|expected| (expected - lambda).norm() < 1e-7), "{lambda}");
+                    let q = end.dynamic_stiffness(*lambda);
+                    assert!((&q * shape).norm() < 1e-7 * q.norm() * shape.norm(), "{lambda}");
+                }
+                // From the first of them, which is divided out, the way leads to another one.
+                let gains = &point(if t == 0.0 { from } else { to }).channels;
+                let mut a = Own::new(&modes.ports, &modes.own, Gains::of(gains));
+                let mut vector = vec![Complex::from(1.0); modes.ports.near()];
+                let other = a.other_than(&[found[0].0], found[0].0, &mut vector).unwrap();
+                assert!(spectrum.iter().any(|expected| (expected - other).norm() < 1e-7), "{other}");
+                assert!((other - found[0].0).norm() > 1e-3);
+            }
+            // The modes beyond the band are not known.
+            assert!(path.nearest(t, &[Complex::new(0.0, modes.ports.end)], 3).is_none());
         }
     }
 }

@@ -315,7 +315,7 @@ impl UncertainBrake for FiniteElementBrake {
             BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
         };
         let mut search = part.friction.as_ref().map(FrictionModes::search);
-        let found = |at: &OperatingPoint| {
+        let mut found = |at: &OperatingPoint| {
             let at = self.full_point(scene, at);
             let (found, amplitudes) = match &mut search {
                 Some(search) => search.modes(&part.reduced, &at, error, &may_grow)?,
@@ -328,7 +328,13 @@ impl UncertainBrake for FiniteElementBrake {
             };
             Ok(each.map(mode).collect())
         };
-        at.iter().map(found).collect()
+        // Samples with nearly the same friction one after another: they are searched from the same known points, which then are in the cache.
+        let mu = |&place: &usize| at[place].channels.first().map_or(0.0, |gain| gain.mu);
+        let mut order: Vec<usize> = (0..at.len()).collect();
+        order.sort_by(|a, b| mu(a).total_cmp(&mu(b)));
+        let mut all: Vec<_> = order.into_iter().map(|place| (place, found(&at[place]))).collect();
+        all.sort_by_key(|(place, _)| *place);
+        all.into_iter().map(|(_, found)| found).collect()
     }
 
     fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
