@@ -89,7 +89,11 @@ impl<'a> BandNames<'a> {
             Some(known) => self.known_names(known, mass, &from_known, work),
             None => Ok(None),
         };
-        let names = like.iter().map(&mut by_known).collect::<Result<Vec<_>, Error>>()?;
+        let mut names = like.iter().map(&mut by_known).collect::<Result<Vec<_>, Error>>()?;
+        // Each was followed by itself, perhaps from another point: two modes of one sample that have a name in common are followed together.
+        for at in shared(&names) {
+            names[at] = None;
+        }
         let open = modes.iter().zip(&names).filter(|(_, names)| names.is_none());
         let open: Vec<Mode> = open.map(|(mode, _)| mode.clone()).collect();
         let followed = if open.is_empty() { Vec::new() } else { self.followed(&open, mass, start()?, work)? };
@@ -97,8 +101,7 @@ impl<'a> BandNames<'a> {
         Ok(names.into_iter().map(|names| names.or_else(|| followed.next()).unwrap_or_default()).collect())
     }
 
-    /// The name of a mode at a known point, followed to the reference once for all samples; `None` where the brake cannot follow it, or where
-    /// that leaves its name open: of a mode that looks like it that need not be so.
+    /// The names of a mode at a known point, followed to the reference once for all samples; `None` where the brake cannot follow it.
     fn known_names(
         &self,
         known: &KnownMode,
@@ -111,7 +114,7 @@ impl<'a> BandNames<'a> {
             let Some((step, shape)) = path.correct(0.0, known.lambda) else { return Ok(None) };
             let mode = Mode::normalised(mass, step.lambda, shape);
             let names = self.followed(&[mode], mass, BandStart::Owned(path), work)?;
-            Ok(Some(names.concat()).filter(|names| names.len() == 1))
+            Ok(Some(names.concat()))
         })
     }
 
@@ -132,4 +135,14 @@ impl<'a> BandNames<'a> {
         let path = Path { start, start_modes: modes, end };
         Ok(known.names_of_all(self.solver, &[path], self.plan.mode_identity, work).remove(0)?)
     }
+}
+
+/// The places of names of which others have one too.
+fn shared(names: &[Option<Vec<ModeLabel>>]) -> Vec<usize> {
+    let have = |other: usize, name: &ModeLabel| names[other].as_ref().is_some_and(|names| names.contains(name));
+    let is_shared = |at: &usize| {
+        let others = || (0..names.len()).filter(|other| other != at);
+        names[*at].iter().flatten().any(|name| others().any(|other| have(other, name)))
+    };
+    (0..names.len()).filter(is_shared).collect()
 }
