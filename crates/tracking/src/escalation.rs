@@ -9,7 +9,7 @@
 use cea::{CeaError, EigenSolver, Mode, Workspace};
 
 use crate::continuation::continue_modes;
-use crate::mac::clear_matches;
+use crate::mac::{clear_matches, weighted};
 use crate::path::{Links, Path, PathEnd};
 use crate::subdivision::Subdivision;
 
@@ -55,7 +55,7 @@ fn link_all(
     let mut ends: Vec<Vec<Option<usize>>> = paths
         .iter()
         .map(|path| match near {
-            true => clear_matches(path.start_modes, path.end.modes, path.mass()),
+            true => clear_matches(path.start_modes, &weighted(path.start_modes, path.mass()), path.end.modes),
             false => vec![None; path.start_modes.len()],
         })
         .collect();

@@ -21,7 +21,7 @@ pub fn mac(old: &[Mode], new: &[Mode], mass: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// M phi of some modes.
-fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
+pub(crate) fn weighted(modes: &[Mode], mass: &DMatrix<f64>) -> Vec<DVector<Complex<f64>>> {
     modes.iter().map(|mode| real_times_complex(mass, &mode.shape)).collect()
 }
 
@@ -45,12 +45,12 @@ impl Match {
     }
 }
 
-/// For each of some mass-normalised modes the index of the one of `known` that it clearly is, by the MAC of all of them together;
-/// `None` where that is in doubt.
+/// For each of some mass-normalised modes, given with M phi of each, the index of the one of `known` that it clearly is, by the MAC of all of
+/// them together; `None` where that is in doubt.
 #[must_use]
-pub fn clear_matches(modes: &[Mode], known: &[Mode], mass: &DMatrix<f64>) -> Vec<Option<usize>> {
+pub fn clear_matches(modes: &[Mode], weighted: &[DVector<Complex<f64>>], known: &[Mode]) -> Vec<Option<usize>> {
     let clear = |found: Match| found.to.filter(|_| found.is_clear());
-    match_modes(modes, known, mass).into_iter().map(clear).collect()
+    match_weighted(modes, weighted, known).into_iter().map(clear).collect()
 }
 
 /// Matches `old` modes to `new` ones by the assignment with the largest sum of MAC (Kuhn 1955, Munkres 1957).

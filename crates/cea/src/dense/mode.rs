@@ -1,11 +1,11 @@
 //! One oscillating mode: its eigenvalue and its shape.
 
-use linsys::SecondOrder;
+use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::vectors::fix_phase;
-use crate::{CeaError, Workspace, mass_norm_squared, right_vectors_of_all};
+use crate::{CeaError, Workspace, right_vectors_of_all};
 
 /// One oscillating mode: its eigenvalue (rad/s, Im > 0) and its shape over the free degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,9 +36,22 @@ impl Mode {
 
     /// The mode at `lambda` with this shape, of a system with this mass matrix, normalised.
     #[must_use]
-    pub fn normalised(mass: &DMatrix<f64>, lambda: Complex<f64>, mut shape: DVector<Complex<f64>>) -> Self {
+    pub fn normalised(mass: &DMatrix<f64>, lambda: Complex<f64>, shape: DVector<Complex<f64>>) -> Self {
+        Self::weighted(mass, lambda, shape).0
+    }
+
+    /// The same with `M phi`.
+    #[must_use]
+    pub fn weighted(
+        mass: &DMatrix<f64>,
+        lambda: Complex<f64>,
+        mut shape: DVector<Complex<f64>>,
+    ) -> (Self, DVector<Complex<f64>>) {
         fix_phase(&mut shape);
-        shape.unscale_mut(mass_norm_squared(mass, &shape).abs().sqrt());
-        Self { lambda, shape }
+        let mut weighted = real_times_complex(mass, &shape);
+        let size = shape.dotc(&weighted).re.abs().sqrt();
+        shape.unscale_mut(size);
+        weighted.unscale_mut(size);
+        (Self { lambda, shape }, weighted)
     }
 }

@@ -4,7 +4,8 @@
 
 use cea::{EigenSolver, Mode, Modes, Workspace};
 use linsys::SecondOrder;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
 use tracking::{OwnedPath, Path, PathEnd, PathStart, clear_matches};
 
 use super::known_names::KnownNames;
@@ -50,11 +51,11 @@ impl<'a> BandNames<'a> {
         let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
         let undecided = studied.iter().filter(is_open).count() as u32;
         let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
-        let mode = |&at: &usize| Mode::normalised(mass, studied[at].lambda, studied[at].shape.clone());
-        let modes: Vec<Mode> = unstable.iter().map(mode).collect();
+        let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());
+        let (modes, weighted): (Vec<Mode>, Vec<_>) = unstable.iter().map(mode).unzip();
         let Memory { work, spent, .. } = memory;
         let like: Vec<Option<KnownMode>> = unstable.iter().map(|&at| studied[at].like).collect();
-        let names = timed(&mut spent.names, || self.names(&modes, &like, mass, start, from_known, work))?;
+        let names = timed(&mut spent.names, || self.names((&modes, &weighted), &like, mass, start, from_known, work))?;
         let by_likeness = if self.likeness_too { self.reference.names_by_likeness(&modes) } else { None };
         let mut by_likeness = by_likeness.into_iter().flatten();
         let named = unstable.iter().zip(modes).zip(names);
@@ -68,10 +69,10 @@ impl<'a> BandNames<'a> {
         Ok(SectorModes { modes, unstable, undecided })
     }
 
-    /// The names of some modes of a system, of which some look like known ones.
+    /// The names of some modes of a system, with M phi of each, of which some look like known ones.
     fn names(
         &self,
-        modes: &[Mode],
+        (modes, weighted): (&[Mode], &[DVector<Complex<f64>>]),
         like: &[Option<KnownMode>],
         mass: &DMatrix<f64>,
         start: impl FnOnce() -> Result<BandStart<'a>, Error>,
@@ -81,7 +82,7 @@ impl<'a> BandNames<'a> {
         if self.plan.mode_identity == ModeIdentity::Mac {
             return Ok(self.reference.names_by_likeness(modes).unwrap_or_default());
         }
-        let clear: Option<Vec<usize>> = clear_matches(modes, &self.reference.modes, mass).into_iter().collect();
+        let clear: Option<Vec<usize>> = clear_matches(modes, weighted, &self.reference.modes).into_iter().collect();
         if let Some(clear) = clear {
             return Ok(clear.into_iter().map(|to| self.reference.names_of([to])).collect());
         }
