@@ -57,8 +57,8 @@ impl Shapes {
             push(&mut parts, at, |entry| entry.im);
             places.push(Place { row, sign: Some(1.0) });
             let is_conjugate = |next: &usize| {
-                let vectors = right.column(at).into_iter().zip(right.column(*next).into_iter());
-                lambdas[*next] == lambdas[at].conj() && vectors.into_iter().all(|(a, b)| a.conj() == *b)
+                let [own, next_one] = [right.column(at), right.column(*next)];
+                lambdas[*next] == lambdas[at].conj() && own.iter().zip(next_one.iter()).all(|(a, b)| a.conj() == *b)
             };
             if Some(at + 1).filter(|&next| next < lambdas.len()).as_ref().is_some_and(is_conjugate) {
                 places.push(Place { row, sign: Some(-1.0) });
