@@ -8,6 +8,7 @@ use super::ports::Ports;
 use crate::SparseError;
 use crate::reduction::dense;
 use crate::reduction::eigenvalue;
+use crate::reduction::nearest::is_apart;
 use crate::reduction::rows::{Rows, product};
 
 /// Most rounds in which an eigenvalue of A at another number becomes one of A at itself, and the relative size of the last step; chosen: each
@@ -16,9 +17,8 @@ const MOST_ROUNDS: usize = 40;
 const CONVERGED: f64 = 1e-9;
 /// Where A is evaluated for an eigenvalue that is known, relative to it: at the eigenvalue itself `lambda - A` is singular.
 const BESIDE: f64 = 1e-9;
-/// First step of the secant method, relative to a guess, and the distance up to which two eigenvalues are one; chosen.
+/// First step of the secant method, relative to a guess; chosen.
 const FIRST_STEP: f64 = 1e-4;
-const SAME: f64 = 1e-7;
 /// Steps of inverse iteration in each round; chosen.
 const STEPS: usize = 2;
 
@@ -87,7 +87,7 @@ impl<'a> Own<'a> {
             (before, there) = (lambda, here);
             lambda += step;
             if step.norm() <= CONVERGED * lambda.norm() {
-                return self.next_to(lambda, vector).filter(|next| (next - lambda).norm() <= SAME * lambda.norm());
+                return self.next_to(lambda, vector).filter(|&next| !is_apart(&[lambda], next));
             }
         }
         None

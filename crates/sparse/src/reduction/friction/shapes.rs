@@ -56,11 +56,11 @@ impl Shapes {
             }
             push(&mut parts, at, |entry| entry.im);
             places.push(Place { row, sign: Some(1.0) });
-            let is_conjugate = |next: &usize| {
-                let [own, next_one] = [right.column(at), right.column(*next)];
-                lambdas[*next] == lambdas[at].conj() && own.iter().zip(next_one.iter()).all(|(a, b)| a.conj() == *b)
+            let is_conjugate = |next: usize| {
+                lambdas[next] == lambdas[at].conj()
+                    && right.column(at).iter().eq(right.column(next).map(|b| b.conj()).iter())
             };
-            if Some(at + 1).filter(|&next| next < lambdas.len()).as_ref().is_some_and(is_conjugate) {
+            if at + 1 < lambdas.len() && is_conjugate(at + 1) {
                 places.push(Place { row, sign: Some(-1.0) });
             }
         }

@@ -308,12 +308,6 @@ impl UncertainBrake for FiniteElementBrake {
             let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
             Some(KnownMode { point, mode, lambda: modes[mode] })
         };
-        let mode = |lambda: Complex<f64>, shape: DVectorView<'_, Complex<f64>>, value: f64, like| {
-            // One that is no number is above too.
-            let is_within = value <= self.case.reduction.residual;
-            let residual = Some(ModeResidual { value, is_above: !is_within });
-            BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
-        };
         let mut search = part.friction.as_ref().map(FrictionModes::search);
         let mut found = |at: &OperatingPoint| {
             let at = self.full_point(scene, at);
@@ -322,9 +316,13 @@ impl UncertainBrake for FiniteElementBrake {
                 None => (part.reduced.modes_among(&at, &may_grow)?, Vec::new()),
             };
             let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
-            let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, _), &f64))| {
+            let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, DVectorView<'_, _>), &f64))| {
                 let likenesses = search.as_ref().zip(amplitudes.get(place)).map(|(search, of)| search.likenesses(of));
-                mode(lambda, shape, value, likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness)))
+                let like = likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness));
+                // One that is no number is above too.
+                let is_within = value <= self.case.reduction.residual;
+                let residual = Some(ModeResidual { value, is_above: !is_within });
+                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
             };
             Ok(each.map(mode).collect())
         };
