@@ -139,16 +139,11 @@ impl Lost {
 mod tests {
     use super::*;
     use crate::PathStart;
-    use cea::{Modes, QrSolver};
+    use crate::test_modes::modes;
+    use cea::QrSolver;
     use linsys::SecondOrder;
     use nalgebra::{DMatrix, DVector, dmatrix};
     use num_complex::Complex;
-
-    fn modes(system: &SecondOrder) -> Vec<Mode> {
-        let mut work = Workspace::default();
-        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
-        Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
-    }
 
     fn diagonal(k: &[f64]) -> SecondOrder {
         let n = k.len();

@@ -76,6 +76,8 @@ mod path;
 mod sample_point;
 mod step_control;
 mod subdivision;
+#[cfg(test)]
+mod test_modes;
 
 pub use branch::{BranchLink, BranchPoint, Branches, OrderedParameter, RefinedPoint, follow_branch, link, link_error};
 pub use error::TrackingError;

@@ -245,15 +245,10 @@ fn is_multiple(a: &Mode, b: &Mode) -> bool {
 mod tests {
     use super::*;
     use crate::path::{Eigenpair, OwnedPath, PathEnd};
+    use crate::test_modes::modes;
     use cea::{NewtonStep, QrSolver};
     use linsys::SecondOrder;
     use nalgebra::{DMatrix, DVector, dmatrix};
-
-    fn modes(system: &SecondOrder) -> Vec<Mode> {
-        let mut work = Workspace::default();
-        let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
-        Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
-    }
 
     /// Knows the eigenvalues next to a number up to some place of the path.
     #[derive(Debug)]

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::continuation::continue_modes;
+use crate::test_modes::modes;
 use crate::{OwnedPath, PathEnd, PathStart};
-use cea::{CeaError, EigenSolver, Feedback, Gain, GainPath, Mode, Modes, NewtonStep, QrSolver, Secular};
+use cea::{CeaError, Feedback, Gain, GainPath, Mode, NewtonStep, Secular};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, dmatrix};
 use proptest::prelude::*;
@@ -34,12 +35,6 @@ fn brake(more: f64) -> Secular {
     let structure = SecondOrder::new(DMatrix::identity(3, 3), c, k).unwrap();
     let feedback = Feedback { force: dmatrix![1.0; 0.0; 0.0], reading: dmatrix![0.0, -1.0, 0.0] };
     Secular::new(&structure, &feedback, &mut Workspace::default()).unwrap().unwrap()
-}
-
-fn modes(system: &SecondOrder) -> Vec<Mode> {
-    let mut work = Workspace::default();
-    let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
-    Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
 }
 
 /// For each mode at the beginning of a path, the eigenvalue at its end to which small steps lead.

@@ -2,17 +2,12 @@
 
 use super::*;
 use crate::mac::match_modes;
+use crate::test_modes::modes;
 use crate::{PathEnd, PathStart};
-use cea::{EigenSolver, Modes, QrSolver};
+use cea::{EigenSolver, QrSolver};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
-
-fn modes(system: &SecondOrder) -> Vec<Mode> {
-    let mut work = Workspace::default();
-    let spectrum = QrSolver.eigenvalues(system, &mut work).unwrap();
-    Mode::at(system, &Modes::classify(system, &spectrum, &mut work).unwrap().oscillatory, &mut work).unwrap()
-}
 
 fn continued(from: &SecondOrder, to: &SecondOrder) -> Vec<Option<usize>> {
     let (start, end) = (modes(from), modes(to));
