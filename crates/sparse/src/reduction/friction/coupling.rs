@@ -16,7 +16,7 @@ use super::ports::Ports;
 use super::table::Table;
 use crate::reduction::elimination::Elimination;
 use crate::reduction::real::{Real, cast};
-use crate::reduction::rows::Rows;
+use crate::reduction::rows::{Rows, product};
 
 /// What A is made of, in coordinates d' of the near modes: `d = S d'`.
 #[derive(Debug, Clone)]
@@ -161,14 +161,33 @@ pub(super) fn at<T: Real>(
     out: &mut Rows<T>,
 ) {
     scratch.pull(gains, lambda);
-    table.weights_at(lambda, &mut scratch.weights);
-    let Scratch { weights, pulls, smooth, square, factors, solved, .. } = scratch;
-    let weights: Vec<Complex<T>> = weights.iter().map(|&weight| cast(weight)).collect();
-    for (part, smooth) in smooth.iter_mut().enumerate() {
-        combine_part(&weights, &table.values, part, smooth);
-    }
-    let [reading, velocity] = smooth;
+    scratch.read(table, lambda);
+    let Scratch { pulls, smooth: [reading, velocity], square, factors, solved, .. } = scratch;
     Arch::new().dispatch(Couple { own, reading, velocity, pulls, square, factors, solved, out });
+}
+
+/// A under a gain of all ports at a number near the band, times a vector.
+pub(super) fn times<T: Real>(
+    own: &Coupled<T>,
+    table: &Table<T>,
+    lambda: Complex<f64>,
+    gain: &ChannelGain,
+    vector: &[Complex<T>],
+    scratch: &mut Scratch<T>,
+) -> Vec<Complex<T>> {
+    let (mu, slope) = pull(gain, lambda);
+    scratch.pulls.clear();
+    scratch.pulls.resize(own.sides[0].rows(), (T::of(mu), cast(slope)));
+    scratch.read(table, lambda);
+    let Scratch { pulls, smooth: [reading, velocity], square, factors, .. } = scratch;
+    Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });
+    let [of_reading, of_velocity] = own.sides.each_ref().map(|side| product(side, vector));
+    let pulled = of_reading.into_iter().zip(of_velocity).zip(pulls);
+    let mut forces: Vec<_> = pulled.map(|((r, v), (mu, slope))| r * *mu + v * *slope).collect();
+    factors.solve(square, &mut forces);
+    let of_force = |row: &[Complex<T>]| row.iter().zip(&forces).map(|(a, b)| a * b).sum::<Complex<T>>();
+    let added = own.force.chunks_exact(forces.len()).map(of_force);
+    product(&own.structure, vector).into_iter().zip(added).map(|(own, added)| own + added).collect()
 }
 
 /// `R F B` and `B^T F B` at a number near the band, and T, factored, to `scratch`; their derivatives over lambda to `slopes`.
@@ -242,17 +261,27 @@ impl<T: Real> Scratch<T> {
     pub fn pull(&mut self, gains: Gains<'_>, lambda: Complex<f64>) {
         self.pulls = pulls(gains, lambda);
     }
+
+    /// Sets `R F B` and `B^T F B`.
+    fn read(&mut self, table: &Table<T>, lambda: Complex<f64>) {
+        table.weights_at(lambda, &mut self.weights);
+        let weights: Vec<Complex<T>> = self.weights.iter().map(|&weight| cast(weight)).collect();
+        for (part, smooth) in self.smooth.iter_mut().enumerate() {
+            combine_part(&weights, &table.values, part, smooth);
+        }
+    }
 }
 
-struct FactorSquare<'a> {
-    reading: &'a Rows,
-    velocity: &'a Rows,
-    pulls: &'a [Pull],
-    square: &'a mut Rows,
-    factors: &'a mut Elimination,
+/// T, factored.
+struct FactorSquare<'a, T> {
+    reading: &'a Rows<T>,
+    velocity: &'a Rows<T>,
+    pulls: &'a [Pull<T>],
+    square: &'a mut Rows<T>,
+    factors: &'a mut Elimination<T>,
 }
 
-impl WithSimd for FactorSquare<'_> {
+impl<T: Real> WithSimd for FactorSquare<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -260,9 +289,11 @@ impl WithSimd for FactorSquare<'_> {
         let Self { reading, velocity, pulls, square, factors } = self;
         square.clear();
         for (port, &(mu, slope)) in pulls.iter().enumerate() {
-            square.set(port, port, Complex::from(1.0));
+            square.set(port, port, Complex::from(T::of(1.0)));
             square.add_row(simd, port, mu.into(), reading, port);
-            square.add_row(simd, port, slope, velocity, port);
+            if slope != Complex::default() {
+                square.add_row(simd, port, slope, velocity, port);
+            }
         }
         factors.factor(simd, square, pulls.len());
     }
@@ -285,22 +316,17 @@ impl<T: Real> WithSimd for Couple<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { own, reading, velocity, pulls, square, factors, solved, out } = self;
-        let m = pulls.len();
-        square.clear();
+        FactorSquare { reading, velocity, pulls, square, factors }.with_simd(simd);
         solved.clear();
         for (port, &(mu, slope)) in pulls.iter().enumerate() {
-            square.set(port, port, Complex::from(T::of(1.0)));
-            square.add_row(simd, port, mu.into(), reading, port);
             solved.add_row(simd, port, mu.into(), &own.sides[0], port);
             if slope != Complex::default() {
-                square.add_row(simd, port, slope, velocity, port);
                 solved.add_row(simd, port, slope, &own.sides[1], port);
             }
         }
-        factors.factor(simd, square, m);
         factors.solve_rows(simd, square, solved);
         out.clone_from(&own.structure);
-        for (row, force) in own.force.chunks_exact(m).enumerate() {
+        for (row, force) in own.force.chunks_exact(pulls.len()).enumerate() {
             out.add_rows(simd, row, force, solved);
         }
     }

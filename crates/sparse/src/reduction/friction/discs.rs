@@ -17,9 +17,10 @@ use linsys::ChannelGain;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::coupling::pull;
+use super::coupling::{self, Coupled, Scratch, pull};
 use super::expansion::{Expansion, Factors, TERMS};
 use super::ports::Ports;
+use super::table::Table;
 use super::vectors::{Vectors, first_order};
 use crate::reduction::real::{Real, cast};
 use crate::reduction::rows::Rows;
@@ -30,6 +31,14 @@ const MOST_STEPS: usize = 6;
 const LEAST: f64 = 1e-4;
 /// What the radii are multiplied by where it is asked whether two discs meet; chosen: what a column may be wrong by is no bound.
 const APART: f64 = 2.0;
+
+/// What is known of A around some gains: a polynomial, and A itself in the coordinates of the vectors there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around<'a> {
+    pub expansion: &'a Expansion,
+    pub own: &'a Coupled<f32>,
+    pub table: &'a Table<f32>,
+}
 
 /// The discs of one sample, and working memory for those of the next.
 #[derive(Debug)]
@@ -52,6 +61,7 @@ pub(super) struct Discs {
     at: Rows<f32>,
     ones: Rows<f32>,
     factors: Factors,
+    scratch: Scratch<f32>,
 }
 
 impl Discs {
@@ -70,6 +80,7 @@ impl Discs {
             at: Rows::zeros(2, p),
             ones: Rows::from_fn(1, p, |_, _| Complex::from(1.0)),
             factors: Factors::new(p),
+            scratch: Scratch::new(ports),
         }
     }
 
@@ -77,10 +88,11 @@ impl Discs {
     /// discs in which something may be. `None` where it does not become clear.
     pub fn wanted(
         &mut self,
-        expansion: &Expansion,
+        around: Around<'_>,
         gain: &ChannelGain,
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
     ) -> Option<Vec<Vec<usize>>> {
+        let Around { expansion, .. } = around;
         self.vectors.corrected.clear();
         self.lambdas.copy_from_slice(&expansion.lambdas);
         self.move_all(expansion, gain);
@@ -104,7 +116,7 @@ impl Discs {
                 for at in 0..self.vectors.corrected.len() {
                     let mode = self.vectors.corrected[at];
                     self.lambdas[mode] = self.centers[mode];
-                    self.evaluate(expansion, gain, at);
+                    self.evaluate(around, gain, at);
                 }
             }
         }
@@ -147,8 +159,8 @@ impl Discs {
     }
 
     /// `(A(lambda_j) - lambda_j) v_j` of a mode whose vector is corrected.
-    fn evaluate(&mut self, expansion: &Expansion, gain: &ChannelGain, place: usize) {
-        let Self { lambdas, rest, wrong, vectors, at, factors, .. } = self;
+    fn evaluate(&mut self, Around { expansion, own, table }: Around<'_>, gain: &ChannelGain, place: usize) {
+        let Self { lambdas, rest, wrong, vectors, at, factors, scratch, .. } = self;
         let (order, mode) = (lambdas.len(), vectors.corrected[place]);
         let lambda = lambdas[mode];
         let pull = cast(pull(gain, lambda).1);
@@ -170,7 +182,17 @@ impl Discs {
             mode,
             out: rest,
         });
-        wrong[mode] = f64::from(factors.missed.iter().sum::<f32>()) + LEAST * size(lambda);
+        let mut missed = factors.missed.iter().sum::<f32>();
+        if !missed.is_finite() {
+            // Too far from the number of another column for the polynomial.
+            let vector = vectors.of(mode);
+            let image = coupling::times(own, table, lambda, gain, &vector, scratch);
+            for (i, (image, v)) in image.into_iter().zip(vector).enumerate() {
+                rest.set(mode, i, image - cast::<f64, f32>(lambda) * v);
+            }
+            missed = 0.0;
+        }
+        wrong[mode] = f64::from(missed) + LEAST * size(lambda);
     }
 
     /// Sets centers and radii.

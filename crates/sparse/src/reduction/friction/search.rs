@@ -7,7 +7,7 @@ use super::anchor::{Anchor, Pulls, shared};
 use super::coarse::Coarse;
 use super::count::Lanes;
 use super::coupling::{Coupled, Scratch};
-use super::discs::Discs;
+use super::discs::{Around, Discs};
 use super::ports::Ports;
 use super::refinement::{Found, Refinement, Sample, Start};
 use crate::Rectangle;
@@ -116,8 +116,11 @@ impl Search<'_> {
         is_wanted: &dyn Fn(Complex<f64>, f64) -> bool,
         memory: &mut Memory,
     ) -> Result<Vec<Found>, Open> {
-        let Anchor { expansion: Some(expansion), vectors, .. } = &self.anchors[at] else { return Err(Open::NotClear) };
-        let unions = memory.discs.wanted(expansion, gain, is_wanted).ok_or(Open::NotClear)?;
+        let Anchor { expansion: Some(expansion), vectors, own, .. } = &self.anchors[at] else {
+            return Err(Open::NotClear);
+        };
+        let around = Around { expansion, own, table: &self.coarse.table };
+        let unions = memory.discs.wanted(around, gain, is_wanted).ok_or(Open::NotClear)?;
         let mut found = Vec::new();
         for union in unions {
             for &mode in &union {

@@ -7,9 +7,9 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use num_complex::Complex;
 
 use super::FrictionModes;
-use super::anchor::spread;
+use super::anchor::{Anchor, spread};
 use super::coupling::{self, Gains, Scratch, pull};
-use super::discs::Discs;
+use super::discs::{Around, Discs};
 use super::expansion::{Factors, TERMS};
 use super::own::Own;
 use crate::reduction::real::cast;
@@ -154,9 +154,11 @@ fn unions_of_discs_hold_as_many_eigenvalues_as_they_have_discs() {
         let point = shared_point(at);
         let assembled = reduced.system().assemble(&point).unwrap();
         let all = QrSolver.eigenvalues(&assembled, &mut Workspace::default()).unwrap().eigenvalues;
-        for expansion in modes.anchors.iter().filter_map(|anchor| anchor.expansion.as_ref()) {
+        for anchor in &modes.anchors {
+            let Anchor { expansion: Some(expansion), own, .. } = anchor else { continue };
+            let around = Around { expansion, own, table: &modes.coarse.table };
             let is_wanted = |lambda: Complex<f64>, beyond: f64| rectangle().contains(lambda, beyond);
-            let Some(unions) = discs.wanted(expansion, &point.channels[0], &is_wanted) else { continue };
+            let Some(unions) = discs.wanted(around, &point.channels[0], &is_wanted) else { continue };
             let within = |union: &Vec<usize>| all.iter().filter(|lambda| discs.hold(union, **lambda)).count();
             assert!(unions.iter().all(|union| within(union) == union.len()), "{at} {unions:?}");
             let is_held = |lambda: &Complex<f64>| unions.iter().any(|union| discs.hold(union, *lambda));
