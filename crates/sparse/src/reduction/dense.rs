@@ -53,6 +53,16 @@ pub(super) fn add_product<T: faer::traits::ComplexField + nalgebra::Scalar>(
     end_wide();
 }
 
+/// `A B`, where the columns of A are the first entries of each `stride` entries.
+pub(super) fn product_of_columns(a: &[f64], [rows, stride]: [usize; 2], b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(rows, b.ncols());
+    let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, b.ncols());
+    let a = MatRef::from_column_major_slice(a, stride, b.nrows()).subrows(0, rows);
+    matmul(to, Accum::Replace, a, view(b), 1.0, Par::Seq);
+    end_wide();
+    out
+}
+
 /// The left singular vectors and the singular values, descending, of a matrix A with more rows than columns. One with many
 /// more rows goes through its QR decomposition.
 pub(super) fn left_singular(a: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>), SparseError> {

@@ -1,6 +1,6 @@
 //! The part of residuals outside of the basis, in all directions or in a few random combinations of them.
 
-use linsys::OperatingPoint;
+use linsys::ChannelGain;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
@@ -46,17 +46,18 @@ impl OuterRows {
         Self { count: self.count, terms: vec![sums], force: self.force.clone() }
     }
 
-    /// `W^T Q(lambda_j) V y_j`, with the friction of all channels over the basis.
-    pub fn of(
+    /// `W^T Q(lambda_j) V y_j` of the terms with some coefficients, and with the friction of all channels over the basis, which has the gains
+    /// of each vector j.
+    pub fn of<'a>(
         &self,
-        friction: &Friction,
-        point: &OperatingPoint,
+        (friction, gains): (&Friction, impl Fn(usize) -> &'a [ChannelGain]),
+        coefficients: &[f64],
         lambdas: &[Complex<f64>],
         y: &DMatrix<f64>,
     ) -> DMatrix<f64> {
-        let [inertia, damping, stiffness] = [0, 1, 2].map(|power| self.product(power, &point.coefficients, y));
+        let [inertia, damping, stiffness] = [0, 1, 2].map(|power| self.product(power, coefficients, y));
         let mut outer = split::combined([&inertia, &damping], stiffness, lambdas);
-        if let Some(pulls) = friction.pulls(&point.channels, lambdas, y) {
+        if let Some(pulls) = friction.pulls(gains, lambdas, y) {
             dense::add_product(&mut outer, 1.0, &self.force, &pulls);
         }
         outer

@@ -9,7 +9,7 @@ use super::anchor::{Anchor, middle};
 use super::directions::Directions;
 use super::follow::{Doubt, Goal, comes_near, follow};
 use super::full::largest;
-use super::residual::{ResidualAt, ResidualForm, Truncation, reduced_residual};
+use super::residual::{Pairs, ResidualAt, ResidualForm, Truncation, reduced_residual};
 use super::{Options, split};
 use crate::{Rectangle, SparseAffineSystem, SparseError};
 
@@ -214,7 +214,9 @@ impl Reduced {
         let system = self.system.assemble(point)?;
         let y = split::from_columns(&DMatrix::from_columns(std::slice::from_ref(y)));
         let inner = split::norms(&reduced_residual(&system, &[lambda], &y));
-        Ok(self.form.at(point).of(&inner, &[lambda], &y, 0.0).first().copied().unwrap_or(f64::NAN))
+        let at = self.form.at(point);
+        let pairs = Pairs { at: vec![&at], lambdas: &[lambda], y: &y, inner: &inner };
+        Ok(pairs.residuals(0.0).first().copied().unwrap_or(f64::NAN))
     }
 
     /// All eigenvalues of the reduced system at a point.
@@ -253,7 +255,7 @@ impl Reduced {
     }
 
     /// Modes in order, their shapes scaled, with their residuals.
-    pub(super) fn judged(
+    fn judged(
         &self,
         residual: &ResidualAt<'_>,
         lambdas: Vec<Complex<f64>>,
@@ -262,19 +264,35 @@ impl Reduced {
         route: Route,
         multiply_adds: u64,
     ) -> ReducedModes {
-        let residuals = residual.of(inner, &lambdas, &shapes, self.options.tolerance);
+        let pairs = Pairs { at: vec![residual; lambdas.len()], lambdas: &lambdas, y: &shapes, inner };
+        let residuals = self.residuals(&pairs);
         let mut order: Vec<usize> = (0..lambdas.len()).collect();
         order.sort_by(|&a, &b| cea::by_frequency(&lambdas[a], &lambdas[b]));
-        let columns: Vec<_> = order.iter().map(|&at| split::vector(&shapes, at).normalize()).collect();
+        let in_order = |of: &[f64]| order.iter().map(|&at| of[at]).collect();
+        let residuals = in_order(&residuals);
+        let lambdas = order.iter().map(|&at| lambdas[at]).collect();
+        self.with_residuals(lambdas, &split::selected(&shapes, &order), residuals, route, multiply_adds)
+    }
+
+    /// The residuals of some modes, as far as they are asked for.
+    pub(super) fn residuals(&self, pairs: &Pairs<'_>) -> Vec<f64> {
+        pairs.residuals(self.options.tolerance)
+    }
+
+    /// Modes in order with their residuals, their shapes scaled.
+    pub(super) fn with_residuals(
+        &self,
+        lambdas: Vec<Complex<f64>>,
+        shapes: &DMatrix<f64>,
+        residuals: Vec<f64>,
+        route: Route,
+        multiply_adds: u64,
+    ) -> ReducedModes {
+        let columns: Vec<_> = (0..lambdas.len()).map(|at| split::vector(shapes, at).normalize()).collect();
         let k = shapes.nrows();
         let residual_cost = 6 * (k * self.form.sketch_rows() * lambdas.len()) as u64;
-        ReducedModes {
-            lambdas: order.iter().map(|&at| lambdas[at]).collect(),
-            shapes: if columns.is_empty() { DMatrix::zeros(k, 0) } else { DMatrix::from_columns(&columns) },
-            residuals: order.iter().map(|&at| residuals[at]).collect(),
-            route,
-            multiply_adds: multiply_adds + residual_cost,
-        }
+        let shapes = if columns.is_empty() { DMatrix::zeros(k, 0) } else { DMatrix::from_columns(&columns) };
+        ReducedModes { lambdas, shapes, residuals, route, multiply_adds: multiply_adds + residual_cost }
     }
 }
 

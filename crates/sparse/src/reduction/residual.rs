@@ -234,40 +234,45 @@ impl ResidualForm {
     }
 }
 
-impl ResidualAt<'_> {
-    /// The residual of each pair (lambda_j, V y_j), y_j the split columns of `y`, where `inner` are the norms of the residuals of the
-    /// reduced system: an upper bound, above the residual by no more than what the truncation left out. Where the sketch
+/// Pairs (lambda_j, V y_j), each at a point of its own: the points have the same coefficients.
+pub(super) struct Pairs<'a> {
+    pub at: Vec<&'a ResidualAt<'a>>,
+    pub lambdas: &'a [Complex<f64>],
+    /// The split columns y_j.
+    pub y: &'a DMatrix<f64>,
+    /// The norms of the residuals of the reduced system.
+    pub inner: &'a [f64],
+}
+
+impl Pairs<'_> {
+    /// The residual of each pair: an upper bound, above the residual by no more than what the truncation left out. Where the sketch
     /// shows that a residual is below `enough`, the bound of the sketch takes its place.
-    pub fn of(&self, inner: &[f64], lambdas: &[Complex<f64>], y: &DMatrix<f64>, enough: f64) -> Vec<f64> {
-        let all: Vec<usize> = (0..lambdas.len()).collect();
-        let Some(sketch) = &self.form.sketch else { return self.with(&self.form.rows, 1.0, &all, inner, lambdas, y) };
-        let mut out = self.with(sketch, SKETCH_FACTOR, &all, inner, lambdas, y);
+    pub fn residuals(&self, enough: f64) -> Vec<f64> {
+        let Some(ResidualAt { form, .. }) = self.at.first() else { return Vec::new() };
+        let all: Vec<usize> = (0..self.lambdas.len()).collect();
+        let Some(sketch) = &form.sketch else { return self.by(&form.rows, 1.0, &all) };
+        let mut out = self.by(sketch, SKETCH_FACTOR, &all);
         let open: Vec<usize> = all.into_iter().filter(|&at| out[at].is_nan() || out[at] > enough).collect();
         if !open.is_empty() {
-            let exact = self.with(&self.form.rows, 1.0, &open, inner, lambdas, y);
+            let exact = self.by(&form.rows, 1.0, &open);
             open.iter().zip(exact).for_each(|(&at, residual)| out[at] = residual);
         }
         out
     }
 
     /// The residuals of some of the pairs, by all rows or by a sketch whose norms are multiplied by a factor.
-    fn with(
-        &self,
-        rows: &OuterRows,
-        factor: f64,
-        wanted: &[usize],
-        inner: &[f64],
-        lambdas: &[Complex<f64>],
-        y: &DMatrix<f64>,
-    ) -> Vec<f64> {
-        let (lambdas, y): (Vec<_>, _) = (wanted.iter().map(|&at| lambdas[at]).collect(), split::selected(y, wanted));
-        let outer = rows.of(&self.form.friction, self.point, &lambdas, &y);
-        let [m, c, k] = self.dropped;
-        let residual = |(at, &lambda): (usize, &Complex<f64>)| {
-            let (size, l) = (split::norm_squared(&y, at).sqrt(), lambda.norm());
+    fn by(&self, rows: &OuterRows, factor: f64, wanted: &[usize]) -> Vec<f64> {
+        let (lambdas, y): (Vec<_>, _) =
+            (wanted.iter().map(|&at| self.lambdas[at]).collect(), split::selected(self.y, wanted));
+        let at = |place: usize| self.at[wanted[place]];
+        let friction = (&at(0).form.friction, |place| at(place).point.channels.as_slice());
+        let outer = rows.of(friction, &at(0).point.coefficients, &lambdas, &y);
+        let residual = |(place, &lambda): (usize, &Complex<f64>)| {
+            let ResidualAt { norms, dropped: [m, c, k], .. } = at(place);
+            let (size, l) = (split::norm_squared(&y, place).sqrt(), lambda.norm());
             let left_out = (l * l * m + l * c + k) * size;
-            let outside = factor * split::norm_squared(&outer, at).sqrt() + left_out;
-            inner[wanted[at]].hypot(outside) / (self.norms.size(lambda) * size)
+            let outside = factor * split::norm_squared(&outer, place).sqrt() + left_out;
+            self.inner[wanted[place]].hypot(outside) / (norms.size(lambda) * size)
         };
         lambdas.iter().enumerate().map(residual).collect()
     }

@@ -60,21 +60,22 @@ impl Friction {
         Self { force, sides }
     }
 
-    /// What each channel pulls with along its b_i, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j`, split, m x vectors; `None` where
-    /// there is no friction.
-    pub fn pulls(
+    /// What each channel pulls with along its b_i, `mu_i r_i^T x_j + lambda_j s_i(lambda_j) b_i^T x_j` with the gains of each vector j, split,
+    /// m x vectors; `None` where there is no friction.
+    pub fn pulls<'a>(
         &self,
-        gains: &[ChannelGain],
+        gains: impl Fn(usize) -> &'a [ChannelGain],
         lambdas: &[Complex<f64>],
         shapes: &DMatrix<f64>,
     ) -> Option<DMatrix<f64>> {
-        if gains.iter().all(|gain| *gain == ChannelGain::default()) {
+        let is_none = |at: usize| gains(at).iter().all(|gain| *gain == ChannelGain::default());
+        if (0..lambdas.len()).all(is_none) {
             return None;
         }
         let sides = product(&self.sides, shapes);
-        let mut pulls = split::zeros(gains.len(), lambdas.len());
+        let mut pulls = split::zeros(self.force.ncols(), lambdas.len());
         for (at, &lambda) in lambdas.iter().enumerate() {
-            let motion = split::vector(&sides, at);
+            let (gains, motion) = (gains(at), split::vector(&sides, at));
             // Most channels have the gain of the one before.
             let mut last = (ChannelGain::default(), Complex::default());
             let pull = |(channel, gain): (usize, &ChannelGain)| {
@@ -88,8 +89,14 @@ impl Friction {
         Some(pulls)
     }
 
-    /// Adds what friction adds to `Q(lambda_j) x_j`, all split.
-    pub fn add(&self, gains: &[ChannelGain], lambdas: &[Complex<f64>], shapes: &DMatrix<f64>, out: &mut DMatrix<f64>) {
+    /// Adds what friction adds to `Q(lambda_j) x_j` with the gains of each vector j, all split.
+    pub fn add<'a>(
+        &self,
+        gains: impl Fn(usize) -> &'a [ChannelGain],
+        lambdas: &[Complex<f64>],
+        shapes: &DMatrix<f64>,
+        out: &mut DMatrix<f64>,
+    ) {
         if let Some(pulls) = self.pulls(gains, lambdas, shapes) {
             add_product(out, 1.0, &self.force, &pulls);
         }

@@ -28,7 +28,7 @@ use crate::reduction::rows::Rows;
 /// Most corrections of vectors; chosen.
 const MOST_STEPS: usize = 6;
 /// What a column may be wrong by at least, relative to |lambda|; chosen: far above what single precision loses.
-const LEAST: f64 = 1e-4;
+pub(super) const LEAST: f64 = 1e-4;
 /// What the radii are multiplied by where it is asked whether two discs meet; chosen: what a column may be wrong by is no bound.
 const APART: f64 = 2.0;
 

@@ -49,9 +49,10 @@ impl Search<'_> {
         wanted.retain(|&i| may_be(zeros[i], 0.0));
         let mut finished = |i: usize| {
             let vector = (0..self.ports.near()).map(|row| anchor.vectors.at(i, row)).collect();
-            let mode = self.refined(gains, Start { guess: zeros[i], vector, drift: Complex::default() }, memory)?;
+            let mode = self.approached(gains, Start { guess: zeros[i], vector }, memory)?;
+            let mode = self.refined(gains, mode, Complex::default(), memory)?;
             // Another one is not the mode that was counted.
-            let is_same = |mode: &Found| (mode.pair.0 - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
+            let is_same = |mode: &Found| (mode.lambda - zeros[i]).norm() <= COARSE_ERROR * zeros[i].norm();
             Some(mode).filter(is_same).ok_or(Open::NotConverged)
         };
         all_of(wanted.into_iter().map(&mut finished).collect::<Result<_, Open>>()?, is_wanted)

@@ -37,8 +37,10 @@ use self::anchor::Anchor;
 use self::coarse::Coarse;
 use self::coupling::Coupled;
 use self::ports::Ports;
-use self::residuals::Residuals;
+use self::refinement::Found;
+use self::residuals::{OfSample, Residuals};
 use self::search::{Memory, Search};
+use super::real::cast;
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
 
@@ -49,9 +51,12 @@ const MOST_ANCHORS: usize = 64;
 /// With how many known points, the nearest first, a mode is compared; chosen.
 const MOST_LIKENESSES: usize = 8;
 
-/// The amplitudes in a mode of those of the structure in and near the band.
+/// The amplitudes in a mode of those of the structure in and near the band, and the known points that are nearest to its sample.
 #[derive(Debug, Clone)]
-pub struct Amplitudes(Vec<Complex<f32>>);
+pub struct Amplitudes {
+    values: Vec<Complex<f32>>,
+    nearest: Vec<usize>,
+}
 
 /// A reduced brake whose structure stays and whose friction differs from sample to sample.
 #[derive(Debug, Clone)]
@@ -117,6 +122,11 @@ impl FrictionModes {
         self.anchors.iter().map(Anchor::known)
     }
 
+    /// How like a mode is to those at some known points, the nearest first: to first order in what friction adds.
+    pub fn likenesses(&self, Amplitudes { values, nearest }: &Amplitudes) -> impl Iterator<Item = Likeness> {
+        nearest.iter().filter_map(|&point| Some(Likeness { point, mac: self.anchors[point].mac(values)? }))
+    }
+
     /// Whether a point differs from the known ones in the friction of the channels alone.
     fn is_of(&self, point: &OperatingPoint) -> bool {
         let is_open = |(channel, gain): (usize, &ChannelGain)| {
@@ -127,40 +137,67 @@ impl FrictionModes {
 }
 
 impl FrictionSearch<'_> {
-    /// The modes in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals, and what
-    /// [`FrictionSearch::likenesses`] needs of each, where it is known. The brake is the one that the modes were made of; a point of another
-    /// structure goes the way of [`Reduced::modes_among`] as a whole.
+    /// The modes of each of some points in the rectangle of the brake with `Re lambda >= -part |lambda|` that are wanted, with their residuals,
+    /// and what [`FrictionModes::likenesses`] needs of each, where it is known. The brake is the one that the modes were made of; a point of
+    /// another structure goes the way of [`Reduced::modes_among`] as a whole. Points whose friction is nearly the same take less time one
+    /// after another.
     ///
     /// # Errors
-    /// As [`Reduced::modes`].
+    /// As [`Reduced::modes`], of each point.
     pub fn modes(
+        &mut self,
+        reduced: &Reduced,
+        points: &[OperatingPoint],
+        part: f64,
+        is_wanted: &dyn Fn(Complex<f64>) -> bool,
+    ) -> Vec<Result<(ReducedModes, Vec<Amplitudes>), SparseError>> {
+        let FrictionModes { residuals, ports, .. } = self.modes;
+        let (mut samples, mut amplitudes) = (Vec::new(), Vec::new());
+        let mut is_found = Vec::with_capacity(points.len());
+        for point in points {
+            let found = self.found(reduced, point, part, is_wanted);
+            is_found.push(found.is_some());
+            if let Some(sample) = found {
+                amplitudes.push(sample.found.iter().map(|mode| self.amplitudes(mode)).collect());
+                samples.push(sample);
+            }
+        }
+        let judged = residuals.judged(reduced, &ports.shapes, &samples);
+        let mut found = judged.into_iter().zip(amplitudes).peekable();
+        let of_point = |(point, is_found): (&OperatingPoint, bool)| match found.next_if(|_| is_found) {
+            Some(found) => Ok(found),
+            None => Ok((reduced.modes_among(point, is_wanted)?, Vec::new())),
+        };
+        points.iter().zip(is_found).map(of_point).collect()
+    }
+
+    /// The modes of a sample, in the order in which they are judged; `None` where the search leaves it open.
+    fn found(
         &mut self,
         reduced: &Reduced,
         point: &OperatingPoint,
         part: f64,
         is_wanted: &dyn Fn(Complex<f64>) -> bool,
-    ) -> Result<(ReducedModes, Vec<Amplitudes>), SparseError> {
-        let FrictionModes { channels, ports, coarse, own, added, anchors, residuals, .. } = self.modes;
-        let another_way = || Ok((reduced.modes_among(point, is_wanted)?, Vec::new()));
+    ) -> Option<OfSample> {
         if !self.modes.is_of(point) {
-            return another_way();
+            return None;
         }
+        let FrictionModes { channels, ports, coarse, own, added, anchors, .. } = self.modes;
         self.gains.clear();
         self.gains.extend(channels.iter().map(|&channel| point.channels[channel]));
         let search = Search { ports, coarse, own, added, anchors, rectangle: reduced.rectangle() };
         let before = self.memory.corrections;
-        let Ok(mut found) = search.growing(&self.gains, part, &mut self.memory) else { return another_way() };
-        found.retain(|found| is_wanted(found.pair.0));
-        // The order in which they are judged.
-        found.sort_by(|a, b| cea::by_frequency(&a.pair.0, &b.pair.0));
-        let (pairs, amplitudes) = found.into_iter().map(|mode| (mode.pair, Amplitudes(mode.amplitudes))).unzip();
-        Ok((residuals.judged(reduced, point, pairs, self.memory.corrections - before), amplitudes))
+        let mut found = search.growing(&self.gains, part, &mut self.memory).ok()?;
+        found.retain(|found| is_wanted(found.lambda));
+        found.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
+        let point = OperatingPoint { coefficients: vec![1.0], channels: point.channels.clone() };
+        Some(OfSample { point, found, corrections: self.memory.corrections - before })
     }
 
-    /// How like a mode of the last point is to those at some known points, the nearest first: to first order in what friction adds.
-    pub fn likenesses(&self, of: &Amplitudes) -> impl Iterator<Item = Likeness> {
-        let nearest = self.memory.nearest.iter().take(MOST_LIKENESSES);
-        nearest.filter_map(|&point| Some(Likeness { point, mac: self.modes.anchors[point].mac(&of.0)? }))
+    /// The amplitudes of a mode of the last sample.
+    fn amplitudes(&self, mode: &Found) -> Amplitudes {
+        let nearest = self.memory.nearest.iter().take(MOST_LIKENESSES).copied().collect();
+        Amplitudes { values: mode.amplitudes.iter().map(|&amplitude| cast(amplitude)).collect(), nearest }
     }
 }
 

@@ -8,7 +8,7 @@ use super::FrictionModes;
 use super::change::Seen;
 use super::coupling::{self, Gains, Scratch};
 use super::own::Own;
-use super::refinement::Pair;
+use super::shapes::Pair;
 use crate::reduction::eigenvalue;
 use crate::reduction::nearest::{is_apart, nearest, nearest_of};
 use crate::reduction::real::cast;

@@ -12,7 +12,6 @@
 //! `lambda - A`.
 
 use linsys::ChannelGain;
-use nalgebra::DVector;
 use num_complex::Complex;
 use pulp::Arch;
 
@@ -38,15 +37,25 @@ const STEPS: usize = 2;
 /// band, and what is then missing of it is below 1e-8 of that.
 const STRAIGHT: f64 = 1e-3;
 
-/// An eigenvalue with its shape in the coordinates of the system.
-pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
-
 /// A mode that was found.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
-    pub pair: Pair,
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// Of the near modes.
+    pub amplitudes: Vec<Complex<f64>>,
+    /// Of the ports.
+    pub forces: Vec<Complex<f64>>,
+}
+
+/// A mode in single precision, with factors of A at a number next to it in working memory.
+#[derive(Debug, Clone)]
+pub(super) struct Approached {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    number: Complex<f64>,
     /// Amplitudes of the near modes.
-    pub amplitudes: Vec<Complex<f32>>,
+    vector: Vec<Complex<f32>>,
 }
 
 /// A sample.
@@ -64,8 +73,6 @@ pub(super) struct Start {
     pub guess: Complex<f64>,
     /// A vector of the near modes that has a part of its own.
     pub vector: Vec<Complex<f32>>,
-    /// `y^H (dA / d lambda) x` of its left and right vector with `y^H x = 1`, roughly.
-    pub drift: Complex<f32>,
 }
 
 /// Working memory.
@@ -110,10 +117,10 @@ impl Refinement {
         }
     }
 
-    /// The eigenvalue next to a guess and its shape, and the number of rounds; `None` where they do not converge.
-    pub fn refined(&mut self, sample: &Sample<'_>, start: Start) -> (Option<Found>, u64) {
-        let (ports, Start { guess, vector: mut x, drift }) = (sample.ports, start);
-        let Some((number, mut lambda)) = self.approached(sample, guess, &mut x) else { return (None, 0) };
+    /// The last digits of the mode that was approached last, and the number of rounds; `None` where they do not converge. `drift` is
+    /// `y^H (dA / d lambda) x` of its left and right vector with `y^H x = 1`, roughly.
+    pub fn refined(&mut self, sample: &Sample<'_>, mode: Approached, drift: Complex<f32>) -> (Option<Found>, u64) {
+        let (ports, Approached { mut lambda, number, vector: x }) = (sample.ports, mode);
         let y = eigenvalue::left(&self.matrix, &x, &self.single.elimination);
         let along = inner(&y, &x);
         let slope = (Complex::from(1.0) - drift).inv();
@@ -134,8 +141,7 @@ impl Refinement {
             let missing: Vec<Complex<f64>> = ports.lambdas.iter().zip(&d).zip(&self.force).map(missing).collect();
             let size = norm_squared(&missing).sqrt();
             if size <= CONVERGED * lambda.norm() * norm_squared(&d).sqrt() {
-                let pair = (lambda, ports.shapes.shape(lambda, &d, &forces));
-                return (Some(Found { pair, amplitudes: x }), round);
+                return (Some(Found { lambda, amplitudes: d, forces }), round);
             }
             if size.is_nan() || (lambda - number).norm() > STRAIGHT * number.norm() {
                 return (None, round);
@@ -156,14 +162,8 @@ impl Refinement {
         (None, MOST_ROUNDS)
     }
 
-    /// In single precision: a number next to the eigenvalue, of which factors of `number - A` are left, and the eigenvalue; its vector takes
-    /// the place of another.
-    fn approached(
-        &mut self,
-        sample: &Sample<'_>,
-        mut guess: Complex<f64>,
-        x: &mut [Complex<f32>],
-    ) -> Option<(Complex<f64>, Complex<f64>)> {
+    /// The mode next to a guess in single precision; `None` where it does not converge.
+    pub fn approached(&mut self, sample: &Sample<'_>, Start { mut guess, mut vector }: Start) -> Option<Approached> {
         let Self { single, matrix, weights, single_smooth, apart, slopes, .. } = self;
         let (ports, gains) = (sample.ports, Gains::of(sample.gains));
         let Differences { single_first, table, .. } = &ports.differences;
@@ -176,10 +176,10 @@ impl Refinement {
             coupling::with(sample.added, number, single_smooth, gains, single, matrix);
             matrix.negate();
             eigenvalue::factor_with(matrix, |i| cast(number - ports.lambdas[i]), &mut single.elimination, ports.near());
-            let apart: Complex<f64> = cast(eigenvalue::apart(matrix, x, STEPS, &single.elimination));
+            let apart: Complex<f64> = cast(eigenvalue::apart(matrix, &mut vector, STEPS, &single.elimination));
             guess = number + apart;
             if apart.norm() <= NEAR * number.norm() {
-                return Some((number, guess));
+                return Some(Approached { lambda: guess, number, vector });
             }
             if !guess.is_finite() {
                 break;

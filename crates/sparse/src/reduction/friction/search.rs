@@ -7,9 +7,9 @@ use super::anchor::{Anchor, Pulls, shared};
 use super::coarse::Coarse;
 use super::count::Lanes;
 use super::coupling::{Coupled, Scratch};
-use super::discs::{Around, Discs};
+use super::discs::{Around, Discs, LEAST};
 use super::ports::Ports;
-use super::refinement::{Found, Refinement, Sample, Start};
+use super::refinement::{Approached, Found, Refinement, Sample, Start};
 use crate::Rectangle;
 use crate::reduction::rows::{Rows, combined};
 
@@ -125,34 +125,51 @@ impl Search<'_> {
         for union in unions {
             for &mode in &union {
                 let vector = memory.discs.vectors.of(mode);
-                let start = Start {
-                    guess: memory.discs.centers[mode],
-                    vector: combined(&vector, vectors),
-                    drift: expansion.drift[mode].0,
-                };
-                let mode = self.refined(gains, start, memory)?;
-                if !memory.discs.hold(&union, mode.pair.0) {
+                let start = Start { guess: memory.discs.centers[mode], vector: combined(&vector, vectors) };
+                let near = self.approached(gains, start, memory)?;
+                let mut lambda = near.lambda;
+                // The one mode of a disc needs no last digits where it clearly is not wanted.
+                if union.len() > 1 || is_wanted(lambda, LEAST * lambda.norm()) {
+                    let mode = self.refined(gains, near, expansion.drift[mode].0, memory)?;
+                    lambda = mode.lambda;
+                    found.push(mode);
+                }
+                if !memory.discs.hold(&union, lambda) {
                     // Not the mode that the disc has.
                     return Err(Open::NotConverged);
                 }
-                found.push(mode);
             }
         }
         all_of(found, is_wanted)
     }
 
-    /// A mode with its last digits.
-    pub fn refined(&self, gains: &[ChannelGain], start: Start, memory: &mut Memory) -> Result<Found, Open> {
-        let Self { ports, own, added, .. } = self;
-        let (found, rounds) = memory.refinement.refined(&Sample { ports, own, added, gains }, start);
+    /// A mode in single precision.
+    pub fn approached(&self, gains: &[ChannelGain], start: Start, memory: &mut Memory) -> Result<Approached, Open> {
+        memory.refinement.approached(&self.sample(gains), start).ok_or(Open::NotConverged)
+    }
+
+    /// The mode that was approached last with its last digits.
+    pub fn refined(
+        &self,
+        gains: &[ChannelGain],
+        mode: Approached,
+        drift: Complex<f32>,
+        memory: &mut Memory,
+    ) -> Result<Found, Open> {
+        let (found, rounds) = memory.refinement.refined(&self.sample(gains), mode, drift);
         memory.corrections += rounds;
         found.ok_or(Open::NotConverged)
+    }
+
+    fn sample<'a>(&'a self, gains: &'a [ChannelGain]) -> Sample<'a> {
+        let Self { ports, own, added, .. } = self;
+        Sample { ports, own, added, gains }
     }
 }
 
 /// The modes found that are wanted; none of them may have been found twice.
 pub(super) fn all_of(mut found: Vec<Found>, is_wanted: &dyn Fn(Complex<f64>, f64) -> bool) -> Result<Vec<Found>, Open> {
-    let lambda = |found: &Found| found.pair.0;
+    let lambda = |found: &Found| found.lambda;
     let is_other = |(a, b): (&Found, &Found)| (lambda(a) - lambda(b)).norm() > SAME * lambda(a).norm();
     if !(1..found.len()).all(|next| found[..next].iter().all(|before| is_other((before, &found[next])))) {
         return Err(Open::NotConverged);

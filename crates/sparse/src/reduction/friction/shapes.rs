@@ -4,8 +4,14 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::refinement::Found;
+use crate::reduction::dense;
 use crate::reduction::real::{Real, cast};
 use crate::reduction::rows::{Rows, add_rows};
+use crate::reduction::split;
+
+/// An eigenvalue with its shape in the coordinates of the system.
+pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
 
 /// What the shapes of k degrees of freedom are made of: the right vectors of the structure, of which most come in conjugate pairs, by their real
 /// and imaginary parts.
@@ -74,6 +80,19 @@ impl Shapes {
         }
     }
 
+    /// The shapes of some modes, split: [`Shapes::shape`] of each, with products of matrices.
+    pub fn shapes(&self, modes: &[&Found]) -> DMatrix<f64> {
+        let forces = DMatrix::from_fn(self.others_force.rows(), modes.len(), |port, at| modes[at].forces[port]);
+        let others = DMatrix::from_fn(self.others.len(), forces.nrows(), |at, port| self.others_force.at(port, at));
+        let driven = dense::product(&others, &forces);
+        let mut factors = split::zeros(self.parts.len() / self.stride.max(1), modes.len());
+        for (at, mode) in modes.iter().enumerate() {
+            let of_mode = self.factors(mode.lambda, &mode.amplitudes, |other| driven[(other, at)]);
+            split::set(&mut factors, at, of_mode.into_iter());
+        }
+        dense::product_of_columns(&self.parts, [self.order, self.stride], &factors)
+    }
+
     /// The same in single precision.
     pub fn single(&self) -> Shapes<f32> {
         let stride = self.order.next_multiple_of(f32::WIDEST);
@@ -98,6 +117,14 @@ impl<T: Real> Shapes<T> {
     pub fn shape(&self, lambda: Complex<f64>, d: &[Complex<T>], forces: &[Complex<T>]) -> DVector<Complex<f64>> {
         let mut driven = Rows::zeros(1, self.others.len());
         add_rows(0, forces, &self.others_force, &mut driven);
+        let factors = self.factors(lambda, d, |at| driven.at(0, at));
+        let mut shape = Rows::zeros(1, self.order);
+        Arch::new().dispatch(Sum { factors: &factors, parts: &self.parts, stride: self.stride, out: &mut shape });
+        DVector::from_fn(self.order, |at, _| cast(shape.at(0, at)))
+    }
+
+    /// What the parts are multiplied by in a shape, given the amplitudes of the near modes and `V^H B c` of the others.
+    fn factors(&self, lambda: Complex<f64>, d: &[Complex<T>], driven: impl Fn(usize) -> Complex<T>) -> Vec<Complex<T>> {
         let mut factors = vec![Complex::default(); self.parts.len() / self.stride.max(1)];
         let mut add = |Place { row, sign }: Place, amplitude: Complex<T>| {
             factors[row] += amplitude;
@@ -107,11 +134,9 @@ impl<T: Real> Shapes<T> {
         };
         self.near.iter().zip(d).for_each(|(&place, &amplitude)| add(place, amplitude));
         for (at, &(other, place)) in self.others.iter().enumerate() {
-            add(place, -driven.at(0, at) * cast::<f64, T>((lambda - other).inv()));
+            add(place, -driven(at) * cast::<f64, T>((lambda - other).inv()));
         }
-        let mut shape = Rows::zeros(1, self.order);
-        Arch::new().dispatch(Sum { factors: &factors, parts: &self.parts, stride: self.stride, out: &mut shape });
-        DVector::from_fn(self.order, |at, _| cast(shape.at(0, at)))
+        factors
     }
 }
 

@@ -14,7 +14,7 @@ use super::expansion::{Factors, TERMS};
 use super::own::Own;
 use crate::reduction::real::cast;
 use crate::reduction::rows::Rows;
-use crate::reduction::{Options, Reduced};
+use crate::reduction::{Options, Reduced, Route};
 use crate::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm};
 
 const ORDER: usize = 14;
@@ -82,14 +82,14 @@ fn growing_modes_are_those_of_whole_spectra() {
 fn compared_with_whole_spectra(of: fn(usize) -> OperatingPoint) -> usize {
     let (reduced, mut followed, mut grown) = (reduced(), 0, 0);
     let modes = modes(&reduced, of);
-    let mut search = modes.search();
-    for at in 0..99 {
-        let point = of(at);
-        let assembled = reduced.system().assemble(&point).unwrap();
+    let points: Vec<OperatingPoint> = (0..99).map(of).collect();
+    let all_found = modes.search().modes(&reduced, &points, 0.0, &|lambda| lambda.re >= 0.0);
+    for ((at, point), found) in points.iter().enumerate().zip(all_found) {
+        let assembled = reduced.system().assemble(point).unwrap();
         let all = QrSolver.eigenvalues(&assembled, &mut Workspace::default()).unwrap().eigenvalues;
         let expected: Vec<_> = all.into_iter().filter(|l| rectangle().contains(*l, 0.0) && l.re >= 0.0).collect();
-        let (found, likenesses) = search.modes(&reduced, &point, 0.0, &|lambda| lambda.re >= 0.0).unwrap();
-        assert_eq!(likenesses.len(), found.lambdas.len());
+        let (found, amplitudes) = found.unwrap();
+        assert_eq!(amplitudes.len(), found.lambdas.len());
         assert_eq!(found.lambdas.len(), expected.len(), "{at}: {:?} {expected:?}", found.lambdas);
         for (at, lambda) in found.lambdas.iter().enumerate() {
             assert!(expected.iter().any(|l| (l - lambda).norm() < 1e-9), "{at}: {lambda} {expected:?}");
@@ -101,7 +101,7 @@ fn compared_with_whole_spectra(of: fn(usize) -> OperatingPoint) -> usize {
             );
             grown += 1;
         }
-        followed += usize::from(search.memory.corrections > 0);
+        followed += usize::from(matches!(found.route, Route::Followed { corrections: 1.. }));
     }
     assert!(followed > 40, "{followed}");
     grown

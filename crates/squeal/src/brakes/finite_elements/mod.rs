@@ -19,7 +19,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use sparse::reduction::{FrictionModes, Likeness, Rung};
+use sparse::reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
 use tracking::{OwnedPath, clear_likeness};
 
 use self::friction_path::FrictionalPath;
@@ -308,31 +308,32 @@ impl UncertainBrake for FiniteElementBrake {
             let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
             Some(KnownMode { point, mode, lambda: modes[mode] })
         };
-        let mut search = part.friction.as_ref().map(FrictionModes::search);
-        let mut found = |at: &OperatingPoint| {
-            let at = self.full_point(scene, at);
-            let (found, amplitudes) = match &mut search {
-                Some(search) => search.modes(&part.reduced, &at, error, &may_grow)?,
-                None => (part.reduced.modes_among(&at, &may_grow)?, Vec::new()),
-            };
+        // Samples with nearly the same friction one after another: they are searched from the same known points, which then are in the cache.
+        let mu = |&place: &usize| at[place].channels.first().map_or(0.0, |gain| gain.mu);
+        let mut order: Vec<usize> = (0..at.len()).collect();
+        order.sort_by(|a, b| mu(a).total_cmp(&mu(b)));
+        let points: Vec<OperatingPoint> = order.iter().map(|&place| self.full_point(scene, &at[place])).collect();
+        let among = |at: &OperatingPoint| Ok((part.reduced.modes_among(at, &may_grow)?, Vec::new()));
+        let found = match &part.friction {
+            Some(friction) => friction.search().modes(&part.reduced, &points, error, &may_grow),
+            None => points.iter().map(among).collect(),
+        };
+        let modes = |(found, amplitudes): (ReducedModes, Vec<Amplitudes>)| {
             let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
             let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, DVectorView<'_, _>), &f64))| {
-                let likenesses = search.as_ref().zip(amplitudes.get(place)).map(|(search, of)| search.likenesses(of));
+                let likenesses =
+                    part.friction.as_ref().zip(amplitudes.get(place)).map(|(of, mode)| of.likenesses(mode));
                 let like = likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness));
                 // One that is no number is above too.
                 let is_within = value <= self.case.reduction.residual;
                 let residual = Some(ModeResidual { value, is_above: !is_within });
                 BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
             };
-            Ok(each.map(mode).collect())
+            each.map(mode).collect()
         };
-        // Samples with nearly the same friction one after another: they are searched from the same known points, which then are in the cache.
-        let mu = |&place: &usize| at[place].channels.first().map_or(0.0, |gain| gain.mu);
-        let mut order: Vec<usize> = (0..at.len()).collect();
-        order.sort_by(|a, b| mu(a).total_cmp(&mu(b)));
-        let mut all: Vec<_> = order.into_iter().map(|place| (place, found(&at[place]))).collect();
+        let mut all: Vec<_> = order.into_iter().zip(found).collect();
         all.sort_by_key(|(place, _)| *place);
-        all.into_iter().map(|(_, found)| found).collect()
+        all.into_iter().map(|(_, found)| Ok(found.map(modes)?)).collect()
     }
 
     fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
