@@ -146,9 +146,11 @@ pub(crate) fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
 
-/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many threads.
+/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many
+/// threads, of which 2, 4 or 8 get as much each.
 pub(crate) fn block(samples: u64) -> u64 {
-    (samples / 8).next_multiple_of(8).clamp(8, 128)
+    let blocks = samples.div_ceil(128).max(1).next_multiple_of(8);
+    samples.div_ceil(blocks).max(8)
 }
 
 /// How long a study takes, roughly: some samples are timed.

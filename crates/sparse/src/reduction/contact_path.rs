@@ -178,10 +178,10 @@ impl ContactPath {
             let place = self.at(t, number)?;
             let steps = if round == 0 { STEPS_FROM_ANY } else { STEPS };
             inverse_iteration(&place.matrix, &mut x, steps)?;
-            let mut y = &place.matrix * &x;
+            let mut y = dense::image(&place.matrix, &x);
             let miss = y.norm();
             y.unscale_mut(miss);
-            let state = &place.inverse * (&self.kept.read * &x);
+            let state = dense::image(&place.inverse, &dense::image(&self.kept.read, &x));
             let pulled = state.component_mul(&place.w);
             // The left vector at the directions, `(1 + W G)^-H F^H V y`, where `(1 + W G)^-1 = 1 - W (1 + G W)^-1 G`.
             let driven = self.kept.driven.ad_mul(&y);
@@ -200,7 +200,7 @@ impl ContactPath {
             let is_converged = (lambda - at).norm() <= tolerance * lambda.norm();
             if is_converged {
                 let rate = -by_w(&place.powers) / slope;
-                let shape = &self.kept.right * x - self.others.response(lambda, &pulled);
+                let shape = dense::image(&self.kept.right, &x) - self.others.response(lambda, &pulled);
                 return rate.is_finite().then_some(OnContactPath { lambda, rate, shape });
             }
             at = lambda;
@@ -237,16 +237,16 @@ impl Part {
 
     /// `-(d / d lambda) R Q^-1 F` of these modes, times a vector.
     fn smooth_change(&self, lambda: Complex<f64>, x: &Vector) -> Vector {
-        let mut states = &self.driven * x;
+        let mut states = dense::image(&self.driven, x);
         states.iter_mut().zip(&self.lambdas).for_each(|(state, own)| *state /= (lambda - own).powi(2));
-        &self.read * states
+        dense::image(&self.read, &states)
     }
 
     /// `Q^-1 F` of these modes, times a vector.
     fn response(&self, lambda: Complex<f64>, x: &Vector) -> Vector {
-        let mut states = &self.driven * x;
+        let mut states = dense::image(&self.driven, x);
         states.iter_mut().zip(&self.lambdas).for_each(|(state, own)| *state /= lambda - own);
-        &self.right * states
+        dense::image(&self.right, &states)
     }
 }
 

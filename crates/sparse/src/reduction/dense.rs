@@ -40,6 +40,16 @@ pub(super) fn product<T: faer::traits::ComplexField + nalgebra::Scalar>(a: &DMat
     out
 }
 
+/// `A x`; nalgebra has no vector registers for it.
+pub(super) fn image(a: &DMatrix<Complex<f64>>, x: &DVector<Complex<f64>>) -> DVector<Complex<f64>> {
+    let mut out = DVector::zeros(a.nrows());
+    let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), a.nrows(), 1);
+    let x = MatRef::from_column_major_slice(x.as_slice(), a.ncols(), 1);
+    matmul(to, Accum::Replace, view(a), x, Complex::from(1.0), Par::Seq);
+    end_wide();
+    out
+}
+
 /// Adds `factor A B`.
 pub(super) fn add_product<T: faer::traits::ComplexField + nalgebra::Scalar>(
     out: &mut DMatrix<T>,

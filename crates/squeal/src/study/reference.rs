@@ -57,18 +57,24 @@ pub struct SectoredReference {
 }
 
 impl Reference {
-    /// The modes of `system` that a plan follows, without names, and all that there are.
+    /// The modes of `system` that a plan follows, without names.
     pub(super) fn unnamed(
         solver: &dyn EigenSolver,
         system: SecondOrder,
         plan: &Plan,
         work: &mut Workspace,
-    ) -> Result<(Self, Modes), Error> {
-        let spectrum = solver.eigenvalues(&system, work)?;
+    ) -> Result<Self, Error> {
+        let mut spectrum = solver.eigenvalues(&system, work)?;
+        // What is not followed need not be told from internal states.
+        spectrum.eigenvalues.retain(|&lambda| plan.is_followed(lambda));
         let found = Modes::classify(&system, &spectrum, work)?;
-        let followed: Vec<_> = found.oscillatory.iter().copied().filter(|&lambda| plan.is_followed(lambda)).collect();
-        let modes = Mode::at(&system, &followed, work)?;
-        Ok((Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None }, found))
+        Self::of_modes(system, &found.oscillatory, work)
+    }
+
+    /// The modes of `system` with some eigenvalues, without names.
+    fn of_modes(system: SecondOrder, lambdas: &[Complex<f64>], work: &mut Workspace) -> Result<Self, Error> {
+        let modes = Mode::at(&system, lambdas, work)?;
+        Ok(Self { names: vec![Vec::new(); modes.len()], modes, system, shapes: None })
     }
 
     /// This reference, by whose modes all others are named that look like them.
@@ -171,7 +177,7 @@ impl Reference {
         plan: &Plan,
         work: &mut Workspace,
     ) -> Result<Self, Error> {
-        let (mut next, _) = Self::unnamed(solver, system, plan, work)?;
+        let mut next = Self::unnamed(solver, system, plan, work)?;
         next.shapes = self.shapes.clone();
         if plan.mode_identity == ModeIdentity::Mac {
             next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
@@ -282,14 +288,21 @@ pub(super) fn references(
 fn of_origin(origin: &Origin, plan: &Plan, solver: &dyn EigenSolver) -> Result<Reference, Error> {
     let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
     let system = brake.system.assemble(&origin.naming_point)?;
-    let of_sector = |sector: &Sector| Reference::unnamed(solver, sector.reduced(&system)?, plan, &mut work);
-    let (mut parts, found): (Vec<_>, Vec<_>) =
+    let of_sector = |sector: &Sector| {
+        let system = sector.reduced(&system)?;
+        let spectrum = solver.eigenvalues(&system, &mut work)?;
+        Ok((Modes::classify(&system, &spectrum, &mut work)?, system))
+    };
+    let (found, systems): (Vec<Modes>, Vec<_>) =
         brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
-    let ranks = ranks_together(&found.iter().collect::<Vec<_>>());
-    for ((part, all), ranks) in parts.iter_mut().zip(&found).zip(ranks) {
+    let mut parts = Vec::with_capacity(found.len());
+    for ((all, system), ranks) in found.iter().zip(systems).zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
         let followed = all.oscillatory.iter().zip(ranks).filter(|(lambda, _)| plan.is_followed(**lambda));
-        part.names = followed.map(|(_, rank)| vec![ModeLabel::of_rank(rank)]).collect();
+        let (lambdas, names): (Vec<_>, Vec<_>) =
+            followed.map(|(&lambda, rank)| (lambda, vec![ModeLabel::of_rank(rank)])).unzip();
+        let mut part = Reference { names, ..Reference::of_modes(system, &lambdas, &mut work)? };
         part.open_equal_modes();
+        parts.push(part);
     }
     Ok(Reference::joined(system, &brake.sectors, &parts))
 }
@@ -326,7 +339,7 @@ fn across(
         return Ok(None);
     }
     let mut work = bounded_workspace(system.order());
-    let (mut next, _) = Reference::unnamed(solver, system, plan, &mut work)?;
+    let mut next = Reference::unnamed(solver, system, plan, &mut work)?;
     let Some(bridge) = bridge(place, [&origin.modes, &next.modes])? else { return Ok(None) };
     let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
         modes
