@@ -10,6 +10,7 @@
 use nalgebra::DMatrix;
 use nalgebra::linalg::Hessenberg;
 use num_complex::Complex;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::certified::Real;
 
@@ -218,39 +219,67 @@ impl Chase<f64> for DMatrix<f64> {
         self[(k, k - 1)] = 0.0;
     }
 
-    fn chase(&mut self, Place { first, start, last }: Place, mut v: [f64; 3]) {
+    fn chase(&mut self, place: Place, bulge: [f64; 3]) {
+        Arch::new().dispatch(ChaseByColumns { h: self, place, bulge });
+    }
+}
+
+/// In wide vector registers where there are any; the bits are the same everywhere.
+struct ChaseByColumns<'a> {
+    h: &'a mut DMatrix<f64>,
+    place: Place,
+    bulge: [f64; 3],
+}
+
+impl WithSimd for ChaseByColumns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { h, place: Place { first, start, last }, bulge: mut v } = self;
+        let order = h.nrows();
         for k in start..last {
             let size = (last - k + 1).min(3);
             if k > start {
                 for (i, x) in v.iter_mut().enumerate() {
-                    *x = if i < size { self[(k + i, k - 1)] } else { 0.0 };
+                    *x = if i < size { h[(k + i, k - 1)] } else { 0.0 };
                 }
             } else if size < 3 {
                 v[2] = 0.0;
             }
             let (beta, tau, w) = householder(v);
             if k > start {
-                self[(k, k - 1)] = beta;
+                h[(k, k - 1)] = beta;
                 for i in 1..size {
-                    self[(k + i, k - 1)] = 0.0;
+                    h[(k + i, k - 1)] = 0.0;
                 }
             } else if start > first {
-                self[(k, k - 1)] *= 1.0 - tau;
+                h[(k, k - 1)] *= 1.0 - tau;
             }
-            for j in k..=last {
-                let sum = tau * (0..size).map(|i| w[i] * self[(k + i, j)]).sum::<f64>();
-                for i in 0..size {
-                    self[(k + i, j)] -= sum * w[i];
+            let entries = h.as_mut_slice();
+            for column in entries.chunks_exact_mut(order).take(last + 1).skip(k) {
+                match &mut column[k..k + size] {
+                    [a, b, c] => reflect([a, b, c], tau, w),
+                    [a, b] => reflect([a, b], tau, w),
+                    _ => {}
                 }
             }
-            for j in first..=(k + 3).min(last) {
-                let sum = tau * (0..size).map(|i| w[i] * self[(j, k + i)]).sum::<f64>();
-                for i in 0..size {
-                    self[(j, k + i)] -= sum * w[i];
-                }
+            let rows = first..=(k + 3).min(last);
+            let mut columns = entries[k * order..].chunks_exact_mut(order).map(|column| &mut column[rows.clone()]);
+            let [Some(a), Some(b)] = [columns.next(), columns.next()] else { return };
+            match columns.next().filter(|_| size == 3) {
+                Some(c) => a.iter_mut().zip(b).zip(c).for_each(|((a, b), c)| reflect([a, b, c], tau, w)),
+                None => a.iter_mut().zip(b).for_each(|(a, b)| reflect([a, b], tau, w)),
             }
         }
     }
+}
+
+/// `x - tau (w^T x) w` in the place of x.
+#[inline(always)]
+fn reflect<const N: usize>(x: [&mut f64; N], tau: f64, w: [f64; 3]) {
+    let sum = tau * w.iter().zip(&x).map(|(w, x)| w * **x).sum::<f64>();
+    x.into_iter().zip(w).for_each(|(x, w)| *x -= sum * w);
 }
 
 /// `(I - tau w w^T) v = (beta, 0, 0)` with `w[0] = 1`.

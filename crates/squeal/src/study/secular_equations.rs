@@ -93,6 +93,9 @@ fn anchors_of_scene<B: UncertainBrake>(
     certificate: &Certificate,
     solver: &dyn EigenSolver,
 ) -> Result<Vec<Option<Anchors>>, Error> {
+    if equations.sectors.iter().all(Option::is_none) {
+        return Ok(vec![None; equations.sectors.len()]);
+    }
     let (plan, model) = (brake.plan(), brake.plan().brake(scene));
     let (mut systems, mut gains) = (Vec::new(), Vec::new());
     for index in 0..MOST_DRAWS_FOR_ANCHORS {
