@@ -11,7 +11,8 @@
 //! where nothing is left if v_j is the vector of the mode. The vectors begin with those of known gains, around which A is a polynomial
 //! ([`Expansion`]). Those of discs that reach to where modes are wanted are corrected by the first order, `v_j += sum_i v_i X_ij` with
 //! `X_ij = E_ij / (D_j - D_i)` of a diagonal D and the rest E, which squares what is left; where two modes couple more strongly than that,
-//! by the vectors of the pair that they make.
+//! by the vectors of the pair that they make. Where the number of such a mode is too far from that of another column for the polynomial, A itself
+//! multiplies the vector.
 
 use linsys::ChannelGain;
 use num_complex::Complex;
