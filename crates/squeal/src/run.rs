@@ -173,3 +173,16 @@ pub fn estimate<B: UncertainBrake>(brake: &B) -> Result<Duration, Error> {
     )?;
     Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_get_equally_many_blocks() {
+        for (samples, expected) in [(1, 8), (100, 13), (1000, 125), (10_000, 125), (100_000, 128)] {
+            assert_eq!(block(samples), expected);
+        }
+        assert!((1..5000).all(|samples| (8..=128).contains(&block(samples))));
+    }
+}

@@ -31,6 +31,8 @@ fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clo
         let points: Vec<_> = drawn.map(|sample| brake.operating_point(scene, &sample).unwrap()).collect();
         for (at, found) in points.iter().zip(brake.band_modes(scene, &points)) {
             let found = found.unwrap();
+            let alone = brake.band_modes(scene, std::slice::from_ref(at)).remove(0).unwrap();
+            assert_eq!(found, alone, "a sample does not depend on others, to the last bit: {scene:?} {at:?}");
             let whole = brake.part(scene).reduced.modes_by_spectrum(&brake.full_point(scene, at)).unwrap();
             for lambda in whole.lambdas.iter().filter(|lambda| lambda.re > 0.0) {
                 let is_it = |mode: &squeal::study::BandMode| (mode.lambda - lambda).norm() < 1e-6 * lambda.norm();

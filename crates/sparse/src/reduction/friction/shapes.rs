@@ -80,15 +80,11 @@ impl Shapes {
         }
     }
 
-    /// The shapes of some modes, split: [`Shapes::shape`] of each, with products of matrices.
+    /// The shapes of some modes, split: [`Shapes::shape`] of each, by one product of matrices.
     pub fn shapes(&self, modes: &[&Found]) -> DMatrix<f64> {
-        let forces = DMatrix::from_fn(self.others_force.rows(), modes.len(), |port, at| modes[at].forces[port]);
-        let others = DMatrix::from_fn(self.others.len(), forces.nrows(), |at, port| self.others_force.at(port, at));
-        let driven = dense::product(&others, &forces);
         let mut factors = split::zeros(self.parts.len() / self.stride.max(1), modes.len());
-        for (at, mode) in modes.iter().enumerate() {
-            let of_mode = self.factors(mode.lambda, &mode.amplitudes, |other| driven[(other, at)]);
-            split::set(&mut factors, at, of_mode.into_iter());
+        for (at, Found { lambda, amplitudes, forces }) in modes.iter().enumerate() {
+            split::set(&mut factors, at, self.factors(*lambda, amplitudes, forces).into_iter());
         }
         dense::product_of_columns(&self.parts, [self.order, self.stride], &factors)
     }
@@ -115,16 +111,16 @@ impl Shapes {
 impl<T: Real> Shapes<T> {
     /// The shape `Y d - F B c` of amplitudes d of the near modes and forces c.
     pub fn shape(&self, lambda: Complex<f64>, d: &[Complex<T>], forces: &[Complex<T>]) -> DVector<Complex<f64>> {
-        let mut driven = Rows::zeros(1, self.others.len());
-        add_rows(0, forces, &self.others_force, &mut driven);
-        let factors = self.factors(lambda, d, |at| driven.at(0, at));
+        let factors = self.factors(lambda, d, forces);
         let mut shape = Rows::zeros(1, self.order);
         Arch::new().dispatch(Sum { factors: &factors, parts: &self.parts, stride: self.stride, out: &mut shape });
         DVector::from_fn(self.order, |at, _| cast(shape.at(0, at)))
     }
 
-    /// What the parts are multiplied by in a shape, given the amplitudes of the near modes and `V^H B c` of the others.
-    fn factors(&self, lambda: Complex<f64>, d: &[Complex<T>], driven: impl Fn(usize) -> Complex<T>) -> Vec<Complex<T>> {
+    /// What the parts are multiplied by in a shape.
+    fn factors(&self, lambda: Complex<f64>, d: &[Complex<T>], forces: &[Complex<T>]) -> Vec<Complex<T>> {
+        let mut driven = Rows::zeros(1, self.others.len());
+        add_rows(0, forces, &self.others_force, &mut driven);
         let mut factors = vec![Complex::default(); self.parts.len() / self.stride.max(1)];
         let mut add = |Place { row, sign }: Place, amplitude: Complex<T>| {
             factors[row] += amplitude;
@@ -134,7 +130,7 @@ impl<T: Real> Shapes<T> {
         };
         self.near.iter().zip(d).for_each(|(&place, &amplitude)| add(place, amplitude));
         for (at, &(other, place)) in self.others.iter().enumerate() {
-            add(place, -driven(at) * cast::<f64, T>((lambda - other).inv()));
+            add(place, -driven.at(0, at) * cast::<f64, T>((lambda - other).inv()));
         }
         factors
     }

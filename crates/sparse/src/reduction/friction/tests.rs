@@ -146,6 +146,26 @@ fn a_is_its_polynomial_around_known_gains_up_to_what_that_says() {
 }
 
 #[test]
+fn a_sample_is_the_same_to_the_last_bit_alone_and_among_others() {
+    let (reduced, mut found) = (reduced(), 0);
+    for of in [point, shared_point] {
+        let modes = modes(&reduced, of);
+        let points: Vec<OperatingPoint> = (0..40).map(of).collect();
+        let search = |points: &[OperatingPoint]| {
+            let each = modes.search().modes(&reduced, points, 0.0, &|lambda| lambda.re >= 0.0);
+            each.into_iter().map(|found| found.unwrap().0).collect::<Vec<_>>()
+        };
+        for (point, together) in points.iter().zip(search(&points)) {
+            let alone = search(std::slice::from_ref(point)).remove(0);
+            found += alone.lambdas.len();
+            assert_eq!((alone.lambdas, alone.residuals), (together.lambdas, together.residuals));
+            assert_eq!(alone.shapes, together.shapes);
+        }
+    }
+    assert!(found > 20, "{found}");
+}
+
+#[test]
 fn unions_of_discs_hold_as_many_eigenvalues_as_they_have_discs() {
     let reduced = reduced();
     let modes = modes(&reduced, shared_point);
