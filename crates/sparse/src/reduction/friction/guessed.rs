@@ -8,9 +8,10 @@ use super::anchor::Anchor;
 use super::coarse::Coarse;
 use super::count::Lacking;
 use super::coupling::{self, Gains, combine};
-use super::refinement::{Found, Start};
+use super::refinement::Start;
 use super::search::{Memory, Open, Search, all_of};
 use super::secant::{Missed, secant};
+use super::shapes::Found;
 use crate::reduction::eigenvalue;
 use crate::reduction::real::cast;
 

@@ -18,6 +18,7 @@ use pulp::Arch;
 use super::coupling::{self, Coupled, Gains, Pull, Scratch};
 use super::ports::Ports;
 use super::secant::{Missed, secant};
+use super::shapes::Found;
 use super::table::Differences;
 use crate::reduction::eigenvalue;
 use crate::reduction::real::cast;
@@ -36,17 +37,6 @@ const STEPS: usize = 2;
 /// Distance from the number, relative to it, up to which what is smooth is a straight line; chosen: it changes by some thousandths over the
 /// band, and what is then missing of it is below 1e-8 of that.
 const STRAIGHT: f64 = 1e-3;
-
-/// A mode that was found.
-#[derive(Debug, Clone)]
-pub(super) struct Found {
-    /// rad/s.
-    pub lambda: Complex<f64>,
-    /// Of the near modes.
-    pub amplitudes: Vec<Complex<f64>>,
-    /// Of the ports.
-    pub forces: Vec<Complex<f64>>,
-}
 
 /// A mode in single precision, with factors of A at a number next to it in working memory.
 #[derive(Debug, Clone)]

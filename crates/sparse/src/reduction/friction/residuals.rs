@@ -5,8 +5,7 @@ use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::refinement::Found;
-use super::shapes::Shapes;
+use super::shapes::{Found, Shapes};
 use crate::reduction::residual::{Pairs, ResidualForm};
 use crate::reduction::shared::Friction;
 use crate::reduction::{Reduced, ReducedModes, Route, split};

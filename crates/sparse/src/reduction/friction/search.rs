@@ -9,7 +9,8 @@ use super::count::Lanes;
 use super::coupling::{Coupled, Scratch};
 use super::discs::{Around, Discs, LEAST};
 use super::ports::Ports;
-use super::refinement::{Approached, Found, Refinement, Sample, Start};
+use super::refinement::{Approached, Refinement, Sample, Start};
+use super::shapes::Found;
 use crate::Rectangle;
 use crate::reduction::rows::{Rows, combined};
 

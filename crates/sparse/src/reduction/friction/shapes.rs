@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::refinement::Found;
 use crate::reduction::dense;
 use crate::reduction::real::{Real, cast};
 use crate::reduction::rows::{Rows, add_rows};
@@ -12,6 +11,17 @@ use crate::reduction::split;
 
 /// An eigenvalue with its shape in the coordinates of the system.
 pub(super) type Pair = (Complex<f64>, DVector<Complex<f64>>);
+
+/// A mode that was found, by what its shape is made of.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    /// rad/s.
+    pub lambda: Complex<f64>,
+    /// Of the near modes.
+    pub amplitudes: Vec<Complex<f64>>,
+    /// Of the ports.
+    pub forces: Vec<Complex<f64>>,
+}
 
 /// What the shapes of k degrees of freedom are made of: the right vectors of the structure, of which most come in conjugate pairs, by their real
 /// and imaginary parts.
