@@ -45,8 +45,7 @@ pub(super) fn image(a: &DMatrix<Complex<f64>>, x: &DVector<Complex<f64>>) -> DVe
     let mut out = DVector::zeros(a.nrows());
     let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), a.nrows(), 1);
     let x = MatRef::from_column_major_slice(x.as_slice(), a.ncols(), 1);
-    matmul(to, Accum::Replace, view(a), x, Complex::from(1.0), Par::Seq);
-    end_wide();
+    multiply(to, Accum::Replace, Complex::from(1.0), view(a), x);
     out
 }
 
@@ -59,8 +58,7 @@ pub(super) fn add_product<T: faer::traits::ComplexField + nalgebra::Scalar>(
 ) {
     let (rows, columns) = out.shape();
     let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
-    matmul(to, Accum::Add, view(a), view(b), factor, Par::Seq);
-    end_wide();
+    multiply(to, Accum::Add, factor, view(a), view(b));
 }
 
 /// `A B`, where the columns of A are the first entries of each `stride` entries.
@@ -68,9 +66,20 @@ pub(super) fn product_of_columns(a: &[f64], [rows, stride]: [usize; 2], b: &DMat
     let mut out = DMatrix::zeros(rows, b.ncols());
     let to = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, b.ncols());
     let a = MatRef::from_column_major_slice(a, stride, b.nrows()).subrows(0, rows);
-    matmul(to, Accum::Replace, a, view(b), 1.0, Par::Seq);
-    end_wide();
+    multiply(to, Accum::Replace, 1.0, a, view(b));
     out
+}
+
+/// `factor A B` in the place of a matrix, or added to it, on one thread.
+fn multiply<T: faer::traits::ComplexField>(
+    to: MatMut<'_, T>,
+    accum: Accum,
+    factor: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+) {
+    matmul(to, accum, a, b, factor, Par::Seq);
+    end_wide();
 }
 
 /// The left singular vectors and the singular values, descending, of a matrix A with more rows than columns. One with many

@@ -199,15 +199,12 @@ pub(super) fn factor_at(
     slopes: &mut [Rows; 2],
 ) {
     scratch.pull(gains, lambda);
-    table.weights_at(lambda, &mut scratch.weights);
-    let mut slope_weights = Vec::new();
-    table.slope_weights_at(lambda, &mut slope_weights);
-    let Scratch { weights, pulls, smooth, square, factors, .. } = scratch;
-    for (part, (smooth, slope)) in smooth.iter_mut().zip(slopes).enumerate() {
-        combine_part(weights, &table.values, part, smooth);
-        combine_part(&slope_weights, &table.values, part, slope);
+    scratch.read(table, lambda);
+    let Scratch { weights, pulls, smooth: [reading, velocity], square, factors, .. } = scratch;
+    table.slope_weights_at(lambda, weights);
+    for (part, slope) in slopes.iter_mut().enumerate() {
+        combine_part(weights, &table.values, part, slope);
     }
-    let [reading, velocity] = smooth;
     Arch::new().dispatch(FactorSquare { reading, velocity, pulls, square, factors });
 }
 
