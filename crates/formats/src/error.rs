@@ -52,6 +52,15 @@ pub enum FormatsError {
         #[source]
         source: Box<FormatsError>,
     },
+    /// A file that a deck includes is at fault.
+    #[error("in {file}, which it includes: {source}")]
+    Included {
+        /// The file, as the deck names it, shortened.
+        file: String,
+        /// What is wrong with it.
+        #[source]
+        source: Box<FormatsError>,
+    },
     /// The file is whole but holds no matrix of real numbers.
     #[error("the file holds no matrix that can be read{}", what_else(.left_out))]
     NoMatrix {

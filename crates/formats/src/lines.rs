@@ -62,8 +62,8 @@ impl<'a> Lines<'a> {
         self.again = true;
     }
 
-    /// The line last read without its end; it was valid text.
-    fn current(&self) -> &str {
+    /// The line last read without its end.
+    pub fn current(&self) -> &str {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);
         let line = if self.number == 1 { line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line) } else { line };
