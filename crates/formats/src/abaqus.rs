@@ -5,8 +5,8 @@
 //! INPUT, NAME=..., TYPE=...` may come before the entries; then several matrices may follow each other.
 
 use crate::Dof;
-use crate::builder::{Builder, Head, LabelSet, Symmetry};
-use crate::limits::{Limits, Unstated};
+use crate::builder::{Builder, Head, LabelSet, Stated};
+use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
 use crate::numbers::{fortran, signed, value, whole};
@@ -17,7 +17,7 @@ use crate::shortened::cut;
 struct Keyword {
     name: String,
     kind: Option<Kind>,
-    symmetry: Symmetry,
+    stated: Stated,
     scale: f64,
 }
 
@@ -25,10 +25,9 @@ struct Keyword {
 pub(crate) fn parse(
     lines: &mut Lines<'_>,
     limits: &Limits,
-    unstated: Unstated,
     (name, kind): (&str, Option<Kind>),
 ) -> Result<Vec<Matrix>, Problem> {
-    let mut keyword = Keyword { name: name.to_owned(), kind, symmetry: Symmetry::Unstated(unstated), scale: 1.0 };
+    let mut keyword = Keyword { name: name.to_owned(), kind, stated: Stated::Nothing, scale: 1.0 };
     let mut matrices = Vec::new();
     let (mut builder, mut labels) = (Builder::new(limits), LabelSet::default());
     while let Some(line) = lines.next_but("**")? {
@@ -71,7 +70,7 @@ fn finish(mut builder: Builder, labels: LabelSet, keyword: Keyword) -> Result<Ma
     let (labels, places) = labels.sorted();
     builder.renumber(&places, &places);
     let head = Head::unlabelled(keyword.name, keyword.kind, (order, order));
-    builder.finish(keyword.symmetry, Head { row_labels: Some(labels.clone()), column_labels: Some(labels), ..head })
+    builder.finish(keyword.stated, Head { row_labels: Some(labels.clone()), column_labels: Some(labels), ..head })
 }
 
 fn read_keyword(line: &str) -> Result<Keyword, Problem> {
@@ -81,16 +80,15 @@ fn read_keyword(line: &str) -> Result<Keyword, Problem> {
         let allowed = "*MATRIX INPUT; write the matrix into a file of its own";
         return Err(Problem::Keyword { what: "keyword", found: cut(first), allowed });
     }
-    // The shape that Abaqus takes where TYPE is left out.
-    let mut keyword =
-        Keyword { name: "matrix".to_owned(), kind: None, symmetry: Symmetry::SymmetricOrWhole, scale: 1.0 };
+    // The shape that Abaqus takes where TYPE is left out. Who writes friction may not know it.
+    let mut keyword = Keyword { name: "matrix".to_owned(), kind: None, stated: Stated::SymmetricByDefault, scale: 1.0 };
     for part in parts.filter(|part| !part.is_empty()) {
         let (key, given) = part.split_once('=').unwrap_or((part, ""));
         let (key, given) = (key.trim().to_uppercase(), given.trim());
         match (key.as_str(), given.to_uppercase().as_str()) {
             ("NAME", _) if !given.is_empty() => keyword.name = given.trim_matches('"').to_owned(),
-            ("TYPE", "SYMMETRIC") => {}
-            ("TYPE", "UNSYMMETRIC") => keyword.symmetry = Symmetry::General,
+            ("TYPE", "SYMMETRIC") => keyword.stated = Stated::SymmetricOrWhole,
+            ("TYPE", "UNSYMMETRIC") => keyword.stated = Stated::General,
             ("SCALE FACTOR", _) => keyword.scale = value(given)?,
             _ => {
                 let allowed = "NAME, TYPE=SYMMETRIC or UNSYMMETRIC, SCALE FACTOR; entries in the same file";

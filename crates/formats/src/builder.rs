@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 
 use crate::Dof;
-use crate::limits::{Limits, Unstated};
-use crate::matrix::{Entry, Kind, Matrix, Stored};
+use crate::limits::Limits;
+use crate::matrix::{Entry, Kind, Matrix};
 use crate::problem::Problem;
+use crate::symmetry::{Doubt, KnownBy, Sides, Stored, mirrored};
 
-/// What a format says about the entries that it lists.
+/// What a file says about the entries that it lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Symmetry {
+pub(crate) enum Stated {
     /// All of them.
     General,
     /// One triangle, whichever, of a symmetric matrix.
@@ -18,8 +19,12 @@ pub(crate) enum Symmetry {
     Skew,
     /// A symmetric matrix as one triangle or whole.
     SymmetricOrWhole,
+    /// A symmetric matrix, by a default that a writer may not have thought of.
+    SymmetricByDefault,
+    /// The upper triangle, as CalculiX writes it, unless there are entries below the diagonal.
+    Upper,
     /// Nothing.
-    Unstated(Unstated),
+    Nothing,
 }
 
 /// Entries of a matrix in the order of the file.
@@ -66,20 +71,20 @@ impl Builder {
         Ok(())
     }
 
-    /// The whole matrix.
-    pub fn finish(self, symmetry: Symmetry, head: Head) -> Result<Matrix, Problem> {
+    /// The matrix: whole, or as it is listed where nothing tells whether that is a triangle.
+    pub fn finish(self, stated: Stated, head: Head) -> Result<Matrix, Problem> {
         let Self { mut entries, most } = self;
         add_repeats(&mut entries)?;
-        let stored = match symmetry {
-            Symmetry::General | Symmetry::Unstated(Unstated::Whole) => Stored::Whole,
-            _ => expand(&mut entries, symmetry, &head)?,
-        };
-        if entries.len() > most {
+        let (stored, known_by, doubt) = expand(&mut entries, stated, &head)?;
+        // What is not mirrored yet may be so later.
+        let needed = if stored == Stored::OneSide { 2 * entries.len() } else { entries.len() };
+        if needed > most {
             return Err(limit(most));
         }
         entries.shrink_to_fit();
         let Head { name, kind, rows, columns, row_labels, column_labels } = head;
-        Ok(Matrix { name, kind, stored, rows, columns, entries, row_labels, column_labels })
+        let numbered = false;
+        Ok(Matrix { name, kind, stored, known_by, doubt, numbered, rows, columns, entries, row_labels, column_labels })
     }
 }
 
@@ -106,12 +111,28 @@ fn add_repeats(entries: &mut Vec<Entry>) -> Result<(), Problem> {
     }
 }
 
-/// Mirrors a triangle, after a look at which entries have a mirror image already.
-fn expand(entries: &mut Vec<Entry>, symmetry: Symmetry, head: &Head) -> Result<Stored, Problem> {
-    let mut mirrored: Vec<Entry> =
-        entries.iter().filter(|entry| entry.row != entry.column).map(|entry| entry.mirrored()).collect();
-    mirrored.sort_by_key(Entry::key);
-    let pairs = Pairs::of(entries, &mirrored);
+/// Mirrors what the file says is a triangle. What it says nothing of is left as it is: a matrix with entries on both sides of the
+/// diagonal is whole, and of one with entries on one side nobody but its owner knows.
+fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stored, KnownBy, Option<Doubt>), Problem> {
+    let square = head.rows == head.columns;
+    let sides = Sides::of(entries);
+    let by_contents = |doubt| match sides {
+        Sides { above: false, below: false } => Ok((Stored::Whole, KnownBy::Contents, None)),
+        Sides { above: true, below: true } => Ok((Stored::Whole, KnownBy::Contents, doubt)),
+        _ if !square => Ok((Stored::Whole, KnownBy::Contents, None)),
+        _ => Ok((Stored::OneSide, KnownBy::Contents, None)),
+    };
+    match stated {
+        Stated::General => {
+            let doubt = if square { Doubt::of_whole(entries, head.rows, sides) } else { None };
+            return Ok((Stored::Whole, KnownBy::File, doubt));
+        }
+        Stated::Nothing => return by_contents(None),
+        Stated::Upper if sides.below => return by_contents(None),
+        Stated::Symmetric | Stated::Skew | Stated::SymmetricOrWhole | Stated::SymmetricByDefault | Stated::Upper => {}
+    }
+    let images = mirrored(entries);
+    let pairs = Pairs::of(entries, &images);
     let both = |allowed| {
         let (row, column) = pairs.first.unwrap_or_default();
         let place = |labels: &Option<Vec<Dof>>, at: u32| match labels.as_ref().and_then(|l| l.get(at as usize)) {
@@ -122,26 +143,22 @@ fn expand(entries: &mut Vec<Entry>, symmetry: Symmetry, head: &Head) -> Result<S
         Problem::BothTriangles { matrix: head.name.clone(), row, column, pairs: pairs.given_twice / 2, allowed }
     };
     // An entry and its mirror image are both counted, so that these two compare like with like.
-    let (twice, off_diagonal) = (pairs.given_twice, mirrored.len());
-    match symmetry {
-        Symmetry::General | Symmetry::Unstated(Unstated::Whole) => return Ok(Stored::Whole),
-        _ if twice == 0 => {}
-        Symmetry::Symmetric | Symmetry::Skew | Symmetry::Unstated(Unstated::Triangle) => {
-            return Err(both("one triangle of a symmetric matrix, upper or lower"));
-        }
-        Symmetry::SymmetricOrWhole if twice == off_diagonal && !pairs.unequal => return Ok(Stored::Whole),
-        Symmetry::SymmetricOrWhole => {
+    let is_whole = pairs.given_twice == images.len() && !pairs.unequal;
+    match stated {
+        Stated::SymmetricByDefault if images.is_empty() => return Ok((Stored::Whole, KnownBy::Contents, None)),
+        Stated::SymmetricByDefault if pairs.given_twice == 0 => return Ok((Stored::OneSide, KnownBy::Contents, None)),
+        Stated::SymmetricByDefault if is_whole => return Ok((Stored::Whole, KnownBy::Contents, None)),
+        _ if pairs.given_twice == 0 => {}
+        Stated::SymmetricOrWhole if is_whole => return Ok((Stored::Whole, KnownBy::File, None)),
+        Stated::SymmetricOrWhole | Stated::SymmetricByDefault => {
             return Err(both("one triangle of a symmetric matrix, or both with equal values"));
         }
-        Symmetry::Unstated(Unstated::ByContents) if 2 * twice >= off_diagonal => return Ok(Stored::Whole),
-        Symmetry::Unstated(Unstated::ByContents) => {
-            return Err(both("one triangle or the whole matrix; say which if it is meant so"));
-        }
+        _ => return Err(both("one triangle of a symmetric matrix, upper or lower")),
     }
-    let sign = if symmetry == Symmetry::Skew { -1.0 } else { 1.0 };
-    entries.extend(mirrored.into_iter().map(|entry| Entry { value: sign * entry.value, ..entry }));
+    let sign = if stated == Stated::Skew { -1.0 } else { 1.0 };
+    entries.extend(images.into_iter().map(|entry| Entry { value: sign * entry.value, ..entry }));
     entries.sort_by_key(Entry::key);
-    Ok(if symmetry == Symmetry::Skew { Stored::SkewTriangle } else { Stored::Triangle })
+    Ok((if stated == Stated::Skew { Stored::SkewTriangle } else { Stored::Triangle }, KnownBy::File, None))
 }
 
 /// Off-diagonal entries whose mirror image is given too.
@@ -206,18 +223,18 @@ impl LabelSet {
 }
 
 impl Builder {
+    /// Gives every row and column another place.
+    pub fn place(&mut self, place: impl Fn(u32) -> u32) {
+        for entry in &mut self.entries {
+            (entry.row, entry.column) = (place(entry.row), place(entry.column));
+        }
+    }
+
     /// Gives every row and column the place of its label.
     pub fn renumber(&mut self, rows: &[u32], columns: &[u32]) {
         for entry in &mut self.entries {
             (entry.row, entry.column) = (rows[entry.row as usize], columns[entry.column as usize]);
         }
-    }
-
-    /// Whether there are entries off the diagonal and all of them are on one side of it.
-    pub fn is_triangle(&self) -> bool {
-        let (below, above) =
-            (self.entries.iter().any(|e| e.row > e.column), self.entries.iter().any(|e| e.row < e.column));
-        below != above
     }
 
     /// Number of entries so far.

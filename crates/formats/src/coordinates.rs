@@ -4,26 +4,30 @@
 //! `.dof` with the name of each row, `node.direction`. The list itself has no number of rows: that is the number of names, or the
 //! largest index where there is no such file.
 
+use std::collections::BTreeSet;
+
 use crate::Dof;
-use crate::builder::{Builder, Head, Symmetry};
-use crate::limits::{Limits, Unstated};
+use crate::builder::{Builder, Head, Stated};
+use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
-use crate::numbers::{fortran, whole};
+use crate::numbers::{fortran, signed};
 use crate::problem::Problem;
+use crate::rows::{code, number_rows};
 use crate::shortened::cut;
 
 /// Reads the list; `labels` are the names of its rows.
 pub(crate) fn parse(
     lines: &mut Lines<'_>,
     limits: &Limits,
-    unstated: Unstated,
-    (name, kind): (&str, Option<Kind>),
+    (stated, name, kind): (Stated, &str, Option<Kind>),
     labels: Option<Vec<Dof>>,
 ) -> Result<Matrix, Problem> {
     let mut builder = Builder::new(limits);
     let most = labels.as_ref().map_or(limits.order, Vec::len);
     let mut order = 0;
+    // Rows with negative numbers are internal nodes of Abaqus: then numbers are names, and which there are must be known.
+    let mut numbers = BTreeSet::new();
     while let Some(line) = lines.next_but("%")? {
         let mut fields = line.split([' ', '\t', ',']).filter(|field| !field.is_empty());
         let (Some(row), Some(column), Some(field), None) = (fields.next(), fields.next(), fields.next(), fields.next())
@@ -31,27 +35,44 @@ pub(crate) fn parse(
             let found = line.split([' ', '\t', ',']).filter(|field| !field.is_empty()).count();
             return Err(Problem::Fields { what: "an entry", found, allowed: "row, column, value" });
         };
-        let index = |what, field| match whole(what, field)? {
-            found if (1..=most).contains(&found) => Ok(found),
-            found if labels.is_some() => Err(Problem::Index { what, found, largest: most }),
-            found => Err(Problem::Size { what, found, largest: most }),
+        let index = |what, field: &str| match signed(what, field)? {
+            found if (1..=most as i64).contains(&found) => Ok(found),
+            found if labels.is_none() && (-(limits.order as i64)..0).contains(&found) => Ok(found),
+            found if found < 0 => Err(Problem::field(what, found, format!("1 to {most}"))),
+            found if labels.is_some() => Err(Problem::Index { what, found: found as usize, largest: most }),
+            found => Err(Problem::Size { what, found: found as usize, largest: most }),
         };
         let (row, column) = (index("row", row)?, index("column", column)?);
         order = order.max(row).max(column);
-        builder.push(row - 1, column - 1, fortran(field)?)?;
+        for number in [row, column] {
+            if number < 0 {
+                numbers.insert(number);
+            }
+        }
+        builder.push(code(row), code(column), fortran(field)?)?;
     }
     lines.check_end()?;
+    let order = order as usize;
     if let Some(labels) = labels.as_ref().filter(|labels| labels.len() != order) {
         // CalculiX lists every diagonal entry, zeros too, so that the last row is always there.
         let allowed = format!("{}, the number of its labels: the file may be cut", labels.len());
         return Err(Problem::field("the last row of the list", order, allowed));
     }
-    if order == 0 {
+    if order == 0 && numbers.is_empty() {
         return Err(Problem::End { what: "the list of entries" });
     }
+    let named = labels.is_some();
+    let labels = match numbers.is_empty() {
+        true => labels,
+        false => {
+            numbers.extend(1..=order as i64);
+            Some(number_rows(&mut builder, &numbers))
+        }
+    };
+    let order = labels.as_ref().map_or(order, Vec::len);
     let head =
         Head { row_labels: labels.clone(), column_labels: labels, ..Head::unlabelled(name, kind, (order, order)) };
-    builder.finish(Symmetry::Unstated(unstated), head)
+    Ok(Matrix { numbered: !named, ..builder.finish(stated, head)? })
 }
 
 /// Reads the names of the rows, one a line.

@@ -8,10 +8,10 @@
 use std::collections::HashMap;
 
 use crate::Dof;
-use crate::builder::{Builder, Head, LabelSet, Symmetry};
+use crate::builder::{Builder, Head, LabelSet, Stated};
 use crate::limits::Limits;
 use crate::lines::Lines;
-use crate::matrix::{Kind, Matrix};
+use crate::matrix::Matrix;
 use crate::numbers::{fortran, index, signed, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
@@ -185,9 +185,8 @@ impl All {
                 _ => (Some(rows.clone()), rows.len(), row_places.clone()),
             };
             open.builder.renumber(&row_places, &column_places);
-            let symmetry = if open.form == 6 { Symmetry::Symmetric } else { Symmetry::General };
-            let kind = nastran_kind(&open.name);
-            let head = Head::unlabelled(open.name, kind, (rows.len(), count));
+            let symmetry = if open.form == 6 { Stated::Symmetric } else { Stated::General };
+            let head = Head::unlabelled(open.name, None, (rows.len(), count));
             let head = Head { row_labels: Some(rows), column_labels: columns, ..head };
             matrices.push(open.builder.finish(symmetry, head)?);
         }
@@ -201,19 +200,4 @@ fn dof(grid: &str, component: &str) -> Result<Dof, Problem> {
         return Err(Problem::field("component", component, "0 to 6"));
     }
     Ok(Dof { node: signed("grid point", grid)?, direction: component as u32 })
-}
-
-/// What Nastran's own names say: `KAAX`, `MGG`, `B2PP` and their like.
-pub(crate) fn nastran_kind(name: &str) -> Option<Kind> {
-    let upper = name.to_uppercase();
-    let (first, rest) = upper.split_at_checked(1)?;
-    if !matches!(rest, "AA" | "GG" | "FF" | "AAX" | "GGX" | "2GG" | "2PP" | "GGEXT" | "2GGX" | "2PPX") {
-        return None;
-    }
-    match first {
-        "K" => Some(Kind::Stiffness),
-        "M" => Some(Kind::Mass),
-        "B" => Some(Kind::Damping),
-        _ => None,
-    }
 }

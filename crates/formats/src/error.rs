@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::problem::Problem;
 use crate::shortened::cut;
+use crate::symmetry::Symmetry;
 
 /// Why a file gave no matrix, or a mode shape could not be written. Every message is one line and names no file: the caller
 /// knows which one it was.
@@ -83,6 +84,27 @@ pub enum FormatsError {
         /// Their names.
         names: Vec<String>,
     },
+    /// Entries on one side of the diagonal, of which nothing says what they are.
+    #[error(
+        "the matrix \"{matrix}\" {}, and nothing in the file says whether these are a triangle of a symmetric matrix or all of an \
+         unsymmetric one, such as friction; allowed: {}", what_is_there(*.side), ways_to_say(*.side)
+    )]
+    OneSided {
+        /// The matrix.
+        matrix: String,
+        /// The side that has entries; `None` where they are on both, but none has a mirror image.
+        side: Option<Symmetry>,
+    },
+    /// A word on the symmetry of a matrix that its file or its entries contradict.
+    #[error("symmetry = \"{asked}\" of the matrix \"{matrix}\", which is {found}; allowed: {}", others(*.asked))]
+    Symmetry {
+        /// The matrix.
+        matrix: String,
+        /// What was said.
+        asked: Symmetry,
+        /// What contradicts it.
+        found: String,
+    },
     /// A degree of freedom of a matrix that the list it is to be ordered by does not have.
     #[error("the matrix \"{matrix}\" has the degree of freedom {dof}, which the given list lacks")]
     UnknownDof {
@@ -158,6 +180,27 @@ fn what_else(left_out: &[(String, String)]) -> String {
         each.push("...".to_owned());
     }
     if each.is_empty() { String::new() } else { format!(" ({})", each.join("; ")) }
+}
+
+fn what_is_there(side: Option<Symmetry>) -> &'static str {
+    match side {
+        Some(Symmetry::Upper) => "has entries above the diagonal only",
+        Some(_) => "has entries below the diagonal only",
+        None => "has entries without mirror images",
+    }
+}
+
+fn ways_to_say(side: Option<Symmetry>) -> String {
+    let triangle = match side {
+        Some(side) => format!("symmetry = \"{side}\" to mirror them"),
+        None => "TYPE=SYMMETRIC in the file to mirror them".to_owned(),
+    };
+    format!("symmetry = \"whole\" to take them as they are, {triangle}")
+}
+
+fn others(asked: Symmetry) -> String {
+    let others = Symmetry::NAMES.into_iter().filter(|(_, other)| *other != asked);
+    others.map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 fn because(reason: &Option<String>) -> String {

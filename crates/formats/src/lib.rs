@@ -3,10 +3,12 @@
 //! | where | what |
 //! | --- | --- |
 //! | [`read`], [`read_with`], [`read_bytes`] | every matrix of a file, whose [`Format`] its contents tell |
-//! | [`File`] | the matrices by name or [`Kind`], and what was left out with the reason |
+//! | [`File`] | the matrices, the one that is [`Wanted`], and what was left out with the reason |
+//! | [`read_one`], [`split_name`] | one matrix of `FILE` or `FILE:NAME` |
+//! | [`Symmetry`], [`Stored`], [`Doubt`] | how the entries of a file are taken |
 //! | [`Matrix`] | whole: entries, [`Dof`] of each row, compressed columns of [`nalgebra_sparse`], or all numbers |
-//! | [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
-//! | [`Limits`], [`Options`] | bounds on memory, an assumption on symmetry, progress |
+//! | [`on_common_rows`], [`common_labels`], [`Matrix::on`] | matrices of one model on the same rows |
+//! | [`Limits`], [`Options`] | bounds on memory, progress |
 //! | [`read_market`] | Matrix Market alone |
 //! | [`read_deck`] | nodes, elements and node sets of an Abaqus or CalculiX input deck |
 //! | [`write_unv`], [`write_vtu`] | a [`Mesh`] with complex [`ModeShape`]s |
@@ -32,15 +34,18 @@ mod market;
 mod mat;
 mod matrix;
 mod mesh;
+mod names;
 mod numbers;
 mod numpy;
 mod op4;
 mod problem;
 mod read;
+mod rows;
 mod shortened;
 mod source;
 mod substructure;
 mod surface;
+mod symmetry;
 mod unv;
 mod vtu;
 
@@ -52,13 +57,15 @@ pub use deck::{Deck, read_deck};
 pub use detect::Format;
 pub use dof::{BadDof, Dof};
 pub use error::{FormatsError, Place};
-pub use limits::{Limits, Options, Progress, Unstated};
+pub use limits::{Limits, Options, Progress};
 pub use market::read_market;
-pub use matrix::{Entry, Kind, Matrix, Stored, common_labels};
+pub use matrix::{Entry, Kind, Matrix, common_labels};
 pub use mesh::{Cell, CellKind, Mesh, ModeShape, Node};
 pub use problem::Problem;
-pub use read::{File, read, read_bytes, read_labels, read_with};
+pub use read::{File, Wanted, read, read_bytes, read_labels, read_one, read_with, split_name};
+pub use rows::on_common_rows;
 pub use surface::Surface;
+pub use symmetry::{Doubt, KnownBy, Stored, Symmetry};
 pub use unv::write_unv;
 pub use vtu::write_vtu;
 

@@ -29,19 +29,6 @@ impl Limits {
     }
 }
 
-/// What a file that states no symmetry holds: the headerless lists of Abaqus and CalculiX.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Unstated {
-    /// The contents tell: one triangle where no off-diagonal entry has a mirror image; the whole matrix where at least half
-    /// of them have one; a fault in between.
-    #[default]
-    ByContents,
-    /// One triangle of a symmetric matrix, to be mirrored.
-    Triangle,
-    /// Every entry, to be taken as it is. Say this for an unsymmetric matrix that has no entry on one side of the diagonal.
-    Whole,
-}
-
 /// Called with the bytes of the file read so far and its size, about once in a megabyte.
 pub type Progress<'a> = Box<dyn FnMut(u64, u64) + 'a>;
 
@@ -50,8 +37,6 @@ pub type Progress<'a> = Box<dyn FnMut(u64, u64) + 'a>;
 pub struct Options<'a> {
     /// Bounds.
     pub limits: Limits,
-    /// How files that state no symmetry are taken.
-    pub unstated: Unstated,
     /// Who is told how far the reading is.
     pub progress: Option<Progress<'a>>,
 }

@@ -5,7 +5,7 @@
 //! triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines may follow
 //! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
 
-use crate::builder::{Builder, Head, Symmetry};
+use crate::builder::{Builder, Head, Stated};
 use crate::error::FormatsError;
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
@@ -18,7 +18,7 @@ use crate::shortened::cut;
 struct Banner {
     coordinate: bool,
     integer: bool,
-    symmetry: Symmetry,
+    symmetry: Stated,
 }
 
 /// The matrix in a Matrix Market file whose contents are at hand, compressed by gzip or not.
@@ -84,16 +84,16 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
 }
 
 /// Where an array begins: with the first entry of the first column that it lists.
-fn first_place(symmetry: Symmetry) -> (usize, usize) {
-    (usize::from(symmetry == Symmetry::Skew), 0)
+fn first_place(symmetry: Stated) -> (usize, usize) {
+    (usize::from(symmetry == Stated::Skew), 0)
 }
 
 /// The place after `(i, j)` in an array, which goes down its columns.
-fn next_place((i, j): (usize, usize), rows: usize, symmetry: Symmetry) -> (usize, usize) {
+fn next_place((i, j): (usize, usize), rows: usize, symmetry: Stated) -> (usize, usize) {
     match symmetry {
         _ if i + 1 < rows => (i + 1, j),
-        Symmetry::Symmetric => (j + 1, j + 1),
-        Symmetry::Skew => (j + 2, j + 1),
+        Stated::Symmetric => (j + 1, j + 1),
+        Stated::Skew => (j + 2, j + 1),
         _ => (0, j + 1),
     }
 }
@@ -119,9 +119,9 @@ fn read_banner(line: &str) -> Result<Banner, Problem> {
     let coordinate = keyword("format", "coordinate, array")? == 0;
     let integer = keyword("field", "real, integer")? == 1;
     let symmetry = match keyword("symmetry", "general, symmetric, skew-symmetric")? {
-        0 => Symmetry::General,
-        1 => Symmetry::Symmetric,
-        _ => Symmetry::Skew,
+        0 => Stated::General,
+        1 => Stated::Symmetric,
+        _ => Stated::Skew,
     };
     if words.next().is_some() {
         return Err(Problem::Banner { found: cut(line) });
@@ -129,10 +129,10 @@ fn read_banner(line: &str) -> Result<Banner, Problem> {
     Ok(Banner { coordinate, integer, symmetry })
 }
 
-fn name(symmetry: Symmetry) -> &'static str {
+fn name(symmetry: Stated) -> &'static str {
     match symmetry {
-        Symmetry::Symmetric => "symmetric",
-        Symmetry::Skew => "skew-symmetric",
+        Stated::Symmetric => "symmetric",
+        Stated::Skew => "skew-symmetric",
         _ => "general",
     }
 }
@@ -145,13 +145,13 @@ fn read_size(line: &str, banner: &Banner, largest: usize) -> Result<(usize, usiz
     }
     let number = |what, field| order(what, whole(what, field)?, largest);
     let (rows, columns) = (number("number of rows", fields[0])?, number("number of columns", fields[1])?);
-    if banner.symmetry != Symmetry::General && rows != columns {
+    if banner.symmetry != Stated::General && rows != columns {
         return Err(Problem::NotSquare { symmetry: name(banner.symmetry), rows, columns });
     }
     let entries = match (banner.coordinate, banner.symmetry) {
         (true, _) => whole("number of entries", fields[2])?,
-        (false, Symmetry::Symmetric) => rows * (rows + 1) / 2,
-        (false, Symmetry::Skew) => rows * (rows - 1) / 2,
+        (false, Stated::Symmetric) => rows * (rows + 1) / 2,
+        (false, Stated::Skew) => rows * (rows - 1) / 2,
         (false, _) => rows * columns,
     };
     Ok((rows, columns, entries))
@@ -162,11 +162,11 @@ fn integer(field: &str) -> Result<f64, Problem> {
     field.parse::<i64>().map(|v| v as f64).map_err(bad)
 }
 
-fn check_triangle(i: usize, j: usize, symmetry: Symmetry) -> Result<(), Problem> {
+fn check_triangle(i: usize, j: usize, symmetry: Stated) -> Result<(), Problem> {
     let refuse = |allowed| Err(Problem::Triangle { symmetry: name(symmetry), row: i + 1, column: j + 1, allowed });
     match symmetry {
-        Symmetry::Symmetric if i < j => refuse("entries on or below the diagonal"),
-        Symmetry::Skew if i <= j => refuse("entries below the diagonal"),
+        Stated::Symmetric if i < j => refuse("entries on or below the diagonal"),
+        Stated::Skew if i <= j => refuse("entries below the diagonal"),
         _ => Ok(()),
     }
 }

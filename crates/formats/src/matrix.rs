@@ -1,10 +1,12 @@
 //! A real matrix with the names of its rows and columns.
 
 use std::collections::{BTreeSet, HashMap};
+use std::fmt;
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
+use crate::symmetry::{Doubt, KnownBy, Stored};
 use crate::{Dof, FormatsError};
 
 /// One entry of a [`Matrix`].
@@ -40,18 +42,18 @@ pub enum Kind {
     Stiffness,
 }
 
-/// How a file stored a matrix. Whatever it was, [`Matrix::entries`] are those of the whole matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stored {
-    /// Every entry.
-    Whole,
-    /// One triangle of a symmetric matrix; the reader has mirrored it.
-    Triangle,
-    /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
-    SkewTriangle,
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mass => "mass",
+            Self::Damping => "damping",
+            Self::Stiffness => "stiffness",
+        })
+    }
 }
 
-/// A real matrix, whole: a triangle in a file has been mirrored once, repeated entries have been added.
+/// A real matrix, whole: a triangle in a file has been mirrored once, repeated entries have been added. One that is
+/// [`Stored::OneSide`] is as the file lists it; [`Matrix::with_symmetry`] makes it whole.
 ///
 /// Entries are sorted by column, then row, without repeats; zeros that a sparse file lists are kept. Every index is within
 /// the matrix and every value finite.
@@ -60,6 +62,10 @@ pub struct Matrix {
     pub(crate) name: String,
     pub(crate) kind: Option<Kind>,
     pub(crate) stored: Stored,
+    pub(crate) known_by: KnownBy,
+    pub(crate) doubt: Option<Doubt>,
+    /// Whether it is from a list that names its rows by numbers, of which the last may be missing.
+    pub(crate) numbered: bool,
     pub(crate) rows: usize,
     pub(crate) columns: usize,
     pub(crate) entries: Vec<Entry>,
@@ -84,6 +90,18 @@ impl Matrix {
     #[must_use]
     pub fn stored(&self) -> Stored {
         self.stored
+    }
+
+    /// What says so.
+    #[must_use]
+    pub fn known_by(&self) -> KnownBy {
+        self.known_by
+    }
+
+    /// What is odd about that: worth a line to whoever gave the file.
+    #[must_use]
+    pub fn doubt(&self) -> Option<Doubt> {
+        self.doubt
     }
 
     /// Number of rows.
@@ -189,7 +207,38 @@ impl Matrix {
         entries.sort_by_key(Entry::key);
         let (labels, order) = (Some(labels.to_vec()), labels.len());
         let (row_labels, column_labels) = (labels.clone(), labels);
-        Ok(Self { name: self.name.clone(), rows: order, columns: order, entries, row_labels, column_labels, ..*self })
+        let name = self.name.clone();
+        Ok(Self { name, rows: order, columns: order, entries, row_labels, column_labels, ..*self })
+    }
+
+    /// The same square matrix without these rows and the columns of the same places.
+    #[must_use]
+    pub fn without(&self, rows: &BTreeSet<usize>) -> Self {
+        let mut places = Vec::with_capacity(self.rows);
+        let mut next = 0_u32;
+        for row in 0..self.rows {
+            let stays = !rows.contains(&row);
+            places.push(stays.then_some(next));
+            next += u32::from(stays);
+        }
+        let moved = |entry: &Entry| {
+            let place = |at: u32| places.get(at as usize).copied().flatten();
+            Some(Entry { row: place(entry.row)?, column: place(entry.column)?, ..*entry })
+        };
+        let labels = |own: &Option<Vec<Dof>>| {
+            let kept =
+                |own: &Vec<Dof>| own.iter().zip(&places).filter(|(_, p)| p.is_some()).map(|(dof, _)| *dof).collect();
+            own.as_ref().map(kept)
+        };
+        Self {
+            name: self.name.clone(),
+            rows: next as usize,
+            columns: next as usize,
+            entries: self.entries.iter().filter_map(moved).collect(),
+            row_labels: labels(&self.row_labels),
+            column_labels: labels(&self.column_labels),
+            ..*self
+        }
     }
 }
 

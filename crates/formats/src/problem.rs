@@ -114,16 +114,6 @@ pub enum Problem {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// A matrix that is symmetric by its declaration and not by its entries.
-    #[error("the matrix {matrix:?} is declared symmetric, but {what}; allowed: {allowed}")]
-    Unsymmetric {
-        /// The matrix.
-        matrix: String,
-        /// What contradicts it.
-        what: String,
-        /// What is allowed.
-        allowed: &'static str,
-    },
     /// A value that is not a number of the declared kind.
     #[error("value {found:?} is not {allowed}")]
     Value {

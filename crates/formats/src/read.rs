@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use crate::builder::{Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::detect::{Format, detect};
 use crate::dmig::Found;
@@ -10,8 +11,10 @@ use crate::error::{FormatsError, Place};
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
+use crate::names::kind_of;
 use crate::problem::Problem;
 use crate::source::{Contents, open};
+use crate::symmetry::{Stored, Symmetry};
 use crate::{Dof, abaqus, coordinates, dmig, market, mat, numpy, op4, substructure};
 
 /// What a file holds.
@@ -25,56 +28,129 @@ pub struct File {
     pub left_out: Vec<(String, String)>,
 }
 
+/// Which matrix of a file is meant, and what is known of its symmetry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Wanted<'a> {
+    /// Its name in the file, in any case where that is unique.
+    pub name: Option<&'a str>,
+    /// What it is to be, where the file holds several and no name is given.
+    pub kind: Option<Kind>,
+    /// How the file stores it.
+    pub symmetry: Option<Symmetry>,
+    /// How the file stores it, unless it says so itself.
+    pub otherwise: Option<Symmetry>,
+}
+
 impl File {
-    /// The matrix of this name.
+    /// The matrix that is meant: that of the name; without one the only matrix of the file, or the only one whose name is usual for
+    /// that kind.
     ///
     /// # Errors
-    /// [`FormatsError::NoSuchMatrix`], with the reason where it was left out or where several have the name.
+    /// [`FormatsError::NoSuchMatrix`], with the reason where it was left out or where several are meant;
+    /// [`FormatsError::Several`]; as [`Matrix::with_symmetry`].
+    pub fn take(self, wanted: &Wanted<'_>) -> Result<Matrix, FormatsError> {
+        let at = self.place(wanted)?;
+        let mut matrices = self.matrices;
+        matrices.swap_remove(at).with_symmetry(wanted.symmetry, wanted.otherwise)
+    }
+
+    /// The matrix of this name, as [`File::take`] has it where nothing is said of its symmetry.
+    ///
+    /// # Errors
+    /// As [`File::take`].
     pub fn matrix(&self, name: &str) -> Result<&Matrix, FormatsError> {
-        let left_out = self.left_out.iter().find(|(left_out, _)| left_out == name);
-        let refused =
-            |reason| FormatsError::NoSuchMatrix { name: crate::shortened::cut(name), reason, allowed: self.names() };
-        let mut all = self.matrices.iter().filter(|matrix| matrix.name == name);
-        match (all.next(), all.next()) {
-            (Some(matrix), None) => Ok(matrix),
-            (Some(_), Some(_)) => Err(refused(Some("several have this name".to_owned()))),
-            _ => Err(refused(left_out.map(|(_, reason)| reason.clone()))),
-        }
+        self.decided(&Wanted { name: Some(name), ..Wanted::default() })
     }
 
-    /// The matrix of this kind.
+    /// The matrix of this kind, likewise.
     ///
     /// # Errors
-    /// [`FormatsError::NoSuchMatrix`] where there is none or more than one.
+    /// As [`File::take`].
     pub fn of_kind(&self, kind: Kind) -> Result<&Matrix, FormatsError> {
-        let mut all = self.matrices.iter().filter(|matrix| matrix.kind == Some(kind));
-        match (all.next(), all.next()) {
-            (Some(matrix), None) => Ok(matrix),
-            (one, _) => Err(FormatsError::NoSuchMatrix {
-                name: format!("{kind:?}").to_lowercase(),
-                reason: one.map(|_| "there are several".to_owned()),
-                allowed: self.names(),
-            }),
-        }
+        self.decided(&Wanted { kind: Some(kind), ..Wanted::default() })
     }
 
-    /// The only matrix.
+    fn decided(&self, wanted: &Wanted<'_>) -> Result<&Matrix, FormatsError> {
+        let matrix = &self.matrices[self.place(wanted)?];
+        if matrix.stored == Stored::OneSide { Err(matrix.one_sided()) } else { Ok(matrix) }
+    }
+
+    /// The only matrix, by what the file says of its symmetry.
     ///
     /// # Errors
-    /// [`FormatsError::Several`] where there are more.
+    /// As [`File::take`].
     pub fn only(self) -> Result<Matrix, FormatsError> {
-        let names = self.names();
-        let mut all = self.matrices.into_iter();
-        match (all.next(), all.next()) {
-            (Some(matrix), None) => Ok(matrix),
-            (Some(_), Some(_)) => Err(FormatsError::Several { names }),
-            _ => Err(FormatsError::NoMatrix { left_out: self.left_out }),
+        self.take(&Wanted::default())
+    }
+
+    /// Where in the list the matrix is that is meant.
+    fn place(&self, wanted: &Wanted<'_>) -> Result<usize, FormatsError> {
+        let refused = |name: &str, reason: Option<&str>| FormatsError::NoSuchMatrix {
+            name: crate::shortened::cut(name),
+            reason: reason.map(str::to_owned),
+            allowed: self.names(),
+        };
+        let left_out = |is: &dyn Fn(&str) -> bool| self.left_out.iter().find(|(name, _)| is(name));
+        let those = |is: &dyn Fn(&Matrix) -> bool| -> Vec<usize> {
+            self.matrices.iter().enumerate().filter(|(_, matrix)| is(matrix)).map(|(at, _)| at).collect()
+        };
+        if let Some(name) = wanted.name {
+            let exact = those(&|matrix| matrix.name == name);
+            let any_case = || those(&|matrix| matrix.name.eq_ignore_ascii_case(name));
+            let found = if exact.is_empty() { any_case() } else { exact };
+            let gone = left_out(&|other| other.eq_ignore_ascii_case(name)).map(|(_, reason)| reason.as_str());
+            return match found.as_slice() {
+                [at] => Ok(*at),
+                [] => Err(refused(name, gone)),
+                _ => Err(refused(name, Some("several have this name"))),
+            };
+        }
+        if let Some(kind) = wanted.kind {
+            let found = those(&|matrix| matrix.kind == Some(kind));
+            let gone = left_out(&|other| kind_of(other) == Some(kind));
+            match (found.as_slice(), gone) {
+                ([at], None) => return Ok(*at),
+                // Another one could be meant, and this one may be a part of it.
+                (_, Some((name, reason))) => return Err(refused(name, Some(reason))),
+                ([], None) => {}
+                _ => return Err(refused(&kind.to_string(), Some("several have a name of this kind; say which"))),
+            }
+        }
+        match (self.matrices.len(), wanted.kind) {
+            (1, _) => Ok(0),
+            (0, _) => Err(FormatsError::NoMatrix { left_out: self.left_out.clone() }),
+            (_, Some(kind)) => Err(refused(&kind.to_string(), None)),
+            (_, None) => Err(FormatsError::Several { names: self.names() }),
         }
     }
 
     fn names(&self) -> Vec<String> {
         self.matrices.iter().map(|matrix| matrix.name.clone()).collect()
     }
+}
+
+/// The file and the name of a matrix in it that `FILE:NAME` means. A file that exists as it is written has no name beside it.
+#[must_use]
+pub fn split_name(given: &Path) -> (&Path, Option<&str>) {
+    if given.is_file() {
+        return (given, None);
+    }
+    let Some(text) = given.to_str() else { return (given, None) };
+    let colons = text.rmatch_indices(':').map(|(at, _)| (Path::new(&text[..at]), &text[at + 1..]));
+    // The last colon that follows a file: drives of Windows and names of files may have some too.
+    match colons.filter(|(_, name)| !name.is_empty()).find(|(file, _)| file.is_file()) {
+        Some((file, name)) => (file, Some(name)),
+        None => (given, None),
+    }
+}
+
+/// Reads one matrix of the file that `FILE` or `FILE:NAME` means; a name there comes before that of `wanted`.
+///
+/// # Errors
+/// As [`read_with`] and [`File::take`].
+pub fn read_one(given: &Path, wanted: &Wanted<'_>, options: Options<'_>) -> Result<Matrix, FormatsError> {
+    let (file, name) = split_name(given);
+    read_with(file, options)?.take(&Wanted { name: name.or(wanted.name), ..*wanted })
 }
 
 /// Reads all matrices of a file, whatever its format and however it is called; compressed by gzip or not.
@@ -88,18 +164,17 @@ pub fn read(path: &Path) -> Result<File, FormatsError> {
     read_with(path, Options::default())
 }
 
-/// [`read`] with limits, an assumption on symmetry, or progress.
+/// [`read`] with limits or progress.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_with(path: &Path, options: Options<'_>) -> Result<File, FormatsError> {
     let (file, size) = open(path)?;
-    let (limits, unstated) = (options.limits.bounded(), options.unstated);
+    let limits = options.limits.bounded();
     let contents = Contents::new(file, size, &limits, options.progress)?;
     let format = detect(&contents.head)?;
     let labels = if format.0 == Format::Coordinates { labels_beside(path, &limits)? } else { None };
-    let named = kind_by_name(path);
-    parse(contents, format, Options { limits, unstated, progress: None }, named, labels)
+    parse(contents, format, &limits, by_name(path), labels)
 }
 
 /// Reads all matrices of contents in memory, as [`read_with`]; of a list without a header `labels` are the names of the rows.
@@ -107,11 +182,11 @@ pub fn read_with(path: &Path, options: Options<'_>) -> Result<File, FormatsError
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(bytes: &[u8], labels: Option<Vec<Dof>>, options: Options<'_>) -> Result<File, FormatsError> {
-    let Options { limits, unstated, progress } = options;
+    let Options { limits, progress } = options;
     let limits = limits.bounded();
     let contents = Contents::new(bytes, bytes.len() as u64, &limits, progress)?;
     let format = detect(&contents.head)?;
-    parse(contents, format, Options { limits, unstated, progress: None }, None, labels)
+    parse(contents, format, &limits, ByName::default(), labels)
 }
 
 /// Reads the names of rows, one `node.direction` a line, as CalculiX writes them (`.dof`).
@@ -140,42 +215,46 @@ fn labels_beside(path: &Path, limits: &Limits) -> Result<Option<Vec<Dof>>, Forma
     Ok(None)
 }
 
+/// What the name of a file says.
+#[derive(Default)]
+struct ByName {
+    kind: Option<Kind>,
+    /// Whether it is one of CalculiX's, which hold the upper triangle.
+    calculix: bool,
+}
+
 /// What CalculiX and Abaqus say in the name of a file alone: `.sti`, `.mas`; `_STIF1.mtx`, `_MASS1.mtx`, `_DMPV1.mtx`.
-fn kind_by_name(path: &Path) -> Option<Kind> {
-    let name = path.file_name()?.to_string_lossy().to_uppercase();
+fn by_name(path: &Path) -> ByName {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
     let name = name.strip_suffix(".GZ").unwrap_or(&name);
-    let (stem, extension) = name.rsplit_once('.')?;
+    let Some((stem, extension)) = name.rsplit_once('.') else { return ByName::default() };
     let last = stem.rsplit_once('_').map_or("", |(_, last)| last.trim_end_matches(|c: char| c.is_ascii_digit()));
-    match (extension, last) {
+    let kind = match (extension, last) {
         ("STI", _) | (_, "STIF") => Some(Kind::Stiffness),
         ("MAS", _) | (_, "MASS") => Some(Kind::Mass),
         (_, "DMPV") => Some(Kind::Damping),
         _ => None,
-    }
+    };
+    ByName { kind, calculix: matches!(extension, "STI" | "MAS") }
 }
 
 fn parse(
     contents: Contents<'_>,
     (format, endian): (Format, Endian),
-    options: Options<'_>,
-    kind: Option<Kind>,
+    limits: &Limits,
+    ByName { kind, calculix }: ByName,
     labels: Option<Vec<Dof>>,
 ) -> Result<File, FormatsError> {
-    let (limits, unstated) = (&options.limits, options.unstated);
-    let name = match kind {
-        Some(Kind::Mass) => "mass",
-        Some(Kind::Damping) => "damping",
-        Some(Kind::Stiffness) => "stiffness",
-        None => "matrix",
-    };
+    let name = kind.map_or_else(|| "matrix".to_owned(), |kind| kind.to_string());
+    let listed = if calculix { Stated::Upper } else { Stated::Nothing };
     let only = |matrix| (vec![matrix], Vec::new());
-    let (matrices, left_out) = match format {
+    let (mut matrices, left_out) = match format {
         Format::MatrixMarket => in_text(contents, |lines| market::parse(lines, limits).map(only))?,
         Format::Coordinates => {
-            in_text(contents, |lines| coordinates::parse(lines, limits, unstated, (name, kind), labels).map(only))?
+            in_text(contents, |lines| coordinates::parse(lines, limits, (listed, &name, kind), labels).map(only))?
         }
         Format::AbaqusMatrixInput => {
-            in_text(contents, |lines| Ok((abaqus::parse(lines, limits, unstated, (name, kind))?, Vec::new())))?
+            in_text(contents, |lines| Ok((abaqus::parse(lines, limits, (&name, kind))?, Vec::new())))?
         }
         Format::AbaqusSubstructure => in_text(contents, |lines| Ok((substructure::parse(lines, limits)?, Vec::new())))?,
         Format::Dmig => in_text(contents, |lines| dmig::parse(lines, limits))?,
@@ -192,6 +271,9 @@ fn parse(
     };
     if matrices.is_empty() {
         return Err(FormatsError::NoMatrix { left_out });
+    }
+    for matrix in &mut matrices {
+        matrix.kind = matrix.kind.or_else(|| kind_of(&matrix.name));
     }
     Ok(File { format, matrices, left_out })
 }
@@ -223,6 +305,6 @@ fn npy(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Problem> {
     if bytes.first()?.is_some() {
         return Err(Problem::field("bytes after the array", "some", "none"));
     }
-    let head = crate::builder::Head::unlabelled("matrix", None, size);
-    Ok((vec![builder.finish(crate::builder::Symmetry::General, head)?], Vec::new()))
+    let head = Head::unlabelled("matrix", None, size);
+    Ok((vec![builder.finish(Stated::Nothing, head)?], Vec::new()))
 }

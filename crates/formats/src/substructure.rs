@@ -7,7 +7,7 @@
 //! begins a new line and wraps after a few numbers.
 
 use crate::Dof;
-use crate::builder::{Builder, Head, Symmetry};
+use crate::builder::{Builder, Head, Stated};
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
@@ -187,7 +187,7 @@ impl Packed {
         }
         let labels = element.labels().filter(|labels| labels.len() == order);
         let head = Head::unlabelled(self.name, Some(self.kind), (order, order));
-        let symmetry = if is_whole { Symmetry::General } else { Symmetry::Symmetric };
+        let symmetry = if is_whole { Stated::General } else { Stated::Symmetric };
         builder.finish(symmetry, Head { row_labels: labels.clone(), column_labels: labels, ..head })
     }
 }

@@ -83,6 +83,8 @@ pub mod estimators;
 pub mod figures;
 mod fingerprint;
 mod folder;
+#[cfg(feature = "case-files")]
+mod held;
 pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;

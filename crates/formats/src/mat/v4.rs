@@ -3,7 +3,7 @@
 //! with three columns, row, column, value, and a last row with its size.
 
 use super::elements::{Storage, index};
-use crate::builder::{Builder, Head, Symmetry};
+use crate::builder::{Builder, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::dmig::Found;
 use crate::limits::Limits;
@@ -71,7 +71,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
             );
             let mut builder = Builder::new(limits);
             super::v5::fill(bytes, storage, size, &mut builder)?;
-            builder.finish(Symmetry::General, Head::unlabelled(name, None, size))?
+            builder.finish(Stated::Nothing, Head::unlabelled(name, None, size))?
         };
         found.0.push(matrix);
     }
@@ -111,5 +111,5 @@ fn sparse(
         builder.push(row - 1, column - 1, storage.read(bytes, "a sparse array")?)?;
     }
     storage.read(bytes, "a sparse array")?;
-    builder.finish(Symmetry::General, Head::unlabelled(name, None, (size[0], size[1])))
+    builder.finish(Stated::Nothing, Head::unlabelled(name, None, (size[0], size[1])))
 }

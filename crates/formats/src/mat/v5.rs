@@ -4,7 +4,7 @@ use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 use super::elements::{Storage, index};
-use crate::builder::{Builder, Head, Symmetry};
+use crate::builder::{Builder, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::dmig::Found;
 use crate::limits::Limits;
@@ -180,7 +180,7 @@ fn array(bytes: &mut Bytes<'_>, size: u64, limits: &Limits, found: &mut Found) -
         let (storage, _) = numbers(bytes, size.0 as u64 * size.1 as u64)?;
         fill(bytes, storage, size, &mut builder)?;
     }
-    found.0.push(builder.finish(Symmetry::General, Head::unlabelled(name, None, size))?);
+    found.0.push(builder.finish(Stated::Nothing, Head::unlabelled(name, None, size))?);
     Ok(())
 }
 

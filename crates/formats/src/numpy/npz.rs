@@ -5,7 +5,7 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
 use super::npy::{self, Header};
-use crate::builder::{Builder, Head, Symmetry};
+use crate::builder::{Builder, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::dmig::Found;
 use crate::error::{FormatsError, Place};
@@ -35,7 +35,7 @@ pub(crate) fn parse(bytes: Vec<u8>, limits: &Limits) -> Result<Found, FormatsErr
                 return Ok(Err(reason));
             }
             let (builder, size) = header.fill(bytes, limits)?;
-            Ok(Ok(builder.finish(Symmetry::General, Head::unlabelled(name, None, size))?))
+            Ok(Ok(builder.finish(Stated::Nothing, Head::unlabelled(name, None, size))?))
         })?;
         match read {
             Ok(matrix) => found.0.push(matrix),
@@ -134,7 +134,7 @@ fn sparse(archive: &mut Archive, limits: &Limits) -> Result<Matrix, FormatsError
         Ok(builder)
     })?;
     builder
-        .finish(Symmetry::General, Head::unlabelled("matrix", None, (rows, columns)))
+        .finish(Stated::Nothing, Head::unlabelled("matrix", None, (rows, columns)))
         .map_err(|problem| at(place("data.npy"), problem))
 }
 

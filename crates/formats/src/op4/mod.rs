@@ -11,8 +11,8 @@
 pub(crate) mod binary;
 pub(crate) mod text;
 
-use crate::builder::{Builder, Head, Symmetry};
-use crate::dmig::{Found, nastran_kind};
+use crate::builder::{Builder, Head, Stated};
+use crate::dmig::Found;
 use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
@@ -114,14 +114,10 @@ impl Open {
             found.1.push((self.name, reason));
             return Ok(());
         }
-        let head = Head::unlabelled(self.name.clone(), nastran_kind(&self.name), (self.rows, self.columns));
-        let triangle = self.builder.is_triangle();
-        let matrix = self.builder.finish(Symmetry::General, head)?;
-        if self.symmetric && triangle {
-            let (matrix, what) = (self.name, "has entries on one side of the diagonal only".to_owned());
-            return Err(Problem::Unsymmetric { matrix, what, allowed: "form 6 with the whole matrix, or form 1" });
-        }
-        found.0.push(matrix);
+        let head = Head::unlabelled(self.name.clone(), None, (self.rows, self.columns));
+        // A symmetric matrix is stored whole; where one side of it is empty nobody knows what the writer meant.
+        let stated = if self.symmetric { Stated::Nothing } else { Stated::General };
+        found.0.push(self.builder.finish(stated, head)?);
         Ok(())
     }
 }

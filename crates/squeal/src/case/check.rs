@@ -1,11 +1,13 @@
 //! Errors that name the file, and the checks that are common to all kinds of case files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use formats::{Matrix, Options, Wanted, read_one};
 use osc_model::OscModelError;
 use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
+use crate::output::note;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.
@@ -21,6 +23,19 @@ pub fn is_half_width(half_width: f64) -> bool {
 #[serde(deny_unknown_fields)]
 pub(super) struct Accuracy {
     half_width: f64,
+}
+
+/// How the file of a matrix was taken.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TakenMatrix {
+    /// The field, as `table "name".key`.
+    pub field: String,
+    /// The file, as the case names it.
+    pub file: PathBuf,
+    /// The matrix in it.
+    pub name: String,
+    /// How its entries were taken, in words.
+    pub taken: String,
 }
 
 /// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
@@ -126,6 +141,22 @@ impl Check<'_> {
     pub fn sparse(&self, field: &str) -> impl Fn(sparse::SparseError) -> CaseError + use<> {
         let (path, field) = (self.path.to_owned(), field.to_owned());
         move |source| CaseError::Sparse { path: path.clone(), field: field.clone(), source: Box::new(source) }
+    }
+
+    /// The matrix that is meant in `FILE` or `FILE:NAME`, a path from the folder of the case file.
+    pub fn read_matrix(
+        &self,
+        field: &str,
+        file: &Path,
+        wanted: &Wanted<'_>,
+    ) -> Result<(Matrix, TakenMatrix), CaseError> {
+        let path = self.path.parent().unwrap_or(Path::new("")).join(file);
+        let matrix = read_one(&path, wanted, Options::default()).map_err(|source| self.matrix(field, file, source))?;
+        if let Some(doubt) = matrix.doubt() {
+            note(&format!("{}: {field} = {:?}: {doubt}", self.path.display(), file.display()));
+        }
+        let (name, taken) = (matrix.name().to_owned(), matrix.taken());
+        Ok((matrix, TakenMatrix { field: field.to_owned(), file: file.to_owned(), name, taken }))
     }
 
     /// The error for a file that gives no matrix or mesh.

@@ -12,11 +12,12 @@ mod finite_elements;
 mod matrices;
 mod schema;
 mod squeal;
+mod symmetry;
 mod types;
 mod validate;
 
 pub use alternative::Alternative;
-pub use check::{HALF_WIDTHS, is_half_width};
+pub use check::{HALF_WIDTHS, TakenMatrix, is_half_width};
 pub use choices::{Draws, Law};
 pub use correlation::Correlation;
 pub use error::CaseError;

@@ -17,7 +17,8 @@ use osc_model::ContactArrangement;
 use sparse::SparseAffineSystem;
 
 use super::{
-    Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, correlation, squeal,
+    Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, TakenMatrix,
+    correlation, squeal,
 };
 
 /// A checked study of a finite element brake.
@@ -45,6 +46,10 @@ pub struct FiniteElementCase {
     pub node_sets: BTreeMap<String, Vec<i64>>,
     /// What each row of the matrices is; a matrix without labels has the numbers of its rows as nodes, and direction 0.
     pub dofs: Vec<Dof>,
+    /// How the file of each matrix was taken.
+    pub files: Vec<TakenMatrix>,
+    /// Degrees of freedom that the matrices hold by huge entries; they have no row.
+    pub held: Vec<Dof>,
     /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; one channel for each
     /// pair of nodes in contact, patch by patch.
     pub system: SparseAffineSystem,

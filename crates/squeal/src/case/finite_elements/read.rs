@@ -9,7 +9,7 @@ use sparse::SparseAffineSystem;
 use super::contact::Patches;
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
-use super::terms::{holders_term, read_terms, terms_with_coefficients};
+use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR};
 use crate::case::arrangements::arrangements_by_number;
 use crate::case::check::{Check, field, syntax};
@@ -58,7 +58,7 @@ impl FiniteElementCase {
             read_deck(&path, &Limits::default()).map_err(|source| check.matrix("brake.mesh", &file, source))
         });
         let deck = deck.transpose()?;
-        let (parts, dofs) = read_terms(&check, terms)?;
+        let Terms { parts, dofs, files, held } = read_terms(&check, terms)?;
         let model = Model::new(&check, deck, dofs);
         let mut formulas = Formulas::new(&check, &parameters);
         let (mut terms, coefficients) = terms_with_coefficients(&check, &mut formulas, parts, model.dofs.len())?;
@@ -113,6 +113,8 @@ impl FiniteElementCase {
             constraints,
             reduction: goal(&check, &reduction)?,
             dofs: model.dofs,
+            files,
+            held,
             node_sets: model.sets,
             mesh: model.mesh,
         })

@@ -11,6 +11,7 @@ use crate::case::correlation::CorrelationTable;
 use crate::case::matrices::schema::{Formula, ParameterTable};
 use crate::case::schema::{BristleDampingEntry, SpeedsTable};
 use crate::case::squeal::SquealTable;
+use crate::case::symmetry::SymmetryEntry;
 use crate::case::{Draws, Law};
 
 #[derive(Debug, Deserialize)]
@@ -68,6 +69,7 @@ pub(super) struct TermTable {
     pub mass: Option<PathBuf>,
     pub damping: Option<PathBuf>,
     pub stiffness: Option<PathBuf>,
+    pub symmetry: Option<SymmetryEntry>,
     pub rayleigh: Option<RayleighTable>,
 }
 

@@ -1,16 +1,20 @@
 //! The terms of a finite element case: its sparse matrices on common rows.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use formats::{Dof, Kind, Limits, Matrix};
+use formats::{Dof, FormatsError, Kind, Matrix};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
 use super::nodes::Model;
 use super::schema::{HolderTable, TermTable};
-use crate::case::check::{Check, field};
+use crate::case::check::{Check, TakenMatrix, field};
 use crate::case::matrices::formulas::Formulas;
+use crate::case::symmetry::wanted;
 use crate::case::{CaseError, Expression};
+use crate::held::{Held, held_rows};
+use crate::output::note;
 
 /// The mass, damping and stiffness matrix of a term, as far as it has them.
 pub(super) struct Parts {
@@ -18,19 +22,34 @@ pub(super) struct Parts {
     matrices: [Option<Matrix>; 3],
 }
 
+/// The matrices of all terms on common rows.
+pub(super) struct Terms {
+    pub parts: Vec<Parts>,
+    /// The rows.
+    pub dofs: Vec<Dof>,
+    /// How each file was taken.
+    pub files: Vec<TakenMatrix>,
+    /// The degrees of freedom that the files hold, which have no row.
+    pub held: Vec<Dof>,
+}
+
 /// Reads the matrices of all terms, and the names of the rows that they have in common.
-pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<(Vec<Parts>, Vec<Dof>), CaseError> {
+pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Terms, CaseError> {
     check.names("terms.name", given.iter().map(|term| &term.name))?;
     check.names_of_families("terms", given.iter().map(|term| (&term.name, &term.family)))?;
-    let mut all = Vec::new();
+    let (mut all, mut files) = (Vec::new(), Vec::new());
     for table in given {
-        let read = |key: &str, file: &Option<std::path::PathBuf>, kind: Kind| {
-            file.as_ref().map(|file| read_matrix(check, &field("terms", &table.name, key), file, kind)).transpose()
+        let mut read = |file: &Option<std::path::PathBuf>, kind: Kind| {
+            let of_field = field("terms", &table.name, &kind.to_string());
+            let Some(file) = file else { return Ok(None) };
+            let (matrix, taken) = check.read_matrix(&of_field, file, &wanted(table.symmetry, kind))?;
+            files.push(taken);
+            Ok(Some(matrix))
         };
         let matrices = [
-            read("mass", &table.mass, Kind::Mass)?,
-            read("damping", &table.damping, Kind::Damping)?,
-            read("stiffness", &table.stiffness, Kind::Stiffness)?,
+            read(&table.mass, Kind::Mass)?,
+            read(&table.damping, Kind::Damping)?,
+            read(&table.stiffness, Kind::Stiffness)?,
         ];
         if matrices.iter().all(Option::is_none) {
             let found = format!("terms {:?}", table.name);
@@ -45,42 +64,68 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<(Ve
         return Err(check.value("terms", "no mass", "a mass in one term or more"));
     }
     let dofs = common_rows(check, &mut all)?;
-    Ok((all, dofs))
+    let (dofs, held) = take_out_held(check, &mut all, dofs)?;
+    Ok(Terms { parts: all, dofs, files, held })
+}
+
+/// Takes out the rows that are held by entries huge against all others, and says so. Those that stay, and those that do not.
+fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result<(Vec<Dof>, Vec<Dof>), CaseError> {
+    let mut rows = BTreeSet::new();
+    for at in 0..3 {
+        let entries = all.iter().filter_map(|parts| parts.matrices[at].as_ref()).flat_map(Matrix::entries);
+        let held = held_rows(dofs.len(), entries.copied()).map_err(|tied| {
+            let found = format!("matrices whose row {} has a huge entry", dofs[tied.row - 1]);
+            check.value("terms", found, &tied.to_string())
+        })?;
+        rows.extend(held);
+    }
+    if rows.is_empty() {
+        return Ok((dofs, Vec::new()));
+    }
+    if rows.len() == dofs.len() {
+        return Err(check.value("terms", "all rows held by huge entries", "one row or more that is not"));
+    }
+    let is_held = |(row, dof): (usize, Dof)| if rows.contains(&row) { Err(dof) } else { Ok(dof) };
+    let (mut kept, mut held) = (Vec::new(), Vec::new());
+    for place in dofs.into_iter().enumerate().map(is_held) {
+        match place {
+            Ok(dof) => kept.push(dof),
+            Err(dof) => held.push(dof),
+        }
+    }
+    let names: Vec<_> = held.iter().map(Dof::to_string).collect();
+    note(&format!("{}: {}", check.path.display(), Held(&names)));
+    for matrix in all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()) {
+        *matrix = matrix.without(&rows);
+    }
+    Ok((kept, held))
 }
 
 /// The rows of all matrices, which are put on them. Matrices with labels may have some of the rows each; those without must have
-/// one order.
+/// one order, that of the others where these have equal rows.
 fn common_rows(check: &Check<'_>, all: &mut [Parts]) -> Result<Vec<Dof>, CaseError> {
-    let matrices = || all.iter().flat_map(|parts| parts.matrices.iter().flatten());
-    let is_labelled = |matrix: &Matrix| matrix.row_labels().is_some();
-    if matrices().all(is_labelled) {
-        let refused = |source| check.matrix("terms", Path::new("the matrices"), source);
-        let labels = formats::common_labels(matrices()).map_err(refused)?;
-        for matrix in all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()) {
-            *matrix = matrix.on(&labels).map_err(refused)?;
+    let named = |parts: &Parts| {
+        let name = parts.table.name.clone();
+        let keys = ["mass", "damping", "stiffness"].into_iter().zip(&parts.matrices);
+        keys.filter(|(_, matrix)| matrix.is_some()).map(move |(key, _)| field("terms", &name, key)).collect::<Vec<_>>()
+    };
+    let fields: Vec<String> = all.iter().flat_map(named).collect();
+    let mut matrices: Vec<&mut Matrix> = all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()).collect();
+    formats::on_common_rows(&mut matrices).map_err(|(at, source)| match source {
+        FormatsError::Unlabelled { .. } => {
+            let allowed = "names of its rows, as other matrices have that differ in their rows";
+            check.value(&fields[at], "a matrix without names of its rows", allowed)
         }
-        return Ok(labels);
+        source => check.matrix(&fields[at], Path::new("the matrices"), source),
+    })?;
+    let labels = matrices.iter().find_map(|matrix| matrix.row_labels().map(<[Dof]>::to_vec));
+    let order = labels.as_ref().map_or_else(|| matrices.first().map_or(0, |matrix| matrix.rows()), Vec::len);
+    if let Some(at) = matrices.iter().position(|matrix| (matrix.rows(), matrix.columns()) != (order, order)) {
+        let found = format!("a matrix {} x {}", matrices[at].rows(), matrices[at].columns());
+        let like = if labels.is_some() { "as the matrices with names of rows" } else { "as the first matrix" };
+        return Err(check.value(&fields[at], found, &format!("{order} x {order}, {like}")));
     }
-    if matrices().any(is_labelled) {
-        let allowed = "names of the rows of all matrices, or of none";
-        return Err(check.value("terms", "matrices of which some have names of their rows", allowed));
-    }
-    let order = matrices().next().map_or(0, Matrix::rows);
-    if let Some(other) = matrices().find(|matrix| (matrix.rows(), matrix.columns()) != (order, order)) {
-        let found = format!("a matrix {} x {}", other.rows(), other.columns());
-        return Err(check.value("terms", found, &format!("{order} x {order}, as the first matrix")));
-    }
-    Ok((1..=order as i64).map(|node| Dof { node, direction: 0 }).collect())
-}
-
-/// The matrix of this kind in a file, or its only one.
-fn read_matrix(check: &Check<'_>, field: &str, file: &Path, kind: Kind) -> Result<Matrix, CaseError> {
-    let path = check.path.parent().unwrap_or(Path::new("")).join(file);
-    let refused = |source| check.matrix(field, file, source);
-    let found =
-        formats::read_with(&path, formats::Options { limits: Limits::default(), ..formats::Options::default() })
-            .map_err(refused)?;
-    if found.matrices.len() > 1 { found.of_kind(kind).cloned() } else { found.only() }.map_err(refused)
+    Ok(labels.unwrap_or_else(|| (1..=order as i64).map(|node| Dof { node, direction: 0 }).collect()))
 }
 
 /// The terms with their coefficients.

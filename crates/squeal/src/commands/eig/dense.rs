@@ -2,14 +2,13 @@
 
 use cea::Workspace;
 use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
-use formats::Dof;
 use linsys::SecondOrder;
 use montecarlo::{Bar, Progress};
 use nalgebra::DMatrix;
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{finite_json, heading, list, number, row, rows_json, vector_rows, vectors_json};
+use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::input::LARGEST_MATRIX;
 use crate::output::{bytes_in_words, in_words, note};
@@ -47,9 +46,9 @@ pub(super) fn spectrum(args: &EigArgs) -> Result<String, Error> {
     let certified = certify(&system, &spectrum, &mut work)?;
     progress.end();
     Ok(if args.json {
-        json(&spectrum, &certified, args.vectors, matrices.labels())
+        json(&spectrum, &certified, args.vectors, &matrices)
     } else {
-        table(&spectrum, &certified, args.vectors)
+        table(&spectrum, &certified, args.vectors) + &taken(&matrices.files, &matrices.held)
     })
 }
 
@@ -75,7 +74,7 @@ fn kind(kind: ClusterKind) -> &'static str {
     }
 }
 
-fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool, labels: Option<&[Dof]>) -> String {
+fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool, matrices: &Matrices) -> String {
     // A constraint or a massless joint grows nothing: infinite eigenvalues are no threat to stability.
     let infinite = "    {\"kind\": \"infinite\", \"re\": null, \"im\": null, \"frequency_hz\": null, \
                     \"damping_ratio\": null, \"backward_error\": 0, \"condition\": null, \"bound\": null, \
@@ -97,9 +96,10 @@ fn json(spectrum: &GeneralSpectrum, certified: &Certified, vectors: bool, labels
         )
     });
     format!(
-        "{{\n  \"route\": \"{}\",\n{}  \"eigenvalues\": [\n{}\n  ],\n  \"clusters\": [{clusters}]\n}}\n",
+        "{{\n  \"route\": \"{}\",\n{}{}  \"eigenvalues\": [\n{}\n  ],\n  \"clusters\": [{clusters}]\n}}\n",
         spectrum.route,
-        if vectors { rows_json(labels) } else { String::new() },
+        taken_json(&matrices.files, &matrices.held),
+        if vectors { rows_json(matrices.labels()) } else { String::new() },
         eigenvalues.join(",\n")
     )
 }

@@ -1,12 +1,15 @@
 //! M, C and K from files of any format, on common rows.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, common_labels, read_with};
+use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, read_with, split_name};
 
 use super::EigArgs;
+use super::symmetry::wanted;
 use crate::Error;
+use crate::held::{Held, held_rows};
 use crate::input::check_size;
+use crate::output::note;
 
 /// What may be read.
 #[derive(Debug, Clone, Copy)]
@@ -19,34 +22,53 @@ pub(super) struct Sizes {
     pub(super) beyond: &'static str,
 }
 
-/// M, C and K of one order, with the same rows.
+/// M, C and K of one order, with the same rows, without those that are held.
 pub(super) struct Matrices {
     pub(super) mass: Matrix,
     pub(super) damping: Option<Matrix>,
     pub(super) stiffness: Matrix,
+    /// How each file was taken.
+    pub(super) files: Vec<TakenFile>,
+    /// The degrees of freedom that were taken out.
+    pub(super) held: Vec<String>,
+}
+
+/// How a file was taken.
+pub(super) struct TakenFile {
+    pub(super) kind: Kind,
+    /// The file, as it was given.
+    pub(super) path: PathBuf,
+    /// The matrix in it.
+    pub(super) name: String,
+    /// How its entries were taken.
+    pub(super) taken: String,
 }
 
 impl Matrices {
     /// Reads the files that `args` names.
     ///
     /// # Errors
-    /// A file that is no matrix, a matrix of another kind, shapes or rows that do not belong together, sizes above `sizes`.
+    /// A file that is no matrix, a matrix of another kind, shapes or rows that do not belong together, sizes above `sizes`, entries of
+    /// which nobody knows whether they are a triangle.
     pub(super) fn read(args: &EigArgs, sizes: Sizes) -> Result<Self, Error> {
-        let mut all = vec![Given::read("mass", Kind::Mass, &args.mass, sizes)?];
+        let mut all = vec![Given::read(args, Kind::Mass, &args.mass, sizes)?];
         if let Some(path) = &args.damping {
-            all.push(Given::read("damping", Kind::Damping, path, sizes)?);
+            all.push(Given::read(args, Kind::Damping, path, sizes)?);
         }
-        all.push(Given::read("stiffness", Kind::Stiffness, &args.stiffness, sizes)?);
-        on_common_rows(&mut all)?;
-        let order = all[0].matrix.rows();
-        for (given, reason) in all.iter().zip(["a square matrix", "like the mass matrix", "like the mass matrix"]) {
-            given.check(order, reason, sizes)?;
-        }
+        all.push(Given::read(args, Kind::Stiffness, &args.stiffness, sizes)?);
+        let files: Vec<_> = all.iter().map(Given::taken).collect();
+        let mut matrices: Vec<_> = all.iter_mut().map(|given| &mut given.matrix).collect();
+        on_common_rows(&mut matrices)
+            .map_err(|(at, source)| Error::Matrix { path: all[at].path.to_owned(), source: Box::new(source) })?;
+        check_sizes(&all, sizes)?;
+        let held = take_out_held(&mut all)?;
         let mut matrices = all.into_iter().map(|given| given.matrix);
         let (first, second, third) = (matrices.next(), matrices.next(), matrices.next());
         match (first, second, third) {
-            (Some(mass), Some(damping), Some(stiffness)) => Ok(Self { mass, damping: Some(damping), stiffness }),
-            (Some(mass), Some(stiffness), None) => Ok(Self { mass, damping: None, stiffness }),
+            (Some(mass), Some(damping), Some(stiffness)) => {
+                Ok(Self { mass, damping: Some(damping), stiffness, files, held })
+            }
+            (Some(mass), Some(stiffness), None) => Ok(Self { mass, damping: None, stiffness, files, held }),
             // Mass and stiffness are always read.
             _ => Err(Error::Sparse(sparse::SparseError::Empty)),
         }
@@ -65,48 +87,99 @@ impl Matrices {
 
 /// A matrix and the option that named it.
 struct Given<'a> {
-    name: &'static str,
+    kind: Kind,
     path: &'a Path,
     matrix: Matrix,
 }
 
 impl<'a> Given<'a> {
-    /// The only matrix of a file, or the one of this kind.
-    fn read(name: &'static str, kind: Kind, path: &'a Path, sizes: Sizes) -> Result<Self, Error> {
+    /// The matrix of a file that is meant.
+    fn read(args: &EigArgs, kind: Kind, path: &'a Path, sizes: Sizes) -> Result<Self, Error> {
         let refused = |source: FormatsError| Error::Matrix { path: path.to_owned(), source: Box::new(source) };
-        check_size(path, sizes.bytes).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let (file, name) = split_name(path);
+        check_size(file, sizes.bytes).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         let limits = Limits { bytes: sizes.bytes, ..Limits::default() };
-        let file = read_with(path, Options { limits, ..Options::default() }).map_err(refused)?;
-        let matrix =
-            if file.matrices.len() > 1 { file.of_kind(kind).cloned() } else { file.only() }.map_err(refused)?;
-        match matrix.kind() {
-            Some(other) if other != kind => Err(Error::Option {
-                option: match kind {
-                    Kind::Mass => "--mass",
-                    Kind::Damping => "--damping",
-                    Kind::Stiffness => "--stiffness",
-                },
-                value: path.display().to_string(),
-                allowed: format!("a {name} matrix; by its name or contents it is one of {}", in_words(other)),
-            }),
-            _ => Ok(Self { name, path, matrix }),
+        let options = Options { limits, ..Options::default() };
+        let wanted = formats::Wanted { name, ..wanted(&args.symmetry, kind) };
+        let matrix = read_with(file, options).and_then(|file| file.take(&wanted)).map_err(|source| match source {
+            FormatsError::OneSided { side, .. } => one_sided(path, kind, side),
+            source => refused(source),
+        })?;
+        if let (Some(other), None) = (matrix.kind().filter(|&other| other != kind), name) {
+            let allowed = format!(
+                "a {kind} matrix; by its name or contents it is one of {other} (FILE:{} takes it nevertheless)",
+                matrix.name()
+            );
+            return Err(Error::Option { option: option(kind), value: path.display().to_string(), allowed });
         }
+        let given = Self { kind, path, matrix };
+        if let Some(doubt) = given.matrix.doubt() {
+            note(&format!("{}: {doubt} (--symmetry {kind}=...)", path.display()));
+        }
+        Ok(given)
     }
 
-    /// Refuses a matrix that is not `order` x `order`, or too large.
-    fn check(&self, order: usize, reason: &'static str, sizes: Sizes) -> Result<(), Error> {
-        let (path, name, rows, columns) = (self.path.to_owned(), self.name, self.matrix.rows(), self.matrix.columns());
-        if rows > sizes.order {
-            return Err(Error::MatrixTooLarge { path, name, rows, columns, most: sizes.order, beyond: sizes.beyond });
-        }
-        if (rows, columns) != (order, order) {
-            return Err(Error::MatrixShape { path, name, rows, columns, order, reason });
-        }
-        Ok(())
+    fn taken(&self) -> TakenFile {
+        let (name, taken) = (self.matrix.name().to_owned(), self.matrix.taken());
+        TakenFile { kind: self.kind, path: self.path.to_owned(), name, taken }
     }
 }
 
-fn in_words(kind: Kind) -> &'static str {
+fn option(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Mass => "--mass",
+        Kind::Damping => "--damping",
+        Kind::Stiffness => "--stiffness",
+    }
+}
+
+/// The refusal of a list that may be a triangle or not.
+fn one_sided(path: &Path, kind: Kind, side: Option<formats::Symmetry>) -> Error {
+    let mirrored = side.map_or_else(String::new, |side| format!(", {kind}={side} for a triangle to be mirrored"));
+    Error::Option {
+        option: option(kind),
+        value: path.display().to_string(),
+        allowed: format!(
+            "a matrix of which it is known whether it is a triangle: it has entries on one side of the diagonal only, and the file \
+             does not say whether it is symmetric; say --symmetry {kind}=whole for an unsymmetric matrix, such as \
+             friction{mirrored}"
+        ),
+    }
+}
+
+/// Refuses matrices that are too large, not square, or not of one order.
+fn check_sizes(all: &[Given<'_>], sizes: Sizes) -> Result<(), Error> {
+    let shape = |given: &Given<'_>| (given.matrix.rows(), given.matrix.columns());
+    for given in all {
+        let ((rows, columns), name, path) = (shape(given), word(given.kind), given.path.to_owned());
+        if rows.max(columns) > sizes.order {
+            return Err(Error::MatrixTooLarge { path, name, rows, columns, most: sizes.order, beyond: sizes.beyond });
+        }
+        if rows != columns {
+            let reason = "a square matrix";
+            return Err(Error::MatrixShape { path, name, rows, columns, order: rows, reason });
+        }
+    }
+    // The size that most have is right; of two that differ nobody knows which.
+    let votes = |order: usize| all.iter().filter(|given| given.matrix.rows() == order).count();
+    let orders: Vec<usize> = all.iter().map(|given| given.matrix.rows()).collect();
+    let order = orders.iter().copied().max_by_key(|&order| (votes(order), orders[0] == order)).unwrap_or(0);
+    match all.iter().find(|given| given.matrix.rows() != order) {
+        None => Ok(()),
+        Some(given) => {
+            let ((rows, columns), name, path) = (shape(given), word(given.kind), given.path.to_owned());
+            let like = all.iter().find(|given| given.matrix.rows() == order).map_or(Kind::Mass, |given| given.kind);
+            let reason = match like {
+                Kind::Mass => "like the mass matrix",
+                Kind::Damping => "like the damping matrix",
+                Kind::Stiffness => "like the stiffness matrix",
+            };
+            Err(Error::MatrixShape { path, name, rows, columns, order, reason })
+        }
+    }
+}
+
+fn word(kind: Kind) -> &'static str {
     match kind {
         Kind::Mass => "mass",
         Kind::Damping => "damping",
@@ -114,21 +187,37 @@ fn in_words(kind: Kind) -> &'static str {
     }
 }
 
-/// Puts matrices whose files name their rows on the rows that any of them has. Where one has no names, the others must have
-/// equal ones: nothing else says which of its rows is which.
-fn on_common_rows(all: &mut [Given<'_>]) -> Result<(), Error> {
-    let labelled: Vec<&Matrix> = all.iter().map(|given| &given.matrix).filter(|m| m.row_labels().is_some()).collect();
-    let rows = |matrix: &&Matrix| (matrix.row_labels().map(<[_]>::to_vec), matrix.column_labels().map(<[_]>::to_vec));
-    if labelled.windows(2).all(|pair| rows(&pair[0]) == rows(&pair[1])) {
-        return Ok(());
+/// Takes out the rows and columns that are held by entries huge against all others, and says so.
+fn take_out_held(all: &mut [Given<'_>]) -> Result<Vec<String>, Error> {
+    let mut held = std::collections::BTreeSet::new();
+    for given in all.iter() {
+        let rows =
+            held_rows(given.matrix.rows(), given.matrix.entries().iter().copied()).map_err(|tied| Error::Option {
+                option: option(given.kind),
+                value: given.path.display().to_string(),
+                allowed: tied.to_string(),
+            })?;
+        held.extend(rows);
     }
-    let refused = |path: &Path, source| Error::Matrix { path: path.to_owned(), source: Box::new(source) };
-    if let Some(other) = all.iter().find(|given| given.matrix.row_labels().is_none()) {
-        return Err(refused(other.path, FormatsError::Unlabelled { matrix: other.matrix.name().to_owned() }));
+    if held.is_empty() {
+        return Ok(Vec::new());
     }
-    let labels = common_labels(labelled).map_err(|source| refused(all[0].path, source))?;
-    for given in all {
-        given.matrix = given.matrix.on(&labels).map_err(|source| refused(given.path, source))?;
+    let order = all.first().map_or(0, |given| given.matrix.rows());
+    let labels = all.iter().find_map(|given| given.matrix.row_labels());
+    let names: Vec<String> = held
+        .iter()
+        .map(|&row| labels.and_then(|labels| labels.get(row)).map_or_else(|| (row + 1).to_string(), Dof::to_string))
+        .collect();
+    if held.len() == order {
+        return Err(Error::Option {
+            option: "--stiffness",
+            value: "all degrees of freedom held by huge entries".to_owned(),
+            allowed: "one or more that are not".to_owned(),
+        });
     }
-    Ok(())
+    note(&Held(&names).to_string());
+    for given in all.iter_mut() {
+        given.matrix = given.matrix.without(&held);
+    }
+    Ok(names)
 }

@@ -3,6 +3,7 @@
 mod dense;
 mod matrices;
 mod rectangle;
+mod symmetry;
 mod text;
 
 use std::io::Write;
@@ -12,12 +13,15 @@ use sparse::Rectangle;
 
 use crate::Error;
 pub(super) use dense::announce;
+pub use symmetry::SaidSymmetry;
 
 /// Eigenvalues of lambda^2 M + lambda C + K, each with its backward error, condition number and verdict.
 ///
 /// The files may be of any format that is read here: Matrix Market, CalculiX .sti and .mas, Abaqus MATRIX INPUT or USER
 /// ELEMENT, Nastran DMIG or OP4, MATLAB .mat, NumPy .npy or .npz, each also compressed by gzip. Of a file with several
-/// matrices the one is taken that it calls mass, damping or stiffness. Rows that the files name are brought together.
+/// matrices the one is taken whose name is usual for M, C or K; FILE:NAME says which. Rows that the files name are brought
+/// together. Degrees of freedom held by entries huge against all others are named and taken out. A list with entries on one side of the
+/// diagonal, of which the file does not say whether it is a triangle, is refused: say --symmetry (docs/formats.md).
 ///
 /// Without --box all eigenvalues are found, by dense matrices. The matrices may be singular, unsymmetric and in any units.
 /// Infinite eigenvalues (of a singular M) are listed but never count as unstable. A verdict "marginal" means that Re lambda
@@ -38,6 +42,9 @@ pub struct EigArgs {
     /// K, likewise
     #[arg(long, value_name = "K.mtx")]
     pub stiffness: PathBuf,
+    /// How files store matrices that do not say so: whole, or the upper or lower triangle to be mirrored; of one as damping=whole
+    #[arg(long, value_name = "[MATRIX=]whole|upper|lower", value_delimiter = ',', value_parser = symmetry::parse)]
+    pub symmetry: Vec<SaidSymmetry>,
     /// Only the eigenvalues with RE0 <= Re lambda <= RE1 and IM0 <= Im lambda <= IM1, rad/s
     #[arg(long = "box", value_name = "RE0:RE1,IM0:IM1", value_parser = rectangle::parse, allow_hyphen_values = true)]
     pub rectangle: Option<Rectangle>,
@@ -84,6 +91,7 @@ mod tests {
             mass: write("M.mtx", m),
             damping,
             stiffness: write("K.mtx", k),
+            symmetry: Vec::new(),
             rectangle: None,
             rightmost: None,
             vectors: true,

@@ -10,7 +10,7 @@ use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
-use super::text::{finite_json, heading, list, number, row, rows_json, vector_rows, vectors_json};
+use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::output::{bytes_in_words, in_words, note};
 
@@ -59,7 +59,7 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     let matrices = Matrices::read(args, Sizes { bytes: LARGEST_FILE, order: LARGEST_ORDER, beyond: "" })?;
     let order = matrices.order();
     let labels = matrices.labels().map(<[Dof]>::to_vec);
-    let Matrices { mass, damping, stiffness } = matrices;
+    let Matrices { mass, damping, stiffness, files, held } = matrices;
     // Each is given back before the next one is copied.
     let sparse = |matrix: Matrix| matrix.to_csc();
     let c = damping.map_or_else(|| CscMatrix::zeros(order, order), sparse);
@@ -70,7 +70,12 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
         found.pairs.sort_by(|a, b| b.lambda.re.total_cmp(&a.lambda.re).then(b.lambda.im.total_cmp(&a.lambda.im)));
         found.pairs.truncate(most as usize);
     }
-    Ok(if args.json { json(&found, rectangle, args.vectors, labels.as_deref()) } else { table(&found, args.vectors) })
+    Ok(if args.json {
+        let rows = if args.vectors { rows_json(labels.as_deref()) } else { String::new() };
+        json(&found, rectangle, args.vectors, &(taken_json(&files, &held) + &rows))
+    } else {
+        table(&found, args.vectors) + &taken(&files, &held)
+    })
 }
 
 /// The search, with its progress in hundredths of the rectangle.
@@ -101,7 +106,7 @@ fn verdict(pair: &Eigenpair) -> Verdict {
     Verdict::of(pair.lambda, pair.bound())
 }
 
-fn json(found: &Found, rectangle: &Rectangle, vectors: bool, labels: Option<&[Dof]>) -> String {
+fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> String {
     let eigenvalue = |pair: &Eigenpair| {
         let shapes = if vectors { vectors_json(&pair.right, &pair.left) } else { String::new() };
         let errors = [pair.backward_error, pair.condition, pair.bound()];
@@ -120,9 +125,8 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, labels: Option<&[Do
         )
     });
     format!(
-        "{{\n  \"route\": \"sparse\",\n{}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
+        "{{\n  \"route\": \"sparse\",\n{first}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
          \"discs\": [{discs}],\n    \"factorisations\": {}, \"solves\": {}\n  }}\n}}\n",
-        if vectors { rows_json(labels) } else { String::new() },
         list(&found.pairs, eigenvalue),
         side(rectangle.re),
         side(rectangle.im),

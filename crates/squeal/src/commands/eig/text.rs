@@ -5,6 +5,9 @@ use formats::Dof;
 use nalgebra::DVector;
 use num_complex::Complex;
 
+use super::matrices::TakenFile;
+use crate::held::Held;
+
 /// 17 significant digits; null where there is no finite number.
 pub(super) fn number(x: f64) -> String {
     if x.is_finite() { format!("{x:.16e}") } else { "null".to_owned() }
@@ -66,4 +69,24 @@ pub(super) fn row(number: usize, l: Complex<f64>, backward_error: f64, condition
         frequency_hz(l),
         damping_ratio(l)
     )
+}
+
+/// How each file was taken, and what was taken out, as lines below a table.
+pub(super) fn taken(files: &[TakenFile], held: &[String]) -> String {
+    let line = |file: &TakenFile| {
+        let TakenFile { kind, path, name, taken } = file;
+        format!("{kind}: matrix \"{name}\" of {}, {taken}\n", path.display())
+    };
+    let held = if held.is_empty() { String::new() } else { format!("{}\n", Held(held)) };
+    files.iter().map(line).collect::<String>() + &held
+}
+
+/// The same as keys of JSON.
+pub(super) fn taken_json(files: &[TakenFile], held: &[String]) -> String {
+    let text = |text: &str| serde_json::Value::from(text).to_string();
+    let files = list(files, |TakenFile { kind, path, name, taken }| {
+        let path = text(&path.display().to_string());
+        format!("\n    {{\"matrix\": \"{kind}\", \"file\": {path}, \"name\": {}, \"taken\": \"{taken}\"}}", text(name))
+    });
+    format!("  \"files\": [{files}\n  ],\n  \"held\": [{}],\n", list(held, |name| text(name)))
 }

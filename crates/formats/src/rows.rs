@@ -1,0 +1,62 @@
+//! Matrices of one model on the same rows.
+
+use crate::builder::Builder;
+use crate::{Dof, FormatsError, Matrix, common_labels};
+
+/// Puts the matrices of one model on the same rows and columns, as far as they say what their rows are.
+///
+/// Those whose files name their rows get the rows that any of them has. Where one has no names the others must have equal ones, because
+/// nothing else says which of its rows is which. A list of `row column value` has no size of its own: it is as large as the largest
+/// matrix beside it. Sizes of matrices without names are else left as they are.
+///
+/// # Errors
+/// The place of a matrix in the list, and [`FormatsError::Unlabelled`].
+pub fn on_common_rows(all: &mut [&mut Matrix]) -> Result<(), (usize, FormatsError)> {
+    if all.iter().all(|matrix| matrix.numbered) && all.iter().any(|matrix| matrix.row_labels.is_some()) {
+        all.iter_mut().for_each(|matrix| matrix.name_by_numbers());
+    }
+    let labels = |matrix: &Matrix| (matrix.row_labels.clone(), matrix.column_labels.clone());
+    let named: Vec<&Matrix> = all.iter().map(|matrix| &**matrix).filter(|matrix| matrix.row_labels.is_some()).collect();
+    if named.windows(2).any(|pair| labels(pair[0]) != labels(pair[1])) {
+        if let Some(at) = all.iter().position(|matrix| matrix.row_labels.is_none()) {
+            return Err((at, FormatsError::Unlabelled { matrix: all[at].name.clone() }));
+        }
+        let labels = common_labels(named).map_err(|error| (0, error))?;
+        for (at, matrix) in all.iter_mut().enumerate() {
+            **matrix = matrix.on(&labels).map_err(|error| (at, error))?;
+        }
+        return Ok(());
+    }
+    let largest = all.iter().map(|matrix| matrix.rows.max(matrix.columns)).max().unwrap_or(0);
+    for matrix in all.iter_mut().filter(|matrix| matrix.numbered && matrix.row_labels.is_none()) {
+        (matrix.rows, matrix.columns) = (largest, largest);
+    }
+    Ok(())
+}
+
+impl Matrix {
+    /// Makes the numbers of rows their names, where there are none.
+    fn name_by_numbers(&mut self) {
+        let names = |count: usize| Some((1..=count as i64).map(numbered).collect());
+        if self.row_labels.is_none() {
+            (self.row_labels, self.column_labels) = (names(self.rows), names(self.columns));
+        }
+    }
+}
+
+/// The name of a row that is known by its number.
+pub(crate) fn numbered(row: i64) -> Dof {
+    Dof { node: row, direction: 0 }
+}
+
+/// The place of a row in a list, before it is known which rows there are: those of negative numbers come last, backwards.
+pub(crate) fn code(row: i64) -> usize {
+    if row < 0 { (u32::MAX as usize).saturating_sub(row.unsigned_abs() as usize - 1) } else { row as usize - 1 }
+}
+
+/// Names rows by their numbers, and brings the entries to the places of the names.
+pub(crate) fn number_rows(builder: &mut Builder, rows: &std::collections::BTreeSet<i64>) -> Vec<Dof> {
+    let places: std::collections::HashMap<u32, u32> = rows.iter().map(|&row| code(row) as u32).zip(0..).collect();
+    builder.place(|code| places.get(&code).copied().unwrap_or_default());
+    rows.iter().copied().map(numbered).collect()
+}

@@ -1,0 +1,200 @@
+//! How the entries of a file are taken: whole, or one triangle that is mirrored.
+
+use std::fmt;
+
+use crate::FormatsError;
+use crate::matrix::{Entry, Matrix};
+
+/// How a file stored a matrix. Whatever it was, [`Matrix::entries`] are those of the whole matrix, but of `OneSide`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stored {
+    /// Every entry.
+    Whole,
+    /// One triangle of a symmetric matrix; the reader has mirrored it.
+    Triangle,
+    /// The lower triangle of a skew-symmetric matrix; the reader has mirrored it with the other sign.
+    SkewTriangle,
+    /// Entries on one side of the diagonal, of which nothing says whether they are a triangle of a symmetric matrix or an
+    /// unsymmetric matrix (such as friction forces); nothing has been mirrored. [`Matrix::with_symmetry`] decides.
+    OneSide,
+}
+
+/// What says how a matrix is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KnownBy {
+    /// The file: its format, or a word in it.
+    File,
+    /// The entries.
+    Contents,
+    /// Who reads it.
+    Request,
+}
+
+/// How a file stores a matrix, as who reads it knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Symmetry {
+    /// Every entry: what is not listed is zero.
+    Whole,
+    /// The upper triangle of a symmetric matrix, to be mirrored.
+    Upper,
+    /// The lower triangle of a symmetric matrix, to be mirrored.
+    Lower,
+}
+
+impl Symmetry {
+    /// All of them with their names.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("whole", Self::Whole), ("upper", Self::Upper), ("lower", Self::Lower)];
+}
+
+impl fmt::Display for Symmetry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Whole => "whole",
+            Self::Upper => "upper",
+            Self::Lower => "lower",
+        })
+    }
+}
+
+/// What is odd about how a matrix was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// It is whole by what the file says, but has its whole diagonal and else entries on this side of it only, as if a triangle had
+    /// been written under the wrong word.
+    Triangle(Symmetry),
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self::Triangle(side) = self;
+        let place = if *side == Symmetry::Upper { "above" } else { "below" };
+        write!(
+            f,
+            "it is taken as whole, as the file says, and has entries {place} the diagonal only; if it is a triangle of a symmetric \
+             matrix, say symmetry = \"{side}\", else \"whole\""
+        )
+    }
+}
+
+/// On which sides of the diagonal there are entries that are not zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Sides {
+    pub above: bool,
+    pub below: bool,
+}
+
+impl Sides {
+    pub fn of(entries: &[Entry]) -> Self {
+        let mut listed = entries.iter().filter(|entry| entry.value != 0.0);
+        let (mut above, mut below) = (false, false);
+        while let (false, Some(entry)) = (above && below, listed.next()) {
+            above |= entry.row < entry.column;
+            below |= entry.row > entry.column;
+        }
+        Self { above, below }
+    }
+
+    fn only(self) -> Option<Symmetry> {
+        match (self.above, self.below) {
+            (true, false) => Some(Symmetry::Upper),
+            (false, true) => Some(Symmetry::Lower),
+            _ => None,
+        }
+    }
+}
+
+impl Doubt {
+    /// The doubt about entries, without repeats, that a file calls all of a square matrix.
+    pub(crate) fn of_whole(entries: &[Entry], order: usize, sides: Sides) -> Option<Self> {
+        let side = sides.only()?;
+        let diagonal = entries.iter().filter(|entry| entry.row == entry.column && entry.value != 0.0).count();
+        (diagonal == order).then_some(Self::Triangle(side))
+    }
+}
+
+/// The mirror images of what is off the diagonal, sorted.
+pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
+    let mut images: Vec<Entry> =
+        entries.iter().filter(|entry| entry.row != entry.column).map(|entry| entry.mirrored()).collect();
+    images.sort_by_key(Entry::key);
+    images
+}
+
+impl Matrix {
+    /// How the entries of the file were taken, in words: `one triangle, mirrored, as the file says`.
+    #[must_use]
+    pub fn taken(&self) -> String {
+        let by = match self.known_by {
+            KnownBy::File => ", as the file says",
+            KnownBy::Request => ", as asked",
+            KnownBy::Contents if self.rows != self.columns => "",
+            KnownBy::Contents if self.entries.iter().any(|entry| entry.row != entry.column && entry.value != 0.0) => {
+                ", as it has entries on both sides of the diagonal"
+            }
+            KnownBy::Contents => ", as it has no entry off the diagonal",
+        };
+        match self.stored {
+            Stored::Whole => format!("whole{by}"),
+            Stored::Triangle => format!("one triangle, mirrored{by}"),
+            Stored::SkewTriangle => format!("one triangle, mirrored with the other sign{by}"),
+            Stored::OneSide => "not decided: entries on one side of the diagonal".to_owned(),
+        }
+    }
+
+    /// The matrix, whole: by what `asked` says of its file; else by what the file says itself; else by `otherwise`; else by its
+    /// contents.
+    ///
+    /// # Errors
+    /// [`FormatsError::OneSided`] where nothing tells a triangle from an unsymmetric matrix; [`FormatsError::Symmetry`] where what
+    /// is asked for contradicts the file or the entries.
+    pub fn with_symmetry(self, asked: Option<Symmetry>, otherwise: Option<Symmetry>) -> Result<Self, FormatsError> {
+        let refused = |asked: Symmetry, found: &str| FormatsError::Symmetry {
+            matrix: crate::shortened::cut(&self.name),
+            asked,
+            found: found.to_owned(),
+        };
+        let is_triangle = matches!(self.stored, Stored::Triangle | Stored::SkewTriangle);
+        let said = match (asked, is_triangle) {
+            (Some(Symmetry::Whole), true) => {
+                return Err(refused(Symmetry::Whole, "a triangle of a symmetric matrix, as the file says"));
+            }
+            (_, true) => return Ok(self),
+            _ if self.known_by == KnownBy::File && self.doubt.is_none() => asked,
+            _ => asked.or(otherwise),
+        };
+        let side = match said {
+            None if self.stored == Stored::OneSide => return Err(self.one_sided()),
+            None => return Ok(self),
+            Some(Symmetry::Whole) => {
+                return Ok(Self { stored: Stored::Whole, known_by: KnownBy::Request, doubt: None, ..self });
+            }
+            Some(side) => side,
+        };
+        if self.rows != self.columns {
+            return Err(refused(side, &format!("{} x {}", self.rows, self.columns)));
+        }
+        let sides = Sides::of(&self.entries);
+        match (side, sides) {
+            (_, Sides { above: false, below: false }) => return Ok(self),
+            (Symmetry::Upper, Sides { below: true, .. }) => {
+                return Err(refused(side, "with entries below the diagonal"));
+            }
+            (Symmetry::Lower, Sides { above: true, .. }) => {
+                return Err(refused(side, "with entries above the diagonal"));
+            }
+            _ => {}
+        }
+        let mut entries: Vec<Entry> =
+            self.entries.iter().filter(|entry| entry.row == entry.column || entry.value != 0.0).copied().collect();
+        entries.extend(mirrored(&entries));
+        entries.sort_by_key(Entry::key);
+        Ok(Self { entries, stored: Stored::Triangle, known_by: KnownBy::Request, doubt: None, ..self })
+    }
+
+    /// The refusal of entries of which nobody knows what they are.
+    pub(crate) fn one_sided(&self) -> FormatsError {
+        let side = Sides::of(&self.entries).only();
+        FormatsError::OneSided { matrix: crate::shortened::cut(&self.name), side }
+    }
+}

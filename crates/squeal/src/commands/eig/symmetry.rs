@@ -1,0 +1,37 @@
+//! The value of `--symmetry`.
+
+use formats::{Kind, Symmetry, Wanted};
+
+/// What a user says of how files store M, C and K.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SaidSymmetry {
+    /// Of which matrix; `None`: of all whose files do not say so themselves.
+    pub of: Option<Kind>,
+    /// What.
+    pub symmetry: Symmetry,
+}
+
+/// One of the values.
+///
+/// # Errors
+/// What is allowed.
+pub(super) fn parse(text: &str) -> Result<SaidSymmetry, String> {
+    let symmetry =
+        |text: &str| Symmetry::NAMES.into_iter().find(|(name, _)| *name == text.trim()).map(|(_, said)| said);
+    let kind = |text: &str| {
+        [Kind::Mass, Kind::Damping, Kind::Stiffness].into_iter().find(|kind| kind.to_string() == text.trim())
+    };
+    let said = match text.split_once('=') {
+        None => symmetry(text).map(|symmetry| SaidSymmetry { of: None, symmetry }),
+        Some((of, said)) => kind(of).zip(symmetry(said)).map(|(of, symmetry)| SaidSymmetry { of: Some(of), symmetry }),
+    };
+    said.ok_or_else(|| {
+        "allowed: whole, upper or lower, or of one matrix as damping=whole, several with commas between".to_owned()
+    })
+}
+
+/// The matrix of this kind, stored as `said` has it.
+pub(super) fn wanted(said: &[SaidSymmetry], kind: Kind) -> Wanted<'static> {
+    let last = |of: Option<Kind>| said.iter().rev().find(|said| said.of == of).map(|said| said.symmetry);
+    Wanted { kind: Some(kind), symmetry: last(Some(kind)), otherwise: last(None), ..Wanted::default() }
+}

@@ -1,0 +1,82 @@
+//! Degrees of freedom that a program holds by an entry huge against all others on the diagonal: 1e36 for a boundary condition, 1e15
+//! to 1e20 for a stiff spring to ground.
+//!
+//! Such a row is what is left of a boundary condition. In it an eigenvalue problem has no digits left for the rest: the error of an
+//! eigenvalue is that of rounding the largest entry. Without it the others move by their size against it, which is nothing.
+
+use std::fmt;
+
+use formats::Entry;
+
+/// From how many times the largest of all other rows on a row is huge. Chosen: without it the others change by 1e-10 at most, as much
+/// as rounding in its presence changes them by 1e-6.
+const GAP: f64 = 1e10;
+/// Least entry that may be huge, in the units of the file. Chosen: no stiffness of a part comes near it in SI or mm-t-s, and no mass;
+/// it keeps a row of rounding errors from making all others huge.
+const LEAST: f64 = 1e14;
+
+/// Rows that are huge and tied to others, so that they are not held but cannot be computed with either.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tied {
+    /// The first of them, from 1, and its largest entry.
+    pub(crate) row: usize,
+    pub(crate) entry: f64,
+    /// The largest of all rows that are not huge.
+    pub(crate) others: f64,
+}
+
+impl fmt::Display for Tied {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { row, entry, others } = self;
+        write!(
+            f,
+            "row {row} has an entry of {entry:.1e} off the diagonal too, and no other row above {others:.1e}: no digits are left of \
+             these; allowed: ties and stiff springs between degrees of freedom below {GAP:.0e} times the others"
+        )
+    }
+}
+
+/// Rows that are held, from 0 and growing, of a square matrix by its entries (row, column, value), each place at most once.
+///
+/// # Errors
+/// [`Tied`].
+pub(crate) fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<Vec<usize>, Tied> {
+    let mut largest = vec![[0.0_f64; 2]; order];
+    for Entry { row, column, value } in entries {
+        let (row, column, size) = (row as usize, column as usize, value.abs());
+        for at in [row, column] {
+            let which = usize::from(row != column);
+            largest[at][which] = largest[at][which].max(size);
+        }
+    }
+    let of_row = |row: &[f64; 2]| row[0].max(row[1]);
+    let mut sizes: Vec<f64> = largest.iter().map(of_row).filter(|size| *size > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let gap = sizes.windows(2).find(|pair| pair[1] >= LEAST && pair[1] >= GAP * pair[0]);
+    let Some(&[others, from]) = gap else { return Ok(Vec::new()) };
+    let huge = || largest.iter().enumerate().filter(|(_, row)| of_row(row) >= from);
+    match huge().find(|(_, [diagonal, beside])| *beside > diagonal / GAP) {
+        Some((row, [_, entry])) => Err(Tied { row: row + 1, entry: *entry, others }),
+        None => Ok(huge().map(|(row, _)| row).collect()),
+    }
+}
+
+/// What is said of degrees of freedom that were taken out, by their names.
+pub(crate) struct Held<'a>(pub(crate) &'a [String]);
+
+impl fmt::Display for Held<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        /// Most names that are printed; chosen.
+        const MOST_NAMES: usize = 10;
+        let mut names: Vec<&str> = self.0.iter().take(MOST_NAMES).map(String::as_str).collect();
+        if self.0.len() > MOST_NAMES {
+            names.push("...");
+        }
+        write!(
+            f,
+            "degrees of freedom held by an entry on the diagonal that is huge against all others, and taken out: {} ({})",
+            self.0.len(),
+            names.join(", ")
+        )
+    }
+}
