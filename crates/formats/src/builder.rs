@@ -6,7 +6,7 @@ use crate::Dof;
 use crate::limits::Limits;
 use crate::matrix::{Entry, Kind, Matrix};
 use crate::problem::Problem;
-use crate::symmetry::{Doubt, KnownBy, Sides, Stored, mirrored};
+use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, mirrored};
 
 /// What a file says about the entries that it lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,14 +23,18 @@ pub(crate) enum Stated {
     SymmetricByDefault,
     /// The upper triangle, as CalculiX writes it, unless there are entries below the diagonal.
     Upper,
-    /// Nothing.
+    /// Nothing, and it is a list, as programs write triangles too.
     Nothing,
+    /// Nothing, but it is an array or its like.
+    Array,
 }
 
 /// Entries of a matrix in the order of the file.
 pub(crate) struct Builder {
     entries: Vec<Entry>,
     most: usize,
+    /// The largest imaginary part, of complex numbers.
+    imaginary: f64,
 }
 
 /// What is known of a matrix besides its entries.
@@ -51,7 +55,7 @@ impl Head {
 
 impl Builder {
     pub fn new(limits: &Limits) -> Self {
-        Self { entries: Vec::new(), most: limits.entries }
+        Self { entries: Vec::new(), most: limits.entries, imaginary: 0.0 }
     }
 
     /// Makes room for so many entries, of which the file has shown that they are there.
@@ -71,9 +75,21 @@ impl Builder {
         Ok(())
     }
 
+    /// Takes note of the imaginary part of an entry: a matrix is real where all of them are 0.
+    pub fn imaginary(&mut self, value: f64) -> Result<(), Problem> {
+        if !value.is_finite() {
+            return Err(Problem::Value { found: value.to_string(), allowed: "a finite number" });
+        }
+        self.imaginary = self.imaginary.max(value.abs());
+        Ok(())
+    }
+
     /// The matrix: whole, or as it is listed where nothing tells whether that is a triangle.
     pub fn finish(self, stated: Stated, head: Head) -> Result<Matrix, Problem> {
-        let Self { mut entries, most } = self;
+        let Self { mut entries, most, imaginary } = self;
+        if imaginary > 0.0 {
+            return Err(Problem::Complex { largest: imaginary });
+        }
         add_repeats(&mut entries)?;
         let (stored, known_by, doubt) = expand(&mut entries, stated, &head)?;
         // What is not mirrored yet may be so later.
@@ -127,8 +143,9 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
             let doubt = if square { Doubt::of_whole(entries, head.rows, sides) } else { None };
             return Ok((Stored::Whole, KnownBy::File, doubt));
         }
-        Stated::Nothing => return by_contents(None),
-        Stated::Upper if sides.below => return by_contents(None),
+        Stated::Array => return by_contents(None),
+        Stated::Nothing => return by_contents(Doubt::of_list(entries, sides)),
+        Stated::Upper if sides.below => return by_contents(Doubt::of_list(entries, sides)),
         Stated::Symmetric | Stated::Skew | Stated::SymmetricOrWhole | Stated::SymmetricByDefault | Stated::Upper => {}
     }
     let images = mirrored(entries);
@@ -159,30 +176,6 @@ fn expand(entries: &mut Vec<Entry>, stated: Stated, head: &Head) -> Result<(Stor
     entries.extend(images.into_iter().map(|entry| Entry { value: sign * entry.value, ..entry }));
     entries.sort_by_key(Entry::key);
     Ok((if stated == Stated::Skew { Stored::SkewTriangle } else { Stored::Triangle }, KnownBy::File, None))
-}
-
-/// Off-diagonal entries whose mirror image is given too.
-#[derive(Default)]
-struct Pairs {
-    given_twice: usize,
-    first: Option<(u32, u32)>,
-    unequal: bool,
-}
-
-impl Pairs {
-    fn of(entries: &[Entry], mirrored: &[Entry]) -> Self {
-        let mut found = Self::default();
-        let mut images = mirrored.iter().peekable();
-        for entry in entries {
-            while images.next_if(|image| image.key() < entry.key()).is_some() {}
-            if let Some(image) = images.next_if(|image| image.key() == entry.key()) {
-                found.given_twice += 1;
-                found.first.get_or_insert((entry.row, entry.column));
-                found.unequal |= image.value != entry.value;
-            }
-        }
-        found
-    }
 }
 
 /// Labels in the order in which they come, and their places once they are sorted.
@@ -240,5 +233,34 @@ impl Builder {
     /// Number of entries so far.
     pub fn len(&self) -> usize {
         self.entries.len()
+    }
+}
+
+/// What a file holds: its matrices, and what was left out with the reason.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub matrices: Vec<Matrix>,
+    pub left_out: Vec<(String, String)>,
+}
+
+impl Found {
+    /// Keeps a matrix, or the reason why it is none of real numbers.
+    pub fn keep(&mut self, name: &str, read: Result<Matrix, Problem>) -> Result<(), Problem> {
+        match read {
+            Ok(matrix) => self.matrices.push(matrix),
+            Err(problem @ Problem::Complex { .. }) => self.leave_out(name, problem.to_string()),
+            Err(problem) => return Err(problem),
+        }
+        Ok(())
+    }
+
+    pub fn leave_out(&mut self, name: &str, reason: impl Into<String>) {
+        self.left_out.push((name.to_owned(), reason.into()));
+    }
+}
+
+impl From<Matrix> for Found {
+    fn from(matrix: Matrix) -> Self {
+        Self { matrices: vec![matrix], left_out: Vec::new() }
     }
 }

@@ -3,7 +3,7 @@
 use crate::bytes::Endian;
 use crate::error::FormatsError;
 use crate::shortened::cut;
-use crate::{mat, numpy, op4};
+use crate::{harwell_boeing, mat, numpy, op4};
 
 /// A file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +16,8 @@ pub enum Format {
     AbaqusMatrixInput,
     /// Abaqus's `USER ELEMENT`, a substructure.
     AbaqusSubstructure,
+    /// Harwell-Boeing or Rutherford-Boeing.
+    HarwellBoeing,
     /// Nastran's `DMIG`.
     Dmig,
     /// Nastran's `OUTPUT4` as text.
@@ -74,6 +76,9 @@ fn text(head: &[u8]) -> Result<Format, FormatsError> {
     // With any number of percent signs: as a comment it would make the line of sizes an entry of a list without a header.
     if trimmed.to_uppercase().trim_start_matches('%').trim_start().starts_with("MATRIXMARKET") {
         return Ok(Format::MatrixMarket);
+    }
+    if harwell_boeing::is_header(&text) {
+        return Ok(Format::HarwellBoeing);
     }
     if op4::text::is_header(first) {
         return Ok(Format::Op4Text);

@@ -3,28 +3,24 @@
 //! A header `DMIG NAME 0 form type ...` comes before the columns `DMIG NAME GJ CJ - G C value ...`, whose `G, C` are grid point and
 //! component of the row. Forms: 1 square, 2 and 9 rectangular (a column of 9 is a number, not a grid point), 6 symmetric, of
 //! which either triangle is given. Rows and columns are those that have entries, by grid point and component. Complex matrices
-//! are left out; other entries of bulk data are passed over.
+//! whose imaginary parts are not all 0 are left out; other entries of bulk data are passed over.
 
 use std::collections::HashMap;
 
 use crate::Dof;
-use crate::builder::{Builder, Head, LabelSet, Stated};
+use crate::builder::{Builder, Found, Head, LabelSet, Stated};
 use crate::limits::Limits;
 use crate::lines::Lines;
-use crate::matrix::Matrix;
 use crate::numbers::{fortran, index, signed, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
-
-/// The matrices of a file, and the names of those left out with the reason.
-pub(crate) type Found = (Vec<Matrix>, Vec<(String, String)>);
 
 /// Most fields of one entry; chosen: a column of a full matrix of 250,000 rows.
 const MOST_FIELDS: usize = 1 << 20;
 
 /// Reads all matrices.
 pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Problem> {
-    let mut all = All { limits: *limits, list: Vec::new(), index: HashMap::new(), left_out: Vec::new() };
+    let mut all = All { limits: *limits, list: Vec::new(), index: HashMap::new() };
     let mut entry: Option<Vec<String>> = None;
     while let Some(line) = lines.next()? {
         let line = line.split('$').next().unwrap_or_default().trim_end();
@@ -96,7 +92,6 @@ struct All {
     limits: Limits,
     list: Vec<Open>,
     index: HashMap<String, usize>,
-    left_out: Vec<(String, String)>,
 }
 
 impl All {
@@ -126,12 +121,13 @@ impl All {
             }
             let row = open.rows_of.number(dof(term(0), term(1))?, &self.limits)?;
             let value = fortran(term(2))?;
-            if !open.complex {
-                if !matches!(term(3), "" | "0" | "0." | "0.0") {
-                    return Err(Problem::field("the imaginary part of a real DMIG", term(3), "none"));
-                }
-                open.builder.push(row, number, value)?;
+            match term(3) {
+                "" => {}
+                part if open.complex => open.builder.imaginary(fortran(part)?)?,
+                "0" | "0." | "0.0" => {}
+                part => return Err(Problem::field("the imaginary part of a real DMIG", part, "none")),
             }
+            open.builder.push(row, number, value)?;
         }
         Ok(())
     }
@@ -164,15 +160,11 @@ impl All {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Found, Problem> {
-        let mut matrices = Vec::new();
+    fn finish(self) -> Result<Found, Problem> {
+        let mut found = Found::default();
         for mut open in self.list {
-            if open.complex {
-                self.left_out.push((open.name, "complex numbers, of which none are read here".to_owned()));
-                continue;
-            }
             if open.builder.len() == 0 {
-                self.left_out.push((open.name, "no entries".to_owned()));
+                found.leave_out(&open.name, "no entries");
                 continue;
             }
             let (rows, row_places) = open.rows_of.sorted();
@@ -186,11 +178,11 @@ impl All {
             };
             open.builder.renumber(&row_places, &column_places);
             let symmetry = if open.form == 6 { Stated::Symmetric } else { Stated::General };
-            let head = Head::unlabelled(open.name, None, (rows.len(), count));
+            let head = Head::unlabelled(open.name.clone(), None, (rows.len(), count));
             let head = Head { row_labels: Some(rows), column_labels: columns, ..head };
-            matrices.push(open.builder.finish(symmetry, head)?);
+            found.keep(&open.name, open.builder.finish(symmetry, head))?;
         }
-        Ok((matrices, self.left_out))
+        Ok(found)
     }
 }
 

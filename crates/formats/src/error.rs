@@ -132,8 +132,8 @@ pub enum FormatsError {
 }
 
 /// The formats, in messages.
-const FORMATS: &str = "Matrix Market, CalculiX .sti or .mas, Abaqus MATRIX INPUT or USER ELEMENT, Nastran DMIG or OP4, MATLAB \
-                       .mat to v7, NumPy .npy or .npz, each also as .gz";
+const FORMATS: &str = "Matrix Market, CalculiX .sti or .mas, Abaqus MATRIX INPUT or USER ELEMENT, Nastran DMIG or OP4, \
+                       Harwell-Boeing, MATLAB .mat to v7, NumPy .npy or .npz, each also as .gz";
 
 /// A line from 1, or a byte from 0, of the contents after decompression.
 #[derive(Debug, Clone, PartialEq, Eq)]

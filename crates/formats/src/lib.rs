@@ -28,6 +28,7 @@ mod detect;
 mod dmig;
 mod dof;
 mod error;
+mod harwell_boeing;
 mod limits;
 mod lines;
 mod market;

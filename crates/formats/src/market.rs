@@ -1,6 +1,7 @@
 //! Matrix Market files (`.mtx`), the exchange format of NIST: <https://math.nist.gov/MatrixMarket/formats.html>.
 //!
-//! The reader takes `coordinate` and `array`, `real` and `integer`, `general`, `symmetric` and `skew-symmetric` files.
+//! The reader takes `coordinate` and `array`, `real`, `integer` and `unsigned-integer`, `general`, `symmetric` and
+//! `skew-symmetric` files, and `complex` and `hermitian` ones whose imaginary parts are all 0.
 //! Repeated entries of a coordinate file are added up, as in finite element assembly. A symmetric file holds the lower
 //! triangle with the diagonal, a skew-symmetric file the lower triangle without it. Comments and blank lines may follow
 //! anywhere after the banner, keywords may be in any case, exponents may have the D of Fortran.
@@ -14,10 +15,19 @@ use crate::numbers::{index, order, value, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
+/// The numbers that the first line of a file declares.
+#[derive(Clone, Copy, PartialEq)]
+enum Field {
+    Real,
+    Integer,
+    Unsigned,
+    Complex,
+}
+
 /// The format that the first line of a file declares.
 struct Banner {
     coordinate: bool,
-    integer: bool,
+    field: Field,
     symmetry: Stated,
 }
 
@@ -53,10 +63,12 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
     for found in 0..entries {
         let line = lines.next_but("%")?.ok_or(Problem::Truncated { found, expected: entries })?;
         let mut fields = line.split_ascii_whitespace();
+        let is_complex = banner.field == Field::Complex;
         let (i, j) = if banner.coordinate {
             let count = line.split_ascii_whitespace().count();
-            let what = || Problem::Fields { what: "an entry", found: count, allowed: "row, column, value" };
-            if count != 3 {
+            let allowed = if is_complex { "row, column, real part, imaginary part" } else { "row, column, value" };
+            let what = || Problem::Fields { what: "an entry", found: count, allowed };
+            if count != if is_complex { 4 } else { 3 } {
                 return Err(what());
             }
             let row = index("row", fields.next().ok_or_else(what)?, rows)?;
@@ -64,11 +76,20 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Matrix, Pr
         } else {
             place
         };
-        let (Some(field), None) = (fields.next(), fields.next()) else {
+        let (Some(field), imaginary, None) =
+            (fields.next(), if is_complex { fields.next() } else { None }, fields.next())
+        else {
             let found = line.split_ascii_whitespace().count();
             return Err(Problem::Fields { what: "an entry", found, allowed: "one value a line" });
         };
-        let number = if banner.integer { integer(field)? } else { value(field)? };
+        let number = match banner.field {
+            Field::Real | Field::Complex => value(field)?,
+            Field::Integer => integer::<i64>(field).map(|number| number as f64)?,
+            Field::Unsigned => integer::<u64>(field).map(|number| number as f64)?,
+        };
+        if is_complex {
+            builder.imaginary(value(imaginary.unwrap_or_default())?)?;
+        }
         check_triangle(i, j, banner.symmetry)?;
         if banner.coordinate || number != 0.0 {
             builder.push(i, j, number)?;
@@ -117,16 +138,26 @@ fn read_banner(line: &str) -> Result<Banner, Problem> {
     };
     keyword("object", "matrix")?;
     let coordinate = keyword("format", "coordinate, array")? == 0;
-    let integer = keyword("field", "real, integer")? == 1;
-    let symmetry = match keyword("symmetry", "general, symmetric, skew-symmetric")? {
+    let field = match keyword("field", "real, integer, unsigned-integer, complex")? {
+        0 => Field::Real,
+        1 => Field::Integer,
+        2 => Field::Unsigned,
+        _ => Field::Complex,
+    };
+    // A Hermitian matrix whose imaginary parts are 0 is symmetric.
+    let symmetries = match field {
+        Field::Complex => "general, symmetric, skew-symmetric, hermitian",
+        _ => "general, symmetric, skew-symmetric",
+    };
+    let symmetry = match keyword("symmetry", symmetries)? {
         0 => Stated::General,
-        1 => Stated::Symmetric,
-        _ => Stated::Skew,
+        2 => Stated::Skew,
+        _ => Stated::Symmetric,
     };
     if words.next().is_some() {
         return Err(Problem::Banner { found: cut(line) });
     }
-    Ok(Banner { coordinate, integer, symmetry })
+    Ok(Banner { coordinate, field, symmetry })
 }
 
 fn name(symmetry: Stated) -> &'static str {
@@ -157,9 +188,8 @@ fn read_size(line: &str, banner: &Banner, largest: usize) -> Result<(usize, usiz
     Ok((rows, columns, entries))
 }
 
-fn integer(field: &str) -> Result<f64, Problem> {
-    let bad = |_| Problem::Value { found: cut(field), allowed: "an integer, as the banner says" };
-    field.parse::<i64>().map(|v| v as f64).map_err(bad)
+fn integer<T: std::str::FromStr>(field: &str) -> Result<T, Problem> {
+    field.parse().map_err(|_| Problem::Value { found: cut(field), allowed: "an integer, as the banner says" })
 }
 
 fn check_triangle(i: usize, j: usize, symmetry: Stated) -> Result<(), Problem> {

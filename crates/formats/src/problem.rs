@@ -114,6 +114,12 @@ pub enum Problem {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// Complex numbers whose imaginary parts are not all zero.
+    #[error("{}", Complex(*.largest))]
+    Complex {
+        /// The largest imaginary part that was met.
+        largest: f64,
+    },
     /// A value that is not a number of the declared kind.
     #[error("value {found:?} is not {allowed}")]
     Value {
@@ -178,6 +184,20 @@ pub enum Problem {
         /// What the reader says.
         what: String,
     },
+}
+
+/// Why complex numbers are not read.
+struct Complex(f64);
+
+impl fmt::Display for Complex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "complex numbers with imaginary parts up to {:.1e}; those of a stiffness are structural damping, for which \
+             lambda^2 M + lambda C + K has no place; allowed: imaginary parts that are all 0",
+            self.0
+        )
+    }
 }
 
 impl Problem {

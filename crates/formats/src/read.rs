@@ -3,10 +3,9 @@
 use std::io::Read;
 use std::path::Path;
 
-use crate::builder::{Head, Stated};
+use crate::builder::{Found, Head, Stated};
 use crate::bytes::{Bytes, Endian};
 use crate::detect::{Format, detect};
-use crate::dmig::Found;
 use crate::error::{FormatsError, Place};
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
@@ -15,7 +14,7 @@ use crate::names::kind_of;
 use crate::problem::Problem;
 use crate::source::{Contents, open};
 use crate::symmetry::{Stored, Symmetry};
-use crate::{Dof, abaqus, coordinates, dmig, market, mat, numpy, op4, substructure};
+use crate::{Dof, abaqus, coordinates, dmig, harwell_boeing, market, mat, numpy, op4, substructure};
 
 /// What a file holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -247,16 +246,16 @@ fn parse(
 ) -> Result<File, FormatsError> {
     let name = kind.map_or_else(|| "matrix".to_owned(), |kind| kind.to_string());
     let listed = if calculix { Stated::Upper } else { Stated::Nothing };
-    let only = |matrix| (vec![matrix], Vec::new());
-    let (mut matrices, left_out) = match format {
-        Format::MatrixMarket => in_text(contents, |lines| market::parse(lines, limits).map(only))?,
-        Format::Coordinates => {
-            in_text(contents, |lines| coordinates::parse(lines, limits, (listed, &name, kind), labels).map(only))?
-        }
-        Format::AbaqusMatrixInput => {
-            in_text(contents, |lines| Ok((abaqus::parse(lines, limits, (&name, kind))?, Vec::new())))?
-        }
-        Format::AbaqusSubstructure => in_text(contents, |lines| Ok((substructure::parse(lines, limits)?, Vec::new())))?,
+    let Found { mut matrices, left_out } = match format {
+        Format::MatrixMarket => in_text(contents, |lines| market::parse(lines, limits).map(Found::from))?,
+        Format::Coordinates => in_text(contents, |lines| {
+            coordinates::parse(lines, limits, (listed, &name, kind), labels).map(Found::from)
+        })?,
+        Format::AbaqusMatrixInput => in_text(contents, |lines| {
+            Ok(Found { matrices: abaqus::parse(lines, limits, (&name, kind))?, left_out: Vec::new() })
+        })?,
+        Format::AbaqusSubstructure => in_text(contents, |lines| substructure::parse(lines, limits))?,
+        Format::HarwellBoeing => in_text(contents, |lines| harwell_boeing::parse(lines, limits))?,
         Format::Dmig => in_text(contents, |lines| dmig::parse(lines, limits))?,
         Format::Op4Text => in_text(contents, |lines| op4::text::parse(lines, limits))?,
         Format::Op4Binary => in_bytes(contents, endian, |bytes| op4::binary::parse(bytes, limits))?,
@@ -298,13 +297,15 @@ fn in_bytes(
 
 fn npy(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Problem> {
     let header = numpy::npy::header(bytes)?;
+    let mut found = Found::default();
     if let Some(reason) = header.reason() {
-        return Ok((Vec::new(), vec![("matrix".to_owned(), reason)]));
+        found.leave_out("matrix", reason);
+        return Ok(found);
     }
     let (builder, size) = header.fill(bytes, limits)?;
     if bytes.first()?.is_some() {
         return Err(Problem::field("bytes after the array", "some", "none"));
     }
-    let head = Head::unlabelled("matrix", None, size);
-    Ok((vec![builder.finish(Stated::Nothing, head)?], Vec::new()))
+    found.keep("matrix", builder.finish(Stated::Array, Head::unlabelled("matrix", None, size)))?;
+    Ok(found)
 }

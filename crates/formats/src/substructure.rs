@@ -7,7 +7,7 @@
 //! begins a new line and wraps after a few numbers.
 
 use crate::Dof;
-use crate::builder::{Builder, Head, Stated};
+use crate::builder::{Builder, Found, Head, Stated};
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
@@ -15,9 +15,9 @@ use crate::numbers::{fortran, whole};
 use crate::problem::Problem;
 use crate::shortened::cut;
 
-/// Reads all matrices of the one element of the file.
-pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Matrix>, Problem> {
-    let mut matrices: Vec<Matrix> = Vec::new();
+/// Reads all matrices of the one element of the file; those of other types are left out by name.
+pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Found, Problem> {
+    let mut found = Found::default();
     let (mut element, mut current) = (None::<Element>, None::<Packed>);
     while let Some(line) = lines.next()?.map(str::trim) {
         if line.is_empty() {
@@ -49,10 +49,9 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Matrix
             }
             ("MATRIX", Some(element)) => {
                 if let Some(packed) = current.take() {
-                    let expected = element.rows(&matrices);
-                    matrices.push(packed.finish(element, expected, limits)?);
+                    packed.keep(element, limits, &mut found)?;
                 }
-                let (name, kind) = kind(words.find_map(|word| word.strip_prefix("TYPE")))?;
+                let (name, kind) = kind(words.find_map(|word| word.strip_prefix("TYPE")));
                 current = Some(Packed { name, kind, values: Vec::new() });
             }
             ("MATRIX", None) => return Err(Problem::field("*MATRIX", "first", "*USER ELEMENT before it")),
@@ -66,21 +65,20 @@ pub(crate) fn parse(lines: &mut Lines<'_>, limits: &Limits) -> Result<Vec<Matrix
         return Err(Problem::End { what: "the element, before its first matrix" });
     };
     lines.check_end()?;
-    let expected = element.rows(&matrices);
-    matrices.push(packed.finish(&element, expected, limits)?);
-    Ok(matrices)
+    packed.keep(&element, limits, &mut found)?;
+    Ok(found)
 }
 
-fn kind(parameter: Option<&str>) -> Result<(&'static str, Kind), Problem> {
-    match parameter.unwrap_or_default().trim_start_matches(['=', ' ']) {
-        "STIFFNESS" => Ok(("stiffness", Kind::Stiffness)),
-        "MASS" => Ok(("mass", Kind::Mass)),
-        "VISCOUS DAMPING" | "DAMPING" => Ok(("damping", Kind::Damping)),
-        found => {
-            let allowed = "STIFFNESS, MASS, VISCOUS DAMPING";
-            Err(Problem::Keyword { what: "matrix type", found: cut(found), allowed })
-        }
-    }
+/// The name of a matrix by its type, and what it is, if it is one that is read.
+fn kind(parameter: Option<&str>) -> (String, Option<Kind>) {
+    let kind = match parameter.unwrap_or_default().trim_start_matches(['=', ' ']) {
+        "STIFFNESS" => Kind::Stiffness,
+        "MASS" => Kind::Mass,
+        "VISCOUS DAMPING" | "DAMPING" => Kind::Damping,
+        "" => return ("matrix without a type".to_owned(), None),
+        other => return (cut(&other.to_lowercase()), None),
+    };
+    (kind.to_string(), Some(kind))
 }
 
 /// Nodes and directions of the element.
@@ -147,13 +145,17 @@ impl Element {
 
 /// A matrix of which only the numbers are known, not yet how many.
 struct Packed {
-    name: &'static str,
-    kind: Kind,
+    name: String,
+    /// `None` for a type that is not read.
+    kind: Option<Kind>,
     values: Vec<f64>,
 }
 
 impl Packed {
     fn push_line(&mut self, line: &str, limits: &Limits) -> Result<(), Problem> {
+        if self.kind.is_none() {
+            return Ok(());
+        }
         // A line may end with a comma.
         for field in line.strip_suffix(',').unwrap_or(line).split(',') {
             if self.values.len() >= limits.entries {
@@ -161,6 +163,17 @@ impl Packed {
             }
             self.values.push(fortran(field.trim())?);
         }
+        Ok(())
+    }
+
+    /// Keeps the matrix, or its name where it is of a type that is not read.
+    fn keep(self, element: &Element, limits: &Limits, found: &mut Found) -> Result<(), Problem> {
+        if self.kind.is_none() {
+            found.leave_out(&self.name, "a type that is not read; read are STIFFNESS, MASS and VISCOUS DAMPING");
+            return Ok(());
+        }
+        let expected = element.rows(&found.matrices);
+        found.matrices.push(self.finish(element, expected, limits)?);
         Ok(())
     }
 
@@ -186,7 +199,7 @@ impl Packed {
             builder.push(i, j, value)?;
         }
         let labels = element.labels().filter(|labels| labels.len() == order);
-        let head = Head::unlabelled(self.name, Some(self.kind), (order, order));
+        let head = Head::unlabelled(self.name, self.kind, (order, order));
         let symmetry = if is_whole { Stated::General } else { Stated::Symmetric };
         builder.finish(symmetry, Head { row_labels: labels.clone(), column_labels: labels, ..head })
     }

@@ -63,17 +63,27 @@ pub enum Doubt {
     /// It is whole by what the file says, but has its whole diagonal and else entries on this side of it only, as if a triangle had
     /// been written under the wrong word.
     Triangle(Symmetry),
+    /// It is a list with entries on both sides of the diagonal and taken as whole, but none has a mirror image: friction, or a triangle
+    /// in another order of rows.
+    NoImages,
 }
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self::Triangle(side) = self;
-        let place = if *side == Symmetry::Upper { "above" } else { "below" };
-        write!(
-            f,
-            "it is taken as whole, as the file says, and has entries {place} the diagonal only; if it is a triangle of a symmetric \
-             matrix, say symmetry = \"{side}\", else \"whole\""
-        )
+        match self {
+            Self::Triangle(side) => {
+                let place = if *side == Symmetry::Upper { "above" } else { "below" };
+                write!(
+                    f,
+                    "it is taken as whole, as the file says, and has entries {place} the diagonal only; if it is a triangle of a \
+                     symmetric matrix, say symmetry = \"{side}\", else \"whole\""
+                )
+            }
+            Self::NoImages => f.write_str(
+                "it is taken as whole, and none of its entries off the diagonal has a mirror image; if that is so, say symmetry = \
+                 \"whole\"",
+            ),
+        }
     }
 }
 
@@ -105,6 +115,12 @@ impl Sides {
 }
 
 impl Doubt {
+    /// The doubt about a list of entries, without repeats.
+    pub(crate) fn of_list(entries: &[Entry], sides: Sides) -> Option<Self> {
+        let on_both = sides == Sides { above: true, below: true };
+        (on_both && Pairs::of(entries, &mirrored(entries)).given_twice == 0).then_some(Self::NoImages)
+    }
+
     /// The doubt about entries, without repeats, that a file calls all of a square matrix.
     pub(crate) fn of_whole(entries: &[Entry], order: usize, sides: Sides) -> Option<Self> {
         let side = sides.only()?;
@@ -119,6 +135,33 @@ pub(crate) fn mirrored(entries: &[Entry]) -> Vec<Entry> {
         entries.iter().filter(|entry| entry.row != entry.column).map(|entry| entry.mirrored()).collect();
     images.sort_by_key(Entry::key);
     images
+}
+
+/// Off-diagonal entries whose mirror image is given too.
+#[derive(Default)]
+pub(crate) struct Pairs {
+    /// How many; an entry and its image are both counted.
+    pub given_twice: usize,
+    /// The first of them.
+    pub first: Option<(u32, u32)>,
+    /// Whether an entry differs from its image.
+    pub unequal: bool,
+}
+
+impl Pairs {
+    pub fn of(entries: &[Entry], mirrored: &[Entry]) -> Self {
+        let mut found = Self::default();
+        let mut images = mirrored.iter().peekable();
+        for entry in entries {
+            while images.next_if(|image| image.key() < entry.key()).is_some() {}
+            if let Some(image) = images.next_if(|image| image.key() == entry.key()) {
+                found.given_twice += 1;
+                found.first.get_or_insert((entry.row, entry.column));
+                found.unequal |= image.value != entry.value;
+            }
+        }
+        found
+    }
 }
 
 impl Matrix {

@@ -6,11 +6,13 @@ mod readers {
     pub mod abaqus;
     pub mod calculix;
     pub mod faults;
+    pub mod harwell_boeing;
     pub mod market;
     pub mod matlab;
     pub mod mutations;
     pub mod nastran;
     pub mod numpy;
+    pub mod storages;
 }
 
 use std::path::PathBuf;

@@ -8,9 +8,11 @@ use std::fmt;
 
 use formats::Entry;
 
-/// From how many times the largest of all other rows on a row is huge. Chosen: without it the others change by 1e-10 at most, as much
-/// as rounding in its presence changes them by 1e-6.
-const GAP: f64 = 1e10;
+/// From how many times the largest of all other rows on a row is huge. Chosen: without it the others change by 1e-8 at most (measured: 6e-10 at
+/// 2.5e8), and with it the bounds on their errors are larger.
+const GAP: f64 = 1e8;
+/// From how many times on a stiff tie is refused; chosen: four digits of the others are left beside it.
+const TIED: f64 = 1e12;
 /// Least entry that may be huge, in the units of the file. Chosen: no stiffness of a part comes near it in SI or mm-t-s, and no mass;
 /// it keeps a row of rounding errors from making all others huge.
 const LEAST: f64 = 1e14;
@@ -31,7 +33,7 @@ impl fmt::Display for Tied {
         write!(
             f,
             "row {row} has an entry of {entry:.1e} off the diagonal too, and no other row above {others:.1e}: no digits are left of \
-             these; allowed: ties and stiff springs between degrees of freedom below {GAP:.0e} times the others"
+             these; allowed: ties and stiff springs between degrees of freedom below {TIED:.0e} times the others"
         )
     }
 }
@@ -55,9 +57,10 @@ pub(crate) fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> R
     let gap = sizes.windows(2).find(|pair| pair[1] >= LEAST && pair[1] >= GAP * pair[0]);
     let Some(&[others, from]) = gap else { return Ok(Vec::new()) };
     let huge = || largest.iter().enumerate().filter(|(_, row)| of_row(row) >= from);
-    match huge().find(|(_, [diagonal, beside])| *beside > diagonal / GAP) {
+    let is_tied = |[diagonal, beside]: &[f64; 2]| *beside > diagonal / GAP;
+    match huge().find(|(_, row)| is_tied(row) && of_row(row) >= TIED * others) {
         Some((row, [_, entry])) => Err(Tied { row: row + 1, entry: *entry, others }),
-        None => Ok(huge().map(|(row, _)| row).collect()),
+        None => Ok(huge().filter(|(_, row)| !is_tied(row)).map(|(row, _)| row).collect()),
     }
 }
 

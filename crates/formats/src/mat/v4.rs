@@ -3,9 +3,8 @@
 //! with three columns, row, column, value, and a last row with its size.
 
 use super::elements::{Storage, index};
-use crate::builder::{Builder, Head, Stated};
+use crate::builder::{Builder, Found, Head, Stated};
 use crate::bytes::{Bytes, Endian};
-use crate::dmig::Found;
 use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
@@ -50,20 +49,19 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
         }
         let name = bytes.text(length as usize, what)?;
         let numbers = u64::from(rows).saturating_mul(u64::from(columns));
-        let reason = match (shape, imaginary, columns) {
-            (1, ..) => "text",
-            (2, 0, 4) | (0, 1, _) => "complex numbers, of which none are read here",
+        let reason = match shape {
+            1 => "text",
             _ if numbers == 0 => "empty",
             _ => "",
         };
         if !reason.is_empty() {
             let parts = if imaginary == 1 { 2 } else { 1 };
             bytes.skip(numbers.saturating_mul(storage.size()).saturating_mul(parts), "an array")?;
-            found.1.push((name, reason.to_owned()));
+            found.leave_out(&name, reason);
             continue;
         }
-        let matrix = if shape == 2 {
-            sparse(bytes, storage, (rows, columns), name, limits)?
+        let (builder, size) = if shape == 2 {
+            sparse(bytes, storage, (rows, columns), limits)?
         } else {
             let size = (
                 order("number of rows", rows as usize, limits.order)?,
@@ -71,23 +69,27 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
             );
             let mut builder = Builder::new(limits);
             super::v5::fill(bytes, storage, size, &mut builder)?;
-            builder.finish(Stated::Nothing, Head::unlabelled(name, None, size))?
+            if imaginary == 1 {
+                for _ in 0..numbers {
+                    builder.imaginary(storage.read(bytes, "an array")?)?;
+                }
+            }
+            (builder, size)
         };
-        found.0.push(matrix);
+        found.keep(&name, builder.finish(Stated::Array, Head::unlabelled(name.clone(), None, size)))?;
     }
     Ok(found)
 }
 
-/// Columns of rows, of columns and of values; the last row is the size.
+/// Columns of rows, of columns, of values and of imaginary parts; the last row is the size.
 fn sparse(
     bytes: &mut Bytes<'_>,
     storage: Storage,
     (lines, columns): (u32, u32),
-    name: String,
     limits: &Limits,
-) -> Result<crate::Matrix, Problem> {
-    if columns != 3 {
-        return Err(Problem::field("columns of a sparse array", columns, "3"));
+) -> Result<(Builder, (usize, usize)), Problem> {
+    if !matches!(columns, 3 | 4) {
+        return Err(Problem::field("columns of a sparse array", columns, "3, or 4 of complex numbers"));
     }
     let lines = lines as usize;
     if lines > limits.entries.saturating_add(1) {
@@ -111,5 +113,10 @@ fn sparse(
         builder.push(row - 1, column - 1, storage.read(bytes, "a sparse array")?)?;
     }
     storage.read(bytes, "a sparse array")?;
-    builder.finish(Stated::Nothing, Head::unlabelled(name, None, (size[0], size[1])))
+    if columns == 4 {
+        for _ in 0..lines {
+            builder.imaginary(storage.read(bytes, "a sparse array")?)?;
+        }
+    }
+    Ok((builder, (size[0], size[1])))
 }

@@ -4,9 +4,8 @@ use flate2::read::ZlibDecoder;
 use std::io::Read;
 
 use super::elements::{Storage, index};
-use crate::builder::{Builder, Head, Stated};
+use crate::builder::{Builder, Found, Head, Stated};
 use crate::bytes::{Bytes, Endian};
-use crate::dmig::Found;
 use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
@@ -19,6 +18,8 @@ const COMPRESSED: u32 = 15;
 const COMPLEX: u32 = 0x800;
 /// Longest name; MATLAB's own limit is 63.
 const LONGEST_NAME: u64 = 255;
+/// Most structures within each other; chosen.
+const DEEPEST: usize = 8;
 
 /// The byte order, if the file begins with this header.
 pub(crate) fn detect(head: &[u8]) -> Option<Endian> {
@@ -42,7 +43,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
         match kind {
             MATRIX => {
                 let mut inner = Bytes::new(Box::new(bytes.rest().take(length)), endian);
-                array(&mut inner, length, limits, &mut found)?;
+                array(&mut inner, length, limits, (None, 0), &mut found)?;
                 let used = inner.position;
                 drop(inner);
                 bytes.position += used;
@@ -56,7 +57,7 @@ pub(crate) fn parse(bytes: &mut Bytes<'_>, limits: &Limits) -> Result<Found, Pro
                 if kind != MATRIX {
                     return Err(Problem::field("type of a compressed element", kind, "14, an array"));
                 }
-                array(&mut inner, size, limits, &mut found)?;
+                array(&mut inner, size, limits, (None, 0), &mut found)?;
                 drop(inner);
                 // The decoder reads ahead; what it left is the rest of the element.
                 let left = raw.limit();
@@ -121,7 +122,14 @@ fn numbers(bytes: &mut Bytes<'_>, expected: u64) -> Result<(Storage, u64), Probl
     Ok((storage, padding))
 }
 
-fn array(bytes: &mut Bytes<'_>, size: u64, limits: &Limits, found: &mut Found) -> Result<(), Problem> {
+/// Reads an array; a member of a structure has its name from there, and how deep it is within others.
+fn array(
+    bytes: &mut Bytes<'_>,
+    size: u64,
+    limits: &Limits,
+    (given, depth): (Option<&str>, usize),
+    found: &mut Found,
+) -> Result<(), Problem> {
     if size == 0 {
         return Ok(());
     }
@@ -137,7 +145,8 @@ fn array(bytes: &mut Bytes<'_>, size: u64, limits: &Limits, found: &mut Found) -
     let class = flags & 0xff;
     if matches!(class, 16..) {
         // Functions and opaque objects have parts of another order, and no name that could be found.
-        found.1.push((format!("an object of class {class}"), "no array of numbers".to_owned()));
+        let name = given.map_or_else(|| format!("an object of class {class}"), str::to_owned);
+        found.leave_out(&name, "no array of numbers");
         return Ok(());
     }
     let dimensions = tag(bytes)?;
@@ -157,30 +166,102 @@ fn array(bytes: &mut Bytes<'_>, size: u64, limits: &Limits, found: &mut Found) -
     let padding = name.padding;
     let name = bytes.text(name.length as usize, "a name")?;
     bytes.skip(padding, "a name")?;
+    let name = given.map_or(name, str::to_owned);
+    if class == 2 && depth < DEEPEST {
+        return structure(bytes, &name, &shape, limits, depth, found);
+    }
     let reason = match (class, shape.as_slice()) {
         (1, _) => "a cell array",
-        (2, _) => "a structure",
+        (2, _) => "a structure within too many others",
         (3, _) => "an object",
         (4, _) => "text",
-        (5..=15, _) if flags & COMPLEX != 0 => "complex numbers, of which none are read here",
         (5..=15, [0, _] | [_, 0]) => "empty",
         (5..=15, [_, _]) => "",
         (5..=15, _) => "not of two dimensions",
         _ => return Err(Problem::field("class of an array", class, "1 to 15")),
     };
     if !reason.is_empty() {
-        found.1.push((name, reason.to_owned()));
+        found.leave_out(&name, reason);
         return Ok(());
     }
     let size = (order("number of rows", shape[0], limits.order)?, order("number of columns", shape[1], limits.order)?);
     let mut builder = Builder::new(limits);
     if class == 5 {
-        sparse(bytes, size, u64::from(most), limits, &mut builder)?;
+        let (used, left) = sparse(bytes, size, u64::from(most), limits, &mut builder)?;
+        if flags & COMPLEX != 0 {
+            bytes.skip(left, "values of a sparse array")?;
+            imaginary(bytes, used, &mut builder)?;
+        }
     } else {
-        let (storage, _) = numbers(bytes, size.0 as u64 * size.1 as u64)?;
+        let count = size.0 as u64 * size.1 as u64;
+        let (storage, padding) = numbers(bytes, count)?;
         fill(bytes, storage, size, &mut builder)?;
+        if flags & COMPLEX != 0 {
+            bytes.skip(padding, "an array")?;
+            imaginary(bytes, count, &mut builder)?;
+        }
     }
-    found.0.push(builder.finish(Stated::Nothing, Head::unlabelled(name, None, size))?);
+    found.keep(&name, builder.finish(Stated::Array, Head::unlabelled(name.clone(), None, size)))
+}
+
+/// Takes note of the imaginary parts of so many numbers.
+fn imaginary(bytes: &mut Bytes<'_>, count: u64, builder: &mut Builder) -> Result<(), Problem> {
+    let Tag { kind, length, .. } = tag(bytes)?;
+    let storage = storage(kind)?;
+    if count.checked_mul(storage.size()).is_none_or(|needed| needed > length) {
+        return Err(Problem::field("bytes of imaginary parts", length, format!("{count} numbers or more")));
+    }
+    for _ in 0..count {
+        builder.imaginary(storage.read(bytes, "imaginary parts")?)?;
+    }
+    Ok(())
+}
+
+/// Reads the members of a structure, or of each of an array of structures, as `name.member` or `name(1).member`.
+fn structure(
+    bytes: &mut Bytes<'_>,
+    name: &str,
+    shape: &[usize],
+    limits: &Limits,
+    depth: usize,
+    found: &mut Found,
+) -> Result<(), Problem> {
+    let what = "the members of a structure";
+    let longest = tag(bytes)?;
+    if (longest.kind, longest.length) != (5, 4) {
+        return Err(Problem::field("the length of names of members", longest.length, "4 bytes, type 5"));
+    }
+    let longest_name = u64::from(bytes.u32(what)?);
+    bytes.skip(longest.padding, what)?;
+    let names = tag(bytes)?;
+    let fits = longest_name > 0 && longest_name <= LONGEST_NAME && names.length % longest_name == 0;
+    if names.kind != 1 && names.kind != 2 || !(fits || names.length == 0) {
+        return Err(Problem::field("bytes of the names of members", names.length, "a multiple of the longest name"));
+    }
+    let mut members = Vec::new();
+    for _ in 0..names.length.checked_div(longest_name).unwrap_or(0) {
+        members.push(bytes.text(longest_name as usize, what)?);
+    }
+    bytes.skip(names.padding, what)?;
+    let count = shape.iter().fold(1_usize, |product, &size| product.saturating_mul(size));
+    if members.is_empty() || count == 0 {
+        return Ok(());
+    }
+    for at in 1..=count {
+        for member in &members {
+            let kind = bytes.u32(what)?;
+            let length = u64::from(bytes.u32(what)?);
+            if kind != MATRIX {
+                return Err(Problem::field("type of a member of a structure", kind, "14, an array"));
+            }
+            let whole = if count == 1 { format!("{name}.{member}") } else { format!("{name}({at}).{member}") };
+            let start = bytes.position;
+            array(bytes, length, limits, (Some(&whole), depth + 1), found)?;
+            let left = length.checked_sub(bytes.position - start);
+            let left = left.ok_or_else(|| Problem::field("bytes of a member of a structure", length, "all of it"))?;
+            bytes.skip(left + length.wrapping_neg() % 8, what)?;
+        }
+    }
     Ok(())
 }
 
@@ -202,14 +283,15 @@ pub(super) fn fill(
     Ok(())
 }
 
-/// Reads compressed columns: rows, the offsets of the columns, values. There may be room for more rows than are used.
+/// Reads compressed columns: rows, the offsets of the columns, values. There may be
+/// room for more of them than are used: how many are used, and how many bytes follow.
 fn sparse(
     bytes: &mut Bytes<'_>,
     (rows, columns): (usize, usize),
     most: u64,
     limits: &Limits,
     builder: &mut Builder,
-) -> Result<(), Problem> {
+) -> Result<(u64, u64), Problem> {
     let Tag { kind, length, padding } = tag(bytes)?;
     let of_rows = storage(kind)?;
     let count = length / of_rows.size();
@@ -235,7 +317,7 @@ fn sparse(
     }
     bytes.skip(padding, "columns of a sparse array")?;
     let used = offsets.last().copied().unwrap_or(0);
-    let Tag { kind, length, .. } = tag(bytes)?;
+    let Tag { kind, length, padding } = tag(bytes)?;
     let of_values = storage(kind)?;
     if length < used as u64 * of_values.size() {
         return Err(Problem::field("bytes of values", length, format!("{used} numbers or more")));
@@ -246,5 +328,6 @@ fn sparse(
             builder.push(row, column, of_values.read(bytes, "values of a sparse array")?)?;
         }
     }
-    Ok(())
+    let used = used as u64;
+    Ok((used, length - used * of_values.size() + padding))
 }

@@ -2,3 +2,4 @@
 
 pub(crate) mod npy;
 pub(crate) mod npz;
+mod sparse;

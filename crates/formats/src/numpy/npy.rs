@@ -20,6 +20,8 @@ const MADE_ROOM_FOR: usize = 1 << 20;
 pub(crate) struct Header {
     /// The kind of numbers, or the letter of a kind that is none.
     pub storage: Result<Storage, String>,
+    /// Whether each number has an imaginary part after it.
+    pub complex: bool,
     pub by_columns: bool,
     pub shape: Vec<usize>,
 }
@@ -59,9 +61,10 @@ pub(crate) fn header(bytes: &mut Bytes<'_>) -> Result<Header, Problem> {
     let shape = after("shape").and_then(|shape| shape.strip_prefix('(')?.split_once(')')).ok_or_else(bad)?.0;
     let sizes = shape.split(',').map(str::trim).filter(|size| !size.is_empty());
     let shape = sizes.map(|size| size.parse().map_err(|_| bad())).collect::<Result<Vec<usize>, _>>()?;
-    let storage = match kind.trim_start_matches(['<', '>', '|', '=']) {
-        "f8" => Ok(Storage::F64),
-        "f4" => Ok(Storage::F32),
+    let plain = kind.trim_start_matches(['<', '>', '|', '=']);
+    let storage = match plain {
+        "f8" | "c16" => Ok(Storage::F64),
+        "f4" | "c8" => Ok(Storage::F32),
         "i8" => Ok(Storage::I64),
         "i4" => Ok(Storage::I32),
         "i2" => Ok(Storage::I16),
@@ -73,14 +76,13 @@ pub(crate) fn header(bytes: &mut Bytes<'_>) -> Result<Header, Problem> {
         other => Err(other.to_owned()),
     };
     bytes.endian = if kind.starts_with('>') { Endian::Big } else { Endian::Little };
-    Ok(Header { storage, by_columns, shape })
+    Ok(Header { storage, complex: plain.starts_with('c'), by_columns, shape })
 }
 
 impl Header {
     /// Why this is no matrix of real numbers, if it is none.
     pub fn reason(&self) -> Option<String> {
         match (&self.storage, self.shape.as_slice()) {
-            (Err(kind), _) if kind.starts_with('c') => Some("complex numbers, of which none are read here".to_owned()),
             (Err(kind), _) => Some(format!("no real numbers but {}", cut(kind))),
             (Ok(_), [0, _] | [_, 0]) => Some("empty".to_owned()),
             (Ok(_), [_, _]) => None,
@@ -89,7 +91,7 @@ impl Header {
     }
 
     /// The storage, where there is one.
-    fn storage(&self) -> Result<Storage, Problem> {
+    pub fn storage(&self) -> Result<Storage, Problem> {
         self.storage
             .as_ref()
             .map(|storage| *storage)
@@ -107,7 +109,7 @@ impl Header {
         let (outer, inner) = if self.by_columns { (size.1, size.0) } else { size };
         for a in 0..outer {
             for b in 0..inner {
-                let value = storage.read(bytes, "an array")?;
+                let value = self.next(bytes, storage, &mut builder)?;
                 if value != 0.0 {
                     let (row, column) = if self.by_columns { (b, a) } else { (a, b) };
                     builder.push(row, column, value)?;
@@ -139,12 +141,19 @@ impl Header {
         let mut indices = Vec::with_capacity(length.min(MADE_ROOM_FOR));
         for _ in 0..length {
             indices.push(index(what, storage.read(bytes, what)?, largest)?);
+            if self.complex {
+                return Err(Problem::field(what, "complex", "whole numbers"));
+            }
         }
         Ok(indices)
     }
 
-    /// The next number of an array.
-    pub fn next(&self, bytes: &mut Bytes<'_>) -> Result<f64, Problem> {
-        self.storage()?.read(bytes, "an array")
+    /// The next number of an array that becomes a matrix; of a complex one its real part.
+    pub fn next(&self, bytes: &mut Bytes<'_>, storage: Storage, builder: &mut Builder) -> Result<f64, Problem> {
+        let value = storage.read(bytes, "an array")?;
+        if self.complex {
+            builder.imaginary(storage.read(bytes, "an array")?)?;
+        }
+        Ok(value)
     }
 }

@@ -1,8 +1,8 @@
 //! OP4 as Fortran's binary records: a length, as many bytes, the length again.
 
 use super::{Open, short_header};
+use crate::builder::Found;
 use crate::bytes::{Bytes, Endian};
-use crate::dmig::Found;
 use crate::limits::Limits;
 use crate::problem::Problem;
 

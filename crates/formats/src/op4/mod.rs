@@ -4,15 +4,14 @@
 //! A file holds matrices one after the other. Each has a header (columns, rows, form, type, name), its columns in growing order,
 //! and a column beyond the last that ends it. A column is one stretch of rows, or strings of rows, each with a header of its own:
 //! `L * 65536 + row` in one word, or `L` and `row` in two where the number of rows is negative (`BIGMAT`) or above 65535; L - 1
-//! is the number of words of the string. Types: 1, 2 real in single and double precision; 3, 4 complex, left out. Forms read:
+//! is the number of words of the string. Types: 1, 2 real in single and double precision; 3, 4 complex, read where all imaginary parts are 0. Forms read:
 //! 1 square, 2 rectangular, 6 symmetric; a symmetric matrix is stored whole. Where words have 8 bytes every real number is one word,
 //! whatever the type.
 
 pub(crate) mod binary;
 pub(crate) mod text;
 
-use crate::builder::{Builder, Head, Stated};
-use crate::dmig::Found;
+use crate::builder::{Builder, Found, Head, Stated};
 use crate::limits::Limits;
 use crate::numbers::order;
 use crate::problem::Problem;
@@ -53,7 +52,6 @@ impl Open {
             }
         };
         let refused = match form {
-            _ if complex => Some("complex numbers, of which none are read here".to_owned()),
             1 | 2 | 6 => None,
             form => Some(format!("form {form}; read are 1 square, 2 rectangular, 6 symmetric")),
         };
@@ -93,8 +91,12 @@ impl Open {
 
     /// Adds the number `at` of a stretch that begins in `row`, from 0.
     fn put(&mut self, row: usize, at: usize, value: f64) -> Result<(), Problem> {
+        let (at, is_imaginary) = if self.complex { (at / 2, at % 2 == 1) } else { (at, false) };
         if self.refused.is_some() || value == 0.0 {
             return Ok(());
+        }
+        if is_imaginary {
+            return self.builder.imaginary(value);
         }
         self.builder.push(row + at, self.last_column - 1, value)
     }
@@ -111,14 +113,13 @@ impl Open {
 
     fn finish(self, found: &mut Found) -> Result<(), Problem> {
         if let Some(reason) = self.refused {
-            found.1.push((self.name, reason));
+            found.leave_out(&self.name, reason);
             return Ok(());
         }
         let head = Head::unlabelled(self.name.clone(), None, (self.rows, self.columns));
         // A symmetric matrix is stored whole; where one side of it is empty nobody knows what the writer meant.
-        let stated = if self.symmetric { Stated::Nothing } else { Stated::General };
-        found.0.push(self.builder.finish(stated, head)?);
-        Ok(())
+        let stated = if self.symmetric { Stated::Array } else { Stated::General };
+        found.keep(&self.name, self.builder.finish(stated, head))
     }
 }
 

@@ -1,7 +1,7 @@
 //! OP4 as text.
 
 use super::{Open, short_header};
-use crate::dmig::Found;
+use crate::builder::Found;
 use crate::limits::Limits;
 use crate::lines::Lines;
 use crate::numbers::{fortran, signed};

@@ -1,6 +1,6 @@
 //! Abaqus's `MATRIX INPUT` and substructures.
 
-use formats::{Format, Kind, Options, Stored, read, read_bytes};
+use formats::{Format, FormatsError, Kind, Options, Stored, Symmetry, Wanted, read, read_bytes};
 
 use crate::{fixture, names};
 
@@ -8,7 +8,9 @@ use crate::{fixture, names};
 fn internal_nodes_keep_their_mass() {
     let file = read(&fixture("abaqus_matrix_input/model_MASS1.mtx")).unwrap();
     assert_eq!(file.format, Format::AbaqusMatrixInput);
-    let mass = file.only().unwrap();
+    assert!(matches!(file.clone().only(), Err(FormatsError::OneSided { side: Some(Symmetry::Lower), .. })));
+    let lower = Wanted { symmetry: Some(Symmetry::Lower), ..Wanted::default() };
+    let mass = file.take(&lower).unwrap();
     // Two nodes with six directions and an internal one with two.
     assert_eq!((mass.rows(), mass.kind(), mass.stored()), (14, Some(Kind::Mass), Stored::Triangle));
     let labels = names(mass.row_labels());
@@ -24,7 +26,7 @@ fn internal_nodes_keep_their_mass() {
     // A beam of 3 m, 0.25 m2 and 100 kg/m3: moved along x as a whole, 75 kg, with the internal node's share.
     let along_x: f64 = ["1.x", "2.x"].iter().flat_map(|a| ["1.x", "2.x"].map(|b| at(a, b))).sum();
     assert!((along_x - 75.0).abs() < 1e-9, "{along_x}");
-    let stiffness = read(&fixture("abaqus_matrix_input/model_STIF1.mtx")).unwrap().only().unwrap();
+    let stiffness = read(&fixture("abaqus_matrix_input/model_STIF1.mtx")).unwrap().take(&lower).unwrap();
     assert_eq!((stiffness.kind(), stiffness.row_labels()), (Some(Kind::Stiffness), mass.row_labels()));
 }
 
@@ -47,6 +49,16 @@ fn a_keyword_names_shape_and_factor() {
     let unequal = text.replace("1,1, 1,2, 0.5", "1,1, 1,2, 0.25");
     let message = read_bytes(unequal.as_bytes(), None, Options::default()).unwrap_err().to_string();
     assert!(message.contains("\"M1\" gives both (1.y, 1.x) and its mirror image"), "{message}");
+    // Without TYPE it is symmetric for Abaqus; who wrote friction may not have known.
+    for (text, is_open) in [
+        ("*MATRIX INPUT, NAME=KF\n1,1, 1,3, 400.0\n2,1, 1,3, -400.0\n", true),
+        ("*MATRIX INPUT, NAME=KF\n1,1, 1,1, 400.0\n", false),
+        ("*MATRIX INPUT, NAME=KF, TYPE=SYMMETRIC\n1,1, 1,3, 400.0\n2,1, 1,3, -400.0\n", false),
+        ("*MATRIX INPUT, NAME=KF, TYPE=UNSYMMETRIC\n1,1, 1,3, 400.0\n2,1, 1,3, -400.0\n", false),
+    ] {
+        let matrix = read_bytes(text.as_bytes(), None, Options::default()).unwrap().only();
+        assert_eq!(matches!(matrix, Err(FormatsError::OneSided { .. })), is_open, "{text}");
+    }
     let elsewhere = read_bytes(b"*MATRIX INPUT, NAME=K, INPUT=other.mtx\n1,1,1,1,1.0\n", None, Options::default());
     assert!(elsewhere.unwrap_err().to_string().contains("parameter \"INPUT=other.mtx\" is not supported"));
 }
@@ -90,12 +102,22 @@ fn a_substructure_of_another_kind_is_read_or_refused() {
     let unsymmetric = element(", UNSYMM\n1\n*MATRIX,TYPE=MASS\n1.0,2.0\n3.0,4.0\n").unwrap().only().unwrap();
     assert_eq!(unsymmetric.to_dense(), formats::nalgebra::dmatrix![1.0, 3.0; 2.0, 4.0]);
     assert_eq!(unsymmetric.row_labels(), None);
+    let other =
+        element("\n1\n*MATRIX,TYPE=STRUCTURAL DAMPING\n1.0\n*MATRIX,TYPE=MASS\n2.0\n*MATRIX,TYPE=LOAD\n1.0,7.0\n")
+            .unwrap();
+    assert_eq!((other.matrices.len(), other.left_out.len()), (1, 2));
+    assert!(other.left_out[0].0 == "structural damping" && other.left_out[1].0 == "load", "{:?}", other.left_out);
+    assert!(
+        element("\n1\n*MATRIX,TYPE=LOAD\n1.0\n")
+            .unwrap_err()
+            .to_string()
+            .contains("no matrix that can be read (load: ")
+    );
     for (rest, part) in [
         ("\n1\n*MATRIX,TYPE=STIFFNESS\n1.0,\n2.0\n", "entries of a matrix is 2; allowed: n (n + 1) / 2"),
         (",UNSYMM\n1\n*MATRIX,TYPE=STIFFNESS\n1.0,\n2.0\n", "entries of a matrix is 2; allowed: n (n + 1) / 2 or n n"),
         ("\n1\n*MATRIX,TYPE=STIFFNESS\n", "entries of a matrix is 0"),
         ("\n1\n", "before its first matrix"),
-        ("\n1\n*MATRIX,TYPE=LOAD\n1.0\n", "matrix type \"LOAD\""),
         (
             "\n1\n*MATRIX,TYPE=MASS\n1.0\n*MATRIX,TYPE=STIFFNESS\n1.0\n2.0,1.0\n",
             "entries of a matrix is 3; allowed: n (n + 1) / 2, n = 1",

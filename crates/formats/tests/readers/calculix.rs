@@ -1,6 +1,6 @@
 //! Lists without a header, and the labels beside them.
 
-use formats::{Format, FormatsError, Kind, Options, Problem, Stored, Unstated, read, read_bytes};
+use formats::{Format, FormatsError, Kind, KnownBy, Options, Stored, Symmetry, Wanted, read, read_bytes};
 
 use crate::{fixture, k, names};
 
@@ -40,29 +40,107 @@ fn labels_are_optional_and_give_the_number_of_rows() {
     assert!(dof.contains("list of rows"), "{dof}");
 }
 
-fn list(text: &str, unstated: Unstated) -> Result<formats::Matrix, FormatsError> {
-    read_bytes(text.as_bytes(), None, Options { unstated, ..Options::default() })?.only()
+fn list(text: &str) -> formats::File {
+    read_bytes(text.as_bytes(), None, Options::default()).unwrap()
+}
+
+fn said(symmetry: Symmetry) -> Wanted<'static> {
+    Wanted { symmetry: Some(symmetry), ..Wanted::default() }
 }
 
 #[test]
-fn the_contents_tell_a_triangle_from_a_whole_matrix() {
-    let upper = "1 1 2.0\n1 2 -1.0\n2 2 2.0\n";
-    let unsymmetric = "1 1 2.0\n1 2 -1.0\n2 1 5.0\n2 2 2.0\n";
-    let triangle = list(upper, Unstated::ByContents).unwrap();
-    assert_eq!((triangle.stored(), triangle.entries().len()), (Stored::Triangle, 4));
-    let whole = list(unsymmetric, Unstated::ByContents).unwrap();
-    assert_eq!((whole.stored(), whole.entries().len()), (Stored::Whole, 4));
-    assert_eq!(whole.asymmetry(), Some(6.0));
-    assert_eq!(list(upper, Unstated::Whole).unwrap().entries().len(), 3);
-    match list(unsymmetric, Unstated::Triangle) {
-        Err(FormatsError::At { problem, .. }) => assert!(matches!(*problem, Problem::BothTriangles { pairs: 1, .. })),
-        other => panic!("{other:?}"),
+fn a_list_with_entries_on_one_side_is_asked_about() {
+    for (text, side, other) in [
+        ("1 1 2.0\n1 2 -1.0\n2 2 2.0\n", Symmetry::Upper, Symmetry::Lower),
+        ("1 1 2.0\n2 1 -1.0\n2 2 2.0\n", Symmetry::Lower, Symmetry::Upper),
+    ] {
+        let message = list(text).only().unwrap_err().to_string();
+        assert!(
+            message.contains(&format!("symmetry = \"whole\" to take them as they are, symmetry = \"{side}\"")),
+            "{message}"
+        );
+        assert!(
+            matches!(list(text).of_kind(Kind::Mass), Err(FormatsError::OneSided { side: Some(found), .. }) if found == side)
+        );
+        let mirrored = list(text).take(&said(side)).unwrap();
+        assert_eq!((mirrored.stored(), mirrored.known_by()), (Stored::Triangle, KnownBy::Request));
+        assert_eq!(mirrored.to_dense(), formats::nalgebra::dmatrix![2.0, -1.0; -1.0, 2.0]);
+        let whole = list(text).take(&said(Symmetry::Whole)).unwrap();
+        assert_eq!((whole.stored(), whole.entries().len(), whole.asymmetry()), (Stored::Whole, 3, Some(1.0)));
+        let wrong = list(text).take(&said(other)).unwrap_err().to_string();
+        assert!(wrong.starts_with(&format!("symmetry = \"{other}\" of the matrix")), "{wrong}");
+        // What is said of all files counts where a file does not say so itself.
+        let by_the_way = Wanted { otherwise: Some(side), ..Wanted::default() };
+        assert_eq!(list(text).take(&by_the_way).unwrap().to_dense(), mirrored.to_dense());
     }
-    // One pair of four is given twice: neither a triangle nor a whole matrix.
-    let between = "1 1 1\n1 2 1\n2 1 1\n1 3 1\n2 3 1\n3 4 1\n4 4 1\n";
-    let message = list(between, Unstated::ByContents).unwrap_err().to_string();
-    assert!(message.contains("(2, 1) and its mirror image, 1 such pairs"), "{message}");
-    assert_eq!(list(between, Unstated::Whole).unwrap().entries().len(), 7);
+}
+
+#[test]
+fn entries_on_both_sides_are_a_whole_matrix_and_none_is_any() {
+    let unsymmetric = "1 1 2.0\n1 2 -1.0\n2 1 5.0\n2 2 2.0\n";
+    // Friction without a mirror image of any entry.
+    let friction = "1 1 30\n1 3 400\n4 3 -400\n4 4 30\n3 3 30\n2 2 30\n";
+    for text in [unsymmetric, friction] {
+        let whole = list(text).only().unwrap();
+        assert_eq!((whole.stored(), whole.known_by()), (Stored::Whole, KnownBy::Contents));
+        assert_eq!(whole.entries().len(), text.lines().count());
+        assert_eq!(whole.doubt().is_some(), text == friction);
+        assert!(
+            list(text).take(&said(Symmetry::Upper)).unwrap_err().to_string().contains("entries below the diagonal")
+        );
+    }
+    let diagonal = "1 1 2.0\n2 2 3.0\n1 2 0.0\n";
+    for symmetry in [None, Some(Symmetry::Whole), Some(Symmetry::Upper), Some(Symmetry::Lower)] {
+        let matrix = list(diagonal).take(&Wanted { symmetry, ..Wanted::default() }).unwrap();
+        assert_eq!(matrix.to_dense(), formats::nalgebra::dmatrix![2.0, 0.0; 0.0, 3.0]);
+    }
+}
+
+#[test]
+fn calculix_writes_the_upper_triangle() {
+    let file = || read(&fixture("calculix/tiny.sti")).unwrap();
+    let stiffness = file().only().unwrap();
+    assert_eq!(
+        (stiffness.known_by(), stiffness.taken().as_str()),
+        (KnownBy::File, "one triangle, mirrored, as the file says")
+    );
+    let otherwise = Wanted { otherwise: Some(Symmetry::Whole), ..Wanted::default() };
+    assert_eq!(file().take(&otherwise).unwrap().to_dense(), k());
+    let contradicted = file().take(&said(Symmetry::Whole)).unwrap_err().to_string();
+    assert!(contradicted.contains("which is a triangle of a symmetric matrix, as the file says"), "{contradicted}");
+    // The same list under another name says nothing.
+    let folder = tempfile::tempdir().unwrap();
+    let (upper, lower) = (folder.path().join("K.mtx"), folder.path().join("K.sti"));
+    std::fs::copy(fixture("calculix/tiny.sti"), &upper).unwrap();
+    assert!(matches!(read(&upper).unwrap().only(), Err(FormatsError::OneSided { .. })));
+    std::fs::write(&lower, "1 1 2.0\n2 1 -1.0\n2 2 2.0\n").unwrap();
+    assert!(matches!(read(&lower).unwrap().only(), Err(FormatsError::OneSided { .. })));
+}
+
+#[test]
+fn rows_with_negative_numbers_are_internal_nodes() {
+    let mass = list("-2 -2 0.5\n-1 -1 0.25\n1 1 1.0\n2 2 2.0\n").only().unwrap();
+    let stiffness = list("-2 -2 4\n1 -2 -1\n-2 1 -1\n1 1 3\n3 3 7\n2 2 5\n").only().unwrap();
+    assert_eq!(names(mass.row_labels()), ["-2.0", "-1.0", "1.0", "2.0"]);
+    let (mut m, mut k) = (mass, stiffness);
+    // A mass without internal nodes, and with a massless last row.
+    let mut plain = list("1 1 9\n2 2 9\n").only().unwrap();
+    formats::on_common_rows(&mut [&mut m, &mut plain, &mut k]).unwrap();
+    assert_eq!(names(k.row_labels()), ["-2.0", "-1.0", "1.0", "2.0", "3.0"]);
+    assert_eq!((m.to_dense().diagonal().sum(), plain.to_dense()[(2, 2)], k.to_dense()[(2, 0)]), (3.75, 9.0, -1.0));
+    assert_eq!((m.rows(), plain.rows(), k.to_dense()[(4, 4)]), (5, 5, 7.0));
+    assert!(read_bytes(b"0 1 1.0\n", None, Options::default()).is_err());
+}
+
+#[test]
+fn the_size_of_lists_is_that_of_the_largest() {
+    let (mut mass, mut stiffness) = (list("1 1 1\n2 2 2\n").only().unwrap(), list("1 1 1\n3 3 2\n").only().unwrap());
+    formats::on_common_rows(&mut [&mut mass, &mut stiffness]).unwrap();
+    assert_eq!((mass.rows(), mass.columns(), stiffness.rows()), (3, 3, 3));
+    let market = b"%%MatrixMarket matrix coordinate real general\n2 2 1\n1 1 1.0\n";
+    let mut fixed = read_bytes(market, None, Options::default()).unwrap().only().unwrap();
+    formats::on_common_rows(&mut [&mut fixed, &mut stiffness]).unwrap();
+    assert_eq!((fixed.rows(), stiffness.rows()), (2, 3));
 }
 
 #[test]

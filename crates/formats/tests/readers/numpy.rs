@@ -6,12 +6,14 @@ use crate::{d, fixture, k, s};
 
 #[test]
 fn the_sparse_forms_of_scipy_hold_the_same_matrix() {
-    for name in ["csr", "csc", "coo"] {
+    for name in ["csr", "csc", "coo", "dia", "complex", "pydata_coo", "pydata_rows", "pydata_columns"] {
         let file = read(&fixture(&format!("numpy/{name}.npz"))).unwrap();
         assert_eq!(file.format, Format::Npz);
         let matrix = file.only().unwrap();
         assert_eq!((matrix.to_dense(), matrix.entries().len()), (s(), 6), "{name}");
     }
+    let block = formats::nalgebra::dmatrix![1.0, 2.0; 0.0, 1.0];
+    assert_eq!(read(&fixture("numpy/bsr.npz")).unwrap().only().unwrap().to_dense(), s().kronecker(&block));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod bad_folders;
 mod cea;
 mod common;
 mod estimates;
+mod exports;
 mod failures;
 mod how_sure;
 mod memory;

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use formats::Entry;
 use linsys::{AffineSystem, Term};
+use nalgebra::DMatrix;
 
 use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
@@ -13,6 +15,7 @@ use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
 use crate::case::{CaseError, is_parameter_name};
+use crate::held::held_rows;
 
 impl MatricesCase {
     /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
@@ -44,6 +47,8 @@ impl MatricesCase {
         let dofs = DofNames::new(&check, brake.dofs, order)?;
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         formulas.all_used()?;
+        let constraints = constraint_sets(&check, &dofs, constraints)?;
+        refuse_held(&check, &dofs, &terms, &constraints)?;
         let system = AffineSystem::new(terms, channels).map_err(check.system("terms"))?;
         let named = parameters.iter().map(|parameter| (parameter.name.as_str(), &parameter.distribution));
         let correlated = Correlated { parameters: named.collect(), contacts: &[[0.0; 3]] };
@@ -60,7 +65,7 @@ impl MatricesCase {
             coefficients,
             gains,
             bodies: groups(&check, &dofs, bodies)?,
-            constraints: constraint_sets(&check, &dofs, constraints)?,
+            constraints,
             dofs: dofs.into_names(),
             parameters,
         };
@@ -85,6 +90,43 @@ pub(in crate::case) fn parameter(
         .check()
         .map_err(|fault| check.value(&format!("parameters.{name}.{}", fault.key), fault.value, &fault.allowed))?;
     Ok(Parameter { name, unit, distribution })
+}
+
+/// Refuses rows that are held by huge entries, unless every set of constraints fixes them: no digits are left of the others.
+fn refuse_held(
+    check: &Check<'_>,
+    dofs: &DofNames<'_>,
+    terms: &[Term],
+    constraints: &[FixedDofs],
+) -> Result<(), CaseError> {
+    let parts: [fn(&Term) -> &DMatrix<f64>; 3] =
+        [|term| &term.matrices().m, |term| &term.matrices().c, |term| &term.matrices().k];
+    for part in parts {
+        let entry = |(at, &value): (usize, &f64)| Entry {
+            row: (at % dofs.order()) as u32,
+            column: (at / dofs.order()) as u32,
+            value,
+        };
+        let entries = terms.iter().flat_map(|term| part(term).iter().enumerate().map(entry));
+        let held = held_rows(dofs.order(), entries).map_err(|tied| {
+            let found = format!("matrices in which {:?} has a huge entry", dofs.name(tied.row - 1));
+            check.value("terms", found, &tied.to_string())
+        })?;
+        let free: Vec<_> = held
+            .iter()
+            .filter(|row| constraints.iter().any(|set| !set.fixed.contains(row)))
+            .map(|&row| dofs.name(row).to_owned())
+            .collect();
+        if !free.is_empty() {
+            let found = format!("{} held by huge entries on the diagonal", free.join(", "));
+            return Err(check.value(
+                "terms",
+                found,
+                "held degrees of freedom among those fixed in every [[constraints]]",
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn groups(check: &Check<'_>, dofs: &DofNames<'_>, given: Vec<schema::BodyTable>) -> Result<Vec<BodyDofs>, CaseError> {

@@ -1,0 +1,296 @@
+//! What exports of other programs leave open or hide: triangles, held rows, several matrices in a file, rows without entries.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::{refusal, squeal};
+
+/// A generator of reproducible numbers: xorshift64 (Marsaglia, J. Stat. Softw. 8(14), 2003).
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+type Entries = Vec<(usize, usize, f64)>;
+
+/// As Abaqus writes a matrix: three directions a node.
+fn abaqus(entries: &Entries) -> String {
+    let dof = |at: usize| format!("{}, {}", 101 + at / 3, at % 3 + 1);
+    entries.iter().map(|(i, j, value)| format!("{}, {}, {value:e}\n", dof(*i), dof(*j))).collect()
+}
+
+fn market(order: usize, entries: &Entries) -> String {
+    let mut text = format!("%%MatrixMarket matrix coordinate real general\n{order} {order} {}\n", entries.len());
+    for (i, j, value) in entries {
+        writeln!(text, "{} {} {value:e}", i + 1, j + 1).unwrap();
+    }
+    text
+}
+
+fn written(folder: &Path, name: &str, text: &str) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn eig(m: &Path, c: Option<&Path>, k: &Path, options: &[&str]) -> Output {
+    let mut command = squeal();
+    command.arg("eig").arg("--mass").arg(m).arg("--stiffness").arg(k).args(options);
+    if let Some(c) = c {
+        command.arg("--damping").arg(c);
+    }
+    command.output().unwrap()
+}
+
+fn json(m: &Path, c: Option<&Path>, k: &Path, options: &[&str]) -> Value {
+    let output = eig(m, c, k, &[options, &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Frequencies above the real axis, growing, rad/s.
+fn frequencies(spectrum: &Value) -> Vec<f64> {
+    let all = spectrum["eigenvalues"].as_array().unwrap().iter();
+    let mut found: Vec<f64> = all.map(|e| e["im"].as_f64().unwrap()).filter(|im| *im > 1e-3).collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// A chain of masses between two walls, friction in its first spring.
+fn chain(random: &mut Random, order: usize) -> (Entries, Entries) {
+    let springs: Vec<f64> = (0..=order).map(|_| 1e5 * (1.0 + random.unit())).collect();
+    let (mut m, mut k) = (Vec::new(), Vec::new());
+    for i in 0..order {
+        m.push((i, i, 0.5 + random.unit()));
+        k.push((i, i, springs[i] + springs[i + 1]));
+        if i > 0 {
+            let friction = if i == 1 { 0.3 * springs[i] } else { 0.0 };
+            k.push((i, i - 1, -springs[i]));
+            k.push((i - 1, i, -springs[i] + friction));
+        }
+    }
+    (m, k)
+}
+
+#[test]
+fn degrees_of_freedom_held_by_huge_entries_are_taken_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(0x1e36_1e36);
+    for penalty in [1e15, 1e17, 1e20, 1e30, 1e36] {
+        // The stiff springs are at random places, coupled to the rest as the elements couple them, with masses.
+        let order = 9 + (random.unit() * 6.0) as usize;
+        let (m, k) = chain(&mut random, order);
+        let held: Vec<usize> = (0..order).filter(|_| random.unit() < 0.25).collect();
+        let held = if held.is_empty() { vec![order / 2] } else { held };
+        let stiff: Entries =
+            k.iter().map(|&(i, j, v)| (i, j, if i == j && held.contains(&i) { v + penalty } else { v })).collect();
+        let free: Vec<usize> = (0..order).filter(|at| !held.contains(at)).collect();
+        let place = |at: usize| free.iter().position(|&other| other == at);
+        let without = |all: &Entries| -> Entries {
+            all.iter().filter_map(|&(i, j, v)| Some((place(i)?, place(j)?, v))).collect()
+        };
+        let file = |name: &str, text: String| written(folder.path(), name, &text);
+        let reference = json(
+            &file("m.mtx", market(free.len(), &without(&m))),
+            None,
+            &file("k.mtx", market(free.len(), &without(&k))),
+            &[],
+        );
+        let expected = frequencies(&reference);
+        for (mass, stiffness) in [
+            (file("J_MASS1.mtx", abaqus(&m)), file("J_STIF1.mtx", abaqus(&stiff))),
+            // Held rows without a mass, as Abaqus leaves them.
+            (
+                file("J0_MASS1.mtx", abaqus(&m.iter().filter(|e| !held.contains(&e.0)).copied().collect())),
+                file("J_STIF1.mtx", abaqus(&stiff)),
+            ),
+            (file("M.mtx", market(order, &m)), file("K.mtx", market(order, &stiff))),
+        ] {
+            for options in [&[][..], &["--box=-2000:2000,0.5:2000"]] {
+                let found = json(&mass, None, &stiffness, options);
+                assert_eq!(
+                    found["held"].as_array().unwrap().len(),
+                    held.len(),
+                    "{penalty:e} {held:?} {:?}",
+                    found["held"]
+                );
+                let found = frequencies(&found);
+                assert_eq!(found.len(), expected.len(), "{penalty:e} {options:?}");
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!((found - expected).abs() <= 1e-9 * expected, "{penalty:e} {found} {expected}");
+                }
+            }
+        }
+        let output = eig(&folder.path().join("J_MASS1.mtx"), None, &folder.path().join("J_STIF1.mtx"), &[]);
+        let (out, err) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+        let named = format!("{}.{}", 101 + held[0] / 3, ["x", "y", "z"][held[0] % 3]);
+        for text in [out, err] {
+            assert!(text.contains(&format!("taken out: {} ({named}", held.len())), "{text}");
+        }
+    }
+}
+
+#[test]
+fn stiff_entries_that_hold_nothing_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, entries: Entries, order: usize| written(folder.path(), name, &market(order, &entries));
+    let unit = |order: usize| (0..order).map(|at| (at, at, 1.0)).collect::<Entries>();
+    // Modal stiffnesses beside a rigid motion, a stiff spring, rounding on a diagonal, and one in small units.
+    for diagonal in [vec![1e-9, 1e5, 1e7, 1e9], vec![1e5, 2e5, 1e12], vec![1e-30, 4.0, 9.0], vec![1e-13, 1.0, 1e3]] {
+        let order = diagonal.len();
+        let k = diagonal.iter().enumerate().map(|(at, value)| (at, at, *value)).collect();
+        let found = json(&file("M.mtx", unit(order), order), None, &file("K.mtx", k, order), &[]);
+        assert_eq!(
+            (found["eigenvalues"].as_array().unwrap().len(), found["held"].as_array().unwrap().len()),
+            (2 * order, 0)
+        );
+    }
+    // A stiff spring between two degrees of freedom holds neither.
+    let tie = vec![(0, 0, 1e20), (0, 1, -1e20), (1, 0, -1e20), (1, 1, 1e20), (2, 2, 5e4)];
+    let (m, k) = (file("M.mtx", unit(3), 3), file("K.mtx", tie, 3));
+    for options in [&[][..], &["--box=-2000:2000,0:2000"]] {
+        refusal(
+            &eig(&m, None, &k, options),
+            &["--stiffness", "K.mtx", "row 1 has an entry of 1.0e20 off the diagonal", "allowed: "],
+        );
+    }
+}
+
+#[test]
+fn one_sided_damping_is_asked_about_and_taken_as_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(42);
+    let (m, k) = chain(&mut random, 6);
+    let (m, k) =
+        (written(folder.path(), "J_MASS1.mtx", &abaqus(&m)), written(folder.path(), "J_STIF1.mtx", &abaqus(&k)));
+    let one_sided =
+        vec![(0, 0, 30.0), (1, 1, 30.0), (2, 2, 30.0), (0, 2, 400.0), (1, 3, -250.0), (4, 4, 30.0), (4, 5, 90.0)];
+    let list = written(folder.path(), "J_DMPV1.mtx", &abaqus(&one_sided));
+    refusal(
+        &eig(&m, Some(&list), &k, &[]),
+        &["--damping", "J_DMPV1.mtx", "--symmetry damping=whole", "damping=upper", "allowed: "],
+    );
+    let mirrored: Entries =
+        one_sided.iter().copied().chain(one_sided.iter().filter(|e| e.0 != e.1).map(|e| (e.1, e.0, e.2))).collect();
+    for (said, meant) in [("whole", &one_sided), ("upper", &mirrored)] {
+        let reference = written(folder.path(), "C.mtx", &market(6, meant));
+        // The rows of a file without names go by their order.
+        let reference = json(&m, Some(&reference), &k, &[]);
+        for option in [format!("--symmetry=damping={said}"), format!("--symmetry=mass=whole,damping={said}")] {
+            let found = json(&m, Some(&list), &k, &[&option]);
+            assert_eq!(found["eigenvalues"], reference["eigenvalues"], "{option}");
+            let taken = found["files"][1]["taken"].as_str().unwrap();
+            assert!(
+                taken.ends_with("as asked")
+                    && taken.starts_with(if said == "whole" { "whole" } else { "one triangle" }),
+                "{taken}"
+            );
+        }
+    }
+    let whole = json(&m, Some(&list), &k, &["--symmetry", "whole"]);
+    assert_eq!(whole["files"][2]["taken"], "whole, as it has entries on both sides of the diagonal");
+    assert_eq!(whole["files"][0]["taken"], "whole, as it has no entry off the diagonal");
+    refusal(
+        &eig(&m, Some(&list), &k, &["--symmetry", "damping=lower"]),
+        &["J_DMPV1.mtx", "with entries above the diagonal"],
+    );
+    // What is said of all is not said against entries on both sides.
+    refusal(&eig(&m, Some(&list), &k, &["--symmetry", "upper"]), &["J_STIF1.mtx", "with entries below the diagonal"]);
+    refusal(
+        &eig(&m, Some(&list), &k, &["--symmetry", "symmetric"]),
+        &["--symmetry", "symmetric", "allowed: whole, upper or lower"],
+    );
+}
+
+#[test]
+fn a_matrix_of_several_is_found_by_a_usual_name_or_by_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = |names: [&str; 3]| {
+        let one = |name: &str, value: f64| format!("*MATRIX INPUT, NAME={name}, TYPE=SYMMETRIC\n1,1, 1,1, {value}\n");
+        one(names[0], 2.0) + &one(names[1], 0.25) + &one(names[2], 800.0)
+    };
+    let frequency = |spectrum: &Value| frequencies(spectrum)[0];
+    let expected = (400.0_f64 - 0.0625 * 0.0625).sqrt();
+    for (at, names) in [
+        ["M", "C", "K"],
+        ["m", "d", "k"],
+        ["MGG", "BGG", "KGG"],
+        ["MLL", "BLL", "KLL"],
+        ["MXX", "BXX", "KJJZ"],
+        ["mass", "damping", "stiffness"],
+        ["M_red", "C_red", "K_red"],
+        ["M1", "C1", "K1"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let path = written(folder.path(), &format!("{at}.mtx"), &input(names));
+        let found = json(&path, Some(&path), &path, &[]);
+        assert!((frequency(&found) - expected).abs() < 1e-9, "{names:?}");
+        assert_eq!([0, 1, 2].map(|at| found["files"][at]["name"].as_str().unwrap().to_owned()), names);
+    }
+    // Names that say nothing, or the same thing twice.
+    for names in [["A", "B1x", "X"], ["MGG", "BGG", "X"], ["MGG", "KAA", "KGG"]] {
+        let path = written(folder.path(), "odd.mtx", &input(names));
+        let allowed = format!("allowed: {}", names.join(", "));
+        refusal(&eig(&path, Some(&path), &path, &[]), &["odd.mtx", "no matrix", &allowed]);
+        let named = |name: &str| PathBuf::from(format!("{}:{name}", path.display()));
+        let found = json(&named(names[0]), Some(&named(&names[1].to_lowercase())), &named(names[2]), &[]);
+        assert!((frequency(&found) - expected).abs() < 1e-9, "{names:?}");
+        refusal(&eig(&named("Z"), None, &path, &[]), &["odd.mtx:Z", "no matrix \"Z\"", &allowed]);
+    }
+    // A colon in the name of a file, as in `C:brake.mtx`.
+    let drive = written(folder.path(), "C:one.mtx", &input(["M", "C", "K"]));
+    assert!((frequency(&json(&drive, Some(&drive), &drive, &[])) - expected).abs() < 1e-9);
+    let member = PathBuf::from(format!("{}:K", drive.display()));
+    assert!((frequency(&json(&drive, Some(&drive), &member, &[])) - expected).abs() < 1e-9);
+    // The wrong one of a file that calls its matrix something else.
+    let mass = written(folder.path(), "one.mtx", "*MATRIX INPUT, NAME=M, TYPE=SYMMETRIC\n1,1, 1,1, 2.0\n");
+    refusal(
+        &eig(&mass, None, &mass, &[]),
+        &["--stiffness", "one.mtx", "allowed: a stiffness matrix; by its name or contents it is one of mass"],
+    );
+    json(&mass, None, &PathBuf::from(format!("{}:M", mass.display())), &[]);
+}
+
+#[test]
+fn a_list_is_as_large_as_the_matrix_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mass = written(folder.path(), "Z_MASS1.mtx", "1 1 1.0\n2 2 1.0\n");
+    let stiffness =
+        written(folder.path(), "C_STIF1.mtx", "1 1 400\n2 2 900\n3 3 100\n1 3 -10\n3 1 -10\n2 3 5\n3 2 5\n");
+    let found = json(&mass, None, &stiffness, &[]);
+    // The last row follows the others: K is condensed on them.
+    let (a, b, c) = (400.0 - 1.0, 900.0 - 0.25, 0.5_f64);
+    let root = ((a - b) * (a - b) / 4.0 + c * c).sqrt();
+    let expected = [((a + b) / 2.0 - root).sqrt(), ((a + b) / 2.0 + root).sqrt()];
+    let found = frequencies(&found);
+    assert!(
+        found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-10),
+        "{found:?} {expected:?}"
+    );
+    // A file with a size of its own is not made larger; the odd one of three is blamed.
+    let small = written(folder.path(), "M.mtx", &market(2, &vec![(0, 0, 1.0), (1, 1, 1.0)]));
+    let three = written(folder.path(), "C.mtx", &market(3, &vec![(2, 2, 1.0)]));
+    refusal(
+        &eig(&small, Some(&three), &stiffness, &[]),
+        &["M.mtx: the mass matrix is 2 x 2; allowed: 3 x 3, like the damping matrix"],
+    );
+    // Internal nodes have negative numbers; the mass knows none of them here.
+    let internal =
+        written(folder.path(), "N_STIF1.mtx", "-1 -1 100\n1 1 400\n2 2 900\n1 -1 -10\n-1 1 -10\n2 -1 5\n-1 2 5\n");
+    let found = frequencies(&json(&mass, None, &internal, &[]));
+    assert!(
+        found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-10),
+        "{found:?} {expected:?}"
+    );
+}
