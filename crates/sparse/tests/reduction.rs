@@ -333,3 +333,31 @@ fn a_smaller_basis_within_holds_one_arrangement_with_the_residual_asked_for() {
         assert!(modes.lambdas.iter().all(|&lambda| distance(lambda, &expected) < 1e-6));
     }
 }
+
+#[test]
+fn a_mode_is_found_however_much_faster_than_the_rectangle_it_grows() {
+    let (system, large) = (plate(), dense(&plate()));
+    // Friction up to twelve times that of the other tests.
+    let strong = |at: &OperatingPoint, by: f64| {
+        let mut at = at.clone();
+        at.coefficients[3] *= by;
+        at
+    };
+    for (limit, by) in [(0.01, 4.0), (0.05, 12.0), (0.5, 8.0)] {
+        let rectangle = Rectangle { re: [-0.6, limit], ..RECTANGLE };
+        let points: Vec<OperatingPoint> = draws(24).iter().map(|at| strong(at, by)).collect();
+        let wanted = Wanted { rectangle, points: &points[..2], training: &points };
+        let Reduction { reduced, .. } = Reduction::build(&system, &wanted, &Options::default()).unwrap();
+        let mut fastest = 0.0_f64;
+        for at in draws(40)[24..].iter().map(|at| strong(at, by)) {
+            let spectrum = QrSolver.eigenvalues(&large.assemble(&at).unwrap(), &mut Workspace::default()).unwrap();
+            let is_wanted = |l: &Complex<f64>| l.re >= 0.0 && (0.5..=12.0).contains(&l.im);
+            let expected: Vec<Complex<f64>> = spectrum.eigenvalues.into_iter().filter(is_wanted).collect();
+            let found: Vec<Complex<f64>> = reduced.modes(&at).unwrap().lambdas.into_iter().filter(is_wanted).collect();
+            assert_eq!(found.len(), expected.len(), "{limit} {by}: {found:?} {expected:?}");
+            assert!(found.iter().all(|lambda| distance(*lambda, &expected) < 1e-5), "{limit} {by}");
+            fastest = expected.iter().map(|lambda| lambda.re).fold(fastest, f64::max);
+        }
+        assert!(fastest > 2.0 * limit, "{limit} {by}: {fastest}");
+    }
+}

@@ -39,18 +39,6 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
-    /// An onset of a reduced brake next to which the whole brake has none.
-    #[error(
-        "{name} = {near}: within {solved} steps no onset of the whole brake is found next to this one of the reduced brake"
-    )]
-    WholeOnset {
-        /// The parameter.
-        name: String,
-        /// The onset of the reduced brake.
-        near: f64,
-        /// Eigenvalues of the whole brake that were found.
-        solved: usize,
-    },
     /// The Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),

@@ -233,3 +233,31 @@ fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
     let Err(error) = with("\"were\"") else { panic!() };
     assert!(error.to_string().contains("contact.stiffness_factor") && error.to_string().contains("were"), "{error}");
 }
+
+#[test]
+fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same() {
+    for growth in [[-500.0, 300.0], [-20.0, 1.0]] {
+        let mut case = around_six_kilohertz();
+        case.reduction.growth = growth;
+        let brake = FiniteElementBrake::new(case, &()).unwrap();
+        let scene = &brake.plan.scenes[0];
+        for mu in [0.3, 0.5, 0.8, 1.2] {
+            let at = brake.operating_point(scene, &brake.with_parameter(scene, mu)).unwrap();
+            let full = brake.full_point(scene, &at);
+            let rectangle = sparse::Rectangle { re: [0.0, 20_000.0], im: [5700.0 * TAU, 6500.0 * TAU] };
+            let whole = brake.sets[0].system.assemble(&full).unwrap();
+            let whole = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap();
+            let growing = |lambda: &Complex<f64>| lambda.re > 0.0;
+            let found = brake.band_modes(scene, std::slice::from_ref(&at)).remove(0).unwrap();
+            let found: Vec<_> = found.iter().filter(|mode| growing(&mode.lambda)).collect();
+            let listed = brake.part(scene).reduced.modes(&full).unwrap().lambdas;
+            assert_eq!(found.len(), whole.pairs.len(), "{growth:?} {mu}: {found:?}");
+            assert_eq!(listed.iter().filter(|lambda| growing(lambda)).count(), whole.pairs.len(), "{growth:?} {mu}");
+            for pair in &whole.pairs {
+                let near = found.iter().find(|mode| (mode.lambda - pair.lambda).norm() < 1e-6 * pair.lambda.norm());
+                assert!(near.is_some_and(|mode| !mode.residual.unwrap().is_above), "{growth:?} {mu}: {found:?}");
+            }
+            assert_eq!(whole.pairs.len(), usize::from(mu > 0.4), "{mu}");
+        }
+    }
+}

@@ -36,6 +36,8 @@ impl Report {
 pub enum Why {
     /// The point was given.
     Given,
+    /// A basis had a mode there that grows faster than was searched.
+    Growth,
     /// Its residual was the largest, and above the tolerance.
     LargestResidual,
     /// It was the farthest from all known points.

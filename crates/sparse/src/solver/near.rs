@@ -8,7 +8,7 @@ use super::types::{Counters, Eigenpair};
 use crate::{SparseError, SparseSecondOrder};
 
 /// The eigenvalue next to `lambda`, rad/s, whose right vector is like `shape`, over the n degrees of freedom: by inverse iteration and
-/// Rayleigh quotients, with two factorisations. The pair has a backward error of at most `tolerance`.
+/// Rayleigh quotients, with a factorisation for each of a few steps. The pair has a backward error of at most `tolerance`.
 ///
 /// Which one is found follows from `shape` as much as from `lambda`, so that the modes of a reduced brake are those to begin with.
 ///

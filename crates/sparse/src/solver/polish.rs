@@ -16,8 +16,15 @@ use crate::SparseError;
 const STEPS: usize = 3;
 /// Candidates whose products are formed together.
 const TOGETHER: usize = 16;
-/// Steps of inverse iteration with a factorisation at the eigenvalue itself.
+/// Steps of inverse iteration with one factorisation.
 const INVERSE_STEPS: usize = 3;
+/// Fewest and most factorisations, each next to the eigenvalue that the one before found; chosen: from a neighbour three are enough, where
+/// others are near it takes more.
+const FACTORISATIONS: [usize; 2] = [2, 8];
+/// Backward error at which no further one is made: some rounding errors.
+const ENOUGH: f64 = 16.0 * f64::EPSILON;
+/// Farthest that one factorisation moves an eigenvalue, relative to it; chosen.
+const FARTHEST: f64 = 0.1;
 /// Distance of two eigenvalues, relative, up to which their vectors may be any of a common space.
 const ONE_GROUP: f64 = 1e-8;
 /// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones.
@@ -60,30 +67,42 @@ impl Problem {
         trials.into_iter().map(|trial| trial.finish(pencil, tolerance)).collect()
     }
 
-    /// Both vectors by solving with Q next to the eigenvalue.
+    /// Both vectors by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps.
     fn by_inverse_iteration(
         &self,
         lambda: Complex<f64>,
         right: Vector,
         counters: &mut Counters,
     ) -> Result<Trial, SparseError> {
-        let mut trial = Trial::of(&self.pencil, lambda, right.clone(), right);
-        // A quotient of the right vector alone is no better than the eigenvalue that is known.
-        trial.lambda = lambda;
-        for _ in 0..2 {
+        let [fewest, most] = FACTORISATIONS;
+        let mut best: Option<Trial> = None;
+        let (mut shift, mut x, mut y) = (lambda, right.clone(), right);
+        for round in 1..=most {
             // Beside the eigenvalue, where the factors are regular.
-            let beside = trial.lambda * (1.0 + 8.0 * f64::EPSILON);
+            let beside = shift * (1.0 + 8.0 * f64::EPSILON);
             counters.factorisations += 1;
-            let factor = Factor::new(&self.symbolic, &self.pencil, beside)?;
-            let (mut x, mut y) = (trial.x, trial.y);
+            let factor = match Factor::new(&self.symbolic, &self.pencil, beside) {
+                Ok(factor) => factor,
+                // What is known already stays.
+                Err(error) => return best.ok_or(error),
+            };
             for _ in 0..INVERSE_STEPS {
                 x = unit(factor.solve(Side::Right, &columns(&[x]))?.col_as_slice(0));
                 y = unit(factor.solve(Side::Left, &columns(&[y]))?.col_as_slice(0));
                 counters.solves += 2;
             }
-            trial = Trial::of(&self.pencil, trial.lambda, x, y);
+            let (trial, quotient) = Trial::with_quotient(&self.pencil, shift, x.clone(), y.clone());
+            let (error, before) = (trial.error, best.as_ref().map_or(f64::INFINITY, |best| best.error));
+            // Of two that differ by rounding the later one has the better left vector.
+            if best.is_none() || error <= 2.0 * before.max(f64::EPSILON) {
+                best = Some(trial);
+            }
+            if round >= fewest && (error <= ENOUGH || error.is_nan() || error > 0.5 * before) {
+                break;
+            }
+            shift = quotient;
         }
-        Ok(trial)
+        best.ok_or(SparseError::NotConverged { lambda, residual: f64::INFINITY })
     }
 }
 
@@ -98,11 +117,19 @@ struct Trial {
 }
 
 impl Trial {
-    fn of(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector) -> Self {
+    /// With the quotient of the vectors, whatever residual that has: vectors from a shift that is not yet the eigenvalue leave less of Q at the
+    /// shift than at the eigenvalue, which they are next to all the same.
+    fn with_quotient(pencil: &Pencil, shift: Complex<f64>, x: Vector, y: Vector) -> (Self, Complex<f64>) {
         let x = [x];
         let parts = pencil.parts(Side::Right, &columns(&x));
         let [x] = x;
-        Self::new(pencil, lambda, x, y, &parts[0])
+        let [residual, slope] = [pencil.weights(shift), pencil.slope_weights(shift)].map(|at| parts[0].sum(&at));
+        let quotient = shift - y_dot(&y, &residual) / y_dot(&y, &slope);
+        let trial = Self::new(pencil, shift, x, y, &parts[0]);
+        // What is no number, or far away, is no neighbour.
+        let is_near = (quotient - shift).norm() <= FARTHEST * shift.norm();
+        let next = if is_near { quotient } else { trial.lambda };
+        (trial, next)
     }
 
     /// The eigenvalue by Rayleigh quotients, where they make the residual no larger.

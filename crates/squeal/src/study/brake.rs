@@ -234,6 +234,12 @@ pub trait UncertainBrake: Sync {
         Ok(None)
     }
 
+    /// Within which part of its size an eigenvalue of a scene is taken to be that of the brake that this one is a reduction of: a rule, not
+    /// a bound; 0 of a brake that is none.
+    fn relative_error(&self, _scene: &Scene) -> f64 {
+        0.0
+    }
+
     /// The distribution of the one parameter that the operating points of a scene are a function of; `None` where there
     /// are more, or none.
     fn single_parameter(&self, _scene: &Scene) -> Option<&Distribution> {

@@ -159,5 +159,6 @@ fn onset<B: UncertainBrake>(
         starts: (-change / slope).re > 0.0,
         mode: DIVERGENCE.to_owned(),
         moved: None,
+        is_reduced: false,
     })
 }

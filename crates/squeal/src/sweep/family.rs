@@ -185,6 +185,11 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)
     }
 
+    /// Within which part of its size an eigenvalue is taken to be that of the brake that this one is a reduction of.
+    pub fn relative_error(&self) -> f64 {
+        self.family.study.brake().relative_error(self.family.scene())
+    }
+
     /// From where on a mode counts as unstable.
     pub fn threshold(&self) -> Threshold {
         self.family.study.plan().threshold

@@ -140,15 +140,19 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
     });
     let header = ["branch", "mode", name, "frequency_hz", "growth", "frequency_rate", "growth_rate"];
     write_csv(&dir.join("branches.csv"), &header, points)?;
+    let is_of_reduced = sweep.onsets.iter().any(|onset| onset.moved.is_some() || onset.is_reduced);
     let onset = |onset: &SweepOnset| {
         let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
         let mode = mode.clone();
         let mut row = vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()];
-        row.extend(moved.map(|moved| moved.to_string()));
+        if is_of_reduced {
+            row.push(moved.map_or(String::new(), |moved| moved.to_string()));
+            row.push(if onset.is_reduced { "reduced" } else { "whole" }.into());
+        }
         row
     };
     let mut header = vec![name, "error", "direction", "mode", "frequency_hz"];
-    header.extend(largest_move(sweep).map(|_| "from_reduced"));
+    header.extend(["from_reduced", "brake"].into_iter().filter(|_| is_of_reduced));
     write_csv(&dir.join("onsets.csv"), &header, sweep.onsets.iter().map(onset))?;
     let coalescence = |found: &Coalescence| {
         let numbers = [found.at, found.distance, found.error, hertz(found.omega), found.growth];
@@ -200,12 +204,15 @@ fn branch_text(sweep: &Sweep) -> String {
     }
     for onset in &sweep.onsets {
         let (hz, does) = (crate::report::hertz(hertz(onset.omega)), event(onset.starts, &sweep.threshold));
-        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {does}\n", onset.at, onset.error, onset.mode);
+        let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
+        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {does}{whose}\n", onset.at, onset.error, onset.mode);
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
+        let are_all = !sweep.onsets.iter().any(|onset| onset.is_reduced);
+        let onsets = if are_all { "onsets are" } else { "the other onsets are" };
         text += &format!(
-            "onsets are those of the whole brake, by {solved} of it: the reduced brake has them within {moved:.1e}\n"
+            "{onsets} those of the whole brake, by {solved} of it: the reduced brake has them within {moved:.1e}\n"
         );
     }
     for (from, to) in &sweep.unresolved {

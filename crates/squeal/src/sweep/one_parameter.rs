@@ -4,14 +4,14 @@ use cea::{EigenSolver, Threshold};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use tracking::{Ambiguity, BranchPoint, Branches, Onsets, RootLocus, find_onsets, root_locus};
+use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
 
 use super::beyond::Beyond;
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
 use super::divergence::divergences;
 use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
 use super::names::{Names, carry, in_words, names_at};
-use super::onset::{SweepOnset, WholeOnset};
+use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
 use crate::study::{Reference, Study, UncertainBrake};
@@ -150,10 +150,17 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
     for reduced in onsets.into_iter().filter(|onset| part.is_studied(onset.omega)) {
-        let whole = WholeOnset::near(part, parameter, &reduced, &mut branches)?;
-        evaluations.whole += whole.as_ref().map_or(0, |whole| whole.solved);
-        let moved = whole.as_ref().map(|whole| parameter.at(whole.onset.at) - parameter.at(reduced.at));
-        let onset = whole.map_or(reduced, |whole| whole.onset);
+        let (onset, moved, is_reduced) = match WholeOnset::near(part, &reduced, &mut branches)? {
+            WholeOnset::NotReduced => (reduced, None, false),
+            WholeOnset::Found(onset, solved) => {
+                evaluations.whole += solved;
+                (onset, Some(parameter.at(onset.at) - parameter.at(reduced.at)), false)
+            }
+            WholeOnset::NotFound => {
+                let error = error_of_reduced(part, &reduced, &mut branches)?;
+                (Onset { error, ..reduced }, None, true)
+            }
+        };
         found.push(SweepOnset {
             at: parameter.at(onset.at),
             error: onset.error * parameter.slope(onset.at),
@@ -161,6 +168,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
             starts: onset.destabilises,
             mode: in_words(&names_of_onset(&locus, &names, reduced.at, threshold.at_margin(0.0, reduced.omega))),
             moved,
+            is_reduced,
         });
     }
     evaluations += Evaluations::of(branches.counters());

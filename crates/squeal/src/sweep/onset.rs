@@ -4,7 +4,6 @@ use serde::Serialize;
 use tracking::{Branches, Onset};
 
 use super::family::Part;
-use super::parameter::SweptParameter;
 use crate::Error;
 use crate::study::UncertainBrake;
 
@@ -16,7 +15,7 @@ const MOST_CORRECTIONS: usize = 8;
 pub struct SweepOnset {
     /// The parameter.
     pub at: f64,
-    /// Bound of the error of `at` by rounding.
+    /// Bound of the error of `at` by rounding; of an onset that is the reduced brake's alone, what that is taken to be good to.
     pub error: f64,
     /// Im lambda, rad/s; 0 of a divergence.
     pub omega: f64,
@@ -27,39 +26,49 @@ pub struct SweepOnset {
     /// How far the onset of the brake is from that of its reduction, where the brake is reduced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<f64>,
+    /// Whether it is that of a reduced brake because that of the whole one was not found.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_reduced: bool,
 }
 
-/// An onset of the brake that a brake is a reduction of.
-pub(super) struct WholeOnset {
-    pub onset: Onset,
-    /// Eigenvalues of the whole brake that were found.
-    pub solved: u64,
+/// The onset of the brake that a brake is a reduction of.
+pub(super) enum WholeOnset {
+    /// The brake is not reduced.
+    NotReduced,
+    /// With how many eigenvalues of the whole brake.
+    Found(Onset, u64),
+    /// The whole brake's was not found.
+    NotFound,
 }
 
 impl WholeOnset {
     /// The onset next to one of the reduced brake, in parts of the range, by secants that begin with the slope that the branches of the
-    /// reduced brake have there; `None` of a brake that is not reduced.
+    /// reduced brake have there.
     ///
     /// # Errors
-    /// [`Error::WholeOnset`] where it is not found; those of the brake.
+    /// Those of the brake, but for eigenvalues of the whole one that are not found.
     pub fn near<B: UncertainBrake>(
         part: &Part<'_, B>,
-        parameter: &SweptParameter,
         onset: &Onset,
         reduced: &mut impl Branches<Error = Error>,
-    ) -> Result<Option<Self>, Error> {
+    ) -> Result<Self, Error> {
         let threshold = part.threshold();
         let there = threshold.at_margin(0.0, onset.omega);
-        let Some(mut found) = part.whole_eigenvalue(&[onset.at], there)? else { return Ok(None) };
+        let whole = |at: f64, near| match part.whole_eigenvalue(&[at], near) {
+            Err(Error::Sparse(_) | Error::Cea(_)) => Ok(None),
+            found => found.map(Some),
+        };
+        let Some(first) = whole(onset.at, there)? else { return Ok(Self::NotFound) };
+        let Some(mut found) = first else { return Ok(Self::NotReduced) };
         let rate = reduced.refined(onset.at, there)?.rate;
         let (mut at, mut slope) = (onset.at, threshold.margin_rate(found.lambda, rate));
         for solved in 1..=MOST_CORRECTIONS {
             let (step, error) = (-threshold.margin(found.lambda) / slope, found.bound / slope.abs());
             if step.abs() <= error.max(2.0 * f64::EPSILON * at.abs()) {
                 let onset = Onset { at, error: error + step.abs(), omega: found.lambda.im, ..*onset };
-                return Ok(Some(Self { onset, solved: solved as u64 }));
+                return Ok(Self::Found(onset, solved as u64));
             }
-            let Some(next) = part.whole_eigenvalue(&[at + step], found.lambda + rate * step)? else { break };
+            let Some(next) = whole(at + step, found.lambda + rate * step)?.flatten() else { break };
             let growth = threshold.margin(next.lambda) - threshold.margin(found.lambda);
             // Of a mode that runs along the axis the slope of the whole brake may be another one.
             if growth.abs() > 2.0 * next.bound {
@@ -67,6 +76,20 @@ impl WholeOnset {
             }
             (at, found) = (at + step, next);
         }
-        Err(Error::WholeOnset { name: parameter.name.clone(), near: parameter.at(onset.at), solved: MOST_CORRECTIONS })
+        Ok(Self::NotFound)
     }
+}
+
+/// What an onset of a reduced brake is taken to be good to, in parts of the range: of the eigenvalue, by the speed at which it crosses.
+///
+/// # Errors
+/// Those of the branches.
+pub(super) fn error_of_reduced<B: UncertainBrake>(
+    part: &Part<'_, B>,
+    onset: &Onset,
+    reduced: &mut impl Branches<Error = Error>,
+) -> Result<f64, Error> {
+    let there = part.threshold().at_margin(0.0, onset.omega);
+    let rate = part.threshold().margin_rate(there, reduced.refined(onset.at, there)?.rate);
+    Ok(onset.error + part.relative_error() * there.norm() / rate.abs())
 }

@@ -40,6 +40,7 @@ use self::ports::Ports;
 use self::residuals::{OfSample, Residuals};
 use self::search::{Memory, Search};
 use self::shapes::Found;
+use self::table::GROWING;
 use super::real::cast;
 use super::{Reduced, ReducedModes};
 use crate::SparseError;
@@ -189,6 +190,10 @@ impl FrictionSearch<'_> {
         let before = self.memory.corrections;
         let mut found = search.growing(&self.gains, part, &mut self.memory).ok()?;
         found.retain(|found| is_wanted(found.lambda));
+        // What grows faster is not held by the tables.
+        if found.iter().any(|mode| mode.lambda.re > GROWING * reduced.rectangle().im[1]) {
+            return None;
+        }
         found.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
         let point = OperatingPoint { coefficients: vec![1.0], channels: point.channels.clone() };
         Some(OfSample { point, found, corrections: self.memory.corrections - before })

@@ -12,6 +12,7 @@ use super::ports::Ports;
 use super::refinement::{Approached, Refinement, Sample, Start};
 use super::shapes::Found;
 use crate::Rectangle;
+use crate::reduction::full;
 use crate::reduction::rows::{Rows, combined};
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
@@ -92,7 +93,7 @@ impl Search<'_> {
         let mut distances: Vec<(f64, usize)> = distances.collect();
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_wanted = |lambda: Complex<f64>, beyond: f64| {
-            lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && self.rectangle.contains(lambda, beyond)
+            lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && full::is_wanted(self.rectangle, lambda, beyond)
         };
         let expanded = distances.iter().map(|(_, at)| *at).filter(|&at| self.anchors[at].expansion.is_some());
         memory.nearest.clear();

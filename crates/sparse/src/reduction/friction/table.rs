@@ -25,8 +25,8 @@ use crate::reduction::rows::Rows;
 const OF_BAND: usize = 48;
 const OF_GROWING: usize = 12;
 const OF_SIDES: usize = 8;
-/// That line, as a part of the highest frequency.
-const GROWING: f64 = 0.02;
+/// That line, as a part of the highest frequency: to its right nothing is known of tables.
+pub(super) const GROWING: f64 = 0.02;
 /// Those on both sides too; chosen.
 pub(super) const ASIDE: f64 = 0.06;
 /// Most points of a table; chosen, the tables of cases/disc-pad have 12.

@@ -139,12 +139,6 @@ impl FiniteElementBrake {
         &self.parts[self.of_configurations[scene.configuration]]
     }
 
-    /// Within which part of its size an eigenvalue of a scene is taken to be that of the whole brake: a rule, not a bound.
-    pub fn relative_error(&self, scene: &Scene) -> f64 {
-        let part = self.part(scene);
-        (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR)
-    }
-
     /// The part of a set of constraints in which its modes have their names: with all patches closed.
     pub fn origin(&self, constraints: usize) -> &Part {
         &self.parts[self.of_origins[constraints]]
@@ -360,6 +354,11 @@ impl UncertainBrake for FiniteElementBrake {
     fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
         let at = parameters::point(&self.scene_of(scene), values)?;
         Ok(self.part(scene).reduced.system().assemble(&at)?)
+    }
+
+    fn relative_error(&self, scene: &Scene) -> f64 {
+        let part = self.part(scene);
+        (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR)
     }
 
     fn whole_eigenvalue(

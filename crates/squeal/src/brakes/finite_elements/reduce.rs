@@ -12,14 +12,19 @@ use sparse::reduction::{
     Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
     rungs, within,
 };
-use sparse::{Rectangle, SparseAffineSystem, eigenpairs_in};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{
     State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
 };
 use crate::Error;
-use crate::case::{FiniteElementCase, Law};
+use crate::case::{FiniteElementCase, Law, ReductionGoal};
 
+/// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
+/// does hardly any brake squeal, and where nothing is there a search costs little.
+const SEARCHED: f64 = 0.25;
+/// How many times as fast as the fastest mode of the reduced brake the modes of the whole one may grow that are looked for; chosen.
+const BEYOND: f64 = 1.5;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
 const MOST_SOLUTIONS: usize = 60;
 /// Part of the residual asked for that responses to forces in the contacts may have. Modes have three times theirs, as measured with
@@ -149,7 +154,7 @@ pub(super) fn all_bases(
         found
     };
     let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
-    let whole = |(set, &origin): (&ReducedSet, &usize)| whole_modes(case, set, &asked[origin]);
+    let whole = |(set, &origin): (&ReducedSet, &usize)| modes_at_medians(case, set, &asked[origin], &parts[origin]);
     let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
     for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
         set.compared = compared(&whole, parts[origin].within.first.clone());
@@ -168,10 +173,25 @@ fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
     contact.panels.iter().flat_map(of_panel).collect()
 }
 
-/// Where the modes of a case are wanted, rad/s.
+/// Where the modes of a case are wanted, rad/s, and to its right: how fast a mode grows is no reason to leave it out. The largest growth is that
+/// up to which the whole brake is searched at least.
 pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
-    let goal = &case.reduction;
-    Rectangle { re: goal.growth, im: goal.frequencies.map(|hz| TAU * hz) }
+    let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
+    let im = frequencies.map(|hz| TAU * hz);
+    Rectangle { re: [lowest, highest.max(SEARCHED * im[1])], im }
+}
+
+/// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
+pub(super) fn whole_modes(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let mut rectangle = rectangle(case);
+    let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
+    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
+    let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
 }
 
 /// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
@@ -211,11 +231,15 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoin
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.
-fn whole_modes(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked) -> Result<Vec<Complex<f64>>, Error> {
+fn modes_at_medians(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    asked: &Asked,
+    part: &Part,
+) -> Result<Vec<Complex<f64>>, Error> {
     let first = &asked.arrangements[0];
     let at = of_brake(case, first, &naming_point(case, first)?);
-    let found = eigenpairs_in(&set.system.assemble(&at)?, &rectangle(case), &sparse::Options::default(), &mut |_| {})?;
-    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
+    whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
 }
 
 /// A part on the fewest directions that hold it.

@@ -9,6 +9,9 @@ use super::{Part, ReducedSet};
 use crate::Error;
 use crate::study::WholeEigenvalue;
 
+/// Largest backward error of an eigenvalue that is taken; chosen: its bound says what it is good to.
+const TAKEN: f64 = 1e-8;
+
 /// The eigenvalue of the whole brake next to one of the reduced brake, from the shape that leaves least of Q there.
 pub(super) fn eigenvalue(
     part: &Part,
@@ -21,7 +24,7 @@ pub(super) fn eigenvalue(
     let shape = shape.ok_or(CeaError::NoEigenvector { lambda: near, residual: f64::INFINITY })?;
     let shape = real_times_complex(part.reduced.basis(), &shape);
     let whole = sets[part.set].system.assemble(at)?;
-    let pair = eigenpair_near(&whole, near, &shape, sparse::Options::default().tolerance)?;
+    let pair = eigenpair_near(&whole, near, &shape, TAKEN)?;
     let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
     Ok(WholeEigenvalue { lambda: pair.lambda, bound })
 }

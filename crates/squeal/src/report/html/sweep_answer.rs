@@ -51,6 +51,13 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
     if modes.is_empty() && sweep.unresolved.is_empty() {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
+    let of_reduced = onsets.iter().filter(|onset| onset.is_reduced).count();
+    if of_reduced > 0 {
+        let of = if of_reduced == 1 { "One onset is" } else { "Some onsets are" };
+        sentences.push(format!(
+            "{of} the reduced brake's, because the whole brake's was not found: the table below says which, and to what they are taken to be good."
+        ));
+    }
     if !sweep.unresolved.is_empty() {
         let ranges = if sweep.unresolved.len() == 1 { "one range" } else { "some ranges" };
         sentences.push(format!("In {ranges}, listed below, a mode comes so near that it may cross or not."));
