@@ -22,6 +22,13 @@ impl IntegerMean {
         self.sum_of_squares += u128::from(value.unsigned_abs()).pow(2);
     }
 
+    /// Enters one value so many times.
+    pub(crate) fn record_times(&mut self, value: i32, times: u64) {
+        self.count += times;
+        self.sum += i128::from(value) * i128::from(times);
+        self.sum_of_squares += u128::from(value.unsigned_abs()).pow(2) * u128::from(times);
+    }
+
     /// Number of values.
     #[must_use]
     pub fn count(&self) -> u64 {

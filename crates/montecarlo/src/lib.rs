@@ -56,6 +56,7 @@ pub use rand;
 #[cfg(feature = "progress")]
 mod bar;
 mod block;
+mod bounded_mean;
 mod box_statistics;
 mod checkpoint;
 mod clopper_pearson;
@@ -82,6 +83,7 @@ mod summary;
 
 #[cfg(feature = "progress")]
 pub use bar::Bar;
+pub use bounded_mean::{BoundedMean, Bounds};
 pub use box_statistics::{BoxStatistics, quantile};
 pub use checkpoint::Checkpoint;
 pub use clopper_pearson::{clopper_pearson, exact_lower_limit, exact_upper_limit};

@@ -94,9 +94,18 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    /// A proportion from counts; no trial is counted both as a certain and as an ambiguous hit.
-    pub(crate) fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
-        Self { hits, ambiguous, trials }
+    /// A proportion from counts; no trial is counted both as a certain and as an ambiguous hit, and those that would be more than
+    /// all trials are left out.
+    #[must_use]
+    pub fn of_counts(hits: u64, ambiguous: u64, trials: u64) -> Self {
+        let hits = hits.min(trials);
+        Self { hits, ambiguous: ambiguous.min(trials - hits), trials }
+    }
+
+    /// The same with more trials of which nothing is known, as those are that failed: they are ambiguous.
+    #[must_use]
+    pub fn and_unknown(self, trials: u64) -> Self {
+        Self { ambiguous: self.ambiguous + trials, trials: self.trials + trials, ..self }
     }
 
     /// Enters one trial.

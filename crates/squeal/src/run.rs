@@ -11,7 +11,7 @@ use crate::report::{Manifest, Results, Stopped, Times, reasons, write_tables};
 use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 6;
+const TALLY_VERSION: u32 = 7;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 

@@ -67,7 +67,7 @@ fn hoffmanns_oscillator_does_with_changes_what_closed_forms_say() {
         let slack = 2.0 * (drop.upper - drop.lower) + 2e-3;
         assert!((drop.value - (now - left)).abs() < slack, "{kind:?} {places}: {drop:?} {}", now - left);
         assert!((confirmed.unstable.value - left).abs() < 0.04, "{kind:?} {places}: {confirmed:?} {left}");
-        assert_eq!(confirmed.unstable, confirmed.squealing);
+        assert_eq!(confirmed.unstable.value, confirmed.squealing.value);
         let predicted = set.predicted_drop(&screen.unchanged).unwrap();
         assert!((predicted - (now - left)).abs() < 0.1, "{kind:?} {places}: {predicted} {}", now - left);
     }

@@ -5,7 +5,7 @@ use num_complex::Complex;
 
 use super::Threshold;
 use super::coupling::Coupling;
-use crate::certified::SingleCertifier;
+use crate::certified::{self, Certified, CertifiedEigenvalue, SingleCertifier};
 use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
 /// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
@@ -38,7 +38,8 @@ pub fn verdict(
 /// scale is that of fast internal states (docs/error-bounds.md, section 8). Elsewhere bound and verdict are those of
 /// [`certified::certify`](crate::certified::certify).
 ///
-/// [`stability_census`](crate::stability_census) asks this of a whole system, and has an answer where this has none.
+/// Where the bound of one eigenvalue leaves it undecided, that of all eigenvalues together decides, by [`certified::solve`] and
+/// [`certified::certify`](crate::certified::certify): so the zeros of a body that is free to move are marginal.
 ///
 /// # Errors
 /// [`CeaError::NoEigenvector`] where an eigenvalue near the axis is none of this system to working precision.
@@ -68,8 +69,21 @@ pub fn verdicts_beyond(
         if judge.is_clear(lambda, threshold) {
             return Ok(threshold.verdict(lambda, 0.0));
         }
-        let judged = judge.bounded(lambda, work)?;
-        Ok(if threshold.is_axis() { judged.verdict } else { threshold.verdict(judged.lambda, judged.bound) })
+        let of = |judged: &JudgedEigenvalue| match threshold.is_axis() {
+            true => judged.verdict,
+            false => threshold.verdict(judged.lambda, judged.bound),
+        };
+        let bounded = judge.bounded(lambda, work);
+        match &bounded {
+            Ok(judged) if judged.bound.is_finite() && !matches!(of(judged), Verdict::Undecided { .. }) => {
+                Ok(of(judged))
+            }
+            // A multiple eigenvalue, as the zeros of a body that is free to move, or one that a single bound does not decide.
+            _ => match judge.with_all_others(lambda, work) {
+                Some(judged) => Ok(of(&judged)),
+                None => bounded.map(|judged| of(&judged)),
+            },
+        }
     };
     lambdas.iter().map(one).collect()
 }
@@ -81,11 +95,13 @@ pub(crate) struct Judge<'a> {
     spectrum: &'a Spectrum,
     coupling: Option<Coupling>,
     certifier: Option<SingleCertifier<'a>>,
+    /// All eigenvalues with bounds, by the general route, which takes ten times as long; the inner `None` where that has no answer.
+    certified: Option<Option<Certified>>,
 }
 
 impl<'a> Judge<'a> {
     pub(crate) fn new(system: &'a SecondOrder, spectrum: &'a Spectrum) -> Self {
-        Self { system, spectrum, coupling: None, certifier: None }
+        Self { system, spectrum, coupling: None, certifier: None, certified: None }
     }
 
     /// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
@@ -116,6 +132,22 @@ impl<'a> Judge<'a> {
             let coupling = self.coupling.get_or_insert_with(|| Coupling::new(self.system));
             coupling.at(on_axis.norm()).is_some_and(|(error, size)| size < scale && is_apart(error, size / scale))
         }
+    }
+
+    /// The eigenvalue with a bound from [`certified::certify`], which knows of all others; `None` where that has no answer, or no
+    /// eigenvalue there.
+    fn with_all_others(&mut self, lambda: Complex<f64>, work: &mut Workspace) -> Option<JudgedEigenvalue> {
+        let system = self.system;
+        let certified = self.certified.get_or_insert_with(|| {
+            let spectrum = certified::solve(system, work).ok()?;
+            certified::certify(system, &spectrum, work).ok()
+        });
+        let distance = |found: &CertifiedEigenvalue| (found.lambda - lambda).norm();
+        let all = certified.as_ref()?.eigenvalues.iter();
+        let nearest = all.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let is_same = distance(nearest) <= NEAR_AXIS * self.spectrum.scale;
+        let CertifiedEigenvalue { lambda, bound, verdict, .. } = *nearest;
+        is_same.then_some(JudgedEigenvalue { lambda, bound, verdict })
     }
 
     /// The eigenvalue with a bound, as improved.

@@ -21,7 +21,7 @@ use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBra
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
 use crate::report::hertz;
 use crate::run::bar;
-use crate::study::{Scene, UncertainBrake, mode_work};
+use crate::study::{Scene, UncertainBrake, check_range, mode_work};
 use crate::why::Why;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
@@ -47,9 +47,18 @@ pub struct CeaArgs {
 struct Row {
     lambda: Complex<f64>,
     rank: usize,
-    verdict: Verdict,
+    /// In words.
+    verdict: &'static str,
     /// Over all degrees of freedom, with the work on each body.
     shape: Option<(Vec<Complex<f64>>, ModeWork)>,
+}
+
+/// A real eigenvalue of the structure, or one of an internal state that grows.
+struct RealRow {
+    /// 1/s.
+    growth: f64,
+    /// In words.
+    verdict: &'static str,
 }
 
 impl CeaArgs {
@@ -122,8 +131,11 @@ impl CeaArgs {
         let counts = counts_from(&brake.plan.threshold);
         let heading = format!("{}; median parameters{counts}", brake.plan.describe(scene));
         let rows = modes.lambdas.iter().zip(&modes.residuals);
-        let verdict =
-            |lambda: Complex<f64>| brake.plan.threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
+        let threshold = &brake.plan.threshold;
+        let verdict = |lambda: Complex<f64>| {
+            let found = threshold.verdict(lambda, brake.relative_error(scene) * lambda.norm());
+            verdict_in_words(found, lambda, threshold)
+        };
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         if self.json {
             let list: Vec<Value> = rows
@@ -134,7 +146,7 @@ impl CeaArgs {
                         "frequency_hz": frequency_hz(*lambda),
                         "damping_ratio": damping_ratio(*lambda),
                         "residual": residual,
-                        "verdict": verdict(*lambda).to_string(),
+                        "verdict": verdict(*lambda),
                     });
                     if let Some(why) = whys.iter().find(|why| is_of(*lambda, why)) {
                         mode["why"] = json!(why);
@@ -150,7 +162,7 @@ impl CeaArgs {
         );
         for (lambda, residual) in rows {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
-            let verdict = verdict(*lambda).to_string();
+            let verdict = verdict(*lambda);
             text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);
         }
         Ok(text
@@ -168,15 +180,15 @@ impl CeaArgs {
         scene: &Value,
         whys: &[Why],
     ) -> Result<String, Error> {
-        let (rows, modes) = analyse(brake, at, threshold, self.modes)?;
+        let (rows, real, modes) = analyse(brake, at, threshold, self.modes)?;
         Ok(match self.json {
-            true => json_text(scene, &rows, &modes, whys),
+            true => json_text(scene, &rows, &real, &modes, whys),
             false => {
                 let name = |why: &Why| {
                     let row = rows.iter().find(|row| is_of(row.lambda, why));
                     row.map_or(String::new(), |row| format!(" {}", row.rank))
                 };
-                format!("{heading}\n\n{}{}", table(&rows, &modes, brake), reasons(whys, name))
+                format!("{heading}\n\n{}{}", table(&rows, &real, &modes, brake), reasons(whys, name))
             }
         })
     }
@@ -188,13 +200,23 @@ fn analyse(
     at: &OperatingPoint,
     threshold: &Threshold,
     wants_shapes: bool,
-) -> Result<(Vec<Row>, Modes), Error> {
+) -> Result<(Vec<Row>, Vec<RealRow>, Modes), Error> {
     let system = brake.system.assemble(at)?;
     announce(system.order());
     let mut work = Workspace::default();
     let spectrum = QrSolver.eigenvalues(&system, &mut work)?;
+    check_range(&system, &spectrum)?;
     let modes = Modes::classify(&system, &spectrum, &mut work)?;
-    let verdicts = verdicts_beyond(threshold, &system, &modes.oscillatory, &spectrum, &mut work)?;
+    let real: Vec<Complex<f64>> = modes.real.iter().map(|&re| Complex::from(re)).collect();
+    let internal: Vec<Complex<f64>> = modes.internal.iter().copied().filter(|l| l.re > 0.0 && l.im >= 0.0).collect();
+    let all = [&modes.oscillatory[..], &real, &internal].concat();
+    let mut verdicts = verdicts_beyond(threshold, &system, &all, &spectrum, &mut work)?;
+    let of_internal = verdicts.split_off(modes.oscillatory.len() + real.len());
+    let of_real = verdicts.split_off(modes.oscillatory.len());
+    let word = |(&lambda, verdict): (&Complex<f64>, Verdict)| (lambda, verdict_in_words(verdict, lambda, threshold));
+    let internal = internal.iter().zip(of_internal).filter(|(_, verdict)| *verdict == Verdict::Unstable);
+    let real = real.iter().zip(of_real).chain(internal).map(word);
+    let real = real.map(|(lambda, verdict)| RealRow { growth: lambda.re, verdict }).collect();
     let mut rows = Vec::with_capacity(modes.oscillatory.len());
     for ((index, &lambda), verdict) in modes.oscillatory.iter().enumerate().zip(verdicts) {
         let shape = if wants_shapes {
@@ -204,13 +226,27 @@ fn analyse(
         } else {
             None
         };
+        let verdict = verdict_in_words(verdict, lambda, threshold);
         rows.push(Row { lambda, rank: modes.rank(index), verdict, shape });
     }
-    Ok((rows, modes))
+    Ok((rows, real, modes))
 }
 
-fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
-    let mut text = format!(
+/// A verdict for people: what grows and does not count is not stable but below the threshold, and what grows without oscillation diverges.
+fn verdict_in_words(verdict: Verdict, lambda: Complex<f64>, threshold: &Threshold) -> &'static str {
+    match verdict {
+        Verdict::Unstable if lambda.im == 0.0 => "diverges",
+        Verdict::Unstable => "unstable",
+        Verdict::Stable if lambda.re > 0.0 && !threshold.is_axis() => "below threshold",
+        Verdict::Stable => "stable",
+        Verdict::Marginal { .. } => "marginal",
+        Verdict::Undecided { .. } => "undecided",
+    }
+}
+
+fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake) -> String {
+    let mut text = said_first(real);
+    text += &format!(
         "{:>4}  {:>7}  {:>12}  {:>14}  {:>14}  {:>10}\n",
         "rank", "of 2n", "Hz", "growth 1/s", "damping ratio", "verdict"
     );
@@ -223,14 +259,20 @@ fn table(rows: &[Row], modes: &Modes, brake: &Brake) -> String {
             hertz(frequency_hz(row.lambda)),
             row.lambda.re,
             damping_ratio(row.lambda),
-            row.verdict.to_string()
+            row.verdict
         );
         if let Some((shape, energy)) = &row.shape {
             text += &bodies(shape, energy, brake);
         }
     }
-    if !modes.real.is_empty() {
-        let list: Vec<String> = modes.real.iter().map(|re| format!("{re:.4}")).collect();
+    if !real.is_empty() {
+        let list: Vec<String> = real
+            .iter()
+            .map(|RealRow { growth, verdict }| match *verdict {
+                "stable" => format!("{growth:.4}"),
+                word => format!("{growth:.4} {word}"),
+            })
+            .collect();
         text += &format!("\noverdamped or divergent (real eigenvalues, 1/s): {}\n", list.join(", "));
     }
     if !modes.internal.is_empty() {
@@ -262,7 +304,19 @@ fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
     text
 }
 
-fn json_text(scene: &Value, rows: &[Row], modes: &Modes, whys: &[Why]) -> String {
+/// What the table of a brake that diverges begins with.
+fn said_first(real: &[RealRow]) -> String {
+    let diverging: Vec<&RealRow> = real.iter().filter(|row| row.verdict == "diverges").collect();
+    let greatest = diverging.iter().map(|row| row.growth).fold(0.0, f64::max);
+    match diverging.len() {
+        0 => String::new(),
+        count => {
+            format!("UNSTABLE without oscillation: {count} real eigenvalues diverge, by up to {greatest:.4} 1/s\n\n")
+        }
+    }
+}
+
+fn json_text(scene: &Value, rows: &[Row], real: &[RealRow], modes: &Modes, whys: &[Why]) -> String {
     let list: Vec<Value> = rows
         .iter()
         .map(|row| {
@@ -274,7 +328,7 @@ fn json_text(scene: &Value, rows: &[Row], modes: &Modes, whys: &[Why]) -> String
                 "damping_ratio": damping_ratio(row.lambda),
                 "rank": row.rank,
                 "pair": [first, second],
-                "verdict": row.verdict.to_string(),
+                "verdict": row.verdict,
             });
             if let Some(why) = whys.iter().find(|why| is_of(row.lambda, why)) {
                 mode["why"] = json!(why);
@@ -290,6 +344,8 @@ fn json_text(scene: &Value, rows: &[Row], modes: &Modes, whys: &[Why]) -> String
         })
         .collect();
     let internal: Vec<Value> = modes.internal.iter().map(|l| json!([l.re, l.im])).collect();
-    let all = json!({ "scene": scene, "modes": list, "real": modes.real, "internal": internal });
+    let verdicts: Vec<&str> = real.iter().map(|row| row.verdict).collect();
+    let real: Vec<f64> = real.iter().map(|row| row.growth).collect();
+    let all = json!({ "scene": scene, "modes": list, "real": real, "real_verdicts": verdicts, "internal": internal });
     format!("{all:#}\n")
 }

@@ -141,7 +141,7 @@ impl RunArgs {
             (more.files)(results, dir)?;
             scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
-                estimates = Estimates::run(study, half_width, &self.out, dir)?.text();
+                estimates = Estimates::run(study, results, half_width, &self.out, dir)?.text();
             }
             // Last: it shows the tables.
             write_page(results, &(more.geometry)(), dir)?;

@@ -6,7 +6,8 @@
 //! cut off. It does not cover a branch that crosses the axis twice within one step: [`tracking::find_onsets`] excludes that by
 //! a rule.
 
-use cea::Counters;
+use cea::{Counters, EigenSolver, QrSolver, Verdict, Workspace, verdicts};
+use linsys::SecondOrder;
 use num_complex::Complex;
 use tracking::{Branches, Onsets, follow_branch};
 
@@ -64,12 +65,39 @@ fn named(
 ) -> Result<Vec<Vec<ModeLabel>>, EstimatorError> {
     let at_median = family.lambdas(median)?.to_vec();
     let lambdas = family.lambdas(mu)?;
-    let unstable: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
+    let growing: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
+    let unstable = surely_unstable(growing, &lambdas.to_vec(), &family.system(mu), mu)?;
     let name = |index: usize| {
         let ends = follow_branch(family, mu, index, median, SMALLEST_STEP)?;
         Ok(reference.names_of(ends.into_iter().map(|end| place(reference, end, at_median[end]))))
     };
     unstable.into_iter().map(name).collect()
+}
+
+/// Those of some eigenvalues right of the axis that surely are, by their bounds; what is marginal neither grows nor decays.
+///
+/// # Errors
+/// [`EstimatorError::NotOneParameter`] where a verdict is open.
+fn surely_unstable(
+    mut growing: Vec<usize>,
+    lambdas: &[Complex<f64>],
+    system: &SecondOrder,
+    mu: f64,
+) -> Result<Vec<usize>, EstimatorError> {
+    if growing.is_empty() {
+        return Ok(growing);
+    }
+    let mut work = Workspace::default();
+    let spectrum = QrSolver.eigenvalues(system, &mut work)?;
+    let of: Vec<Complex<f64>> = growing.iter().map(|&i| lambdas[i]).collect();
+    let verdicts = verdicts(system, &of, &spectrum, &mut work)?;
+    if verdicts.iter().any(|verdict| matches!(verdict, Verdict::Undecided { .. })) {
+        let found = format!("an undecided one at {mu}");
+        return Err(EstimatorError::NotOneParameter { needed: "a sure verdict on every mode", found });
+    }
+    let mut verdicts = verdicts.into_iter();
+    growing.retain(|_| verdicts.next() == Some(Verdict::Unstable));
+    Ok(growing)
 }
 
 /// The index among the reference modes of an eigenvalue with `index` in the spectrum of the family. The two indices may differ

@@ -15,6 +15,7 @@
 
 mod cell_builder;
 mod cheapest;
+mod contradiction;
 mod control_variate;
 #[cfg(test)]
 mod coverage;
@@ -32,7 +33,8 @@ mod sampling;
 mod stratum;
 mod surrogate;
 
-pub use cheapest::{Estimator, SceneOccurrences, friction_points, scene_occurrences};
+pub use cheapest::{Estimator, SceneOccurrences, friction_points, scene_occurrences, scene_occurrences_beside};
+pub use contradiction::Rejected;
 pub use control_variate::control_variate;
 pub use error::EstimatorError;
 pub use evaluations::Evaluations;

@@ -18,7 +18,13 @@ impl Influence {
     /// The answer in words, output by output.
     #[must_use]
     pub fn text(&self, plan: &Plan) -> String {
-        let mut text = String::new();
+        let mut text = match self.failures {
+            0 => String::new(),
+            failures => format!(
+                "{failures} of {} draws FAILED and are left out of what follows; they may be unstable\n",
+                self.draws
+            ),
+        };
         // Of a mode that is hardly ever unstable there is nothing to say; of the scene that is said.
         let (said, rare): (Vec<_>, Vec<_>) =
             self.outputs.iter().partition(|output| output.output.mode.is_none() || !output.inputs.is_empty());
@@ -40,16 +46,14 @@ impl Influence {
             text +=
                 &format!("In {} draws an unstable mode has a name that is open: it counts for no mode.\n", self.open);
         }
-        if self.failures > 0 {
-            text += &format!("{} of {} draws failed and are left out.\n", self.failures, self.draws);
-        }
         text
     }
 
     fn of_output(&self, output: &OutputInfluence, plan: &Plan) -> String {
         let whose = match output.output.mode {
             None => "any mode".to_owned(),
-            Some(mode) => format!("mode {mode}"),
+            Some(mode) if mode.is_mode() => format!("mode {mode}"),
+            Some(label) => label.to_string(),
         };
         let solved = self.draws - self.failures;
         let share = 100.0 * output.nonzero as f64 / solved.max(1) as f64;
@@ -62,7 +66,11 @@ impl Influence {
                 "growth of {whose}, 0 where stable: mean {:.4} 1/s, deviation {:.4} 1/s; unstable{beyond} in {share:.1} % of the draws\n",
                 output.mean, output.deviation
             ),
-            OutputKind::Instability => format!("whether {whose} is unstable\n"),
+            OutputKind::Instability => match output.output.mode {
+                None => "whether any mode is unstable\n".to_owned(),
+                Some(mode) if mode.is_mode() => format!("whether {whose} is unstable\n"),
+                Some(_) => format!("whether there is {whose}\n"),
+            },
         };
         if output.inputs.is_empty() {
             return heading + "  too few draws differ from the others to say what makes it vary\n";

@@ -7,9 +7,10 @@ use montecarlo::Progress;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::Results;
 use crate::Error;
 use crate::estimators::{
-    Estimator, EstimatorError, FrictionPoints, SceneOccurrences, friction_points, scene_occurrences,
+    Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
 };
 use crate::output::{write_csv, write_json};
 use crate::run::bar;
@@ -35,17 +36,23 @@ pub struct Estimates {
 
 impl Estimates {
     /// Estimates every occurrence of a study to a half width at 95 %, and writes `estimates.csv` in `dir`. The state is kept
-    /// in the folder `kept_in`: what it holds of the same estimates already is not computed again.
+    /// in the folder `kept_in`: what it holds of the same estimates already is not computed again, unless the samples of the results
+    /// contradict it. An estimate that they contradict is rejected, which the results note, and the next estimator takes over.
     ///
     /// # Errors
     /// A sample that cannot be solved; a folder that cannot be written.
     pub fn run<B: UncertainBrake>(
         study: &Study<'_, B>,
+        results: &Results<'_>,
         half_width: f64,
         kept_in: &Path,
         dir: &Path,
     ) -> Result<Self, Error> {
+        let own = &results.summary.tally.scenes;
         let mut estimates = Self::kept(study, half_width, kept_in);
+        for (found, own) in estimates.scenes.iter_mut().zip(own) {
+            *found = found.take().filter(|found| found.agrees_with(own));
+        }
         let (scenes, mut saved) = (&study.plan().scenes, Instant::now());
         let mut open: Vec<usize> = (0..scenes.len()).filter(|&at| estimates.scenes[at].is_none()).collect();
         // Scenes of one law and speed range share their friction, mostly.
@@ -66,7 +73,8 @@ impl Estimates {
                 count += 1;
             }
             let batch: Vec<usize> = open.drain(..count).collect();
-            let estimate = |&at: &usize| scene_occurrences(study, at, half_width, points.as_ref());
+            let estimate =
+                |&at: &usize| scene_occurrences_beside(study, at, half_width, points.as_ref(), Some(&own[at]));
             let found = batch.par_iter().map(estimate).collect::<Result<Vec<_>, EstimatorError>>().map_err(inner)?;
             for (at, found) in batch.into_iter().zip(found) {
                 estimates.scenes[at] = Some(found);
@@ -78,6 +86,11 @@ impl Estimates {
             }
         }
         progress.end();
+        for (scene, found) in scenes.iter().zip(&estimates.scenes) {
+            for Rejected { estimator, because } in found.iter().flat_map(|found| &found.rejected) {
+                results.note(format!("{}: the {estimator} is rejected: {because}", study.plan().describe(scene)));
+            }
+        }
         estimates.write_table(study, dir)?;
         Ok(estimates)
     }
@@ -141,6 +154,17 @@ impl Estimates {
                 of.len(),
                 plain as f64 / spent.max(1) as f64
             );
+        }
+        for estimator in Estimator::ALL {
+            let rejected =
+                || found.iter().flat_map(|scene| &scene.rejected).filter(|rejected| rejected.estimator == estimator);
+            if let Some(first) = rejected().next() {
+                text += &format!(
+                    "  the {estimator} is REJECTED in {} scenes, where the samples of this run contradict it: {}\n",
+                    rejected().count(),
+                    first.because
+                );
+            }
         }
         text
     }

@@ -4,7 +4,7 @@ use montecarlo::Confidence;
 use std::collections::BTreeMap;
 
 use super::Results;
-use super::results::Estimate;
+use super::results::{ArrangementOccurrence, Estimate};
 use crate::Error;
 use crate::study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 
@@ -26,6 +26,15 @@ impl ModeRange<'_> {
     /// Whether it surely is likely in every panel.
     pub fn is_likely_everywhere(&self) -> bool {
         self.least.0.lower > LIKELY
+    }
+
+    /// In how many samples it is unstable.
+    pub fn in_words(&self) -> &'static str {
+        match (self.least.0.value >= 1.0, self.largest.value > 0.0) {
+            (true, _) => "unstable in every sample",
+            (false, true) => "unstable in some samples",
+            (false, false) => "perhaps unstable in some samples",
+        }
     }
 
     /// Whether it surely is likely in some panels and not, or not surely, in others.
@@ -69,7 +78,7 @@ fn mode_ranges<'a>(results: &'a Results<'_>, constraints: usize) -> Result<BTree
     let mut modes = BTreeMap::new();
     let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
     for panel in results.panels().iter().filter(|panel| panel.key.constraints == constraints) {
-        for (name, occurrences) in results.all_occurrences(panel) {
+        for (name, occurrences) in results.every_occurrence(panel) {
             let median = results.median(&occurrences)?;
             let first =
                 || ModeRange { least: (median, panel), most: (median, panel), is_ever_unstable: false, largest: none };
@@ -82,7 +91,8 @@ fn mode_ranges<'a>(results: &'a Results<'_>, constraints: usize) -> Result<BTree
                 range.most = (median, panel);
             }
             for occurrence in &occurrences {
-                range.is_ever_unstable |= occurrence.proportion.hits() + occurrence.proportion.ambiguous() > 0;
+                let ArrangementOccurrence { proportion, failed, .. } = occurrence;
+                range.is_ever_unstable |= proportion.hits() + proportion.ambiguous() > *failed;
                 let estimate = occurrence.estimate();
                 if order(&estimate) > order(&range.largest) {
                     range.largest = estimate;
@@ -136,8 +146,12 @@ pub(super) struct OpenCounts {
     /// Unstable modes found, and those of them whose name is open.
     pub unstable_modes: u64,
     pub ambiguous_modes: u64,
+    /// Real eigenvalues that diverge.
+    pub divergent: u64,
     /// Verdicts that count as stable.
     pub undecided: u64,
+    /// Eigenvalues on the axis.
+    pub marginal: u64,
     /// Draws or evaluations that failed.
     pub failures: u64,
 }
@@ -148,10 +162,38 @@ impl OpenCounts {
         Self {
             unstable_modes: sum(|tally| tally.unstable_modes),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),
+            divergent: sum(|tally| tally.divergent),
             undecided: sum(|tally| tally.undecided),
+            marginal: sum(|tally| tally.marginal),
             failures: results.summary.failures.total(),
         }
     }
+}
+
+/// What every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
+/// there are none.
+pub(super) fn warnings(results: &Results<'_>) -> Vec<String> {
+    let (summary, mut found) = (&results.summary, Vec::new());
+    let scenes = results.plan().scenes.len() as u64;
+    let failed: u64 = (0..results.plan().scenes.len()).map(|scene| results.failed(scene)).sum();
+    if failed > 0 {
+        let first = summary.failures.listed().first();
+        let first =
+            first.map_or(String::new(), |first| format!("; the first, of sample {}: {}", first.index, first.message));
+        found.push(format!(
+            "{failed} of {} evaluations FAILED, and what failed may be unstable: upper limits are with all of them unstable{first}",
+            summary.samples * scenes
+        ));
+    }
+    let sum = |of: fn(&SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum::<u64>();
+    let (undecided, samples) = (sum(|tally| tally.undecided), sum(|tally| tally.perhaps_unstable));
+    if undecided > 0 {
+        found.push(format!(
+            "{undecided} verdicts are UNDECIDED, because error bounds are larger than the distance from the limit of stability, and \
+             count as stable; in {samples} evaluations nothing else is unstable"
+        ));
+    }
+    found
 }
 
 /// Law, number in contact and speed of a panel.

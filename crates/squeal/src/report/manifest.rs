@@ -89,8 +89,12 @@ pub struct Manifest {
     pub ambiguous_modes: u64,
     /// Unstable modes in all.
     pub unstable_modes: u64,
+    /// Real eigenvalues that diverge.
+    pub divergent: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
+    /// Eigenvalues on the imaginary axis to within rounding of the matrices.
+    pub marginal: u64,
     /// Of a reduced brake: how many unstable modes have a residual in the whole one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residuals: Option<u64>,
@@ -103,6 +107,9 @@ pub struct Manifest {
     /// Of a reduced brake: some samples against the whole one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_checks: Option<FullChecks>,
+    /// What was noticed on the way: estimates that were rejected, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// Where a run stopped that had to know every occurrence to a half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
@@ -129,13 +136,16 @@ impl Manifest {
             failures: summary.failures.total(),
             ambiguous_modes: sum(|tally| tally.ambiguous_modes),
             unstable_modes: sum(|tally| tally.unstable_modes),
+            divergent: sum(|tally| tally.divergent),
             undecided: sum(|tally| tally.undecided),
+            marginal: sum(|tally| tally.marginal),
             residuals: plan.band.map(|_| sum(|tally| tally.residuals)),
             residuals_above: plan.band.map(|_| sum(|tally| tally.residuals_above)),
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
             full_checks: None,
+            notes: results.notes(),
             stopped: None,
             seconds,
         }

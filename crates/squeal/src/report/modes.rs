@@ -35,7 +35,7 @@ impl<'a> Results<'a> {
     /// What a mode is called where modes of several sets of constraints can meet: with the letter of its set, `B16`. Its number
     /// alone where there is one set.
     pub fn mode_label(&self, constraints: usize, name: ModeLabel) -> String {
-        if self.plan().labels.constraints.len() == 1 {
+        if self.plan().labels.constraints.len() == 1 || !name.is_mode() {
             return name.to_string();
         }
         format!("{}{name}", set_letter(constraints))

@@ -54,7 +54,7 @@ pub(super) fn occurrence(
     let labels = &results.plan().labels;
     let has_speed = laws.iter().flat_map(|&law| results.panels_of(constraints, law)).any(|p| p.key.speed.is_some());
     let shown = laws.iter().flat_map(|&law| results.panels_of(constraints, law));
-    let names: BTreeSet<ModeLabel> = shown.flat_map(|panel| results.all_occurrences(panel).into_keys()).collect();
+    let names: BTreeSet<ModeLabel> = shown.flat_map(|panel| results.every_occurrence(panel).into_keys()).collect();
     let names: Vec<ModeLabel> = names.into_iter().collect();
     let mut of_laws = Vec::new();
     for &law in laws {
@@ -69,7 +69,7 @@ pub(super) fn occurrence(
             let mut boxes = Vec::new();
             for panel in &panels {
                 let series = if has_speed { panel.key.speed.unwrap_or(labels.speeds.len()) } else { 0 };
-                for (name, occurrences) in results.all_occurrences(panel) {
+                for (name, occurrences) in results.every_occurrence(panel) {
                     let mode = names.iter().position(|other| *other == name).unwrap_or_default();
                     boxes.push(OccurrenceBox { mode, series, values: occurrences.iter().map(percent).collect() });
                 }
@@ -164,7 +164,8 @@ fn percent(occurrence: &ArrangementOccurrence) -> Occurrence {
     // From the counts and not from their quotient: 1.7 and not 1.7000000000000002.
     let part = |count: u64| 100.0 * count as f64 / proportion.trials().max(1) as f64;
     Occurrence {
-        samples: proportion.trials(),
+        // A cross where nothing is known.
+        samples: if occurrence.failed == proportion.trials() { 0 } else { proportion.trials() },
         percent: part(proportion.hits()),
         open: part(proportion.ambiguous()),
         lower: 100.0 * estimate.lower,

@@ -133,7 +133,7 @@ pub(super) fn reasons_in_words(plan: &Plan, reasons: &[SceneReasons]) -> String 
             }
         };
         let Some((names, why)) = fastest else {
-            text += &format!("- {described}: no mode is unstable\n");
+            text += &format!("- {described}: no oscillating mode grows at its medians\n");
             continue;
         };
         let parameters = why.influences.iter().filter(|influence| influence.kind == InfluenceKind::Parameter);

@@ -1,8 +1,9 @@
 //! Counts turned into occurrences, means and intervals.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
 
-use montecarlo::{Confidence, IntegerMean, Interval, LabelTally, Proportion, Summary, quantile};
+use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summary, quantile};
 
 use crate::Error;
 use crate::study::{
@@ -25,14 +26,16 @@ pub struct Estimate {
 pub struct ArrangementOccurrence {
     /// Place of the arrangement in its panel's list.
     pub arrangement: usize,
-    /// The samples solved: those in which it surely is unstable, and those in which an unstable mode is this one or
-    /// another.
+    /// All samples: those in which it surely is unstable, and those in which it may be, because an unstable mode is this one or
+    /// another, or because the sample could not be evaluated.
     pub proportion: Proportion,
+    /// Samples that could not be evaluated, among them.
+    pub failed: u64,
 }
 
 impl ArrangementOccurrence {
     /// Part of the samples in which it surely is unstable, with Wilson's 95 % interval; samples in which it is open
-    /// which mode is unstable widen the interval upwards.
+    /// which mode is unstable, and those that failed, widen the interval upwards.
     pub fn estimate(&self) -> Estimate {
         let value = self.proportion.estimate().map_or(0.0, |part| part.lower);
         let interval = self.proportion.interval(Confidence::P95);
@@ -51,6 +54,8 @@ pub struct Results<'a> {
     pub labels: ModeNaming,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
+    /// What was noticed beside the counts, for the manifest.
+    notes: Mutex<Vec<String>>,
 }
 
 impl<'a> Results<'a> {
@@ -69,7 +74,8 @@ impl<'a> Results<'a> {
         let (plan, origins) = (study.plan(), study.origin_references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
-        Self { labels: plan.mode_labels, plan, origins, references, summary, panels, comparisons }
+        let (labels, notes) = (plan.mode_labels, Mutex::default());
+        Self { labels, plan, origins, references, summary, panels, comparisons, notes }
     }
 
     /// The same counts with modes named in another way.
@@ -79,6 +85,7 @@ impl<'a> Results<'a> {
             summary: self.summary.clone(),
             panels: self.panels.clone(),
             comparisons: self.comparisons.clone(),
+            notes: Mutex::default(),
             ..*self
         }
     }
@@ -91,14 +98,25 @@ impl<'a> Results<'a> {
         let mut summary = self.summary.clone();
         summary.tally.panels = kept.iter().map(|&at| self.summary.tally.panels[at]).collect();
         let place = |panel: usize| kept.binary_search(&panel).ok();
-        let compared = |(comparison, mean): (&Comparison, &IntegerMean)| {
+        let compared = |(comparison, mean): (&Comparison, &BoundedMean)| {
             let (more, fewer) = (place(comparison.more)?, place(comparison.fewer)?);
             Some((Comparison { more, fewer, ..*comparison }, *mean))
         };
         let compared = self.comparisons.iter().zip(&self.summary.tally.comparisons).filter_map(compared);
         let comparisons;
         (comparisons, summary.tally.comparisons) = compared.unzip();
-        Self { summary, panels: kept.iter().map(|&at| self.panels[at].clone()).collect(), comparisons, ..*self }
+        let panels = kept.iter().map(|&at| self.panels[at].clone()).collect();
+        Self { summary, panels, comparisons, notes: Mutex::default(), ..*self }
+    }
+
+    /// Notes something for the manifest.
+    pub(super) fn note(&self, note: String) {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
+    }
+
+    /// What was noted.
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The plan.
@@ -127,13 +145,25 @@ impl<'a> Results<'a> {
     }
 
     /// Occurrences of every mode that is ever unstable in a panel, by its name, one entry per arrangement. Where an unstable mode has
-    /// no name every mode of the scene may have been unstable, and is listed.
+    /// no name every mode of the scene may have been unstable, and is listed. What is no mode is in
+    /// [`other_occurrences`](Self::other_occurrences).
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
         let mut names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
         let open = panel.scenes.iter().filter(|&&scene| self.counts(scene).unlabelled() > 0);
         names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|name| self.name(name)));
         names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
+    }
+
+    /// Occurrences of what is unstable in a panel, or may be, and is none of the modes with names: unstable modes without one, and
+    /// divergence.
+    pub fn other_occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
+        let is_seen = |&name: &ModeLabel| {
+            let of_solved = panel.scenes.iter().map(|&scene| self.of_solved(scene, name));
+            of_solved.into_iter().any(|found| found.hits() + found.ambiguous() > 0)
+        };
+        let seen = [ModeLabel::UNNAMED, ModeLabel::DIVERGENCE].into_iter().filter(is_seen);
+        seen.map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
 
     /// As [`occurrences`](Self::occurrences), of every mode, whether it is ever unstable or not.
@@ -145,16 +175,52 @@ impl<'a> Results<'a> {
         all
     }
 
+    /// As [`all_occurrences`](Self::all_occurrences), and the [other ones](Self::other_occurrences).
+    pub fn every_occurrence(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
+        let mut all = self.all_occurrences(panel);
+        all.extend(self.other_occurrences(panel));
+        all
+    }
+
     /// Occurrences of one mode in a panel, whether it ever is unstable there or not, one entry per arrangement.
     pub fn occurrences_of(&self, panel: &Panel, name: ModeLabel) -> Vec<ArrangementOccurrence> {
+        self.by_arrangement(panel, |scene| self.of_solved(scene, name))
+    }
+
+    /// How often anything at all is unstable in a panel, a mode with a name or without or divergence, one entry per arrangement.
+    pub fn any_occurrence(&self, panel: &Panel) -> Vec<ArrangementOccurrence> {
+        self.by_arrangement(panel, |scene| self.summary.tally.scenes[scene].any())
+    }
+
+    /// A proportion of the samples solved in each scene of a panel as one of all samples: one that failed may be anything.
+    fn by_arrangement(&self, panel: &Panel, of_solved: impl Fn(usize) -> Proportion) -> Vec<ArrangementOccurrence> {
         let mut list = Vec::with_capacity(panel.arrangements);
         for &scene in &panel.scenes {
-            let proportion = self.counts(scene).proportion(&self.key(name));
+            let failed = self.failed(scene);
+            let proportion = of_solved(scene).and_unknown(failed);
             let members = self.plan().scenes[scene].members.iter();
-            list.extend(members.map(|&arrangement| ArrangementOccurrence { arrangement, proportion }));
+            list.extend(members.map(|&arrangement| ArrangementOccurrence { arrangement, proportion, failed }));
         }
         list.sort_by_key(|occurrence| occurrence.arrangement);
         list
+    }
+
+    /// Samples that could not be evaluated in a scene.
+    pub fn failed(&self, scene: usize) -> u64 {
+        let failures = &self.summary.failures;
+        failures.draws() + failures.by_scene().get(scene).copied().unwrap_or(0)
+    }
+
+    /// In how many of the samples solved in a scene what a label stands for is unstable.
+    fn of_solved(&self, scene: usize, name: ModeLabel) -> Proportion {
+        let tally = &self.summary.tally.scenes[scene];
+        match name {
+            ModeLabel::DIVERGENCE => tally.divergence(),
+            // A frequency rank is a name that every mode has.
+            ModeLabel::UNNAMED if self.labels != ModeNaming::Tracked => Proportion::of_counts(0, 0, tally.solved),
+            ModeLabel::UNNAMED => tally.unnamed(),
+            name => self.counts(scene).proportion(&self.key(name)),
+        }
     }
 
     fn counts(&self, scene: usize) -> &LabelTally<ModeLabel> {
@@ -163,11 +229,11 @@ impl<'a> Results<'a> {
     }
 
     pub(super) fn name(&self, key: ModeLabel) -> ModeLabel {
-        if self.labels == ModeNaming::Pair { ModeLabel::new(2 * key.number() - 1) } else { key }
+        if self.labels == ModeNaming::Pair && key.is_mode() { ModeLabel::new(2 * key.number() - 1) } else { key }
     }
 
     fn key(&self, name: ModeLabel) -> ModeLabel {
-        if self.labels == ModeNaming::Pair { ModeLabel::new(name.number().div_ceil(2)) } else { name }
+        if self.labels == ModeNaming::Pair && name.is_mode() { ModeLabel::new(name.number().div_ceil(2)) } else { name }
     }
 
     /// The frequency rank behind a mode's name, whichever way it is named.
@@ -202,10 +268,26 @@ impl<'a> Results<'a> {
         Ok(Estimate { value: median(|e| e.value)?, lower: median(|e| e.lower)?, upper: median(|e| e.upper)? })
     }
 
-    /// Mean number of unstable modes in one CEA of a panel.
+    /// Mean number of what is unstable in one CEA of a panel, modes and divergences. In a sample of which an arrangement failed
+    /// everything may be unstable and nothing surely is.
     pub fn mean_unstable(&self, panel: &Panel) -> Option<Estimate> {
         let at = self.panels.iter().position(|p| p.key == panel.key)?;
-        scaled(&self.summary.tally.panels[at], panel.arrangements as f64, Confidence::P95)
+        let (solved, arrangements) = (&self.summary.tally.panels[at], panel.arrangements as f64);
+        solved.mean()?;
+        let most = self.most_unstable(panel) * arrangements;
+        let bounds = Bounds { least: 0.0, greatest: most, step: arrangements };
+        let failed = self.summary.samples.saturating_sub(solved.count());
+        let [least, most] = [0, most as i32].map(|of_failed| solved.and(of_failed, failed));
+        let [lower, upper] = [least, most].map(|mean| mean.interval(bounds, Confidence::P95));
+        let per_analysis = |sum: f64| sum / arrangements;
+        let value = per_analysis(least.mean()?);
+        Some(Estimate { value, lower: per_analysis(lower.lower), upper: per_analysis(upper.upper) })
+    }
+
+    /// As many modes as one CEA of a panel has: no more of them are unstable.
+    fn most_unstable(&self, panel: &Panel) -> f64 {
+        let modes = |&scene: &usize| self.plan.brake(&self.plan.scenes[scene]).dofs.free().len();
+        panel.scenes.iter().map(modes).max().unwrap_or(0) as f64
     }
 
     /// Comparisons of one kind with the difference of the two means and its interval: positive where it is as expected.
@@ -214,11 +296,29 @@ impl<'a> Results<'a> {
         kind: ComparisonKind,
         confidence: Confidence,
     ) -> impl Iterator<Item = (&Panel, &Panel, Option<Estimate>)> + '_ {
-        let of_kind = move |(comparison, _): &(&Comparison, &IntegerMean)| comparison.kind == kind;
+        let of_kind = move |(comparison, _): &(&Comparison, &BoundedMean)| comparison.kind == kind;
         self.comparisons.iter().zip(&self.summary.tally.comparisons).filter(of_kind).map(move |(comparison, mean)| {
             let (more, fewer) = (&self.panels[comparison.more], &self.panels[comparison.fewer]);
-            (more, fewer, scaled(mean, (more.arrangements * fewer.arrangements) as f64, confidence))
+            (more, fewer, self.difference(more, fewer, mean, confidence))
         })
+    }
+
+    /// The difference of two panels per analysis, from that of the samples solved in both; in a sample that failed it may be any.
+    fn difference(
+        &self,
+        more: &Panel,
+        fewer: &Panel,
+        solved: &BoundedMean,
+        confidence: Confidence,
+    ) -> Option<Estimate> {
+        let by = (more.arrangements * fewer.arrangements) as f64;
+        let value = solved.mean()? / by;
+        let [least, greatest] = [-self.most_unstable(fewer) * by, self.most_unstable(more) * by];
+        let bounds = Bounds { least, greatest, step: by };
+        let failed = self.summary.samples.saturating_sub(solved.count());
+        let [lower, upper] =
+            [least, greatest].map(|of_failed| solved.and(of_failed as i32, failed).interval(bounds, confidence));
+        Some(Estimate { value, lower: lower.lower / by, upper: upper.upper / by })
     }
 
     /// What a panel is called in claims and summaries; of a brake without contacts their number is left out.
@@ -232,11 +332,4 @@ impl<'a> Results<'a> {
         let (constraints, law) = (&labels.constraints[panel.key.constraints], &labels.laws[panel.key.law].name);
         format!("{constraints}, {law}, {contacts}{speed}")
     }
-}
-
-fn scaled(mean: &IntegerMean, by: f64, confidence: Confidence) -> Option<Estimate> {
-    let value = mean.mean()? / by;
-    // One sample has a mean and no interval: then anything is possible.
-    let interval = mean.interval(confidence).unwrap_or(Interval { lower: -f64::INFINITY, upper: f64::INFINITY });
-    Some(Estimate { value, lower: interval.lower / by, upper: interval.upper / by })
 }

@@ -4,9 +4,11 @@ use std::fmt::Write as _;
 
 use montecarlo::Sampling;
 
-use super::Results;
+use super::findings::warnings;
+use super::{ArrangementOccurrence, Estimate, Results};
 use crate::Error;
-use crate::study::{Study, StudyTally, UncertainBrake};
+use crate::output::printable;
+use crate::study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
 impl<'a> Results<'a> {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.
@@ -19,34 +21,73 @@ impl<'a> Results<'a> {
         Ok(Results::new(study, summary))
     }
 
-    /// For each panel the modes that are ever unstable, with frequency at median parameters and occurrence: the median over
-    /// the arrangements of the panel, where there are several.
+    /// For each panel what is ever unstable: modes with frequency at median parameters and occurrence, the median over the
+    /// arrangements of the panel where there are several; unstable modes without a name; divergence. What failed and what is
+    /// undecided comes first.
     ///
     /// # Errors
     /// None for the results of a study.
     pub fn text(&self) -> Result<String, Error> {
-        let mut text = String::new();
+        let mut text: String = warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect();
         if !self.plan().threshold.is_axis() {
             let _ = writeln!(text, "unstable: with {}", self.plan().threshold);
         }
         for panel in self.panels() {
             let _ = writeln!(text, "{}:", self.describe(panel));
-            let occurrences = self.occurrences(panel);
-            if occurrences.is_empty() {
-                text += "  no mode is ever unstable\n";
+            let (modes, others) = (self.occurrences(panel), self.other_occurrences(panel));
+            if modes.is_empty() && others.is_empty() {
+                let _ = writeln!(text, "  {}", self.nothing_unstable(panel));
             }
-            for (name, of_mode) in occurrences {
-                let estimate = self.median(&of_mode)?;
-                let frequency = self
-                    .frequency(panel.key.constraints, name)
-                    .map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
-                let label = self.mode_label(panel.key.constraints, name);
-                let (value, limits) = (estimate.value, format!("{:.4} to {:.4}", estimate.lower, estimate.upper));
-                let _ =
-                    writeln!(text, "  mode {label}{frequency}: unstable in {value:.4} of the samples (95 %: {limits})");
+            let line = |what: String, of: &[ArrangementOccurrence]| -> Result<String, Error> {
+                let Estimate { value, lower, upper } = self.median(of)?;
+                Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4})\n"))
+            };
+            if !others.is_empty() {
+                text += &line("anything".into(), &self.any_occurrence(panel))?;
+            }
+            for (name, of_mode) in &modes {
+                text += &line(self.in_words(panel.key.constraints, *name), of_mode)?;
+            }
+            for (name, of_label) in &others {
+                text += &line(self.in_words(panel.key.constraints, *name), of_label)?;
             }
         }
         Ok(text)
+    }
+
+    /// A mode with its frequency, or what is no mode, for people.
+    pub(super) fn in_words(&self, constraints: usize, name: ModeLabel) -> String {
+        match name {
+            ModeLabel::DIVERGENCE => "divergence (real eigenvalues, no oscillation)".into(),
+            ModeLabel::UNNAMED => "modes without a name (none has it at median parameters)".into(),
+            name => {
+                let frequency = self.frequency(constraints, name);
+                let frequency = frequency.map_or(String::new(), |f| format!(" at {} Hz", hertz(f)));
+                format!("mode {}{frequency}", self.mode_label(constraints, name))
+            }
+        }
+    }
+
+    /// What there is to say of a panel in which nothing is known to be unstable.
+    fn nothing_unstable(&self, panel: &Panel) -> String {
+        let sum = |of: &dyn Fn(usize) -> u64| -> u64 { panel.scenes.iter().map(|&scene| of(scene)).sum() };
+        let tally = |of: fn(&SceneTally) -> u64| sum(&|scene| of(&self.summary.tally.scenes[scene]));
+        let (failed, solved) = (sum(&|scene| self.failed(scene)), tally(|tally| tally.solved));
+        let (undecided, marginal) = (tally(|tally| tally.undecided), tally(|tally| tally.marginal));
+        if failed > 0 {
+            return format!(
+                "no mode is surely unstable in the {solved} evaluations that were solved; {failed} failed and may be unstable"
+            );
+        }
+        if undecided > 0 {
+            return format!("{undecided} verdicts are undecided; no mode is surely unstable");
+        }
+        match marginal {
+            0 => "no mode is ever unstable".into(),
+            _ => format!(
+                "no mode is ever unstable; {marginal} eigenvalues lie on the imaginary axis, as without damping, and neither grow nor decay"
+            ),
+        }
     }
 }
 

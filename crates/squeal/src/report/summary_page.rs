@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::findings::{Change, OpenCounts, SetFindings, drop_in_words, place};
+use super::findings::{Change, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::reasons::{SceneReasons, reasons_in_words};
 use super::results::Estimate;
 use super::summary::hertz;
 use super::{Results, set_letter};
 use crate::Error;
-use crate::output::write;
+use crate::output::{printable, write};
 use crate::study::{ModeLabel, SetLinks};
 
 /// Writes `summary.md`.
@@ -19,10 +19,13 @@ pub(super) fn write_summary(
     dir: &Path,
 ) -> Result<(), Error> {
     let labels = &results.plan().labels;
+    let warned: String =
+        warnings(results).into_iter().map(|warning| format!("**{}.**\n\n", printable(&warning))).collect();
     let mut text = format!(
-        "# {}\n\n{} samples of each arrangement, law and speed range. The occurrence of a mode is the part of the samples in \
+        "# {}\n\n{warned}{} samples of each arrangement, law and speed range. The occurrence of a mode is the part of the samples in \
          which it is unstable; of a panel (one law, number in contact and speed range) the median over its arrangements. In \
-         parentheses are 95 % intervals; samples in which an unstable mode may be this one or another widen them upwards.\n",
+         parentheses are 95 % intervals; samples in which an unstable mode may be this one or another, and those that failed, widen \
+         them upwards. Divergence is instability without oscillation: a real eigenvalue that grows.\n",
         results.plan().name,
         results.summary.samples
     );
@@ -90,10 +93,12 @@ fn squealing(results: &Results<'_>, constraints: usize, findings: &SetFindings<'
 
 /// What the samples leave open.
 fn open_questions(results: &Results<'_>) -> String {
-    let OpenCounts { unstable_modes, ambiguous_modes, undecided, failures } = OpenCounts::new(results);
+    let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
+        OpenCounts::new(results);
     format!(
         "\n## What is left open\n\nOf {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, near a \
-         coalescence. {undecided} verdicts are undecided and count as stable. {failures} draws or evaluations failed.\n"
+         coalescence. {divergent} real eigenvalues diverge. {undecided} verdicts are undecided and count as stable. {marginal} \
+         eigenvalues lie on the imaginary axis and neither grow nor decay. {failures} draws or evaluations failed.\n"
     )
 }
 

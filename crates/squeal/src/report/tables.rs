@@ -33,10 +33,10 @@ pub fn write_tables(results: &Results<'_>, reasons: &[SceneReasons], dir: &Path)
 
 fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
     let labels = &results.plan().labels;
-    let own = ["samples", "unstable", "open", "occurrence", "lower", "upper"];
+    let own = ["samples", "unstable", "open", "occurrence", "lower", "upper", "failed"];
     let mut rows = Vec::new();
     for panel in results.panels() {
-        for (name, occurrences) in results.all_occurrences(panel) {
+        for (name, occurrences) in results.every_occurrence(panel) {
             for occurrence in occurrences {
                 let estimate = occurrence.estimate();
                 let mut row = labels.mode_columns(panel.key, occurrence.arrangement, name);
@@ -47,6 +47,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
                     estimate.value.to_string(),
                     estimate.lower.to_string(),
                     estimate.upper.to_string(),
+                    occurrence.failed.to_string(),
                 ]);
                 rows.push(row);
             }
@@ -72,15 +73,18 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         "ambiguous_modes",
         "undecided",
         "divergent",
+        "diverging",
+        "marginal",
+        "perhaps_unstable",
+        "failed",
     ];
     let rows = results.panels().iter().map(|panel| {
         let key = panel.key;
-        let sum = |of: fn(&crate::study::SceneTally) -> u64| -> u64 {
-            let weight = |&scene: &usize| {
-                of(&results.summary.tally.scenes[scene]) * results.plan().scenes[scene].members.len() as u64
-            };
-            panel.scenes.iter().map(weight).sum()
+        let weighted = |of: &dyn Fn(usize) -> u64| -> u64 {
+            panel.scenes.iter().map(|&scene| of(scene) * results.plan().scenes[scene].members.len() as u64).sum()
         };
+        let sum =
+            |of: fn(&crate::study::SceneTally) -> u64| weighted(&|scene| of(&results.summary.tally.scenes[scene]));
         let mean = results.mean_unstable(panel);
         let number = |of: fn(&super::Estimate) -> f64| {
             mean.as_ref().map(of).filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string())
@@ -97,6 +101,10 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             sum(|t| t.ambiguous_modes).to_string(),
             sum(|t| t.undecided).to_string(),
             sum(|t| t.divergent).to_string(),
+            sum(|t| t.diverging).to_string(),
+            sum(|t| t.marginal).to_string(),
+            sum(|t| t.perhaps_unstable).to_string(),
+            weighted(&|scene| results.failed(scene)).to_string(),
         ]);
         row
     });

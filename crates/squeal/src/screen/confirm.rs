@@ -1,6 +1,6 @@
 //! Sets of changes confirmed: all scenes of a study, all sets on the same draws.
 
-use montecarlo::{Confidence, Failures, IntegerMean, Merge, Runs, Tally};
+use montecarlo::{BoundedMean, Bounds, Confidence, Failures, Merge, Runs, Tally, wilson};
 use serde::{Deserialize, Serialize};
 
 use super::modified::Modified;
@@ -10,14 +10,14 @@ use crate::study::{Plan, Scene, Study, UncertainBrake};
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ScreenTally {
-    /// By set: unstable modes in all analyses of a sample.
-    unstable: Vec<IntegerMean>,
+    /// By set: unstable modes and divergences in all analyses of a sample.
+    unstable: Vec<BoundedMean>,
     /// By set: analyses of a sample with an unstable mode or divergence.
-    squealing: Vec<IntegerMean>,
+    squealing: Vec<BoundedMean>,
     /// By set, and set with less: by how much the first has more unstable modes.
-    drops: Vec<Vec<IntegerMean>>,
+    drops: Vec<Vec<BoundedMean>>,
     /// The same of analyses with an unstable mode.
-    squeal_drops: Vec<Vec<IntegerMean>>,
+    squeal_drops: Vec<Vec<BoundedMean>>,
     /// By set: verdicts that the error bound leaves open, and real eigenvalues above zero.
     pub undecided: Vec<u64>,
     pub divergent: Vec<u64>,
@@ -41,7 +41,7 @@ impl ScreenTally {
     pub fn empty(plan: &Plan) -> Self {
         let sets = plan.labels.constraints.len();
         let scenes = plan.scenes.iter().map(|scene| (scene.key.constraints, analyses(plan, scene) as i32)).collect();
-        let (means, counts) = (vec![IntegerMean::default(); sets], vec![0; sets]);
+        let (means, counts) = (vec![BoundedMean::default(); sets], vec![0; sets]);
         Self {
             unstable: means.clone(),
             squealing: means.clone(),
@@ -56,7 +56,7 @@ impl ScreenTally {
 
 impl Merge for ScreenTally {
     fn merge(&mut self, later: Self) {
-        let add = |mine: &mut Vec<IntegerMean>, later: Vec<IntegerMean>| {
+        let add = |mine: &mut Vec<BoundedMean>, later: Vec<BoundedMean>| {
             mine.iter_mut().zip(later).for_each(|(mine, later)| mine.merge(later));
         };
         let count = |mine: &mut Vec<u64>, later: Vec<u64>| {
@@ -78,8 +78,8 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
         for (&(set, weight), result) in self.layout.scenes.iter().zip(runs.results) {
             match (result, &mut sums[set]) {
                 (Ok(outcome), Some([unstable, squealing])) => {
-                    *unstable += weight * outcome.unstable.len() as i32;
-                    *squealing += weight * i32::from(!outcome.unstable.is_empty() || outcome.divergent > 0);
+                    *unstable += weight * outcome.instabilities() as i32;
+                    *squealing += weight * i32::from(outcome.is_unstable());
                     self.undecided[set] += weight as u64 * u64::from(outcome.undecided);
                     self.divergent[set] += weight as u64 * u64::from(outcome.divergent);
                 }
@@ -108,7 +108,7 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
 /// What a study of all scenes says of a set of changes; each number is of one analysis on average, with its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Confirmed {
-    /// Unstable modes.
+    /// Unstable modes, divergences among them.
     pub unstable: Estimate,
     /// By how much that is less than without changes, on the same draws.
     pub drop: Estimate,
@@ -125,15 +125,31 @@ pub struct Confirmed {
 }
 
 impl ScreenTally {
-    /// What is known of a set; `None` without two samples.
-    pub fn confirmed(&self, plan: &Plan, set: usize) -> Option<Confirmed> {
-        let of_set = plan.scenes.iter().filter(|scene| scene.key.constraints == set);
-        let by = of_set.map(|scene| analyses(plan, scene)).sum::<usize>() as f64;
+    /// What is known of a set after so many samples, in each of which those that failed may be anything; `None` where all failed.
+    pub fn confirmed(&self, plan: &Plan, set: usize, samples: u64) -> Option<Confirmed> {
+        let (by, most) = size(plan, set);
+        let squealing = &self.squealing[set];
+        let failed = samples.saturating_sub(squealing.count());
+        // One analysis of each sample squeals or not.
+        let squealing = match by == 1.0 {
+            true => {
+                let (hits, value) = (squealing.nonzero(), squealing.mean()?);
+                let limits = |hits: u64| wilson(hits, samples, Confidence::P95).ok();
+                Estimate { value, lower: limits(hits)?.lower, upper: limits(hits + failed)?.upper }
+            }
+            false => estimate(squealing, by, [0.0, 1.0], failed)?,
+        };
+        let (of_unchanged, fewer) = (size(plan, 0).1, &self.drops[0][set]);
         Some(Confirmed {
-            unstable: estimate(&self.unstable[set], by)?,
-            drop: estimate(&self.drops[0][set], by)?,
-            squealing: estimate(&self.squealing[set], by)?,
-            squealing_drop: estimate(&self.squeal_drops[0][set], by)?,
+            unstable: estimate(&self.unstable[set], by, [0.0, most], failed)?,
+            drop: estimate(fewer, by, [-most, of_unchanged], samples.saturating_sub(fewer.count()))?,
+            squealing,
+            squealing_drop: estimate(
+                &self.squeal_drops[0][set],
+                by,
+                [-1.0, 1.0],
+                samples.saturating_sub(self.squeal_drops[0][set].count()),
+            )?,
             undecided: self.undecided[set],
             divergent: self.divergent[set],
             samples: self.unstable[set].count(),
@@ -141,13 +157,26 @@ impl ScreenTally {
     }
 
     /// By how much a set has more unstable modes than another, on the same draws.
-    pub fn difference(&self, plan: &Plan, set: usize, less: usize) -> Option<Estimate> {
-        let of_set = plan.scenes.iter().filter(|scene| scene.key.constraints == set);
-        estimate(&self.drops[set][less], of_set.map(|scene| analyses(plan, scene)).sum::<usize>() as f64)
+    pub fn difference(&self, plan: &Plan, set: usize, less: usize, samples: u64) -> Option<Estimate> {
+        let ((by, most), (_, of_less)) = (size(plan, set), size(plan, less));
+        let drops = &self.drops[set][less];
+        estimate(drops, by, [-of_less, most], samples.saturating_sub(drops.count()))
     }
 }
 
-fn estimate(mean: &IntegerMean, by: f64) -> Option<Estimate> {
-    let (value, interval) = (mean.mean()?, mean.interval(Confidence::P95)?);
-    Some(Estimate { value: value / by, lower: interval.lower / by, upper: interval.upper / by })
+/// How many analyses a sample of a set stands for, and how many modes one of them has at most.
+fn size(plan: &Plan, set: usize) -> (f64, f64) {
+    let of_set = || plan.scenes.iter().filter(|scene| scene.key.constraints == set);
+    let modes = of_set().map(|scene| plan.brake(scene).dofs.free().len()).max().unwrap_or(0);
+    (of_set().map(|scene| analyses(plan, scene)).sum::<usize>() as f64, modes as f64)
+}
+
+/// The mean of one analysis, from sums over the analyses of samples that were solved, within the bounds that it has; so many that failed
+/// may be at either of them.
+fn estimate(sums: &BoundedMean, by: f64, [least, greatest]: [f64; 2], failed: u64) -> Option<Estimate> {
+    let bounds = Bounds { least: least * by, greatest: greatest * by, step: by };
+    let value = sums.mean()? / by;
+    let [lower, upper] = [bounds.least, bounds.greatest]
+        .map(|of_failed| sums.and(of_failed as i32, failed).interval(bounds, Confidence::P95));
+    Some(Estimate { value, lower: lower.lower / by, upper: upper.upper / by })
 }

@@ -206,14 +206,15 @@ impl Screen {
 
     /// What was found, for people.
     pub fn text(&self) -> String {
-        let mut text = self.as_it_is().map_or_else(String::new, |now| {
-            format!(
-                "{}: {} unstable modes in one analysis, any in {} %\n",
-                self.sets[0].places,
-                within(&now.unstable, 3, 1.0),
-                within(&now.squealing, 1, 100.0)
-            )
-        });
+        let mut text = self.said_first()
+            + &self.as_it_is().map_or_else(String::new, |now| {
+                format!(
+                    "{}: {} unstable modes in one analysis, any in {} %\n",
+                    self.sets[0].places,
+                    within(&now.unstable, 3, 1.0),
+                    within(&now.squealing, 1, 100.0)
+                )
+            });
         let of_case: Vec<&ScreenedSet> = self.sets.iter().skip(1).take_while(|set| set.kind.is_none()).collect();
         if !of_case.is_empty() {
             text += &format!("\n{}", heading("the case's sets of constraints"));
@@ -236,6 +237,30 @@ impl Screen {
             text += &self.against(set);
         }
         text + &self.remarks()
+    }
+
+    /// What every number has to be read with: failures, open verdicts, divergence.
+    fn said_first(&self) -> String {
+        let sum =
+            |of: fn(&Confirmed) -> u64| self.sets.iter().filter_map(|set| set.confirmed.as_ref()).map(of).sum::<u64>();
+        let mut text = String::new();
+        if self.failures > 0 {
+            text += &format!(
+                "{} evaluations of the confirmation FAILED; they may be unstable, and widen the limits\n",
+                self.failures
+            );
+        }
+        let (undecided, divergent) = (sum(|set| set.undecided), sum(|set| set.divergent));
+        if undecided > 0 {
+            text += &format!("{undecided} verdicts are UNDECIDED and count as stable\n");
+        }
+        if divergent > 0 {
+            let of_unchanged = self.as_it_is().map_or(0, |now| now.divergent);
+            text += &format!(
+                "divergence: {divergent} real eigenvalues grow, {of_unchanged} of them without changes; each counts as an unstable mode\n"
+            );
+        }
+        text
     }
 
     /// How the constraints found compare with a set of constraints of the case that holds as many.
@@ -261,9 +286,6 @@ impl Screen {
         let mut text = String::new();
         for (set, error) in &self.failed {
             text += &format!("{set}: not analysed: {error}\n");
-        }
-        if self.failures > 0 {
-            text += &format!("{} evaluations of the confirmation failed\n", self.failures);
         }
         text + &self.rests_on().join("\n") + "\n"
     }

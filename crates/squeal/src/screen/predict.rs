@@ -1,6 +1,6 @@
 //! What changes do on a few draws in a few scenes: the prediction by which they are ranked.
 
-use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Workspace};
+use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, verdicts_beyond};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, stream};
 use num_complex::Complex;
@@ -18,7 +18,7 @@ const ARRANGEMENTS_PER_PANEL: usize = 2;
 /// What the analyses at hand have on average.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
-    /// Unstable modes.
+    /// Unstable modes and divergences.
     pub unstable: f64,
     /// The sum of their growth rates, 1/s.
     pub growth: f64,
@@ -128,10 +128,15 @@ impl Probe<'_> {
         for of_sector in &systems {
             let mut spectra: Vec<Result<Spectrum, CeaError>> = Vec::new();
             BatchSolver.eigenvalues_of_all(of_sector, work, &mut spectra);
-            for spectrum in spectra {
-                let is_counted =
-                    |lambda: &Complex<f64>| plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda);
-                for lambda in spectrum?.oscillatory().filter(is_counted) {
+            for (system, spectrum) in of_sector.iter().zip(spectra) {
+                let spectrum = spectrum?;
+                // A sign alone says nothing near the axis.
+                let may_count = |lambda: &Complex<f64>| {
+                    lambda.im >= 0.0 && plan.threshold.margin(*lambda) > 0.0 && plan.is_studied(*lambda)
+                };
+                let growing: Vec<Complex<f64>> = spectrum.eigenvalues.iter().copied().filter(may_count).collect();
+                let verdicts = verdicts_beyond(&plan.threshold, system, &growing, &spectrum, work)?;
+                for (lambda, _) in growing.iter().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable) {
                     unstable += 1;
                     growth += lambda.re;
                 }

@@ -17,7 +17,7 @@ use crate::run::block;
 use crate::study::{Study, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
-const TALLY_VERSION: u32 = 1;
+const TALLY_VERSION: u32 = 2;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
@@ -110,10 +110,10 @@ pub fn confirm<B: UncertainBrake>(
     });
     let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation)?;
     for (place, &at) in to_confirm.iter().enumerate() {
-        sets[at].confirmed = summary.tally.confirmed(plan, place);
+        sets[at].confirmed = summary.tally.confirmed(plan, place, how.samples);
     }
     let count = to_confirm.len();
-    let of_set = |set: usize| (0..count).map(|less| summary.tally.difference(plan, set, less)).collect();
+    let of_set = |set: usize| (0..count).map(|less| summary.tally.difference(plan, set, less, how.samples)).collect();
     let differences = (0..count).map(of_set).collect();
     let failures =
         summary.failures.draws() * plan.scenes.len() as u64 + summary.failures.by_scene().iter().sum::<u64>();

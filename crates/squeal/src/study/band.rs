@@ -66,7 +66,8 @@ impl<'a> BandNames<'a> {
         let unstable = unstable.collect();
         let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
         let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
-        Ok(SectorModes { modes, unstable, undecided })
+        let (divergent, undecided_real, marginal) = (Vec::new(), 0, 0);
+        Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal })
     }
 
     /// The names of some modes of a system, with M phi of each, of which some look like known ones.

@@ -24,10 +24,17 @@ pub struct Outcome {
     pub unstable: Vec<UnstableMode>,
     /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where there is none.
     pub growth: f64,
-    /// Real eigenvalues of the structure above zero, and beyond the threshold: divergence.
+    /// Real eigenvalues surely right of the axis, and beyond the threshold: divergence.
     pub divergent: u32,
-    /// Number of modes whose verdict the error bound leaves open.
+    /// The largest of them, 1/s; 0 where there is none.
+    pub divergence: f64,
+    /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
+    /// Those among them that are real: they may be divergence.
+    pub undecided_real: u32,
+    /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow
+    /// nor decay.
+    pub marginal: u32,
     /// Whether the system was certified to be stable without a spectrum.
     pub is_certified: bool,
 }

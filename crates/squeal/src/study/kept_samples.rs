@@ -22,16 +22,17 @@ pub struct KeptSample {
     pub index: u64,
     /// The largest growth rate of an unstable mode or of a divergence, 1/s.
     pub growth: f64,
-    /// The unstable modes, ascending in frequency: the names that each may have, and its growth rate, 1/s.
+    /// The unstable modes, ascending in frequency: the names that each may have, and its growth rate, 1/s. Divergence is the last.
     pub modes: Vec<(Vec<ModeLabel>, f64)>,
 }
 
 impl KeptSample {
     /// A sample with its outcome; `None` of a stable one.
     pub(crate) fn new(index: u64, outcome: &Outcome) -> Option<Self> {
-        let is_stable = outcome.unstable.is_empty() && outcome.divergent == 0;
-        let modes = || outcome.unstable.iter().map(|mode| (mode.names.clone(), mode.growth)).collect();
-        (!is_stable).then(|| Self { index, growth: outcome.growth, modes: modes() })
+        let modes = outcome.unstable.iter().map(|mode| (mode.names.clone(), mode.growth));
+        let divergence = (outcome.divergent > 0).then(|| (vec![ModeLabel::DIVERGENCE], outcome.divergence));
+        let kept = || Self { index, growth: outcome.growth, modes: modes.chain(divergence).collect() };
+        outcome.is_unstable().then(kept)
     }
 }
 

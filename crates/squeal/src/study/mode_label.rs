@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// The number that a mode is called by, and counted under: a frequency rank, from 1, or what [`ModeNaming`] makes of one.
 ///
-/// In tables and files it stands as that number alone.
+/// In tables and files it stands as that number alone. Two labels are of no mode and stand as a word: [`ModeLabel::DIVERGENCE`] and
+/// [`ModeLabel::UNNAMED`].
 ///
 /// [`ModeNaming`]: super::ModeNaming
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -14,13 +15,24 @@ use serde::{Deserialize, Serialize};
 pub struct ModeLabel(u16);
 
 impl ModeLabel {
+    /// What does not oscillate and has no frequency rank: a real eigenvalue beyond the threshold, static instability.
+    pub const DIVERGENCE: Self = Self(u16::MAX);
+    /// Unstable modes without a name, because no mode where names come from continues as one of them.
+    pub const UNNAMED: Self = Self(u16::MAX - 1);
+
+    /// Whether it is the label of a mode.
+    #[must_use]
+    pub const fn is_mode(self) -> bool {
+        self.0 < Self::UNNAMED.0
+    }
+
     /// The label with a number.
     #[must_use]
     pub const fn new(number: u16) -> Self {
         Self(number)
     }
 
-    /// The label of a frequency rank, from 1. A dense solver has far fewer modes than the 65,535 that have labels.
+    /// The label of a frequency rank, from 1. A dense solver has far fewer modes than the 65,533 that have labels.
     #[must_use]
     pub(crate) const fn of_rank(rank: usize) -> Self {
         Self(rank as u16)
@@ -35,6 +47,10 @@ impl ModeLabel {
 
 impl fmt::Display for ModeLabel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
+        match *self {
+            Self::DIVERGENCE => f.pad("divergence"),
+            Self::UNNAMED => f.pad("unnamed"),
+            Self(number) => number.fmt(f),
+        }
     }
 }

@@ -18,8 +18,14 @@ pub(super) struct SectorModes {
     pub modes: Modes,
     /// The unstable ones, beyond the threshold of the plan, ascending in frequency.
     pub unstable: Vec<UnstableSectorMode>,
-    /// Number of modes whose verdict the error bound leaves open.
+    /// Real eigenvalues that surely are beyond the threshold, 1/s, whether of the structure or of an internal state.
+    pub divergent: Vec<f64>,
+    /// Number of eigenvalues whose verdict the error bound leaves open.
     pub undecided: u32,
+    /// Those among them that are real.
+    pub undecided_real: u32,
+    /// Number of eigenvalues on the axis to within rounding of the matrices.
+    pub marginal: u32,
 }
 
 /// An unstable mode of one sector.
@@ -159,6 +165,21 @@ impl SectorSolver<'_> {
     }
 }
 
+/// Refuses a spectrum that is not of numbers: squares of large entries overflow, and what is no number is in none of the lists of
+/// modes.
+///
+/// # Errors
+/// [`CeaError::Range`].
+pub(crate) fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaError> {
+    if spectrum.scale.is_finite() && spectrum.eigenvalues.iter().all(|lambda| lambda.is_finite()) {
+        return Ok(());
+    }
+    let entries = [&system.m, &system.c, &system.k].into_iter().flat_map(|a| a.iter()).map(|x| x.abs());
+    let (smallest, largest) =
+        entries.filter(|x| *x > 0.0).fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(x), most.max(x)));
+    Err(CeaError::Range { smallest, largest })
+}
+
 /// The names that each of some modes may have.
 type Names = Vec<Vec<ModeLabel>>;
 
@@ -167,7 +188,11 @@ struct ModesWithVerdicts {
     modes: Modes,
     /// Indices of the unstable ones among the oscillating modes.
     unstable: Vec<usize>,
+    /// As those of [`SectorModes`].
+    divergent: Vec<f64>,
     undecided: u32,
+    undecided_real: u32,
+    marginal: u32,
 }
 
 impl ModesWithVerdicts {
@@ -175,25 +200,39 @@ impl ModesWithVerdicts {
         let is_unstable = |lambda: Complex<f64>| plan.threshold.margin(lambda) > 0.0 && plan.is_studied(lambda);
         let unstable = (0..modes.len()).filter(|&index| is_unstable(modes[index])).collect();
         let modes = Modes { oscillatory: modes.clone(), real: Vec::new(), internal: Vec::new() };
-        Self { modes, unstable, undecided: 0 }
+        // All modes oscillate: none diverges.
+        Self { modes, unstable, divergent: Vec::new(), undecided: 0, undecided_real: 0, marginal: 0 }
     }
 
     fn new(system: &SecondOrder, spectrum: &Spectrum, plan: &Plan, work: &mut Workspace) -> Result<Self, CeaError> {
+        check_range(system, spectrum)?;
         let modes = Modes::classify(system, spectrum, work)?;
-        let (mut unstable, mut undecided) = (Vec::new(), 0);
-        let studied: Vec<usize> =
-            (0..modes.oscillatory.len()).filter(|&index| plan.is_studied(modes.oscillatory[index])).collect();
-        let lambdas: Vec<_> = studied.iter().map(|&index| modes.oscillatory[index]).collect();
-        for (index, verdict) in
-            studied.into_iter().zip(verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?)
-        {
-            match verdict {
-                Verdict::Unstable => unstable.push(index),
-                Verdict::Marginal { .. } | Verdict::Undecided { .. } => undecided += 1,
-                Verdict::Stable => {}
+        let mut judged =
+            Self { modes, unstable: Vec::new(), divergent: Vec::new(), undecided: 0, undecided_real: 0, marginal: 0 };
+        let oscillatory = &judged.modes.oscillatory;
+        let studied: Vec<usize> = (0..oscillatory.len()).filter(|&index| plan.is_studied(oscillatory[index])).collect();
+        // What does not oscillate grows as well: the structure's real eigenvalues, and states that friction has made grow.
+        let internal = judged.modes.internal.iter().filter(|lambda| lambda.re > 0.0 && lambda.im >= 0.0);
+        let real = judged.modes.real.iter().map(|&re| Complex::from(re)).chain(internal.copied());
+        let lambdas: Vec<Complex<f64>> = studied
+            .iter()
+            .map(|&index| oscillatory[index])
+            .chain(real.filter(|lambda| plan.is_studied(*lambda)))
+            .collect();
+        let verdicts = verdicts_beyond(&plan.threshold, system, &lambdas, spectrum, work)?;
+        for (at, (lambda, verdict)) in lambdas.into_iter().zip(verdicts).enumerate() {
+            match (verdict, studied.get(at)) {
+                (Verdict::Unstable, Some(&index)) => judged.unstable.push(index),
+                (Verdict::Unstable, None) => judged.divergent.push(lambda.re),
+                (Verdict::Marginal { .. }, _) => judged.marginal += 1,
+                (Verdict::Undecided { .. }, mode) => {
+                    judged.undecided += 1;
+                    judged.undecided_real += u32::from(mode.is_none());
+                }
+                (Verdict::Stable, _) => {}
             }
         }
-        Ok(Self { modes, unstable, undecided })
+        Ok(judged)
     }
 
     fn lambdas(&self) -> Vec<Complex<f64>> {
@@ -208,7 +247,8 @@ impl ModesWithVerdicts {
             names_by_likeness,
             residual: None,
         };
-        let unstable = self.unstable.into_iter().zip(named).map(mode).collect();
-        SectorModes { modes: self.modes, unstable, undecided: self.undecided }
+        let Self { modes, unstable, divergent, undecided, undecided_real, marginal } = self;
+        let unstable = unstable.into_iter().zip(named).map(mode).collect();
+        SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal }
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use montecarlo::{
-    Confidence, Failures, IntegerMean, LabelTally, Merge, QuantileSketch, Runs, Trial, distance, occurring_labels,
-    wilson,
+    BoundedMean, Confidence, Failures, LabelTally, Merge, Proportion, QuantileSketch, Runs, Trial, distance,
+    occurring_labels, wilson,
 };
 use serde::{Deserialize, Serialize};
 
@@ -16,11 +16,11 @@ use super::{KeptSamples, ModeLabel, Outcome, Plan, Study, UncertainBrake, Unstab
 pub struct StudyTally {
     /// One per scene.
     pub scenes: Vec<SceneTally>,
-    /// By panel: the number of unstable modes in all arrangements together, over the samples solved in all of them.
-    pub panels: Vec<IntegerMean>,
+    /// By panel: the number of unstable modes and divergences in all arrangements together, over the samples solved in all of them.
+    pub panels: Vec<BoundedMean>,
     /// By comparison: the difference of those numbers of its two panels, each times the number of arrangements of the other, so
     /// that it is a whole number.
-    pub comparisons: Vec<IntegerMean>,
+    pub comparisons: Vec<BoundedMean>,
     /// By scene: the samples, in a study that keeps them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kept: Option<Vec<KeptSamples>>,
@@ -45,14 +45,22 @@ pub struct SceneTally {
     pub certified: u64,
     /// Samples with any unstable mode or divergence.
     pub any_unstable: u64,
+    /// Samples in which nothing surely is unstable and a verdict is open.
+    pub perhaps_unstable: u64,
     /// Unstable modes in all samples.
     pub unstable_modes: u64,
     /// Those among them that have not one sure name: they pass near a coalescence, or began to oscillate on the path.
     pub ambiguous_modes: u64,
-    /// Real eigenvalues of the structure above zero.
+    /// Real eigenvalues surely beyond the threshold.
     pub divergent: u64,
+    /// Samples in which there is any.
+    pub diverging: u64,
+    /// Samples in which there is none for sure, and the verdict on a real eigenvalue is open.
+    pub perhaps_diverging: u64,
     /// Verdicts that the error bound leaves open.
     pub undecided: u64,
+    /// Eigenvalues on the imaginary axis to within rounding of the matrices.
+    pub marginal: u64,
     /// Unstable modes of a reduced brake whose residual in the whole one is known.
     pub residuals: u64,
     /// Those among them that are above the one that was asked for.
@@ -79,8 +87,8 @@ impl StudyTally {
         let weights = plan.scenes.iter().map(|scene| scene.members.len() as i32).collect();
         Self {
             scenes: vec![SceneTally::default(); plan.scenes.len()],
-            panels: vec![IntegerMean::default(); panels.len()],
-            comparisons: vec![IntegerMean::default(); comparisons.len()],
+            panels: vec![BoundedMean::default(); panels.len()],
+            comparisons: vec![BoundedMean::default(); comparisons.len()],
             kept: None,
             layout: PanelLayout { panels, comparisons, weights },
         }
@@ -100,7 +108,9 @@ impl StudyTally {
             let counts = if is_tracked { &scene.tracked } else { &scene.ranked };
             // A mode that was never seen has no hit in as many trials.
             let unseen = if counts.trials() == 0 { 1.0 } else { upper_limit_of_none(counts.trials(), confidence) };
-            counts.proportions().map(|(_, proportion)| distance(&proportion, confidence)).fold(unseen, f64::max)
+            let others = [scene.divergence(), if is_tracked { scene.unnamed() } else { Proportion::default() }];
+            let all = counts.proportions().map(|(_, proportion)| proportion).chain(others);
+            all.filter(|of| of.trials() > 0).map(|of| distance(&of, confidence)).fold(unseen, f64::max)
         };
         self.scenes.iter().map(of_scene).fold(0.0, f64::max)
     }
@@ -112,13 +122,32 @@ fn upper_limit_of_none(trials: u64, confidence: Confidence) -> f64 {
 }
 
 impl SceneTally {
+    /// Samples in which anything is unstable, those with open verdicts as ambiguous.
+    pub fn any(&self) -> Proportion {
+        Proportion::of_counts(self.any_unstable, self.perhaps_unstable, self.solved)
+    }
+
+    /// Samples with divergence.
+    pub fn divergence(&self) -> Proportion {
+        Proportion::of_counts(self.diverging, self.perhaps_diverging, self.solved)
+    }
+
+    /// Samples with an unstable mode that has no name as a tracked mode.
+    pub fn unnamed(&self) -> Proportion {
+        Proportion::of_counts(self.tracked.unlabelled(), 0, self.solved)
+    }
+
     fn record(&mut self, outcome: &Outcome) {
         self.solved += 1;
         self.certified += u64::from(outcome.is_certified);
-        self.any_unstable += u64::from(!outcome.unstable.is_empty() || outcome.divergent > 0);
+        self.any_unstable += u64::from(outcome.is_unstable());
+        self.perhaps_unstable += u64::from(!outcome.is_unstable() && outcome.undecided > 0);
         self.unstable_modes += outcome.unstable.len() as u64;
         self.divergent += u64::from(outcome.divergent);
+        self.diverging += u64::from(outcome.divergent > 0);
+        self.perhaps_diverging += u64::from(outcome.divergent == 0 && outcome.undecided_real > 0);
         self.undecided += u64::from(outcome.undecided);
+        self.marginal += u64::from(outcome.marginal);
         for mode in &outcome.unstable {
             if let Some(residual) = mode.residual {
                 self.residuals += 1;
@@ -143,10 +172,14 @@ impl SceneTally {
         self.solved += later.solved;
         self.certified += later.certified;
         self.any_unstable += later.any_unstable;
+        self.perhaps_unstable += later.perhaps_unstable;
         self.unstable_modes += later.unstable_modes;
         self.ambiguous_modes += later.ambiguous_modes;
         self.divergent += later.divergent;
+        self.diverging += later.diverging;
+        self.perhaps_diverging += later.perhaps_diverging;
         self.undecided += later.undecided;
+        self.marginal += later.marginal;
         self.residuals += later.residuals;
         self.residuals_above += later.residuals_above;
         self.largest_residual = self.largest_residual.max(later.largest_residual);
@@ -168,7 +201,7 @@ fn record_work(bodies: &mut Vec<QuantileSketch>, work: &[f64]) {
 }
 
 /// Names of unstable modes, from the names that each may have, and whether each is sure. A mode without a name may be any of
-/// `all`.
+/// `all`, and is listed as unnamed.
 pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
     let known = occurring_labels(candidates).into_iter().map(|(name, trial)| (name, trial == Trial::Yes));
     let mut names: BTreeMap<ModeLabel, bool> = known.collect();
@@ -176,14 +209,31 @@ pub(crate) fn unstable_names(candidates: &[impl AsRef<[ModeLabel]>], all: &[Mode
         for &name in all {
             names.entry(name).or_insert(false);
         }
+        names.insert(ModeLabel::UNNAMED, true);
     }
     names
 }
 
 impl Outcome {
-    /// Names of the unstable modes, and whether each is sure. A mode without a name may be any of `all`.
+    /// Whether anything surely is unstable.
+    #[must_use]
+    pub fn is_unstable(&self) -> bool {
+        self.instabilities() > 0
+    }
+
+    /// Unstable modes and divergences.
+    #[must_use]
+    pub fn instabilities(&self) -> u32 {
+        self.unstable.len() as u32 + self.divergent
+    }
+
+    /// The same of all that is unstable: divergence is listed as what it is.
     pub(crate) fn unstable_names(&self, all: &[ModeLabel]) -> BTreeMap<ModeLabel, bool> {
-        unstable_names(&candidate_names(&self.unstable), all)
+        let mut names = unstable_names(&candidate_names(&self.unstable), all);
+        if self.divergent > 0 || self.undecided_real > 0 {
+            names.insert(ModeLabel::DIVERGENCE, self.divergent > 0);
+        }
+        names
     }
 }
 
@@ -202,7 +252,7 @@ impl StudyTally {
         let PanelLayout { panels, comparisons, weights } = &self.layout;
         let sum_of = |panel: &Panel| {
             let of_scene =
-                |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * outcome.unstable.len() as i32);
+                |&scene: &usize| outcomes[scene].map(|outcome| weights[scene] * outcome.instabilities() as i32);
             panel.scenes.iter().map(of_scene).sum::<Option<i32>>()
         };
         let sums: Vec<Option<i32>> = panels.iter().map(sum_of).collect();
@@ -248,7 +298,11 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
 
     fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
         let counted = |(tally, &failed): (&SceneTally, &u64)| {
-            tally.solved.checked_add(failed + failures.draws()) == Some(samples) && tally.certified <= tally.solved
+            tally.solved.checked_add(failed + failures.draws()) == Some(samples)
+                && tally.certified <= tally.solved
+                && tally.any_unstable + tally.perhaps_unstable <= tally.solved
+                && tally.diverging + tally.perhaps_diverging <= tally.solved
+                && tally.diverging <= tally.any_unstable
         };
         let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| kept.may_be_of(samples, tally.any_unstable);
         self.scenes.len() == failures.by_scene().len()

@@ -10,6 +10,7 @@ mod estimates;
 mod exports;
 mod failures;
 mod how_sure;
+mod instability;
 mod memory;
 mod names;
 mod rectangle;

@@ -2,7 +2,7 @@
 
 use super::text::escaped;
 use crate::Error;
-use crate::report::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place};
+use crate::report::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use crate::report::results::Estimate;
 use crate::report::summary::hertz;
 use crate::report::{Results, set_letter};
@@ -13,6 +13,9 @@ pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
     let sets = results.plan().labels.constraints.len();
     let findings = (0..sets).map(|set| SetFindings::new(results, set)).collect::<Result<Vec<_>, Error>>()?;
     let mut text = String::from("<h3>Which modes squeal</h3>\n<ul class=\"lead\">\n");
+    for warning in warnings(results) {
+        text += &format!("<li><strong>{}.</strong></li>\n", escaped(&warning));
+    }
     for (set, found) in findings.iter().enumerate() {
         text += &format!("<li>{}</li>\n", squealing(results, set, found));
     }
@@ -43,7 +46,10 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
         format!("up to {} with {}", with_limits(&range.most.0), escaped(&place(results, range.most.1)))
     });
     let words = match (everywhere.as_str(), somewhere.as_str()) {
-        ("", "") => "in no panel does any mode squeal in most of the draws".to_owned(),
+        ("", "") if found.unstable.is_empty() => {
+            "in no panel was any mode unstable, nor was there divergence".to_owned()
+        }
+        ("", "") => "in no panel does any mode squeal in most of the draws, for sure".to_owned(),
         ("", some) => format!("no mode squeals in most of the draws in every panel, but in some panels do {some}"),
         (all, "") => format!("in every panel most of the draws squeal with {all}"),
         (all, some) => {
@@ -84,7 +90,8 @@ fn helps(results: &Results<'_>) -> String {
 }
 
 fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
-    let OpenCounts { unstable_modes, ambiguous_modes, undecided, failures } = OpenCounts::new(results);
+    let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
+        OpenCounts::new(results);
     let quiet: usize = findings.iter().map(|found| found.stable.len()).sum();
     let upper = findings.iter().map(|found| found.stable_upper).fold(0.0, f64::max);
     let mut text = format!(
@@ -104,8 +111,9 @@ fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
     }
     text += &format!(
         "<li>Of {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open: two modes met there. They widen the \
-         limits upwards.</li>\n<li>{undecided} verdicts are undecided and count as stable. {failures} draws or evaluations \
-         failed.</li>\n<li>Unstable means that a small vibration grows. How loud it gets is not computed.</li>\n</ul>\n"
+         limits upwards.</li>\n<li>{divergent} real eigenvalues grow: divergence, instability without oscillation.</li>\n<li>{undecided} \
+         verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor decay. \
+         {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards.</li>\n<li>Unstable means that a small vibration grows. How loud it gets is not computed.</li>\n</ul>\n"
     );
     text
 }
@@ -140,6 +148,9 @@ fn modes_table(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> St
 }
 
 fn mode_in_words(results: &Results<'_>, set: usize, name: ModeLabel) -> String {
+    if !name.is_mode() {
+        return results.in_words(set, name);
+    }
     let label = format!("mode {}", results.mode_label(set, name));
     results.frequency(set, name).map_or(label.clone(), |f| format!("{label} ({} Hz)", hertz(f)))
 }

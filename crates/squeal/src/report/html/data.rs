@@ -56,10 +56,11 @@ fn by_panel(results: &Results<'_>) -> Result<Value, Error> {
     let mut rows = Vec::new();
     for panel in results.panels() {
         let set = panel.key.constraints;
-        for (name, occurrences) in results.all_occurrences(panel) {
+        for (name, occurrences) in results.every_occurrence(panel) {
             let median = results.median(&occurrences)?;
             let values = || occurrences.iter().map(|occurrence| occurrence.estimate().value);
-            let counted: u64 = occurrences.iter().map(|o| o.proportion.hits() + o.proportion.ambiguous()).sum();
+            let counted: u64 =
+                occurrences.iter().map(|o| o.proportion.hits() + o.proportion.ambiguous() - o.failed).sum();
             let mut row = labels.key_columns(panel.key).to_vec();
             row.push(labels.panels[panel.key.panel].in_contact.to_string());
             row.push(results.mode_label(set, name));

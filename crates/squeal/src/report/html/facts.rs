@@ -8,7 +8,8 @@ use crate::study::{ModeIdentity, ModeNaming, StudySource};
 const ASSUMPTIONS: [&str; 7] = [
     "The brake is linear about steady sliding. An unstable mode grows at first; amplitude and loudness of the squeal that follows are \
      not computed.",
-    "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable.",
+    "A mode is unstable where its eigenvalue surely has a positive real part, beyond its error bound; an undecided one counts as stable, and so \
+     does one on the imaginary axis. A real eigenvalue that is positive, divergence, is instability as well.",
     "Every arrangement of contacts, law, speed range and set of constraints is evaluated with the same draws, so that differences are \
      not blurred by chance.",
     "Intervals are at 95 % for each number by itself and not for all at once: of 100 of them about five do not enclose the truth.",
@@ -49,7 +50,9 @@ pub(super) fn of_study(results: &Results<'_>) -> String {
             "Unstable modes",
             format!("{}, of them {} with an open name", manifest.unstable_modes, manifest.ambiguous_modes),
         ),
+        ("Real eigenvalues that diverge", manifest.divergent.to_string()),
         ("Undecided verdicts", manifest.undecided.to_string()),
+        ("Eigenvalues on the imaginary axis", manifest.marginal.to_string()),
         ("Failures", manifest.failures.to_string()),
     ];
     facts.retain(|(_, value)| !value.is_empty());

@@ -73,7 +73,7 @@ pub(super) fn of_study(results: &Results<'_>, geometry: &Geometry<'_>) -> Result
         let findings = SetFindings::new(results, constraints)?;
         for (label, mode) in results.modes_of_set(constraints) {
             let place = findings.unstable.iter().position(|(other, _)| *other == label);
-            let note = if place.is_some() { "unstable in some samples" } else { "" };
+            let note = place.map_or("", |place| findings.unstable[place].1.in_words());
             let moving = MovingMode {
                 group: constraints,
                 name: format!("Mode {}", results.mode_label(constraints, label)),

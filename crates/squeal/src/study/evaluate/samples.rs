@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use cea::{CeaError, Gain, Growing, ranks_together};
 use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::DMatrix;
-use num_complex::Complex;
 
 use super::{Outcome, Study, UnstableMode};
 use crate::Error;
@@ -165,13 +164,14 @@ impl<B: UncertainBrake> Study<'_, B> {
                     residual: *residual,
                 });
             }
-            let counts = |re: f64| self.plan().threshold.margin(Complex::from(re)) > 0.0;
-            let is_divergent = |re: &&f64| counts(**re) && self.plan().is_studied(Complex::from(**re));
-            for &re in of_sector.modes.real.iter().filter(is_divergent) {
+            for &growth in &of_sector.divergent {
                 outcome.divergent += 1;
-                outcome.growth = outcome.growth.max(re);
+                outcome.divergence = outcome.divergence.max(growth);
+                outcome.growth = outcome.growth.max(growth);
             }
             outcome.undecided += of_sector.undecided;
+            outcome.undecided_real += of_sector.undecided_real;
+            outcome.marginal += of_sector.marginal;
         }
         outcome.unstable.sort_by_key(|mode| mode.rank);
         Ok(outcome)
