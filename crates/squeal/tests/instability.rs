@@ -194,7 +194,9 @@ fn what_lies_on_the_axis_is_neither_unstable_nor_a_failure() {
         let tally = &results.summary.tally.scenes[0];
         let text = results.text().unwrap();
         assert_eq!((results.summary.failures.total(), tally.any_unstable), (0, 0), "{seed}: {text}");
-        assert!(tally.marginal + tally.undecided > 0, "{seed}: {tally:?}");
+        // Without a free body dashpots between the masses damp all motions.
+        let is_damped = seed % 8 >= 4 && free == 0;
+        assert_eq!(tally.marginal + tally.undecided == 0, is_damped, "{seed}: {tally:?}");
 
         // A negative dashpot at one mass, and they all are.
         let mut growing = system;
@@ -280,9 +282,11 @@ fn islands_are_estimated(count: u64, samples: u64) {
         let found = scene_occurrences_beside(&study, 0, 0.001, None, Some(&own.scenes[0])).unwrap();
         assert!(found.agrees_with(&own.scenes[0]), "{centre} {share}: {found:?}");
         // Both names are open near the coalescence: surely 0, perhaps all of it.
-        let upper = found.modes.values().map(|mode| mode.limits.upper).fold(found.half_width, f64::max);
+        // One in twenty 95 % intervals misses: twice as wide.
+        let upper = found.modes.values().map(|mode| 2.0 * mode.limits.upper - mode.occurrence.upper);
+        let upper = upper.fold(found.half_width, f64::max);
         let lower = found.modes.values().map(|mode| mode.limits.lower).fold(0.0, f64::max);
-        assert!(lower <= share && share <= upper + 2e-4 && found.half_width <= 0.001, "{centre} {share}: {found:?}");
+        assert!(lower <= share && share <= upper && found.half_width <= 0.0015, "{centre} {share}: {found:?}");
     }
 }
 

@@ -51,6 +51,8 @@ pub(super) struct SetFindings<'a> {
     pub stable: Vec<(ModeLabel, ModeRange<'a>)>,
     /// In how many samples of an arrangement each of these is unstable at most, 95 %.
     pub stable_upper: f64,
+    /// How often anything at all is unstable: the smallest median of a panel, and the largest.
+    pub anything: [Estimate; 2],
 }
 
 impl<'a> SetFindings<'a> {
@@ -65,7 +67,25 @@ impl<'a> SetFindings<'a> {
             key(b).cmp(&key(a))
         });
         let stable_upper = stable.iter().map(|(_, range)| range.largest.upper).fold(0.0, f64::max);
-        Ok(Self { unstable, stable, stable_upper })
+        let of_set = results.panels().iter().filter(|panel| panel.key.constraints == constraints);
+        let mut anything =
+            of_set.map(|panel| results.median(&results.any_occurrence(panel))).collect::<Result<Vec<_>, Error>>()?;
+        anything.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let none = Estimate { value: 0.0, lower: 0.0, upper: 0.0 };
+        let anything = [anything.first(), anything.last()].map(|end| end.copied().unwrap_or(none));
+        Ok(Self { unstable, stable, stable_upper, anything })
+    }
+
+    /// Where not all that is unstable are modes with names: in how many samples anything is, for people.
+    pub fn anything_in_words(&self, with_limits: impl Fn(&Estimate) -> String) -> Option<String> {
+        let [least, most] = self.anything.each_ref().map(with_limits);
+        let range = if least == most { least } else { format!("{least} in one panel to {most} in another") };
+        let has_others = self.unstable.iter().any(|(name, _)| !name.is_mode());
+        has_others.then(|| {
+            format!(
+                "Anything at all, modes with names or without and divergence, is unstable in {range} of the samples"
+            )
+        })
     }
 
     /// The occurrences of a mode.
@@ -190,7 +210,7 @@ pub(super) fn warnings(results: &Results<'_>) -> Vec<String> {
     if undecided > 0 {
         found.push(format!(
             "{undecided} verdicts are UNDECIDED, because error bounds are larger than the distance from the limit of stability, and \
-             count as stable; in {samples} evaluations nothing else is unstable"
+             count as stable; in {samples} evaluations nothing surely is unstable"
         ));
     }
     found

@@ -65,6 +65,9 @@ fn squealing(results: &Results<'_>, constraints: usize, findings: &SetFindings<'
         names(everywhere.map(|(name, _)| label(*name)).collect()),
         names(somewhere.map(|(name, _)| label(*name)).collect())
     );
+    if let Some(words) = findings.anything_in_words(with_limits) {
+        text += &format!("\n{words}.\n");
+    }
     if !unstable.is_empty() {
         text += "\n| mode | Hz | least of a panel | largest of a panel | where | largest of an arrangement |\n";
         text += "| --- | --- | --- | --- | --- | --- |\n";
@@ -97,7 +100,7 @@ fn open_questions(results: &Results<'_>) -> String {
         OpenCounts::new(results);
     format!(
         "\n## What is left open\n\nOf {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, near a \
-         coalescence. {divergent} real eigenvalues diverge. {undecided} verdicts are undecided and count as stable. {marginal} \
+         coalescence, or none. {divergent} real eigenvalues diverge. {undecided} verdicts are undecided and count as stable. {marginal} \
          eigenvalues lie on the imaginary axis and neither grow nor decay. {failures} draws or evaluations failed.\n"
     )
 }

@@ -58,7 +58,7 @@ fn json_has_what_the_words_say() {
     // Held or without friction the oscillator is stable: all there is drops.
     for kind in ["constraint", "contact"] {
         assert_eq!(of(kind)["confirmed"]["unstable"]["value"], 0.0);
-        assert_eq!(of(kind)["confirmed"]["drop"], sets[0]["confirmed"]["unstable"]);
+        assert_eq!(of(kind)["confirmed"]["drop"]["value"], sets[0]["confirmed"]["unstable"]["value"]);
     }
     assert_eq!(json["counts"]["samples"], 200);
 }

@@ -3,8 +3,8 @@
 use montecarlo::{rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
-use sparse::reduction::{Compared, compared};
 use sparse::Rectangle;
+use sparse::reduction::{Compared, compared};
 
 use super::FiniteElementBrake;
 use super::reduce::{rectangle, whole_modes};

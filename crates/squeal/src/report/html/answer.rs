@@ -56,7 +56,8 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
             format!("in every panel most of the draws squeal with {all}. In some panels they do with {some}")
         }
     };
-    format!("<strong>{}</strong>: {words}.", set_in_words(results, set))
+    let anything = found.anything_in_words(with_limits).map_or(String::new(), |words| format!(" {words}."));
+    format!("<strong>{}</strong>: {words}.{anything}", set_in_words(results, set))
 }
 
 /// What each set of constraints changes, the one with the largest least drop first.
@@ -110,7 +111,7 @@ fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
         );
     }
     text += &format!(
-        "<li>Of {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open: two modes met there. They widen the \
+        "<li>Of {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, where two modes met, or none. They widen the \
          limits upwards.</li>\n<li>{divergent} real eigenvalues grow: divergence, instability without oscillation.</li>\n<li>{undecided} \
          verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor decay. \
          {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards.</li>\n<li>Unstable means that a small vibration grows. How loud it gets is not computed.</li>\n</ul>\n"
