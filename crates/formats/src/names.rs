@@ -13,11 +13,10 @@ const AFTER_LETTER: [&str; 4] = ["", "MAT", "MATRIX", "RED"];
 /// `MAAX`, `BHH`, `K2PP`, `KJJZ`, `Kmat`, `K_red`, `K1`, `matK`), or a name with `stif`, `mass` or `damp` in it. Of a member of a structure, `s.K`, its last
 /// part counts. Names of structural damping (`K4GG`, `structural damping`) are of no kind.
 pub(crate) fn kind_of(name: &str) -> Option<Kind> {
-    let last = name.rsplit('.').next().unwrap_or(name);
-    let plain: String = last.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_uppercase();
-    if plain.contains("STRUCT") || plain.contains("HYST") || plain.starts_with("K4") || plain.contains("SDAMP") {
+    if is_structural(name) {
         return None;
     }
+    let plain = plain(name);
     let words = [("STIF", Kind::Stiffness), ("MASS", Kind::Mass), ("DAMP", Kind::Damping), ("DMPV", Kind::Damping)];
     let mut said = words.into_iter().filter(|(word, _)| plain.contains(word)).map(|(_, kind)| kind);
     match (said.next(), said.next()) {
@@ -25,7 +24,7 @@ pub(crate) fn kind_of(name: &str) -> Option<Kind> {
         (Some(_), Some(_)) => return None,
         _ => {}
     }
-    let short = plain.strip_prefix("MAT").filter(|rest| rest.len() == 1).unwrap_or(&plain);
+    let short = plain.strip_prefix("MAT").filter(|rest| rest.len() == 1).unwrap_or(plain.as_str());
     let (letter, rest) = short.split_at_checked(1)?;
     let kind = match letter {
         "K" => Kind::Stiffness,
@@ -37,6 +36,18 @@ pub(crate) fn kind_of(name: &str) -> Option<Kind> {
     let after = rest.strip_prefix('2').unwrap_or(rest);
     let of_set = after.split_at_checked(2).is_some_and(|(set, end)| is_set(set) && AFTER_SET.contains(&end));
     (numbered || of_set || AFTER_LETTER.contains(&rest)).then_some(kind)
+}
+
+/// Whether a name is one of structural damping, which is neither a viscous damping nor a stiffness.
+pub(crate) fn is_structural(name: &str) -> bool {
+    let plain = plain(name);
+    ["STRUCT", "HYST", "SDAMP", "DMPS"].iter().any(|word| plain.contains(word)) || plain.starts_with("K4")
+}
+
+/// The letters and digits of the last part of a name, as capitals.
+fn plain(name: &str) -> String {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    last.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_uppercase()
 }
 
 fn is_set(letters: &str) -> bool {

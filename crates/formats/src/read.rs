@@ -10,7 +10,7 @@ use crate::error::{FormatsError, Place};
 use crate::limits::{Limits, Options};
 use crate::lines::Lines;
 use crate::matrix::{Kind, Matrix};
-use crate::names::kind_of;
+use crate::names::{is_structural, kind_of};
 use crate::problem::Problem;
 use crate::source::{Contents, open};
 use crate::symmetry::{Stored, Symmetry};
@@ -107,6 +107,7 @@ impl File {
         if let Some(kind) = wanted.kind {
             let found = those(&|matrix| matrix.kind == Some(kind));
             let gone = left_out(&|other| kind_of(other) == Some(kind));
+            let found = self.sizeable(found);
             match (found.as_slice(), gone) {
                 ([at], None) => return Ok(*at),
                 // Another one could be meant, and this one may be a part of it.
@@ -116,11 +117,43 @@ impl File {
             }
         }
         match (self.matrices.len(), wanted.kind) {
+            (1, Some(kind)) if is_structural(&self.matrices[0].name) => {
+                let reason = format!(
+                    "the only one is {:?}, which is no viscous damping and no stiffness",
+                    self.matrices[0].name
+                );
+                Err(refused(&kind.to_string(), Some(&reason)))
+            }
+            (1, Some(kind)) if self.names_another(kind) => {
+                let name = &self.matrices[0].name;
+                let reason =
+                    format!("the only one is {name:?}, by its name another kind; FILE:{name} takes it nevertheless");
+                Err(refused(&kind.to_string(), Some(&reason)))
+            }
             (1, _) => Ok(0),
             (0, _) => Err(FormatsError::NoMatrix { left_out: self.left_out.clone() }),
             (_, Some(kind)) => Err(refused(&kind.to_string(), None)),
             (_, None) => Err(FormatsError::Several { names: self.names() }),
         }
+    }
+
+    /// Whether the only matrix has a name of its own that is usual for another kind. A file may be called after its kind and used
+    /// as another nevertheless: a mass as the stiffness of what turns.
+    fn names_another(&self, kind: Kind) -> bool {
+        self.matrices.first().and_then(|matrix| Some((matrix, kind_of(&matrix.name)?))).is_some_and(
+            |(matrix, other)| {
+                let is_by_file = matches!(self.format, Format::Coordinates | Format::AbaqusMatrixInput);
+                other != kind && !(is_by_file && matrix.name == other.to_string())
+            },
+        )
+    }
+
+    /// Those of several matrices that may be one of a model: square, and more than one number, as `k` and `m` among variables of MATLAB are.
+    fn sizeable(&self, places: Vec<usize>) -> Vec<usize> {
+        let is_sizeable =
+            |at: &&usize| self.matrices[**at].rows > 1 && self.matrices[**at].rows == self.matrices[**at].columns;
+        let sizeable: Vec<usize> = places.iter().filter(is_sizeable).copied().collect();
+        if places.len() > 1 && !sizeable.is_empty() { sizeable } else { places }
     }
 
     fn names(&self) -> Vec<String> {
@@ -220,9 +253,12 @@ struct ByName {
     kind: Option<Kind>,
     /// Whether it is one of CalculiX's, which hold the upper triangle.
     calculix: bool,
+    /// Whether it is Abaqus's structural damping.
+    structural: bool,
 }
 
-/// What CalculiX and Abaqus say in the name of a file alone: `.sti`, `.mas`; `_STIF1.mtx`, `_MASS1.mtx`, `_DMPV1.mtx`.
+/// What CalculiX and Abaqus say in the name of a file alone: `.sti`, `.mas`; `_STIF1.mtx`, `_MASS1.mtx`, `_DMPV1.mtx`, and of structural
+/// damping `_DMPS1.mtx`.
 fn by_name(path: &Path) -> ByName {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
     let name = name.strip_suffix(".GZ").unwrap_or(&name);
@@ -234,17 +270,21 @@ fn by_name(path: &Path) -> ByName {
         (_, "DMPV") => Some(Kind::Damping),
         _ => None,
     };
-    ByName { kind, calculix: matches!(extension, "STI" | "MAS") }
+    ByName { kind, calculix: matches!(extension, "STI" | "MAS"), structural: last == "DMPS" }
 }
 
 fn parse(
     contents: Contents<'_>,
     (format, endian): (Format, Endian),
     limits: &Limits,
-    ByName { kind, calculix }: ByName,
+    ByName { kind, calculix, structural }: ByName,
     labels: Option<Vec<Dof>>,
 ) -> Result<File, FormatsError> {
-    let name = kind.map_or_else(|| "matrix".to_owned(), |kind| kind.to_string());
+    let name = match kind {
+        Some(kind) => kind.to_string(),
+        None if structural => "structural damping".to_owned(),
+        None => "matrix".to_owned(),
+    };
     let listed = if calculix { Stated::Upper } else { Stated::Nothing };
     let Found { mut matrices, left_out } = match format {
         Format::MatrixMarket => in_text(contents, |lines| market::parse(lines, limits).map(Found::from))?,

@@ -60,8 +60,8 @@ impl fmt::Display for Symmetry {
 /// What is odd about how a matrix was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doubt {
-    /// It is whole by what the file says, but has its whole diagonal and else entries on this side of it only, as if a triangle had
-    /// been written under the wrong word.
+    /// It is whole by what the file says, but has entries on this side of the diagonal only and a diagonal wherever there are such,
+    /// as if a triangle had been written under the wrong word.
     Triangle(Symmetry),
     /// It is a list with entries on both sides of the diagonal and taken as whole, but none has a mirror image: friction, or a triangle
     /// in another order of rows.
@@ -124,8 +124,12 @@ impl Doubt {
     /// The doubt about entries, without repeats, that a file calls all of a square matrix.
     pub(crate) fn of_whole(entries: &[Entry], order: usize, sides: Sides) -> Option<Self> {
         let side = sides.only()?;
-        let diagonal = entries.iter().filter(|entry| entry.row == entry.column && entry.value != 0.0).count();
-        (diagonal == order).then_some(Self::Triangle(side))
+        let mut on_diagonal = vec![false; order];
+        let listed = || entries.iter().filter(|entry| entry.value != 0.0);
+        listed().filter(|entry| entry.row == entry.column).for_each(|entry| on_diagonal[entry.row as usize] = true);
+        let mut beside = listed().filter(|entry| entry.row != entry.column);
+        let is_like_one = beside.all(|entry| on_diagonal[entry.row as usize] && on_diagonal[entry.column as usize]);
+        is_like_one.then_some(Self::Triangle(side))
     }
 }
 

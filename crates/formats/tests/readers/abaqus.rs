@@ -59,6 +59,11 @@ fn a_keyword_names_shape_and_factor() {
         let matrix = read_bytes(text.as_bytes(), None, Options::default()).unwrap().only();
         assert_eq!(matches!(matrix, Err(FormatsError::OneSided { .. })), is_open, "{text}");
     }
+    // A number called k beside the matrix K.
+    let two = "*MATRIX INPUT, NAME=k, TYPE=SYMMETRIC\n1,1, 1,1, 5.0\n*MATRIX INPUT, NAME=K, TYPE=SYMMETRIC\n1,1, 1,1, 5.0\n1,2, 1,2, 6.0\n";
+    let file = read_bytes(two.as_bytes(), None, Options::default()).unwrap();
+    assert_eq!(file.of_kind(Kind::Stiffness).unwrap().name(), "K");
+    assert_eq!((file.matrix("k").unwrap().rows(), file.matrix("K").unwrap().rows()), (1, 2));
     let elsewhere = read_bytes(b"*MATRIX INPUT, NAME=K, INPUT=other.mtx\n1,1,1,1,1.0\n", None, Options::default());
     assert!(elsewhere.unwrap_err().to_string().contains("parameter \"INPUT=other.mtx\" is not supported"));
 }

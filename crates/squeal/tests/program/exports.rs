@@ -255,11 +255,20 @@ fn a_matrix_of_several_is_found_by_a_usual_name_or_by_its_own() {
     assert!((frequency(&json(&drive, Some(&drive), &drive, &[])) - expected).abs() < 1e-9);
     let member = PathBuf::from(format!("{}:K", drive.display()));
     assert!((frequency(&json(&drive, Some(&drive), &member, &[])) - expected).abs() < 1e-9);
+    // Structural damping is no viscous damping.
+    let structural = written(folder.path(), "J_DMPS1.mtx", "1,1, 1,1, 2.0\n");
+    refusal(
+        &eig(&drive, Some(&structural), &drive, &[]),
+        &["J_DMPS1.mtx: no matrix \"damping\"", "structural damping"],
+    );
     // The wrong one of a file that calls its matrix something else.
     let mass = written(folder.path(), "one.mtx", "*MATRIX INPUT, NAME=M, TYPE=SYMMETRIC\n1,1, 1,1, 2.0\n");
     refusal(
         &eig(&mass, None, &mass, &[]),
-        &["--stiffness", "one.mtx", "allowed: a stiffness matrix; by its name or contents it is one of mass"],
+        &[
+            "one.mtx: no matrix \"stiffness\" was read (the only one is \"M\", by its name another kind; FILE:M takes it",
+            "allowed: M",
+        ],
     );
     json(&mass, None, &PathBuf::from(format!("{}:M", mass.display())), &[]);
 }
@@ -294,5 +303,142 @@ fn a_list_is_as_large_as_the_matrix_beside_it() {
     assert!(
         found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-10),
         "{found:?} {expected:?}"
+    );
+}
+
+/// A case of finite elements with one term of these files and more lines of it.
+fn case(folder: &Path, kind: &str, term: &str, rest: &str) -> PathBuf {
+    let text = format!(
+        "[study]\nname = \"exports\"\nsamples = 2\nseed = 1\n[brake]\nkind = \"{kind}\"\n[[terms]]\nname = \"all\"\n{term}\n{rest}"
+    );
+    written(folder, "case.toml", &text)
+}
+
+const REDUCTION: &str = "[reduction]\nfrequencies = [1.0, 1000.0]\ngrowth = [-900.0, 900.0]\n";
+
+fn cea(case: &Path) -> Output {
+    squeal().arg("cea").arg(case).arg("--json").output().unwrap()
+}
+
+fn modes(case: &Path) -> Vec<f64> {
+    let output = cea(case);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let scene: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut found: Vec<f64> =
+        scene["modes"].as_array().unwrap().iter().map(|mode| mode["im"].as_f64().unwrap()).collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{found:?} {expected:?}");
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= tolerance * b), "{found:?} {expected:?}");
+}
+
+#[test]
+fn cases_take_out_or_refuse_what_is_held() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random(0xca5e);
+    let (m, k) = chain(&mut random, 9);
+    let held = [3, 7];
+    let mut stiff = k.clone();
+    stiff.iter_mut().filter(|(i, j, _)| i == j && held.contains(i)).for_each(|entry| entry.2 = 1e36);
+    let free = |all: &Entries| -> Entries {
+        let place = |at: usize| (!held.contains(&at)).then(|| at - held.iter().filter(|held| **held < at).count());
+        all.iter().filter_map(|&(i, j, v)| Some((place(i)?, place(j)?, v))).collect()
+    };
+    let (small_m, small_k) = (
+        written(folder.path(), "m.mtx", &market(7, &free(&m))),
+        written(folder.path(), "k.mtx", &market(7, &free(&k))),
+    );
+    let expected = frequencies(&json(&small_m, None, &small_k, &[]));
+    // The huge entries are in the stiffness of the structure, or in a term of their own.
+    written(folder.path(), "J_MASS1.mtx", &abaqus(&m));
+    written(folder.path(), "J_STIF1.mtx", &abaqus(&stiff));
+    written(folder.path(), "S_STIF1.mtx", &abaqus(&k));
+    written(folder.path(), "P.mtx", &abaqus(&held.iter().map(|&at| (at, at, 1e20)).collect()));
+    let files = "mass = \"J_MASS1.mtx\"\nstiffness = \"J_STIF1.mtx\"";
+    let apart =
+        "mass = \"J_MASS1.mtx\"\nstiffness = \"S_STIF1.mtx\"\n[[terms]]\nname = \"walls\"\nstiffness = \"P.mtx\"";
+    for term in [files, apart] {
+        let case = case(folder.path(), "finite-elements", term, REDUCTION);
+        assert_close(&modes(&case), &expected, 1e-8);
+        let said = String::from_utf8(cea(&case).stderr).unwrap();
+        assert!(
+            said.contains("case.toml: degrees of freedom held") && said.contains("taken out: 2 (102.x, 103.y)"),
+            "{said}"
+        );
+    }
+    let rows = |all: &Entries| {
+        let mut rows = vec![vec![0.0; 9]; 9];
+        all.iter().for_each(|&(i, j, v)| rows[i][j] = v);
+        format!("{rows:?}")
+    };
+    let given = format!("mass = {}\nstiffness = {}", rows(&m), rows(&stiff).replace("e36", ".0e36"));
+    let refused = cea(&case(folder.path(), "matrices", &given, ""));
+    refusal(
+        &refused,
+        &[
+            "case.toml: terms = 4, 8 held by huge entries on the diagonal",
+            "allowed: held degrees of freedom among those fixed",
+        ],
+    );
+    let fixed = "[[constraints]]\nname = \"held\"\nfixed = [\"4\", \"8\"]\n";
+    assert_close(&modes(&case(folder.path(), "matrices", &given, fixed)), &expected, 1e-8);
+}
+
+#[test]
+fn cases_say_how_a_one_sided_file_is_stored() {
+    let folder = tempfile::tempdir().unwrap();
+    let (m, k) = chain(&mut Random(9), 6);
+    written(folder.path(), "J_MASS1.mtx", &abaqus(&m));
+    written(folder.path(), "J_STIF1.mtx", &abaqus(&k));
+    let one_sided =
+        vec![(0, 0, 3.0), (1, 1, 3.0), (2, 2, 3.0), (0, 2, 40.0), (1, 3, -25.0), (3, 3, 3.0), (4, 4, 3.0), (5, 5, 3.0)];
+    let list = written(folder.path(), "C.mtx", &abaqus(&one_sided));
+    let unnamed = written(folder.path(), "unnamed.mtx", &market(6, &one_sided));
+    let path = |name: &str| folder.path().join(name);
+    let term = |file: &str, more: &str| {
+        let files = format!("mass = \"J_MASS1.mtx\"\ndamping = \"{file}\"\nstiffness = \"J_STIF1.mtx\"\n{more}");
+        case(folder.path(), "finite-elements", &files, REDUCTION)
+    };
+    let refused = cea(&term("C.mtx", ""));
+    refusal(
+        &refused,
+        &[
+            "case.toml: terms \"all\".damping = \"C.mtx\"",
+            "above the diagonal only",
+            "allowed: symmetry = \"whole\" to",
+            "symmetry = \"upper\" to",
+        ],
+    );
+    for said in ["whole", "upper"] {
+        let spectrum =
+            json(&path("J_MASS1.mtx"), Some(&list), &path("J_STIF1.mtx"), &[&format!("--symmetry=damping={said}")]);
+        let expected = frequencies(&spectrum);
+        assert_close(&modes(&term("C.mtx", &format!("symmetry = {{ damping = \"{said}\" }}"))), &expected, 1e-8);
+        if said == "whole" {
+            assert_close(&modes(&term("C.mtx", "symmetry = \"whole\"")), &expected, 1e-8);
+            // A matrix without names of its rows goes by those of the others; the word of its file counts, with a line about it.
+            let case = term("unnamed.mtx", "");
+            assert_close(&modes(&case), &expected, 1e-8);
+            let line = String::from_utf8(cea(&case).stderr).unwrap();
+            assert!(
+                line.contains("terms \"all\".damping = \"unnamed.mtx\": it is taken as whole, as the file says"),
+                "{line}"
+            );
+            assert!(eig(&path("J_MASS1.mtx"), Some(&unnamed), &path("J_STIF1.mtx"), &[]).stderr.len() > 50);
+        }
+    }
+    refusal(
+        &cea(&term("C.mtx", "symmetry = \"upper\"")),
+        &["stiffness = \"J_STIF1.mtx\"", "with entries below the diagonal"],
+    );
+    refusal(&cea(&term("C.mtx", "symmetry = \"full\"")), &["symmetry", "expected \"whole\", \"upper\" or \"lower\""]);
+    // Names of rows that differ leave a matrix without names nowhere to go.
+    written(folder.path(), "J_MASS1.mtx", &abaqus(&m[..5].to_vec()));
+    refusal(
+        &cea(&term("unnamed.mtx", "")),
+        &["terms \"all\".damping = a matrix without names of its rows", "allowed: "],
     );
 }

@@ -135,14 +135,18 @@ fn option(kind: Kind) -> &'static str {
 
 /// The refusal of a list that may be a triangle or not.
 fn one_sided(path: &Path, kind: Kind, side: Option<formats::Symmetry>) -> Error {
-    let mirrored = side.map_or_else(String::new, |side| format!(", {kind}={side} for a triangle to be mirrored"));
+    let (found, mirrored) = match side {
+        Some(side) => ("on one side of the diagonal only", format!("{kind}={side} for a triangle to be mirrored")),
+        None => {
+            ("without mirror images", "write TYPE=SYMMETRIC into the file for a triangle to be mirrored".to_owned())
+        }
+    };
     Error::Option {
         option: option(kind),
         value: path.display().to_string(),
         allowed: format!(
-            "a matrix of which it is known whether it is a triangle: it has entries on one side of the diagonal only, and the file \
-             does not say whether it is symmetric; say --symmetry {kind}=whole for an unsymmetric matrix, such as \
-             friction{mirrored}"
+            "a matrix of which it is known whether it is a triangle: it has entries {found}, and the file does not say \
+             whether it is symmetric; say --symmetry {kind}=whole for an unsymmetric matrix, such as friction, or {mirrored}"
         ),
     }
 }

@@ -18,7 +18,7 @@ pub use symmetry::SaidSymmetry;
 /// Eigenvalues of lambda^2 M + lambda C + K, each with its backward error, condition number and verdict.
 ///
 /// The files may be of any format that is read here: Matrix Market, CalculiX .sti and .mas, Abaqus MATRIX INPUT or USER
-/// ELEMENT, Nastran DMIG or OP4, MATLAB .mat, NumPy .npy or .npz, each also compressed by gzip. Of a file with several
+/// ELEMENT, Nastran DMIG or OP4, Harwell-Boeing, MATLAB .mat, NumPy .npy or .npz, each also compressed by gzip. Of a file with several
 /// matrices the one is taken whose name is usual for M, C or K; FILE:NAME says which. Rows that the files name are brought
 /// together. Degrees of freedom held by entries huge against all others are named and taken out. A list with entries on one side of the
 /// diagonal, of which the file does not say whether it is a triangle, is refused: say --symmetry (docs/formats.md).
