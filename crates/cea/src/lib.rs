@@ -7,6 +7,7 @@
 //! | to find | use | in |
 //! | --- | --- | --- |
 //! | which eigenvalues grow, are damped, or are undecided | [`stability_census`] | `stability` |
+//! | how many modes of a spectrum are unstable, those on the axis told apart | [`CountedSpectrum`] | `stability` |
 //! | all eigenvalues, fast, of one system or of many | [`QrSolver`], [`BatchSolver`] | `dense` |
 //! | which eigenvalues are modes; shapes of chosen modes | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
 //! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | `certified` |
@@ -72,7 +73,9 @@ pub use feedback::{
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
 pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
-pub use stability::{StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond};
+pub use stability::{
+    CountedSpectrum, StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond,
+};
 pub use verdict::{JudgedEigenvalue, Verdict};
 pub use workspace::{Counters, Workspace};
 

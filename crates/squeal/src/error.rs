@@ -31,6 +31,19 @@ pub enum Error {
     /// Modes or branches that could not be followed.
     #[error(transparent)]
     Tracking(#[from] tracking::TrackingError),
+    /// A spectrum contradicts the boundary of a stability map, however many lines it is looked for on.
+    #[error(
+        "at {at} a spectrum has {found} unstable modes, and the curves of the map leave {expected}: a curve is missing; allowed: ranges in \
+         which the boundary is found, or a sweep over one parameter"
+    )]
+    MapContradicted {
+        /// Values of the parameters.
+        at: String,
+        /// Unstable modes by the spectrum.
+        found: usize,
+        /// Unstable modes by the curves.
+        expected: usize,
+    },
     /// A sweep over parameters.
     #[error("{at}: {source}")]
     Sweep {

@@ -12,6 +12,9 @@ use crate::branch::{BranchPoint, Branches, OrderedParameter, RefinedPoint};
 
 /// Spectra after which branches count as unresolvable; chosen.
 const MOST_SPECTRA: usize = 20_000;
+/// Largest |lambda|, as a part of the largest |Im lambda|, of a rigid motion, which rounding may give a frequency; chosen: a double zero
+/// becomes the root of a rounding.
+const RIGID: f64 = 1e-7;
 /// Rounding errors in one evaluation of `Q(lambda) phi`, in units of epsilon times the size of its terms; chosen.
 const ROUNDINGS: f64 = 8.0;
 
@@ -84,7 +87,7 @@ impl<'a, F> KeptSpectra<'a, F> {
         Self { modes: Some(modes), ..self }
     }
 
-    /// Modes may become overdamped, and oscillate again: their number may differ from parameter to parameter.
+    /// Modes may become overdamped, and oscillate again: their number may differ from parameter to parameter. Rigid motions are none.
     #[must_use]
     pub fn with_overdamping(self) -> Self {
         Self { allows_overdamping: true, ..self }
@@ -115,7 +118,11 @@ impl<'a, F> KeptSpectra<'a, F> {
                 return Err(unresolved.into());
             }
             let made = (self.make)(at)?;
-            let all = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
+            let mut all = oscillatory(&made.system, self.solver, &mut self.work).map_err(TrackingError::from)?;
+            if self.allows_overdamping {
+                let fastest = all.iter().map(|lambda| lambda.im).fold(0.0, f64::max);
+                all.retain(|lambda| lambda.norm() > RIGID * fastest);
+            }
             let is_inside = |lambda: &Complex<f64>| (self.band[0]..=self.band[1]).contains(&lambda.im);
             let (lambdas, outside): (Vec<_>, Vec<_>) = all.into_iter().partition(is_inside);
             let growing_outside = outside.iter().filter(|lambda| lambda.re >= 0.0).count();

@@ -6,6 +6,10 @@ use crate::TrackingError;
 use crate::branch::{BranchPoint, Branches, first_steps, is_equal, link};
 use crate::error::check_interval;
 
+/// Most steps that one of the first steps is divided into; chosen: where links stay in doubt over a whole interval, as those of equal
+/// modes and of modes that keep no distance do, no step tells them apart.
+const MOST_STEPS: usize = 512;
+
 /// One branch of a root locus.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Branch {
@@ -45,8 +49,8 @@ struct LocusStep {
     links: Vec<Option<usize>>,
 }
 
-/// The root locus between two values of the parameter. Steps are halved until all links are clear or the step is not longer
-/// than `smallest`.
+/// The root locus between two values of the parameter. Steps are halved until all links are clear, the step is not longer
+/// than `smallest`, or there are many: what is in doubt then is an ambiguity.
 ///
 /// # Errors
 /// Those of the branches; [`TrackingError::Interval`].
@@ -58,7 +62,9 @@ where
     check_interval(from, to)?;
     let mut steps = Vec::new();
     for [a, b] in first_steps(from, to) {
-        subdivide(branches, a, b, smallest, &mut steps)?;
+        let mut in_step = Vec::new();
+        subdivide(branches, a, b, smallest, &mut in_step)?;
+        steps.append(&mut in_step);
     }
     let count = branches.lambdas(from)?.len();
     let mut locus = RootLocus { branches: vec![Branch::default(); count], ambiguities: Vec::new() };
@@ -83,7 +89,7 @@ fn subdivide<B: Branches + ?Sized>(
 ) -> Result<(), B::Error> {
     let [from, count] = [branches.lambdas(a)?.len(), branches.lambdas(b)?.len()];
     let mut links = Vec::with_capacity(from);
-    let (is_smallest, mut is_clear) = (b - a <= smallest, from == count);
+    let (is_smallest, mut is_clear) = (b - a <= smallest || steps.len() >= MOST_STEPS, from == count);
     for index in 0..from {
         if !(is_clear || is_smallest) {
             break;

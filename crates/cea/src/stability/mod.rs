@@ -1,10 +1,12 @@
 //! Whether motions grow: the verdict on one eigenvalue, the census of a system, thresholds from where on growth counts.
 
 mod census;
+mod counted;
 mod coupling;
 mod screen;
 mod threshold;
 
 pub use census::{StabilityCensus, stability_census};
+pub use counted::CountedSpectrum;
 pub use screen::{verdict, verdicts, verdicts_beyond};
 pub use threshold::Threshold;

@@ -12,7 +12,7 @@ use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 const SOLVER_ERROR: f64 = 1e-12;
 /// Real parts up to this part of the problem's scale are near the axis: two eigenvalues that meet in one vector move by the root
 /// of SOLVER_ERROR, and a simple one of condition 1e6 by as much.
-const NEAR_AXIS: f64 = 1e-6;
+pub(super) const NEAR_AXIS: f64 = 1e-6;
 /// No more eigenvalues than so many are expected to meet in one vector: that takes as many parameters less two.
 const MOST_COALESCING: usize = 4;
 

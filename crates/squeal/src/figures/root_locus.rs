@@ -45,6 +45,10 @@ pub enum LocusEvent {
     Starts,
     /// It stops.
     Stops,
+    /// A growing mode loses its frequency: flutter becomes divergence.
+    ToDivergence,
+    /// Divergence becomes flutter.
+    ToFlutter,
     /// Two modes coalesce, or nearly.
     Coalescence,
 }
@@ -78,7 +82,7 @@ struct Panel {
 /// per branch and point, then the marks.
 ///
 /// # Errors
-/// [`FigureError::Empty`] without branches, [`FigureError::NotFinite`] or [`FigureError::OutOfRange`] for a value that the axes cannot
+/// [`FigureError::Empty`] without branches and marks, [`FigureError::NotFinite`] or [`FigureError::OutOfRange`] for a value that the axes cannot
 /// show.
 pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> {
     let table = check(data)?;
@@ -106,7 +110,7 @@ pub fn root_locus_figure(data: &RootLocusFigure) -> Result<Figure, FigureError> 
     ];
     let mut y = title(&mut canvas, &data.title);
     y = bar(&mut canvas, y + 4.0, parameter, data.range, &data.parameter);
-    y = legend(&mut canvas, y, &key(data.onsets));
+    y = legend(&mut canvas, y, &key(data));
     let left = PAGE_MARGIN + locus.left(&canvas, LOCUS_HEIGHT);
     let right = canvas.width - PAGE_MARGIN - 10.0;
     let area = Area { x: left, y: y + 4.0, width: right - left, height: LOCUS_HEIGHT };
@@ -211,6 +215,8 @@ impl LocusMark {
         let what = match event {
             LocusEvent::Starts => format!("{name} {starts}"),
             LocusEvent::Stops => format!("{name} {stops}"),
+            LocusEvent::ToDivergence => format!("mode {mode}: flutter becomes divergence, with growth {growth} 1/s,"),
+            LocusEvent::ToFlutter => format!("mode {mode}: divergence becomes flutter, with growth {growth} 1/s,"),
             LocusEvent::Coalescence => format!("modes {mode} coalesce, or nearly, with growth {growth} 1/s"),
         };
         format!("{what} at {parameter} = {at}, {frequency} Hz")
@@ -222,23 +228,32 @@ fn symbol(canvas: &mut Canvas, (x, y): (f64, f64), event: LocusEvent) {
     match event {
         LocusEvent::Starts => canvas.polygon(triangle(1.0), Paint::fill(VERMILLION).outlined(Color::WHITE, 0.4)),
         LocusEvent::Stops => canvas.polygon(triangle(-1.0), Paint::fill(BLUE).outlined(Color::WHITE, 0.4)),
+        LocusEvent::ToDivergence | LocusEvent::ToFlutter => {
+            let diamond = vec![(x, y - 3.6), (x + 3.2, y), (x, y + 3.6), (x - 3.2, y)];
+            canvas.polygon(diamond, Paint::fill(VERMILLION).outlined(Color::WHITE, 0.4));
+        }
         LocusEvent::Coalescence => canvas.circle((x, y), 2.6, Paint::stroke(Color::BLACK, 0.9)),
     }
 }
 
-fn key([starts, stops]: [&str; 2]) -> Vec<Entry> {
+fn key(data: &RootLocusFigure) -> Vec<Entry> {
+    let [starts, stops] = data.onsets;
     let entry =
         |event: LocusEvent, text: &str| Entry::new(text, 8.0, move |canvas: &mut Canvas, at| symbol(canvas, at, event));
-    vec![
+    let mut entries = vec![
         entry(LocusEvent::Starts, &format!("the mode named there {starts}")),
         entry(LocusEvent::Stops, &format!("it {stops}")),
         entry(LocusEvent::Coalescence, "two modes coalesce, or damping keeps them just apart"),
-    ]
+    ];
+    if data.marks.iter().any(|mark| matches!(mark.event, LocusEvent::ToDivergence | LocusEvent::ToFlutter)) {
+        entries.push(entry(LocusEvent::ToDivergence, "flutter becomes divergence, or divergence flutter"));
+    }
+    entries
 }
 
 /// Checks every value and writes it into the table.
 fn check(data: &RootLocusFigure) -> Result<Table, FigureError> {
-    if data.branches.iter().all(|branch| branch.points.is_empty()) {
+    if data.marks.is_empty() && data.branches.iter().all(|branch| branch.points.is_empty()) {
         return Err(FigureError::Empty { what: "branches" });
     }
     let [from, to] = data.range;
@@ -261,6 +276,8 @@ fn check(data: &RootLocusFigure) -> Result<Table, FigureError> {
         let kind = match event {
             LocusEvent::Starts => "starts",
             LocusEvent::Stops => "stops",
+            LocusEvent::ToDivergence => "flutter-to-divergence",
+            LocusEvent::ToFlutter => "divergence-to-flutter",
             LocusEvent::Coalescence => "coalescence",
         };
         row(kind, mode, at)?;

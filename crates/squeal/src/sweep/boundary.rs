@@ -10,7 +10,7 @@ use nalgebra::{Vector2, vector};
 use serde::Serialize;
 use tracking::link_error;
 
-use super::curve_point::CurvePoint;
+use super::curve_point::{CurvePoint, PointOf};
 use super::family::Part;
 use crate::Error;
 use crate::study::UncertainBrake;
@@ -60,13 +60,16 @@ pub struct BoundaryPoint {
     pub at: [f64; 2],
     /// Im lambda, rad/s; 0 of divergence.
     pub omega: f64,
+    /// Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    pub growth: f64,
 }
 
-/// A curve on which one mode neither grows nor decays, or on which the stiffness is singular (divergence). On its right, seen along
-/// it, the mode grows, or one more real eigenvalue is above zero.
+/// A curve on which one mode neither grows nor decays, or on which the stiffness is singular (divergence), or a growing pair becomes two
+/// real eigenvalues. On its right, seen along it, there is one more unstable mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BoundaryCurve {
-    /// Candidates for the name of the mode where the curve was found, on the straight line from the medians; "divergence".
+    /// Candidates for the name of the mode where the curve was found, on the straight line from the medians; "divergence" or
+    /// "flutter to divergence".
     pub mode: String,
     /// How it begins and ends.
     pub ends: [CurveEnd; 2],
@@ -146,7 +149,7 @@ impl<B: UncertainBrake> Tracer<'_, B> {
     fn one_way(&mut self, start: &CurvePoint, sign: f64) -> Result<(Vec<CurvePoint>, CurveEnd), Error> {
         let mut points: Vec<CurvePoint> = Vec::new();
         let (mut here, mut step) = (start.clone(), FIRST_STEP);
-        let start_point = KnownPoint { at: start.at, omega: start.omega(), error: 0.0 };
+        let start_point = KnownPoint { at: start.at, omega: start.omega(), error: 0.0, of: start.of() };
         while points.len() < MOST_POINTS {
             let tangent = here.tangent() * sign;
             let (to_edge, edge) = to_edge(here.at, tangent);
@@ -160,7 +163,9 @@ impl<B: UncertainBrake> Tracer<'_, B> {
                 predicted[edge] = predicted[edge].round();
             }
             let inside = predicted.map(|part| part.clamp(0.0, 1.0));
-            let next = self.corrected(&here, inside, along)?.filter(|next| is_next(&here, next, inside, sign));
+            let next = self
+                .corrected(&here, inside, along)?
+                .filter(|next| is_next(&here, next, inside, sign) && next.is_boundary(&self.part.threshold()));
             let Some(next) = next else {
                 step = 0.5 * length;
                 if step < SHORTEST_STEP {
@@ -211,14 +216,16 @@ pub(super) struct KnownPoint {
     pub at: Vector2<f64>,
     /// Its frequency, zero of divergence.
     pub omega: f64,
+    /// What crosses there.
+    pub of: PointOf,
     /// How far it may be from the boundary: a mode along the axis crosses it no more exactly than its growth is known.
     pub error: f64,
 }
 
 /// Whether the curve goes through a known point between two of its own.
 pub(super) fn passes(here: &CurvePoint, next: &CurvePoint, sign: f64, known: &KnownPoint) -> bool {
-    let &KnownPoint { at, omega, error } = known;
-    if here.is_divergence() != (omega == 0.0) {
+    let &KnownPoint { at, omega, error, of } = known;
+    if here.of() != of {
         return false;
     }
     let chord = next.at - here.at;

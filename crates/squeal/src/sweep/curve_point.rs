@@ -1,11 +1,12 @@
 //! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
 
-use cea::{Workspace, left_vector, right_vector};
+use cea::{Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
 
 use super::divergence::{Determinant, stiffness};
+use super::double::Double;
 use super::eigenpair::Eigenpair;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
@@ -30,6 +31,16 @@ pub(super) enum Crossing {
     Flutter(Eigenpair),
     /// A real eigenvalue at zero, where the stiffness is singular, or where Q is at the growth rate from where on growth counts.
     Divergence(NullPair),
+    /// Two eigenvalues that meet.
+    Double(Double),
+}
+
+/// What a point of a curve is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PointOf {
+    Flutter,
+    Divergence,
+    Double,
 }
 
 /// The null vectors of a stiffness K that is singular or nearly so, and a measure of how far it is from that. With the vectors l and r
@@ -100,72 +111,98 @@ fn real(vector: DVector<Complex<f64>>) -> DVector<f64> {
 }
 
 impl Crossing {
-    /// Of an eigenvalue of a system; of divergence for a real one. `None` where K has more than one null vector.
-    fn of(system: &SecondOrder, lambda: Complex<f64>) -> Result<Option<Self>, Error> {
-        if lambda.im == 0.0 {
-            return Ok(NullPair::of(system, lambda.re)?.map(Self::Divergence));
-        }
-        let pair = Eigenpair::of(system, lambda, &mut Workspace::default())?;
-        Ok(Some(Self::Flutter(pair)))
+    /// Of an eigenvalue of a system. `None` where K has more than one null vector.
+    fn of(system: &SecondOrder, lambda: Complex<f64>, of: PointOf) -> Result<Option<Self>, Error> {
+        Ok(match of {
+            PointOf::Divergence => NullPair::of(system, lambda.re)?.map(Self::Divergence),
+            PointOf::Flutter => Some(Self::Flutter(Eigenpair::of(system, lambda, &mut Workspace::default())?)),
+            PointOf::Double => Double::near(system, lambda)?.map(Self::Double),
+        })
     }
 
-    /// That of another system next to this one, with a value that is guessed.
-    pub fn of_neighbour(&self, system: &SecondOrder, guess: Complex<f64>) -> Option<Self> {
-        match self {
+    /// That of another system next to this one, with a value that is guessed; of two eigenvalues it is their mean.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn of_neighbour(&self, system: &SecondOrder, guess: Complex<f64>) -> Result<Option<Self>, Error> {
+        Ok(match self {
             Self::Flutter(pair) => pair.of_neighbour(system, guess).map(Self::Flutter),
             Self::Divergence(pair) => pair.of_neighbour(system).map(Self::Divergence),
-        }
+            Self::Double(_) => Double::near(system, guess)?.map(Self::Double),
+        })
     }
 
-    /// The eigenvalue, rad/s; of divergence the growth that [`NullPair`] has in its place, without a unit.
+    /// The eigenvalue, rad/s; of divergence the growth that [`NullPair`] has in its place, without a unit, and of two eigenvalues
+    /// their squared half distance.
     fn value(&self) -> Complex<f64> {
         match self {
             Self::Flutter(pair) => pair.lambda,
             Self::Divergence(pair) => Complex::from(pair.growth),
+            Self::Double(double) => Complex::from(double.square),
         }
     }
 
-    fn rate(&self, system: &SecondOrder, systems: [&SecondOrder; 2], distance: f64) -> Complex<f64> {
-        match self {
-            Self::Flutter(pair) => pair.rate(system, systems, distance),
+    /// d value over a distance from two systems; the second number is that of the mean of two eigenvalues.
+    fn rate(
+        &self,
+        system: &SecondOrder,
+        systems: [&SecondOrder; 2],
+        distance: f64,
+    ) -> Result<[Complex<f64>; 2], Error> {
+        Ok(match self {
+            Self::Flutter(pair) => [pair.rate(system, systems, distance), Complex::default()],
             Self::Divergence(pair) => {
                 let [below, above] = systems.map(|system| stiffness(system, pair.at));
-                Complex::from(pair.rate(&((above - below) / distance)))
+                [Complex::from(pair.rate(&((above - below) / distance))), Complex::default()]
             }
-        }
+            Self::Double(double) => {
+                let [below, above] = [Double::near(systems[0], double.mean)?, Double::near(systems[1], double.mean)?];
+                let (Some(below), Some(above)) = (below, above) else { return Ok([Complex::from(f64::NAN); 2]) };
+                [Complex::from((above.square - below.square) / distance), (above.mean - below.mean) / distance]
+            }
+        })
     }
 }
 
 impl CurvePoint {
-    /// The point of a known onset, of divergence where the frequency `omega` is zero; `None` where K has more than one null vector.
+    /// The point of a known change at an eigenvalue; `None` where K has more than one null vector.
     ///
     /// # Errors
     /// Those of the brake and of the vectors.
-    pub fn start<B: UncertainBrake>(part: &Part<'_, B>, at: Vector2<f64>, omega: f64) -> Result<Option<Self>, Error> {
+    pub fn start<B: UncertainBrake>(
+        part: &Part<'_, B>,
+        at: Vector2<f64>,
+        lambda: Complex<f64>,
+        of: PointOf,
+    ) -> Result<Option<Self>, Error> {
         let system = part.system(&[at.x, at.y])?;
-        Crossing::of(&system, part.threshold().at_margin(0.0, omega))?
-            .map(|crossing| Self::new(part, at, &system, crossing))
-            .transpose()
+        let there = if of == PointOf::Double { lambda } else { part.threshold().at_margin(0.0, lambda.im) };
+        let crossing = Crossing::of(&system, there, of)?;
+        crossing.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
     }
 
     fn new<B: UncertainBrake>(
         part: &Part<'_, B>,
         at: Vector2<f64>,
         system: &SecondOrder,
-        crossing: Crossing,
+        mut crossing: Crossing,
     ) -> Result<Self, Error> {
         let mut rates = Vector2::from_element(Complex::default());
+        let mut mean_rates = rates;
         for axis in 0..2 {
             let [mut below, mut above] = [at, at];
             below[axis] = (at[axis] - DIFFERENCE).max(0.0);
             above[axis] = (at[axis] + DIFFERENCE).min(1.0);
             let systems = [part.system(&[below.x, below.y])?, part.system(&[above.x, above.y])?];
-            rates[axis] = crossing.rate(system, systems.each_ref(), above[axis] - below[axis]);
+            [rates[axis], mean_rates[axis]] = crossing.rate(system, systems.each_ref(), above[axis] - below[axis])?;
+        }
+        if let Crossing::Double(double) = &mut crossing {
+            double.mean_rates = mean_rates;
         }
         let (threshold, value) = (part.threshold(), crossing.value());
         let beyond = match crossing {
             Crossing::Flutter(_) => (threshold.margin(value), rates.map(|rate| threshold.margin_rate(value, rate))),
-            Crossing::Divergence(_) => (value.re, rates.map(|rate| rate.re)),
+            Crossing::Divergence(_) | Crossing::Double(_) => (value.re, rates.map(|rate| rate.re)),
         };
         Ok(Self { at, crossing, rates, beyond })
     }
@@ -181,7 +218,14 @@ impl CurvePoint {
         guess: Complex<f64>,
     ) -> Result<Option<Self>, Error> {
         let system = part.system(&[at.x, at.y])?;
-        let found = self.crossing.of_neighbour(&system, guess);
+        let guess = match &self.crossing {
+            Crossing::Double(double) => {
+                let by = at - self.at;
+                double.mean + double.mean_rates.x * by.x + double.mean_rates.y * by.y
+            }
+            _ => guess,
+        };
+        let found = self.crossing.of_neighbour(&system, guess)?;
         found.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
     }
 
@@ -192,12 +236,34 @@ impl CurvePoint {
 
     /// Im lambda, rad/s; 0 of divergence.
     pub fn omega(&self) -> f64 {
-        self.value().im
+        match &self.crossing {
+            Crossing::Double(double) if double.mean.im.abs() <= double.mean.re.abs() => 0.0,
+            Crossing::Double(double) => double.mean.im,
+            other => other.value().im,
+        }
     }
 
-    /// Whether it is a point of divergence.
-    pub fn is_divergence(&self) -> bool {
-        matches!(self.crossing, Crossing::Divergence(_))
+    /// Re lambda, 1/s, of two eigenvalues that meet that of their mean; on the threshold of anything else.
+    pub fn real_part(&self, threshold: &Threshold) -> f64 {
+        match &self.crossing {
+            Crossing::Double(double) => double.mean.re,
+            _ => threshold.at_margin(0.0, self.omega()).re,
+        }
+    }
+
+    /// What it is a point of.
+    pub fn of(&self) -> PointOf {
+        match &self.crossing {
+            Crossing::Flutter(_) => PointOf::Flutter,
+            Crossing::Divergence(_) => PointOf::Divergence,
+            Crossing::Double(_) => PointOf::Double,
+        }
+    }
+
+    /// Whether it bounds anything: two real eigenvalues that meet below the threshold are overdamped modes, which are stable.
+    pub fn is_boundary(&self, threshold: &Threshold) -> bool {
+        let Crossing::Double(double) = &self.crossing else { return true };
+        self.omega() > 0.0 || threshold.margin(Complex::from(double.mean.re)) > 0.0
     }
 
     /// How far it is beyond the threshold, rad/s; of divergence without a unit.
@@ -218,7 +284,11 @@ impl CurvePoint {
 
     /// d omega along the curve.
     pub fn omega_rate(&self) -> f64 {
-        self.rates.map(|rate| rate.im).dot(&self.tangent())
+        let rates = match &self.crossing {
+            Crossing::Double(double) if self.omega() > 0.0 => double.mean_rates,
+            _ => self.rates,
+        };
+        rates.map(|rate| rate.im).dot(&self.tangent())
     }
 
     /// The change of the value to first order.
@@ -233,6 +303,7 @@ impl CurvePoint {
             (Crossing::Divergence(here), Crossing::Divergence(there)) => {
                 here.right.normalize().dot(&there.right.normalize()).abs()
             }
+            (Crossing::Double(_), Crossing::Double(_)) => 1.0,
             _ => 0.0,
         }
     }
@@ -242,7 +313,7 @@ impl CurvePoint {
     /// # Errors
     /// Those of the brake.
     pub fn distance_from_whole<B: UncertainBrake>(&self, part: &Part<'_, B>) -> Result<Option<f64>, Error> {
-        if self.is_divergence() {
+        if self.of() != PointOf::Flutter {
             return Ok(None);
         }
         let found = part.whole_eigenvalue(&[self.at.x, self.at.y], self.value())?;

@@ -195,11 +195,6 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
         self.family.study.plan().threshold
     }
 
-    /// The real eigenvalue, 1/s, from where on divergence counts.
-    pub fn real_onset(&self) -> f64 {
-        self.threshold().growth_above()
-    }
-
     /// Whether modes of this frequency, rad/s, are studied.
     pub fn is_studied(&self, omega: f64) -> bool {
         self.family.study.plan().is_studied(Complex::new(0.0, omega))

@@ -6,7 +6,10 @@ use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
 use serde_json::{Value, json};
 
-use super::{BoundaryCurve, Coalescence, CurveEnd, Evaluations, StabilityMap, Sweep, SweepOnset, SweptParameter};
+use super::{
+    BoundaryCurve, ChangeOf, Coalescence, CurveEnd, Evaluations, Marginal, StabilityMap, Sweep, SweepOnset,
+    SweptParameter,
+};
 use crate::Error;
 use crate::output::write_csv;
 
@@ -35,9 +38,41 @@ pub(crate) fn event(starts: bool, threshold: &Threshold) -> &'static str {
 }
 
 impl SweepOnset {
-    /// What the mode does where the parameter grows.
+    /// What happens where the parameter grows, as tables have it.
     pub fn direction(&self) -> &'static str {
-        if self.starts { "starts" } else { "stops" }
+        match (self.of, self.starts) {
+            (ChangeOf::Exchange, true) => "flutter-to-divergence",
+            (ChangeOf::Exchange, false) => "divergence-to-flutter",
+            (_, true) => "starts",
+            (_, false) => "stops",
+        }
+    }
+
+    /// What happens there, in words.
+    pub fn event(&self, threshold: &Threshold) -> &'static str {
+        match (self.of, self.starts, threshold.is_axis()) {
+            (ChangeOf::Exchange, true, _) => "flutter becomes divergence",
+            (ChangeOf::Exchange, false, _) => "divergence becomes flutter",
+            (ChangeOf::Divergence, true, true) => "starts to diverge",
+            (ChangeOf::Divergence, false, true) => "stops diverging",
+            _ => event(self.starts, threshold),
+        }
+    }
+}
+
+impl Sweep {
+    /// How far apart two changes have to be for both to be surely found, in words.
+    fn certain(&self) -> String {
+        let SweptParameter { name, from, to, is_logarithmic, .. } = &self.parameter;
+        let steps = self.steps as f64;
+        if *is_logarithmic {
+            format!(
+                "changes farther apart than a factor of {:.6} of {name} are all found",
+                (to / from).powf(1.0 / steps)
+            )
+        } else {
+            format!("changes farther apart than {:.3e} of {name} are all found", (to - from) / steps)
+        }
     }
 }
 
@@ -84,6 +119,9 @@ impl Found {
             Self::Branches(sweep) => json!({
                 "parameter": sweep.parameter,
                 "unstable_at_start": sweep.unstable_at_start,
+                "diverging_at_start": sweep.diverging_at_start,
+                "marginal": sweep.marginal,
+                "steps_counted": sweep.steps,
                 "onsets": sweep.onsets,
                 "unresolved": sweep.unresolved,
                 "coalescences": sweep.coalescences,
@@ -103,16 +141,13 @@ impl Found {
                 })).collect::<Vec<_>>(),
                 "grid": map.grid,
                 "unresolved": map.unresolved,
-                "contradicted": map.contradicted.len(),
+                "checks": map.checks,
             }),
         };
         if let Self::Map(map) = self
             && let Some(distance) = map.from_whole
         {
             all["from_whole"] = json!(distance);
-        }
-        if matches!(self, Self::Branches(sweep) if sweep.diverges_at_start) {
-            all["diverges_at_start"] = json!(true);
         }
         all["counts"] = counts;
         all
@@ -145,13 +180,14 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
         let SweepOnset { at, error, omega, ref mode, moved, .. } = *onset;
         let mode = mode.clone();
         let mut row = vec![at.to_string(), error.to_string(), onset.direction().into(), mode, hertz(omega).to_string()];
+        row.extend([onset.growth.to_string(), onset.unstable.to_string()]);
         if is_of_reduced {
             row.push(moved.map_or(String::new(), |moved| moved.to_string()));
             row.push(if onset.is_reduced { "reduced" } else { "whole" }.into());
         }
         row
     };
-    let mut header = vec![name, "error", "direction", "mode", "frequency_hz"];
+    let mut header = vec![name, "error", "direction", "mode", "frequency_hz", "growth", "unstable"];
     header.extend(["from_reduced", "brake"].into_iter().filter(|_| is_of_reduced));
     write_csv(&dir.join("onsets.csv"), &header, sweep.onsets.iter().map(onset))?;
     let coalescence = |found: &Coalescence| {
@@ -190,22 +226,31 @@ fn largest_move(sweep: &Sweep) -> Option<f64> {
 
 fn branch_text(sweep: &Sweep) -> String {
     let SweptParameter { name, from, .. } = &sweep.parameter;
-    let mut text = format!("{} unstable at {name} = {from}\n", count(sweep.unstable_at_start, "mode", "modes"));
-    if sweep.diverges_at_start {
+    let mut text = format!("{} unstable at {name} = {from}", count(sweep.unstable_at_start, "mode", "modes"));
+    if sweep.diverging_at_start > 0 {
         let above = match sweep.threshold.growth_above() {
             0.0 => "zero".to_owned(),
             growth => format!("{growth} 1/s"),
         };
-        text += &format!("divergence at {name} = {from}: a real eigenvalue is above {above}\n");
+        let diverging = count(sweep.diverging_at_start, "diverges", "diverge");
+        text += &format!(", of which {diverging}: real eigenvalues above {above}");
+    }
+    text += "\n";
+    for Marginal { from, to, modes } in &sweep.marginal {
+        let (modes, on) =
+            (count(*modes, "mode", "modes"), if sweep.threshold.is_axis() { "axis" } else { "threshold" });
+        let what = if sweep.threshold.is_axis() { ": marginal, neither growing nor decaying" } else { "" };
+        text += &format!("{modes} on the {on} at {name} = {from} to {to}{what}\n");
     }
     let width = widest(sweep.onsets.iter().map(|onset| &onset.mode));
     if !sweep.onsets.is_empty() {
-        text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}\n", "error", "mode", "Hz");
+        text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}  {:>8}\n", "error", "mode", "Hz", "unstable");
     }
     for onset in &sweep.onsets {
-        let (hz, does) = (crate::report::hertz(hertz(onset.omega)), event(onset.starts, &sweep.threshold));
+        let (hz, does) = (crate::report::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
-        text += &format!("{:>22}  {:>8.1e}  {:>width$}  {hz:>12}  {does}{whose}\n", onset.at, onset.error, onset.mode);
+        let SweepOnset { at, error, mode, unstable, .. } = onset;
+        text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{whose}\n");
     }
     if let Some(moved) = largest_move(sweep) {
         let solved = count(sweep.evaluations.whole as usize, "eigenvalue", "eigenvalues");
@@ -233,10 +278,10 @@ fn branch_text(sweep: &Sweep) -> String {
     }
     let Evaluations { spectra, eigenvectors, .. } = sweep.evaluations;
     text + &format!(
-        "\n{} with {} solved; equal steps as short as the shortest take {}\n",
+        "\n{}\n{} with {} solved\n",
+        sweep.certain(),
         count(spectra as usize, "spectrum", "spectra"),
         count(eigenvectors as usize, "vector", "vectors"),
-        sweep.fine_grid
     )
 }
 
@@ -273,11 +318,6 @@ fn map_text(map: &StabilityMap) -> String {
         text += &format!("{unstable:>8}  {:>6.2} %  {regions:>7}\n", 100.0 * share);
     }
     text += "\n";
-    for region in &map.contradicted {
-        let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]));
-        text +=
-            &format!("at {x} = {}, {y} = {} a spectrum contradicts the curves: one of them is missing\n", at[0], at[1]);
-    }
     if let Some(distance) = map.from_whole {
         let points = count(map.evaluations.whole as usize, "point", "points");
         text += &format!("the boundary of the whole brake is within {distance:.1e} of the ranges, at {points} of it\n");
@@ -288,8 +328,10 @@ fn map_text(map: &StabilityMap) -> String {
     let Evaluations { spectra, eigenvectors, continued, .. } = map.evaluations;
     text + &format!(
         "{spectra} spectra with {eigenvectors} vectors solved, {continued} eigenvalues continued; one spectrum in each cell of the \
-         figure takes {}\nclosed curves that meet none of the lines at each {} of the ranges are not found\n",
+         figure takes {}\nspectra at {} places count as many unstable modes as the curves; closed curves that meet none of the lines at each \
+         {} of the ranges and hold none of these places are not found\n",
         map.fine_grid,
+        map.checks,
         format_args!("1/{}", map.grid),
     )
 }

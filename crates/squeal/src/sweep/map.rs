@@ -2,19 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use cea::{EigenSolver, Workspace};
+use cea::{CountedSpectrum, EigenSolver, Workspace};
 use montecarlo::Progress;
-use num_complex::Complex;
 use rayon::prelude::*;
 
 use super::boundary::BoundaryCurve;
-use super::divergence::sign;
 use super::family::{Evaluations, Family, Part};
 use super::parameter::{Over, SweptParameter};
-use super::part_map::{GRID, of_part};
-use super::regions::{CELLS, Region, Run, regions, runs};
+use super::part_map::{PartMap, of_part};
+use super::regions::{CELLS, Region, Run, places_apart, regions, runs};
 use crate::Error;
 use crate::study::{Study, UncertainBrake};
+
+/// Intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts what is found;
+/// chosen: a curve that meets no line is not found.
+const GRIDS: [usize; 4] = [8, 16, 32, 64];
+/// Eigenvalues up to which all grids and checks are tried; of a larger brake the first two grids, and a check in each region alone; chosen.
+const SMALL: usize = 160;
+/// Cells of the figure between two checks; chosen.
+const BETWEEN_CHECKS: usize = 10;
 
 /// A stability map.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,8 +37,8 @@ pub struct StabilityMap {
     pub grid: usize,
     /// Steps on lines of the grid in which a mode comes so near the axis that it is not known whether it crosses.
     pub unresolved: usize,
-    /// Regions in which a spectrum has another number of unstable modes than the curves say: a curve is missing there.
-    pub contradicted: Vec<Region>,
+    /// Places at which a spectrum has the number of unstable modes that the curves say.
+    pub checks: usize,
     /// The largest distance of the boundary from that of the brake that this one is a reduction of, as a part of the ranges, at the ends
     /// and in the middle of each curve; `None` of a brake that is not reduced.
     pub from_whole: Option<f64>,
@@ -60,7 +66,8 @@ impl StabilityMap {
 /// are studied.
 ///
 /// # Errors
-/// Parameters or ranges that the scene does not have, a value that the brake refuses, and those of [`tracking::find_onsets`].
+/// Parameters or ranges that the scene does not have, a value that the brake refuses,
+/// [`Error::MapContradicted`] where a spectrum contradicts the curves of the finest grid too, and those of the solver.
 pub fn stability_map<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -70,15 +77,42 @@ pub fn stability_map<B: UncertainBrake>(
 ) -> Result<StabilityMap, Error> {
     let family = Family::new(study, scene, over, solver)?;
     let parts = family.parts()?;
-    // A step for each line of the grid, and one for following the curves.
-    progress.begin((parts.len() * (2 * (GRID + 1) + 1)) as u64, 0);
-    let of_part = |part: &Part<'_, B>| of_part(part, progress);
-    let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
-    progress.end();
-    let found = found.map_err(|source| {
-        let at = format!("sweep over {} and {}", over[0], over[1]);
-        Error::Sweep { at, source: Box::new(source) }
-    })?;
+    let at = || format!("sweep over {} and {}", over[0], over[1]);
+    let middle = parts.iter().map(|part| part.system(&[0.5, 0.5])).collect::<Result<Vec<_>, Error>>()?;
+    let is_small = middle.iter().all(|system| 2 * system.order() + system.states() <= SMALL);
+    let mut evaluations = Evaluations::default();
+    let mut contradicted: Option<(Region, usize)> = None;
+    for grid in GRIDS.into_iter().take(if is_small { GRIDS.len() } else { 2 }) {
+        // A step for each line of the grid, and one for following the curves.
+        progress.begin((parts.len() * (2 * (grid + 1) + 1)) as u64, 0);
+        let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
+        let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
+        progress.end();
+        let mut map =
+            drawn(&family, found.map_err(|source| Error::Sweep { at: at(), source: Box::new(source) })?, grid);
+        let mut checks = map.regions.clone();
+        if is_small {
+            checks.extend(places_apart(&map.rows, BETWEEN_CHECKS));
+        }
+        let counts = checks.par_iter().map(|place| unstable(&parts, &place.at)).collect::<Result<Vec<_>, Error>>()?;
+        map.checks = checks.len();
+        map.evaluations.spectra += (parts.len() * checks.len()) as u64;
+        map.evaluations += evaluations;
+        evaluations = map.evaluations;
+        contradicted = checks.into_iter().zip(counts).find(|(place, count)| place.unstable != *count);
+        if contradicted.is_none() {
+            return Ok(map);
+        }
+    }
+    let (place, found) = contradicted.unwrap_or((Region { unstable: 0, share: 0.0, at: [0.0; 2] }, 0));
+    let [x, y] = [0, 1].map(|axis| format!("{} = {}", over[axis].name, family.parameters[axis].at(place.at[axis])));
+    let source = Error::MapContradicted { at: format!("{x}, {y}"), found, expected: place.unstable };
+    Err(Error::Sweep { at: at(), source: Box::new(source) })
+}
+
+/// The map of all parts, not checked yet.
+fn drawn<B: UncertainBrake>(family: &Family<'_, B>, found: Vec<PartMap>, grid: usize) -> StabilityMap {
+    let parts = found.len();
     let (mut curves, mut lines) = (Vec::new(), Vec::new());
     let (mut evaluations, mut unresolved, mut edges) = (Evaluations::default(), 0, Vec::new());
     let mut from_whole: Option<f64> = None;
@@ -99,38 +133,28 @@ pub fn stability_map<B: UncertainBrake>(
         edges.iter().map(of_edge).sum()
     };
     let rows = runs(&lines, &on_left);
-    let regions = regions(&rows);
-    let counts = regions.par_iter().map(|region| unstable(&parts, &region.at));
-    let counts = counts.collect::<Result<Vec<_>, Error>>()?;
-    evaluations.spectra += (parts.len() * regions.len()) as u64;
-    let differs = |(region, count): (&Region, usize)| (region.unstable != count).then_some(*region);
-    Ok(StabilityMap {
-        contradicted: regions.iter().zip(counts).filter_map(differs).collect(),
+    StabilityMap {
         parameters: [family.parameters[0].clone(), family.parameters[1].clone()],
         curves,
-        regions,
+        regions: regions(&rows),
         rows,
-        grid: GRID,
+        grid,
         unresolved,
+        checks: 0,
         from_whole,
         evaluations,
-        fine_grid: (CELLS * CELLS * parts.len()) as u64,
-    })
+        fine_grid: (CELLS * CELLS * parts) as u64,
+    }
 }
 
-/// The number of unstable modes by spectra, of real eigenvalues beyond the threshold too where K is regular.
+/// The number of unstable modes by spectra: pairs that flutter, and where frequencies from zero are studied real eigenvalues that diverge.
 fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<usize, Error> {
     let of_part = |part: &Part<'_, B>| {
-        let system = part.system(at)?;
-        let spectrum = part.family.solver.eigenvalues(&system, &mut Workspace::default())?;
-        let flutter = spectrum
-            .oscillatory()
-            .filter(|&lambda| part.threshold().margin(lambda) >= 0.0 && part.is_studied(lambda.im))
-            .count();
-        let counts_real = part.is_studied(0.0) && sign(&system, part.real_onset()).is_some();
-        let is_diverging =
-            |lambda: &&Complex<f64>| counts_real && lambda.im == 0.0 && part.threshold().margin(**lambda) > 0.0;
-        Ok(flutter + spectrum.eigenvalues.iter().filter(is_diverging).count())
+        let (system, mut work) = (part.system(at)?, Workspace::default());
+        let spectrum = part.family.solver.eigenvalues(&system, &mut work)?;
+        let counted = CountedSpectrum::new(&part.threshold(), &system, &spectrum, &mut work)?;
+        let flutter = counted.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
+        Ok(flutter + if part.is_studied(0.0) { counted.divergence.len() } else { 0 })
     };
     parts.iter().map(of_part).sum()
 }

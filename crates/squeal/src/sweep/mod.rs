@@ -8,11 +8,13 @@
 //! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
 //! branches ask for it: [`Evaluations`] counts them.
 
-mod beyond;
 mod boundary;
+mod changes;
 mod coalescence;
+mod crossing;
 mod curve_point;
 mod divergence;
+mod double;
 mod eigenpair;
 mod family;
 mod found;
@@ -28,12 +30,11 @@ mod pictures;
 mod regions;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
+pub use changes::{ChangeOf, Marginal};
 pub use coalescence::Coalescence;
-pub use divergence::DIVERGENCE;
+pub use divergence::{DIVERGENCE, EXCHANGE, named};
 pub use family::Evaluations;
 pub use found::Found;
-#[cfg(feature = "figures")]
-pub(crate) use found::event;
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::{NamedBranch, Sweep, sweep};

@@ -17,8 +17,8 @@ pub struct BoundaryMode {
     pub mode: String,
     /// Values of the swept parameters.
     pub at: Vec<f64>,
-    /// Whether it grows beyond, of one parameter.
-    pub starts: Option<bool>,
+    /// What it does there, in words, of one parameter.
+    pub does: Option<&'static str>,
     /// Its eigenvalue, rad/s, of the brake as it is swept: of a reduced one next to the threshold.
     pub lambda: Complex<f64>,
     /// Its right eigenvector over the free degrees of freedom of the scene, of unit norm.
@@ -38,23 +38,30 @@ pub fn boundary_modes<B: UncertainBrake>(
 ) -> Result<Vec<BoundaryMode>, Error> {
     let family = Family::new(study, scene, over, solver)?;
     let (threshold, mut work) = (study.plan().threshold, Workspace::default());
-    let mut mode = |mode: &str, at: Vec<f64>, omega: f64, starts: Option<bool>| -> Result<BoundaryMode, Error> {
-        let (system, there) = (family.system(&at)?, threshold.at_margin(0.0, omega));
+    let mut mode = |mode: &str,
+                    at: Vec<f64>,
+                    there: Complex<f64>,
+                    does: Option<&'static str>|
+     -> Result<BoundaryMode, Error> {
+        let system = family.system(&at)?;
         let eigenvalues = solver.eigenvalues(&system, &mut work)?.eigenvalues;
         let distance = |lambda: &Complex<f64>| (lambda - there).norm();
         let nearest = eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let lambda = nearest.unwrap_or(there);
-        Ok(BoundaryMode { mode: mode.to_owned(), at, starts, lambda, shape: right_vector(&system, lambda, &mut work)? })
+        Ok(BoundaryMode { mode: mode.to_owned(), at, does, lambda, shape: right_vector(&system, lambda, &mut work)? })
     };
     match found {
         Found::Branches(sweep) => {
-            let of_onset = |onset: &SweepOnset| mode(&onset.mode, vec![onset.at], onset.omega, Some(onset.starts));
+            let of_onset = |onset: &SweepOnset| {
+                let there = Complex::new(onset.growth, onset.omega);
+                mode(&onset.mode, vec![onset.at], there, Some(onset.event(&threshold)))
+            };
             sweep.onsets.iter().map(of_onset).collect()
         }
         Found::Map(map) => {
             let of_curve = |BoundaryCurve { mode: name, points, .. }: &BoundaryCurve| {
                 let middle = points.get(points.len() / 2)?;
-                Some(mode(name, middle.at.to_vec(), middle.omega, None))
+                Some(mode(name, middle.at.to_vec(), Complex::new(middle.growth, middle.omega), None))
             };
             map.curves.iter().filter_map(of_curve).collect()
         }

@@ -2,7 +2,7 @@
 
 use cea::Mode;
 use num_complex::Complex;
-use tracking::{Ambiguity, Branches, follow_branch};
+use tracking::{Ambiguity, Branches, TrackingError, follow_branch};
 
 use super::family::SHORTEST_STEP;
 use crate::Error;
@@ -22,8 +22,11 @@ pub(super) fn names_at<B: Branches<Error = Error>>(
     let here = branches.lambdas(median)?.to_vec();
     let mut names = vec![Names::new(); there];
     for (index, of_mode) in nearest(&here, &reference.modes).into_iter().zip(&reference.names) {
-        for to in follow_branch(branches, median, index, at, SHORTEST_STEP)? {
-            names[to].extend(of_mode);
+        // A mode that cannot be told from others all the way has no name there.
+        match follow_branch(branches, median, index, at, SHORTEST_STEP) {
+            Ok(there) => there.into_iter().for_each(|to| names[to].extend(of_mode)),
+            Err(Error::Tracking(TrackingError::Unresolved { .. })) => {}
+            Err(error) => return Err(error),
         }
     }
     for of_branch in &mut names {

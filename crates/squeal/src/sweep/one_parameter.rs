@@ -4,12 +4,12 @@ use cea::{EigenSolver, Threshold};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
-use tracking::{Ambiguity, BranchPoint, Branches, Onset, Onsets, RootLocus, find_onsets, root_locus};
+use tracking::{Ambiguity, BranchPoint, Branches, Onset, RootLocus, root_locus};
 
-use super::beyond::Beyond;
+use super::changes::{Along, Change, ChangeOf, Changes, Marginal};
 use super::coalescence::{Candidate, Coalescence, add, candidates, settle};
-use super::divergence::divergences;
-use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP, SHORTEST_STEP};
+use super::divergence::DIVERGENCE;
+use super::family::{DIFFERENCE, Evaluations, Family, Line, Part, SHORTEST_LOCUS_STEP};
 use super::names::{Names, carry, in_words, names_at};
 use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::{Over, SweptParameter};
@@ -18,6 +18,12 @@ use crate::study::{Reference, Study, UncertainBrake};
 
 /// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
 const SAME_ONSET: f64 = 1e-6;
+
+/// Equal steps at which unstable modes are counted, by the number of eigenvalues up to which there are so many; chosen: what a sweep may
+/// take on a desk. Of anything larger [`FEWEST_STEPS`].
+const STEPS: [(usize, usize); 2] = [(160, 1024), (480, 256)];
+/// Steps of the largest brakes; chosen.
+const FEWEST_STEPS: usize = 64;
 
 /// A branch of the root locus.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,10 +51,14 @@ pub struct Sweep {
     pub unresolved: Vec<(f64, f64)>,
     /// Coalescences, ascending.
     pub coalescences: Vec<Coalescence>,
-    /// Unstable modes at the lower end.
+    /// Unstable modes at the lower end: pairs that flutter, and real eigenvalues that diverge.
     pub unstable_at_start: usize,
-    /// Whether real eigenvalues are beyond the threshold there, as far as the sign of a determinant tells.
-    pub diverges_at_start: bool,
+    /// Those of them that diverge.
+    pub diverging_at_start: usize,
+    /// Where modes are on the axis, and so neither grow nor decay: without damping, conservative gyroscopic, rigid motions.
+    pub marginal: Vec<Marginal>,
+    /// Equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all found.
+    pub steps: usize,
     /// What was computed.
     pub evaluations: Evaluations,
     /// The shortest step of a branch, as a part of the range.
@@ -57,11 +67,10 @@ pub struct Sweep {
     pub fine_grid: u64,
 }
 
-/// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped ends.
+/// Sweeps one parameter of a scene of a study. Only modes that oscillate have branches: one that becomes overdamped, or diverges, ends.
 ///
 /// # Errors
-/// A parameter or range that the scene does not have, a value that the brake refuses, and those of
-/// [`find_onsets`] and [`root_locus`].
+/// A parameter or range that the scene does not have, a value that the brake refuses, and those of [`root_locus`].
 pub fn sweep<B: UncertainBrake>(
     study: &Study<'_, B>,
     scene: usize,
@@ -87,6 +96,12 @@ pub fn sweep<B: UncertainBrake>(
     sweep.ambiguities.sort_by(|a, b| a.from.total_cmp(&b.from));
     sweep.coalescences.sort_by(|a, b| a.at.total_cmp(&b.at));
     sweep.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sweep.marginal.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let mut unstable = sweep.unstable_at_start as i64;
+    for onset in &mut sweep.onsets {
+        unstable += if onset.starts { 1 } else { -1 };
+        onset.unstable = unstable.max(0) as usize;
+    }
     sweep.fine_grid = ((1.0 / sweep.shortest_step).ceil() as u64 + 1) * parts.len() as u64;
     Ok(sweep)
 }
@@ -103,7 +118,9 @@ impl Sweep {
             unresolved: Vec::new(),
             coalescences: Vec::new(),
             unstable_at_start: 0,
-            diverges_at_start: false,
+            diverging_at_start: 0,
+            marginal: Vec::new(),
+            steps: usize::MAX,
             evaluations: Evaluations::default(),
             fine_grid: 0,
         }
@@ -123,7 +140,9 @@ impl Sweep {
         self.unresolved.extend(other.unresolved);
         self.coalescences.extend(other.coalescences);
         self.unstable_at_start += other.unstable_at_start;
-        self.diverges_at_start |= other.diverges_at_start;
+        self.diverging_at_start += other.diverging_at_start;
+        self.marginal.extend(other.marginal);
+        self.steps = self.steps.min(other.steps);
         self.evaluations += other.evaluations;
         self.shortest_step = self.shortest_step.min(other.shortest_step);
         self
@@ -139,18 +158,31 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         bounds: [median.min(0.0), median.max(1.0)],
         difference: DIFFERENCE,
     });
-    let Onsets { onsets, unresolved } =
-        find_onsets(&mut Beyond::new(&mut branches, threshold), 0.0, 1.0, SHORTEST_STEP)?;
+    let system = |at: f64| part.system(&[at]);
+    let along = Along::new(&system, part.family.solver, threshold);
+    let steps = steps(part)?;
+    let Changes { found: changes, unresolved, marginal, start, spectra } = along.changes(steps)?;
     let locus = part.studied(root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?);
     let places = places(&locus);
     let nearest = |a: &&f64, b: &&f64| (**a - median).abs().total_cmp(&(**b - median).abs());
     let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
     let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
     let coalescences = coalescences(&mut branches, &locus, &names)?;
+    let is_kept = |change: &Change| match change.of {
+        ChangeOf::Flutter => part.is_studied(change.lambda.im),
+        ChangeOf::Divergence | ChangeOf::Exchange => part.is_studied(0.0),
+    };
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
-    for reduced in onsets.into_iter().filter(|onset| part.is_studied(onset.omega)) {
-        let (onset, moved, is_reduced) = match WholeOnset::near(part, &reduced, &mut branches)? {
+    for change in changes.into_iter().filter(is_kept) {
+        let Change { at, error, lambda, of, starts, .. } = change;
+        let omega = if of == ChangeOf::Flutter { lambda.im } else { 0.0 };
+        let reduced = Onset { at, error, omega, destabilises: starts };
+        let whole = match of {
+            ChangeOf::Flutter => WholeOnset::near(part, &reduced, &mut branches)?,
+            ChangeOf::Divergence | ChangeOf::Exchange => WholeOnset::NotReduced,
+        };
+        let (onset, moved, is_reduced) = match whole {
             WholeOnset::NotReduced => (reduced, None, false),
             WholeOnset::Found(onset, solved) => {
                 evaluations.whole += solved;
@@ -161,23 +193,27 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
                 (Onset { error, ..reduced }, None, true)
             }
         };
+        let mode = match of {
+            ChangeOf::Divergence => DIVERGENCE.to_owned(),
+            ChangeOf::Flutter | ChangeOf::Exchange => in_words(&names_of_change(&locus, &names, &change)),
+        };
         found.push(SweepOnset {
             at: parameter.at(onset.at),
             error: onset.error * parameter.slope(onset.at),
             omega: onset.omega,
-            starts: onset.destabilises,
-            mode: in_words(&names_of_onset(&locus, &names, reduced.at, threshold.at_margin(0.0, reduced.omega))),
+            growth: lambda.re,
+            starts,
+            of,
+            mode,
+            unstable: 0,
             moved,
             is_reduced,
         });
     }
     evaluations += Evaluations::of(branches.counters());
-    let (onsets, diverges_at_start) =
-        if part.is_studied(0.0) { divergences(part, parameter, &places)? } else { Default::default() };
-    found.extend(onsets);
-    let is_studied = |lambda: &Complex<f64>| part.is_studied(lambda.im);
-    let start = branches.lambdas(0.0)?.iter().filter(|lambda| is_studied(lambda));
-    let unstable_at_start = start.filter(|&&lambda| threshold.margin(lambda) >= 0.0).count();
+    evaluations.spectra += spectra;
+    let flutter = start.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
+    let diverging_at_start = if part.is_studied(0.0) { start.divergence.len() } else { 0 };
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
         from: parameter.at(ambiguity.from),
@@ -190,8 +226,10 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         ambiguities: locus.ambiguities.into_iter().map(in_values).collect(),
         unresolved: unresolved.into_iter().map(|(from, to)| (parameter.at(from), parameter.at(to))).collect(),
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
-        unstable_at_start,
-        diverges_at_start,
+        unstable_at_start: flutter + diverging_at_start,
+        diverging_at_start,
+        marginal: marginal.into_iter().map(|range| range.in_values(parameter)).collect(),
+        steps,
         evaluations,
         shortest_step: places.windows(2).map(|step| step[1] - step[0]).fold(1.0, f64::min),
         ..Sweep::empty(parameter.clone(), threshold)
@@ -247,8 +285,24 @@ fn branch_names<B: Branches<Error = Error>>(
     Ok(names)
 }
 
-/// Candidates for the mode of an onset: those of the branch that is nearest to its eigenvalue there, or of all that end next to it.
-fn names_of_onset(locus: &RootLocus, names: &[Names], at: f64, lambda: Complex<f64>) -> Names {
+/// Steps at which the unstable modes of a part are counted.
+fn steps<B: UncertainBrake>(part: &Part<'_, B>) -> Result<usize, Error> {
+    let system = part.system(&[0.0])?;
+    let eigenvalues = 2 * system.order() + system.states();
+    Ok(STEPS.iter().find(|(most, _)| eigenvalues <= *most).map_or(FEWEST_STEPS, |(_, steps)| *steps))
+}
+
+/// Candidates for the mode of a change: those of the branch that is nearest to its eigenvalue there, or of all that end next to it, or
+/// begin where real eigenvalues become a mode.
+fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of, starts, .. }: &Change) -> Names {
+    if of == ChangeOf::Exchange {
+        let near = locus.ambiguities.iter().filter(|step| (step.from..=step.to).contains(&at));
+        let open = near.flat_map(|step| if starts { &step.before } else { &step.after });
+        let mut all: Names = open.flat_map(|&branch| names[branch].clone()).collect();
+        all.sort_unstable();
+        all.dedup();
+        return all;
+    }
     let distance = |branch: &tracking::Branch| {
         let step = branch.points.windows(2).find(|step| step[0].0 <= at && at <= step[1].0)?;
         let [(from, a), (to, b)] = [step[0], step[1]];

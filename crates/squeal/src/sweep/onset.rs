@@ -3,6 +3,7 @@
 use serde::Serialize;
 use tracking::{Branches, Onset};
 
+use super::changes::ChangeOf;
 use super::family::Part;
 use crate::Error;
 use crate::study::UncertainBrake;
@@ -10,7 +11,8 @@ use crate::study::UncertainBrake;
 /// Most corrections of an onset of a reduced brake; chosen: each wins as many digits as the reduced brake has.
 const MOST_CORRECTIONS: usize = 8;
 
-/// An onset with the mode that crosses the axis, or of divergence, where a real eigenvalue crosses zero.
+/// A change of the number of unstable modes: a mode that crosses the axis, a real eigenvalue that crosses zero (divergence), or a growing
+/// pair that becomes two real eigenvalues, or these a pair.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepOnset {
     /// The parameter.
@@ -19,10 +21,17 @@ pub struct SweepOnset {
     pub error: f64,
     /// Im lambda, rad/s; 0 of a divergence.
     pub omega: f64,
-    /// Whether the mode starts to grow where the parameter grows, or stops.
+    /// Re lambda, 1/s: that of the threshold, but where a growing pair becomes real.
+    pub growth: f64,
+    /// Whether there is one more unstable mode where the parameter is larger, or one less: of a pair that becomes two real eigenvalues
+    /// one more.
     pub starts: bool,
+    /// What it is that changes.
+    pub of: ChangeOf,
     /// Candidates for the name of the mode, or `divergence`.
     pub mode: String,
+    /// Unstable modes just beyond it, of all sectors.
+    pub unstable: usize,
     /// How far the onset of the brake is from that of its reduction, where the brake is reduced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<f64>,

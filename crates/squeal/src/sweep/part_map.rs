@@ -6,19 +6,19 @@ use montecarlo::Progress;
 use nalgebra::{Vector2, vector};
 use num_complex::Complex;
 use rayon::prelude::*;
-use tracking::{Branches, Onsets, find_onsets, follow_branch};
+use tracking::{Branches, follow_branch};
 
-use super::beyond::Beyond;
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
-use super::curve_point::CurvePoint;
-use super::divergence::{DIVERGENCE, SignChanges, sign_changes};
+use super::changes::{Along, Change, ChangeOf, Changes};
+use super::curve_point::{CurvePoint, PointOf};
+use super::divergence::{DIVERGENCE, EXCHANGE};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
 use super::names::{Names, in_words};
 use crate::Error;
 use crate::study::UncertainBrake;
 
-/// Intervals of the grid of lines on which boundary curves are looked for; chosen: a curve that meets no line is not found.
-pub(super) const GRID: usize = 8;
+/// Equal steps of a line at which unstable modes are counted; chosen.
+const STEPS: usize = 64;
 
 /// A line of the grid: the coordinate that is constant on it, and its value.
 #[derive(Debug, Clone, Copy)]
@@ -36,19 +36,10 @@ impl GridLine {
     }
 }
 
-/// Where a mode crosses the axis on a line, with the frequency, rad/s, of divergence zero; whether it grows beyond.
-struct Met {
-    along: f64,
-    omega: f64,
-    starts: bool,
-    /// Bound of the error of `along`.
-    error: f64,
-}
-
 /// What is found on a line.
 struct OnLine {
     line: GridLine,
-    met: Vec<Met>,
+    met: Vec<Change>,
     unresolved: usize,
     unstable_at_start: usize,
     evaluations: Evaluations,
@@ -66,12 +57,16 @@ pub(super) struct PartMap {
     pub evaluations: Evaluations,
 }
 
-/// The map of one part, a step of progress for each line and one for the curves.
+/// The map of one part from so many intervals of lines, a step of progress for each line and one for the curves.
 ///
 /// # Errors
-/// Those of the brake and of [`find_onsets`].
-pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Progress) -> Result<PartMap, Error> {
-    let places = (0..=GRID).map(|i| i as f64 / GRID as f64);
+/// Those of the brake and of the solver.
+pub(super) fn of_part<B: UncertainBrake>(
+    part: &Part<'_, B>,
+    grid: usize,
+    progress: &dyn Progress,
+) -> Result<PartMap, Error> {
+    let places = (0..=grid).map(|i| i as f64 / grid as f64);
     let lines: Vec<GridLine> = places.flat_map(|at| [0, 1].map(|axis| GridLine { axis, at })).collect();
     let of_line = |line: &GridLine| {
         let found = on_line(part, *line);
@@ -80,17 +75,23 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
     };
     let found = lines.par_iter().map(of_line).collect::<Result<Vec<_>, Error>>()?;
     let mut map = PartMap::default();
-    let mut starts: Vec<KnownPoint> = Vec::new();
+    let (mut starts, mut real_parts): (Vec<KnownPoint>, Vec<f64>) = Default::default();
     for OnLine { line, met, unresolved, unstable_at_start, evaluations } in found {
         map.unresolved += unresolved;
         map.evaluations += evaluations;
         if line.axis == 0 && line.at == 0.0 {
-            let changes = met.iter().map(|met| (met.along, if met.starts { 1 } else { -1 }));
+            let changes = met.iter().map(|met| (met.at, if met.starts { 1 } else { -1 }));
             map.on_left = (unstable_at_start as i64, changes.collect());
         }
+        real_parts.extend(met.iter().map(|met| met.lambda.re));
         starts.extend(met.iter().map(|met| KnownPoint {
-            at: line.place(met.along),
-            omega: met.omega,
+            at: line.place(met.at),
+            omega: if met.of == ChangeOf::Flutter { met.lambda.im } else { 0.0 },
+            of: match (met.of, met.is_double) {
+                (ChangeOf::Divergence, _) => PointOf::Divergence,
+                (_, true) => PointOf::Double,
+                (_, false) => PointOf::Flutter,
+            },
             error: met.error,
         }));
     }
@@ -100,8 +101,8 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
         if !open[first] {
             continue;
         }
-        let KnownPoint { at, omega, .. } = starts[first];
-        let Some(start) = CurvePoint::start(part, at, omega)? else {
+        let KnownPoint { at, omega, of, .. } = starts[first];
+        let Some(start) = CurvePoint::start(part, at, Complex::new(real_parts[first], omega), of)? else {
             map.unresolved += 1;
             continue;
         };
@@ -122,7 +123,7 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
         let distance = |i: &usize| (starts[*i].at - median).norm();
         let named_at = met.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(first);
         let mode = if omega == 0.0 {
-            DIVERGENCE.to_owned()
+            if of == PointOf::Double { EXCHANGE.to_owned() } else { DIVERGENCE.to_owned() }
         } else {
             let (names, evaluations) = name(part, &starts[named_at]);
             map.evaluations += evaluations;
@@ -137,35 +138,23 @@ pub(super) fn of_part<B: UncertainBrake>(part: &Part<'_, B>, progress: &dyn Prog
 
 /// The onsets on a line of the grid, in parts of the range.
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
-    let (mut start, mut direction) = (vec![0.0; 2], vec![0.0; 2]);
-    start[line.axis] = line.at;
-    direction[1 - line.axis] = 1.0;
-    let mut branches = part.along(Line { start, direction, bounds: [0.0, 1.0], difference: DIFFERENCE });
-    let Onsets { onsets, unresolved } =
-        find_onsets(&mut Beyond::new(&mut branches, part.threshold()), 0.0, 1.0, SHORTEST_STEP)?;
-    let studied = onsets.iter().filter(|onset| part.is_studied(onset.omega));
-    let flutter = studied.map(|onset| Met {
-        along: onset.at,
-        omega: onset.omega,
-        starts: onset.destabilises,
-        error: onset.error,
-    });
-    let is_counted = |lambda: &&Complex<f64>| part.threshold().margin(**lambda) >= 0.0 && part.is_studied(lambda.im);
-    let mut unstable_at_start = branches.lambdas(0.0)?.iter().filter(is_counted).count();
-    let mut met: Vec<Met> = flutter.collect();
-    if part.is_studied(0.0) {
-        let system = |along: f64| part.system(line.place(along).as_slice());
-        let SignChanges { found, negative_at_start } = sign_changes(&system, part.real_onset(), &[])?;
-        unstable_at_start += usize::from(negative_at_start);
-        met.extend(found.iter().map(|change| Met {
-            along: change.at,
-            omega: 0.0,
-            starts: change.to_negative,
-            error: change.width,
-        }));
-    }
-    let evaluations = Evaluations::of(branches.counters());
-    Ok(OnLine { line, met, unresolved: unresolved.len(), unstable_at_start, evaluations })
+    let system = |along: f64| part.system(line.place(along).as_slice());
+    let along = Along::new(&system, part.family.solver, part.threshold());
+    let Changes { found, unresolved, start, spectra, .. } = along.changes(STEPS)?;
+    let is_kept = |change: &Change| match change.of {
+        ChangeOf::Flutter => part.is_studied(change.lambda.im),
+        ChangeOf::Divergence | ChangeOf::Exchange => part.is_studied(0.0),
+    };
+    let met = found.into_iter().filter(is_kept).collect();
+    let flutter = start.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
+    let divergence = if part.is_studied(0.0) { start.divergence.len() } else { 0 };
+    Ok(OnLine {
+        line,
+        met,
+        unresolved: unresolved.len(),
+        unstable_at_start: flutter + divergence,
+        evaluations: Evaluations { spectra, ..Evaluations::default() },
+    })
 }
 
 /// The names of the mode that crosses the axis at a point with a frequency, followed on the straight line to the medians; none where
@@ -201,6 +190,7 @@ fn curve<B: UncertainBrake>(
     let point = |point: &CurvePoint| BoundaryPoint {
         at: [parameters[0].at(point.at.x), parameters[1].at(point.at.y)],
         omega: point.omega(),
+        growth: point.real_part(&part.threshold()),
     };
     BoundaryCurve { mode, ends, points: points.iter().map(point).collect() }
 }

@@ -3,10 +3,10 @@
 use cea::frequency_hz;
 use num_complex::Complex;
 
-use super::divergence::DIVERGENCE;
+use super::divergence::named;
 use super::found::event;
 use super::regions::CELLS;
-use super::{Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
+use super::{ChangeOf, Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
 use crate::Error;
 use crate::figures::{
     Figure, LocusBranch, LocusEvent, LocusMark, MapAxis, MapCurve, MapFigure, RootLocusFigure, root_locus_figure,
@@ -34,9 +34,14 @@ fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {
     let branch =
         |branch: &NamedBranch| LocusBranch { mode: branch.mode.clone(), points: fine(branch, &sweep.parameter) };
     let onsets = sweep.onsets.iter().map(|onset| LocusMark {
-        event: if onset.starts { LocusEvent::Starts } else { LocusEvent::Stops },
+        event: match (onset.of, onset.starts) {
+            (ChangeOf::Exchange, true) => LocusEvent::ToDivergence,
+            (ChangeOf::Exchange, false) => LocusEvent::ToFlutter,
+            (_, true) => LocusEvent::Starts,
+            (_, false) => LocusEvent::Stops,
+        },
         mode: onset.mode.clone(),
-        at: [onset.at, hertz(onset.omega), sweep.threshold.at_margin(0.0, onset.omega).re],
+        at: [onset.at, hertz(onset.omega), onset.growth],
     });
     let coalescences = sweep.coalescences.iter().map(|found| LocusMark {
         event: LocusEvent::Coalescence,
@@ -84,7 +89,7 @@ fn drawn(map: &StabilityMap, title: &str, note: &str) -> MapFigure {
             .iter()
             .map(|curve| MapCurve {
                 mode: curve.mode.clone(),
-                label: if curve.mode == DIVERGENCE { curve.mode.clone() } else { format!("mode {}", curve.mode) },
+                label: named(&curve.mode),
                 points: curve.points.iter().map(|point| [x.part(point.at[0]), y.part(point.at[1])]).collect(),
             })
             .collect(),

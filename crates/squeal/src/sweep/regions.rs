@@ -69,13 +69,32 @@ pub(super) fn runs(curves: &[Vec<[f64; 2]>], on_left: &dyn Fn(f64) -> i64) -> Ve
     runs
 }
 
-/// The regions, the largest first.
-pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
+/// The number of unstable modes of each cell, row by row from below.
+fn cells(runs: &[Run]) -> Vec<usize> {
     let mut cells = vec![0; CELLS * CELLS];
     for run in runs {
         let columns = (0..CELLS).filter(|&column| run.x[0] <= middle(column) && middle(column) < run.x[1]);
         columns.for_each(|column| cells[run.row * CELLS + column] = run.unstable);
     }
+    cells
+}
+
+/// Equally spaced places, one in each so many cells of a row and of a column, that are not next to another number of unstable modes.
+pub(super) fn places_apart(runs: &[Run], spacing: usize) -> Vec<Region> {
+    let cells = cells(runs);
+    let depth = depths(&cells);
+    let on_grid = |place: usize| place % spacing == spacing / 2;
+    let is_apart = |cell: &usize| on_grid(cell % CELLS) && on_grid(cell / CELLS) && depth[*cell] >= LEAST_DEPTH;
+    let place = |cell: usize| {
+        let at = [middle(cell % CELLS), middle(cell / CELLS)];
+        Region { unstable: cells[cell], share: 1.0 / cells.len() as f64, at }
+    };
+    (0..cells.len()).filter(is_apart).map(place).collect()
+}
+
+/// The regions, the largest first.
+pub(super) fn regions(runs: &[Run]) -> Vec<Region> {
+    let cells = cells(runs);
     let depth = depths(&cells);
     let mut seen = vec![false; cells.len()];
     let mut found = Vec::new();

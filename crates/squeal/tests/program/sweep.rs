@@ -62,7 +62,7 @@ fn json_has_what_the_words_say() {
     let both = ["--over", "mu=0.1:0.9", "--over", "Omega=5:100", "--json"];
     let json: Value = serde_json::from_str(&answer("sweep", &disc, &both)).unwrap();
     assert_eq!(json["boundary"].as_array().unwrap().len(), 1);
-    assert_eq!(json["contradicted"].as_u64(), Some(0));
+    assert!(json["checks"].as_u64().unwrap() > 100);
 }
 
 #[test]

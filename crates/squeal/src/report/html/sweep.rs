@@ -14,7 +14,7 @@ use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::figures::Figure;
 use crate::study::Plan;
-use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter, event};
+use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
 use crate::{Error, fingerprint};
 
 /// The tables of a sweep, and what they are about.
@@ -91,10 +91,7 @@ fn group(found: &Found) -> [String; 1] {
 fn of_boundary<'m>(plan: &'m Plan, found: &Found, modes: &'m [BoundaryMode]) -> Vec<MovingMode<'m>> {
     let scene = &plan.scenes[0];
     let of_mode = |mode: &'m BoundaryMode| {
-        let does = match mode.starts {
-            Some(starts) => format!("{} at ", event(starts, &plan.threshold)),
-            None => String::new(),
-        };
+        let does = mode.does.map_or(String::new(), |does| format!("{does} at "));
         let place = |(parameter, value): (&SweptParameter, &f64)| format!("{} = {}", parameter.name, short(*value));
         let places: Vec<String> = found.parameters().iter().zip(&mode.at).map(place).collect();
         MovingMode {

@@ -2,7 +2,7 @@
 
 use super::text::escaped;
 use crate::report::hertz;
-use crate::sweep::{DIVERGENCE, Found, StabilityMap, Sweep, SweepOnset};
+use crate::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named};
 
 /// Most modes that have a sentence of their own; the table below has all.
 const MOST_MODES: usize = 12;
@@ -24,15 +24,23 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
         1 => format!("One mode is unstable at {name} = {}.", sweep.parameter.from),
         number => format!("{number} modes are unstable at {name} = {}.", sweep.parameter.from),
     }];
-    if sweep.diverges_at_start {
-        sentences.push(format!(
-            "A real eigenvalue is above the threshold there: divergence at {name} = {}.",
-            sweep.parameter.from
-        ));
+    match sweep.diverging_at_start {
+        0 => {}
+        1 => sentences.push("One of them diverges: a real eigenvalue is above the threshold.".into()),
+        number => sentences.push(format!("{number} of them diverge: real eigenvalues above the threshold.")),
+    }
+    let marginal = |range: &Marginal| {
+        let (modes, from, to) = (range.modes, short(range.from), short(range.to));
+        let modes = if modes == 1 { "One mode is".to_owned() } else { format!("{modes} modes are") };
+        format!("{modes} on the axis from {name} = {from} to {to}, and neither grow nor decay.")
+    };
+    if sweep.threshold.is_axis() {
+        sentences.extend(sweep.marginal.iter().take(MOST_MODES).map(marginal));
     }
     let mut onsets: Vec<&SweepOnset> = sweep.onsets.iter().collect();
     onsets.sort_by(|a, b| a.at.total_cmp(&b.at));
     let mut modes: Vec<&str> = Vec::new();
+    let exchanges = onsets.extract_if(.., |onset| onset.of == ChangeOf::Exchange).collect::<Vec<_>>();
     for onset in &onsets {
         if !modes.contains(&onset.mode.as_str()) {
             modes.push(&onset.mode);
@@ -48,7 +56,11 @@ fn of_branches(sweep: &Sweep) -> Vec<String> {
             modes.len() - MOST_MODES
         ));
     }
-    if modes.is_empty() && sweep.unresolved.is_empty() {
+    for onset in exchanges.iter().take(MOST_MODES) {
+        let does = onset.event(&sweep.threshold);
+        sentences.push(format!("At {name} = {} {does} (mode {}); both are instability.", short(onset.at), onset.mode));
+    }
+    if modes.is_empty() && exchanges.is_empty() && sweep.unresolved.is_empty() {
         sentences.push(format!("That stays so up to {name} = {}: no mode crosses.", sweep.parameter.to));
     }
     let of_reduced = onsets.iter().filter(|onset| onset.is_reduced).count();
@@ -102,16 +114,13 @@ fn of_map(map: &StabilityMap) -> Vec<String> {
     }
     let mut crossing: Vec<String> = Vec::new();
     for curve in &map.curves {
-        let name = if curve.mode == DIVERGENCE { "divergence".to_owned() } else { format!("mode {}", curve.mode) };
+        let name = named(&curve.mode);
         if !crossing.contains(&name) {
             crossing.push(name);
         }
     }
     if !crossing.is_empty() {
         sentences.push(format!("Becomes unstable across a curve of its own: {}.", crossing.join(", ")));
-    }
-    if !map.contradicted.is_empty() {
-        sentences.push("Where a spectrum contradicts the curves, as listed below, one of them is missing.".into());
     }
     sentences
 }

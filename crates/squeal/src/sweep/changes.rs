@@ -1,0 +1,397 @@
+//! Where the number of unstable modes changes over one parameter, by counting.
+//!
+//! Spectra at equal steps count unstable modes. What happens in an interval as long as a step or longer holds one of these places,
+//! and so changes a count: **two changes that are farther apart than a step are both found**, whatever the brake does between, and
+//! whichever modes they are of. A step whose ends differ is halved until what is left in it is one change, or several at one place.
+//! Steps whose ends agree are halved too where the distance of an eigenvalue from the threshold goes through a least one there that a
+//! parabola brings near zero; that finds nearly all that is narrower, but for what no place shows a sign of.
+//!
+//! What lies on the axis counts as neither ([`CountedSpectrum`]), so that nothing starts or stops where all is undamped.
+
+use cea::{CountedSpectrum, EigenSolver, Threshold, Workspace};
+use linsys::SecondOrder;
+use num_complex::Complex;
+use rayon::prelude::*;
+
+use super::crossing::crossing;
+use super::parameter::SweptParameter;
+use crate::Error;
+
+/// Length of a step, as a part of the range, that is not halved any more; chosen: the last bits.
+const SHORTEST: f64 = 1e-13;
+/// Error of a change that no smooth function gives, as a part of the range; chosen: as what is on the axis moves it.
+const LEAST_ERROR: f64 = 1e-10;
+/// Length from which on a least distance from the threshold is not looked at any more; chosen.
+const SHORTEST_DIP: f64 = 1e-9;
+/// How much deeper than the parabola through three places a distance may go between them; chosen.
+const DIP_MARGIN: f64 = 2.0;
+/// Most spectra of one line beside the equal steps, for dips; chosen.
+const MOST_DIPS: usize = 4096;
+/// Halvings between two tries to find a change as a zero; chosen.
+const HALVINGS_BETWEEN: usize = 4;
+/// Distance, as a part of the range, up to which two changes that undo each other are rounding; chosen.
+const UNDONE: f64 = 1e-10;
+
+/// Largest |lambda|, as a part of the largest frequency on the line, of a rigid motion; chosen: where terms of a brake cancel, rounding of
+/// the larger ones makes a double zero a pair so far from it.
+const RIGID: f64 = 2e-7;
+
+/// Makes the system at a place of a line.
+pub(super) type SystemAtPlace<'a> = &'a (dyn Fn(f64) -> Result<SecondOrder, Error> + Sync);
+
+/// A line through the parameters, from place 0 to 1.
+#[derive(Clone, Copy)]
+pub(super) struct Along<'a> {
+    pub system: SystemAtPlace<'a>,
+    pub solver: &'a dyn EigenSolver,
+    pub threshold: Threshold,
+    /// Largest |lambda| of a rigid motion, rad/s.
+    rigid: f64,
+}
+
+/// What becomes unstable or stable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ChangeOf {
+    /// A mode that oscillates: a pair of eigenvalues crosses the threshold, or leaves the axis where it met another.
+    Flutter,
+    /// A real eigenvalue crosses zero, or the growth rate from where on growth counts.
+    Divergence,
+    /// A growing pair becomes two real eigenvalues, or these a pair.
+    Exchange,
+}
+
+/// A change of the number of unstable modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Change {
+    pub at: f64,
+    /// Bound or estimate of its error, as a part of the line.
+    pub error: f64,
+    /// The eigenvalue there: of an exchange the double one.
+    pub lambda: Complex<f64>,
+    pub of: ChangeOf,
+    /// Whether there is one more unstable mode beyond it: of an exchange, whether it is from flutter to divergence.
+    pub starts: bool,
+    /// Whether it is where two eigenvalues meet: an exchange, or flutter of two modes that meet on the axis.
+    pub is_double: bool,
+}
+
+/// The eigenvalues at a place of the line.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    pub at: f64,
+    pub counted: CountedSpectrum,
+    /// Whether a step from here was looked at for dips.
+    is_settled: bool,
+}
+
+/// A range in which modes are on the axis.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Marginal {
+    /// The first and the last place that was looked at.
+    pub from: f64,
+    /// The last.
+    pub to: f64,
+    /// The most modes that are on the axis at one place of it, rigid motions too.
+    pub modes: usize,
+}
+
+impl Marginal {
+    /// A range in parts of that of a parameter, in its values.
+    pub(super) fn in_values(self, parameter: &SweptParameter) -> Self {
+        Self { from: parameter.at(self.from), to: parameter.at(self.to), ..self }
+    }
+}
+
+/// All changes on a line.
+#[derive(Debug, Default)]
+pub(super) struct Changes {
+    /// Ascending.
+    pub found: Vec<Change>,
+    /// Steps in which an eigenvalue comes so near the threshold that it is not known whether it crosses, or whose side has no bound.
+    pub unresolved: Vec<(f64, f64)>,
+    pub marginal: Vec<Marginal>,
+    /// The eigenvalues at place 0.
+    pub start: CountedSpectrum,
+    /// Spectra that were solved.
+    pub spectra: u64,
+}
+
+impl<'a> Along<'a> {
+    pub fn new(system: SystemAtPlace<'a>, solver: &'a dyn EigenSolver, threshold: Threshold) -> Self {
+        Self { system, solver, threshold, rigid: 0.0 }
+    }
+
+    /// The eigenvalues at a place, counted.
+    ///
+    /// # Errors
+    /// Those of the brake and of the solver.
+    pub fn place(&self, at: f64) -> Result<Place, Error> {
+        let (system, mut work) = ((self.system)(at)?, Workspace::default());
+        let spectrum = self.solver.eigenvalues(&system, &mut work)?;
+        let counted = CountedSpectrum::new(&self.threshold, &system, &spectrum, &mut work)?;
+        let mut place = Place { at, counted, is_settled: false };
+        place.put_rigid_motions_on_the_axis(self.rigid);
+        Ok(place)
+    }
+
+    /// Every change, by spectra at so many equal steps and between.
+    ///
+    /// # Errors
+    /// Those of the brake and of the solver.
+    pub fn changes(&self, steps: usize) -> Result<Changes, Error> {
+        let at = |step: usize| step as f64 / steps as f64;
+        let places = (0..=steps).into_par_iter().map(|step| self.place(at(step)));
+        let mut places = places.collect::<Result<Vec<_>, Error>>()?;
+        let fastest = places.iter().flat_map(Place::sides).map(|(lambda, _)| lambda.im).fold(0.0, f64::max);
+        let along = Self { rigid: if self.threshold.is_axis() { RIGID * fastest } else { 0.0 }, ..*self };
+        places.iter_mut().for_each(|place| place.put_rigid_motions_on_the_axis(along.rigid));
+        along.between(places)
+    }
+
+    /// Every change, by spectra at some places and between.
+    fn between(&self, mut places: Vec<Place>) -> Result<Changes, Error> {
+        let mut changes = Changes::default();
+        self.look_into_dips(&mut places, &mut changes)?;
+        changes.spectra = places.len() as u64;
+        for step in places.windows(2) {
+            self.resolve([&step[0], &step[1]], 0, &mut changes)?;
+        }
+        changes.found.sort_by(|a, b| a.at.total_cmp(&b.at));
+        undo(&mut changes.found);
+        changes.enter_ranges(&places);
+        if let Some(first) = places.into_iter().next() {
+            changes.start = first.counted;
+        }
+        Ok(changes)
+    }
+
+    /// Adds places where an eigenvalue may cross and come back between two of them.
+    fn look_into_dips(&self, places: &mut Vec<Place>, changes: &mut Changes) -> Result<(), Error> {
+        let mut added = 0;
+        loop {
+            let mut middles: Vec<f64> = Vec::new();
+            for three in places.windows(3) {
+                if three.iter().all(|place| place.is_settled) || !dips(&self.threshold, three) {
+                    continue;
+                }
+                let [a, _, c] = [&three[0], &three[1], &three[2]].map(|place| place.at);
+                if c - a <= 2.0 * SHORTEST_DIP || added + middles.len() >= MOST_DIPS {
+                    changes.unresolved.push((a, c));
+                    continue;
+                }
+                middles.extend(three.windows(2).map(|step| 0.5 * (step[0].at + step[1].at)));
+            }
+            for step in places.windows(2) {
+                if step.iter().all(|place| place.is_settled) || !swaps([&step[0], &step[1]]) {
+                    continue;
+                }
+                let [a, b] = [step[0].at, step[1].at];
+                if b - a <= SHORTEST_DIP || added + middles.len() >= MOST_DIPS {
+                    changes.unresolved.push((a, b));
+                    continue;
+                }
+                middles.push(0.5 * (a + b));
+            }
+            places.iter_mut().for_each(|place| place.is_settled = true);
+            middles.sort_by(f64::total_cmp);
+            middles.dedup();
+            if middles.is_empty() {
+                return Ok(());
+            }
+            added += middles.len();
+            let new = middles.into_par_iter().map(|at| self.place(at)).collect::<Result<Vec<_>, Error>>()?;
+            places.extend(new);
+            places.sort_by(|a, b| a.at.total_cmp(&b.at));
+        }
+    }
+
+    /// Enters the changes between two places.
+    fn resolve(&self, [a, b]: [&Place; 2], depth: usize, changes: &mut Changes) -> Result<(), Error> {
+        let [flutter, divergence] = difference([a, b]);
+        if (flutter, divergence) == (0, 0) {
+            return Ok(());
+        }
+        let one = match (flutter, divergence) {
+            (1 | -1, 0) => Some((ChangeOf::Flutter, flutter > 0)),
+            (0, 1 | -1) => Some((ChangeOf::Divergence, divergence > 0)),
+            (-1, 2) => Some((ChangeOf::Exchange, true)),
+            (1, -2) => Some((ChangeOf::Exchange, false)),
+            _ => None,
+        };
+        if let Some((of, starts)) = one.filter(|_| depth.is_multiple_of(HALVINGS_BETWEEN)) {
+            let (found, spectra) = crossing(self, [a, b], of, starts)?;
+            changes.spectra += spectra;
+            if let Some(change) = found {
+                changes.found.push(change);
+                return Ok(());
+            }
+        }
+        let middle = 0.5 * (a.at + b.at);
+        if b.at - a.at <= SHORTEST || middle <= a.at || middle >= b.at {
+            changes.found.extend(at_one_place([a, b], &self.threshold));
+            return Ok(());
+        }
+        let between = self.place(middle)?;
+        changes.spectra += 1;
+        self.resolve([a, &between], depth + 1, changes)?;
+        self.resolve([&between, b], depth + 1, changes)
+    }
+}
+
+/// How many more modes flutter and real eigenvalues diverge at the second place.
+fn difference([a, b]: [&Place; 2]) -> [i64; 2] {
+    let counts = |place: &Place| [place.counted.flutter.len() as i64, place.counted.divergence.len() as i64];
+    let ([f, d], [g, e]) = (counts(a), counts(b));
+    [g - f, e - d]
+}
+
+/// Several changes that no step parts.
+fn at_one_place([a, b]: [&Place; 2], threshold: &Threshold) -> Vec<Change> {
+    let [mut flutter, mut divergence] = difference([a, b]);
+    let (at, error) = (0.5 * (a.at + b.at), (b.at - a.at).max(LEAST_ERROR));
+    let mut found = Vec::new();
+    let more = |starts: bool| if starts { &b.counted } else { &a.counted };
+    let mut add = |of: ChangeOf, starts: bool, lambda: Complex<f64>| {
+        found.push(Change { at, error, lambda, of, starts, is_double: of == ChangeOf::Exchange });
+    };
+    while flutter * divergence < 0 && divergence.abs() >= 2 {
+        let starts = divergence > 0;
+        // The pair that has the least frequency is the one that became real.
+        let lambda = more(!starts).flutter.first().map_or(0.0, |lambda| lambda.re);
+        add(ChangeOf::Exchange, starts, Complex::from(lambda));
+        (flutter, divergence) = (flutter + divergence.signum(), divergence - 2 * divergence.signum());
+    }
+    let mut nearest = more(flutter > 0).flutter.clone();
+    nearest.sort_by(|a, b| threshold.margin(*a).total_cmp(&threshold.margin(*b)));
+    for lambda in nearest.into_iter().take(flutter.unsigned_abs() as usize) {
+        add(ChangeOf::Flutter, flutter > 0, Complex::new(0.0, lambda.im));
+    }
+    for _ in 0..divergence.unsigned_abs() {
+        add(ChangeOf::Divergence, divergence > 0, Complex::default());
+    }
+    found
+}
+
+/// Takes out changes that the next one undoes at the same place: rounding next to a single one, or a mode that touches the threshold.
+fn undo(changes: &mut Vec<Change>) {
+    let mut kept: Vec<Change> = Vec::with_capacity(changes.len());
+    for change in changes.drain(..) {
+        let undone = kept.iter().rposition(|other| {
+            change.at - other.at <= UNDONE
+                && other.of == change.of
+                && other.starts != change.starts
+                && (other.lambda.im - change.lambda.im).abs() <= 1e-6 * (1.0 + change.lambda.im)
+        });
+        match undone {
+            Some(place) => drop(kept.remove(place)),
+            None => kept.push(change),
+        }
+    }
+    *changes = kept;
+}
+
+impl Changes {
+    /// Enters where modes are on the axis at two neighbouring places or more, and where the side of one has no bound.
+    fn enter_ranges(&mut self, places: &[Place]) {
+        let neighbours = |has: fn(&CountedSpectrum) -> usize| {
+            let mut ranges: Vec<Marginal> = Vec::new();
+            let mut is_open = false;
+            for step in places.windows(2) {
+                let [a, b] = [has(&step[0].counted), has(&step[1].counted)];
+                let is_inside = a > 0 && b > 0;
+                match ranges.last_mut() {
+                    Some(last) if is_open && is_inside => (last.to, last.modes) = (step[1].at, last.modes.max(b)),
+                    _ if is_inside => ranges.push(Marginal { from: step[0].at, to: step[1].at, modes: a.max(b) }),
+                    _ => {}
+                }
+                is_open = is_inside;
+            }
+            ranges
+        };
+        self.marginal = neighbours(|counted| counted.marginal.len());
+        let open = neighbours(|counted| counted.open);
+        self.unresolved.extend(open.into_iter().map(|range| (range.from, range.to)));
+        self.unresolved.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.unresolved.dedup();
+    }
+}
+
+impl Place {
+    fn put_rigid_motions_on_the_axis(&mut self, rigid: f64) {
+        let CountedSpectrum { flutter, divergence, marginal, below, .. } = &mut self.counted;
+        marginal.extend(flutter.extract_if(.., |lambda| lambda.norm() <= rigid));
+        marginal.extend(below.extract_if(.., |lambda| lambda.norm() <= rigid));
+        marginal.extend(divergence.extract_if(.., |growth| *growth <= rigid).map(Complex::from));
+    }
+
+    /// All eigenvalues, and of each whether it is beyond the threshold; `None` on it.
+    fn sides(&self) -> Vec<(Complex<f64>, Option<bool>)> {
+        let CountedSpectrum { flutter, divergence, marginal, below, .. } = &self.counted;
+        let beyond = flutter.iter().copied().chain(divergence.iter().map(|&re| Complex::from(re)));
+        let beyond = beyond.map(|lambda| (lambda, Some(true)));
+        let below = below.iter().map(|&lambda| (lambda, Some(false)));
+        beyond.chain(below).chain(marginal.iter().map(|&lambda| (lambda, None))).collect()
+    }
+}
+
+/// The eigenvalue of a list that is nearest to another one.
+fn nearest(list: &[(Complex<f64>, Option<bool>)], to: Complex<f64>) -> Option<(Complex<f64>, Option<bool>)> {
+    let distance = |other: &(Complex<f64>, Option<bool>)| (other.0 - to).norm_sqr();
+    list.iter().copied().min_by(|x, y| distance(x).total_cmp(&distance(y)))
+}
+
+/// Whether an eigenvalue has the least distance from the threshold at the middle one of three places, and may cross it and come back
+/// next to there.
+fn dips(threshold: &Threshold, places: &[Place]) -> bool {
+    let [left, here, right] = [&places[0], &places[1], &places[2]].map(Place::sides);
+    let at = [places[0].at, places[1].at, places[2].at];
+    here.into_iter().any(|(lambda, side)| {
+        let (Some((before, from)), Some((after, to))) = (nearest(&left, lambda), nearest(&right, lambda)) else {
+            return false;
+        };
+        let distance = |lambda: Complex<f64>| threshold.margin(lambda).abs();
+        side.is_some() && from == side && to == side && dips_to_zero(at, [before, lambda, after].map(distance))
+    })
+}
+
+/// Whether one mode seems to become stable and another one unstable between two places that count alike.
+fn swaps([a, b]: [&Place; 2]) -> bool {
+    if difference([a, b]) != [0, 0] {
+        return false;
+    }
+    let [here, there] = [a.sides(), b.sides()];
+    here.iter().any(|&(lambda, side)| {
+        let Some((next, to)) = nearest(&there, lambda) else { return false };
+        let is_other = side.is_some() && to.is_some() && side != to;
+        is_other && nearest(&here, next).is_some_and(|(back, _)| back == lambda)
+    })
+}
+
+/// Whether a positive function, at three places, has its least value at the middle one and by a parabola comes near zero.
+fn dips_to_zero([a, b, c]: [f64; 3], [left, here, right]: [f64; 3]) -> bool {
+    if !(here <= left && here <= right && here < left.max(right)) {
+        return false;
+    }
+    let (falls, rises) = ((left - here) / (b - a), (right - here) / (c - b));
+    let curvature = (falls + rises) / (0.5 * (c - a));
+    let slope = (rises * (b - a) - falls * (c - b)) / (c - a);
+    let depth = 0.5 * slope * slope / curvature;
+    // A function that turns faster goes deeper: by no more than it rises to its neighbours.
+    here <= DIP_MARGIN * depth + 0.25 * (left - here).min(right - here)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_dips_to_zero_where_it_does() {
+        let at = [0.0, 1.0, 2.0];
+        let with = |f: fn(f64) -> f64| dips_to_zero(at, at.map(f));
+        assert!(with(|x| (x - 1.2).powi(2) - 0.03));
+        assert!(with(|x| (x - 1.2).powi(2) + 0.03));
+        assert!(!with(|x| (x - 1.2).powi(2) + 1.0));
+        assert!(!with(|x| 3.0 - x));
+    }
+}

@@ -1,0 +1,336 @@
+//! Sweeps and maps of every kind of small system, against spectra at many equal places: damped, undamped, conservative gyroscopic and
+//! partly damped ones, bodies that are free to move, masses that are coupled, parameters that enter by expressions; flutter that becomes
+//! divergence, islands of instability.
+
+use std::fmt::Write;
+
+use cea::nalgebra::DMatrix;
+use cea::{EigenSolver, QrSolver, Workspace};
+use linsys::SecondOrder;
+use squeal::brakes::MatricesBrake;
+use squeal::study::{Study, UncertainBrake};
+use squeal::sweep::{ChangeOf, Sweep, stability_map, sweep};
+
+use super::{cases, over, written};
+
+/// Numbers between 0 and 1 that depend on a seed alone.
+struct Numbers(u64);
+
+impl Numbers {
+    fn new(seed: u64) -> Self {
+        let mut numbers = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x0123_4567);
+        (0..20).for_each(|_| drop(numbers.next()));
+        numbers
+    }
+
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+        from[(self.next() * from.len() as f64) as usize]
+    }
+
+    fn matrix(&mut self, n: usize, size: f64) -> DMatrix<f64> {
+        DMatrix::from_fn(n, n, |_, _| size * (2.0 * self.next() - 1.0))
+    }
+
+    fn positive(&mut self, n: usize) -> DMatrix<f64> {
+        let root = self.matrix(n, 1.0);
+        &root * root.transpose()
+    }
+}
+
+fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+    (a + a.transpose()) * 0.5
+}
+
+/// The same off the diagonal, with rows that sum to zero.
+fn free(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut a = symmetric(a);
+    for i in 0..a.nrows() {
+        let others = a.row(i).sum() - a[(i, i)];
+        a[(i, i)] = -others;
+    }
+    a
+}
+
+fn text_of(a: &DMatrix<f64>) -> String {
+    let rows: Vec<String> = a.row_iter().map(|row| format!("{:?}", row.iter().collect::<Vec<_>>())).collect();
+    format!("[{}]", rows.join(", "))
+}
+
+/// What a brake is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Damped,
+    Undamped,
+    Conservative,
+    GyroscopicDamped,
+    PartlyDamped,
+    FreeBodies,
+}
+
+const KINDS: [Kind; 6] =
+    [Kind::Damped, Kind::Undamped, Kind::Conservative, Kind::GyroscopicDamped, Kind::PartlyDamped, Kind::FreeBodies];
+
+/// A case of 2 to 6 degrees of freedom whose stiffness depends on p, and on q if there is one.
+fn drawn(kind: Kind, numbers: &mut Numbers, has_two: bool) -> String {
+    let n = 2 + (numbers.next() * 5.0) as usize;
+    let unit = DMatrix::<f64>::identity(n, n);
+    let m = if numbers.next() < 0.5 { unit.clone() } else { numbers.positive(n) * 0.3 + &unit };
+    let mut k = numbers.positive(n) + &unit * (1.0 + 2.0 * numbers.next());
+    let (mut by_p, mut by_q) = (numbers.matrix(n, 2.0), numbers.matrix(n, 1.0));
+    if kind == Kind::FreeBodies {
+        k = free(&k.map(|entry| -entry.abs()));
+        (by_p, by_q) = (free(&by_p) * 0.2, free(&by_q) * 0.2);
+    } else if kind == Kind::Conservative {
+        (by_p, by_q) = (symmetric(&by_p), symmetric(&by_q));
+    }
+    let zeta = 10f64.powf(-3.0 + 2.5 * numbers.next());
+    let mut c = match kind {
+        Kind::Damped | Kind::GyroscopicDamped => (numbers.positive(n) + &unit * 0.1) * zeta,
+        Kind::PartlyDamped => DMatrix::from_fn(n, n, |i, j| if (i, j) == (0, 0) { zeta } else { 0.0 }),
+        Kind::FreeBodies if numbers.next() < 0.5 => &k * zeta,
+        _ => DMatrix::zeros(n, n),
+    };
+    if matches!(kind, Kind::Conservative | Kind::GyroscopicDamped) {
+        let a = numbers.matrix(n, 2.0);
+        c += (&a - a.transpose()) * 0.5;
+    }
+    let forms = ["p", "sin(5*p)", "p^2-p", "exp(-8*(p-1)^2)", "sin(2*p)"];
+    let (f, to) = (numbers.pick(&forms), numbers.pick(&[1.0, 2.0, 6.0]));
+    let second = if has_two { "q" } else { "p^2" };
+    let mut text = format!(
+        "[study]\nname = \"drawn\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+         [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = {to:?}\n"
+    );
+    if has_two {
+        text += "[parameters.q]\ndistribution = \"uniform\"\nfrom = -1.0\nto = 1.0\n";
+    }
+    for (name, coefficient, matrices) in [
+        ("structure", "1", format!("mass = {}\ndamping = {}\nstiffness = {}", text_of(&m), text_of(&c), text_of(&k))),
+        ("first", f, format!("stiffness = {}", text_of(&by_p))),
+        ("second", second, format!("stiffness = {}", text_of(&(by_q * 0.3)))),
+    ] {
+        write!(text, "[[terms]]\nname = \"{name}\"\ncoefficient = \"{coefficient}\"\n{matrices}\n").unwrap();
+    }
+    text
+}
+
+/// Pairs that flutter and real eigenvalues that diverge, `None` where one is so near the axis that its side is rounding: a rule of its own.
+fn counts(system: &SecondOrder) -> Option<[i64; 2]> {
+    let spectrum = QrSolver.eigenvalues(system, &mut Workspace::default()).unwrap();
+    let (zero, near) = (1e-12 * spectrum.scale, 1e-6 * spectrum.scale);
+    let is_doubtful =
+        |l: &&cea::num_complex::Complex<f64>| (zero..near).contains(&l.re.abs()) && l.norm() > 10.0 * near;
+    if spectrum.eigenvalues.iter().find(is_doubtful).is_some() {
+        return None;
+    }
+    let beyond = |is_real: bool| {
+        let all = spectrum.eigenvalues.iter().filter(|l| l.im >= 0.0 || is_real);
+        all.filter(|l| l.re > near && (l.im.abs() <= 1e-7 * l.norm()) == is_real).count() as i64
+    };
+    Some([beyond(false), beyond(true)])
+}
+
+/// How far, as a part of the range, a sweep contradicts spectra at so many equal places without a break.
+fn longest_contradiction(brake: &MatricesBrake, found: &Sweep, places: usize) -> f64 {
+    let scene = &brake.plan.scenes[0];
+    let place = found.parameter.place;
+    let (mut since, mut longest) = (None, -1.0f64);
+    for i in 0..places {
+        let part = i as f64 / (places - 1) as f64;
+        let at = found.parameter.at(part);
+        let system = brake.system_with(scene, &[(place, at)]).unwrap();
+        let mut expected =
+            [(found.unstable_at_start - found.diverging_at_start) as i64, found.diverging_at_start as i64];
+        for onset in found.onsets.iter().filter(|onset| onset.at < at) {
+            let sign = if onset.starts { 1 } else { -1 };
+            let change = match onset.of {
+                ChangeOf::Flutter => [sign, 0],
+                ChangeOf::Divergence => [0, sign],
+                ChangeOf::Exchange => [-sign, 2 * sign],
+            };
+            expected = [expected[0] + change[0], expected[1] + change[1]];
+        }
+        let reach = 1e-7 * (found.parameter.to - found.parameter.from);
+        let is_open = found.onsets.iter().any(|onset| (onset.at - at).abs() <= reach + onset.error)
+            || found.unresolved.iter().any(|&(from, to)| from - reach <= at && at <= to + reach);
+        match counts(&system) {
+            _ if is_open => {}
+            None => {}
+            Some(counted) if counted == expected => since = None,
+            Some(_) => {
+                let from = *since.get_or_insert(part);
+                longest = longest.max(part - from);
+            }
+        }
+    }
+    longest
+}
+
+/// Sweeps systems of all kinds; how many agree with spectra at so many places everywhere but next to the axis.
+fn sweep_all(seeds: std::ops::Range<u64>, places: usize) -> usize {
+    let (mut whole, mut onsets) = (0, [0; 3]);
+    for seed in seeds {
+        let mut numbers = Numbers::new(seed);
+        let kind = KINDS[seed as usize % KINDS.len()];
+        let brake = MatricesBrake::new(written(&drawn(kind, &mut numbers, false))).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let parameter = &brake.parameters(&brake.plan.scenes[0])[0];
+        let found = sweep(&study, 0, &over("p", 0.0, 2.0 * parameter.median), &QrSolver, &());
+        let found = found.unwrap_or_else(|error| panic!("{seed} {kind:?}: {error}"));
+        let longest = longest_contradiction(&brake, &found, places);
+        assert!(longest <= 1.0 / found.steps as f64, "{seed} {kind:?}: contradicted over {longest} of the range");
+        whole += usize::from(longest < 0.0);
+        for onset in &found.onsets {
+            assert!(onset.error < 1e-6, "{seed} {kind:?} {onset:?}");
+            onsets[onset.of as usize] += 1;
+        }
+    }
+    println!("onsets of flutter, divergence and exchanges: {onsets:?}");
+    whole
+}
+
+#[test]
+fn sweeps_of_every_kind_count_as_spectra_do() {
+    let whole = sweep_all(0..36, 401);
+    assert!(whole >= 33, "{whole}");
+}
+
+/// `cargo test -p squeal --test sweep -- --ignored --nocapture a_thousand`
+#[test]
+#[ignore = "some minutes"]
+fn a_thousand_sweeps_count_as_20001_spectra_do() {
+    println!("agree everywhere: {} of 1000", sweep_all(0..1000, 20_001));
+}
+
+/// Hoffmann's oscillator whose friction passes its onset on an island of a known width about a place.
+fn island(numbers: &mut Numbers, width: f64, damping: f64) -> (f64, f64, String) {
+    let at = 0.05 + 0.9 * numbers.next();
+    let onset = 0.75 * (1.0 + 2.0 * damping * damping);
+    // 0.7 + 0.06 exp(-((p - at) / w)^2) is the onset at half a width from the middle.
+    let w = 0.5 * width / (0.06 / (onset - 0.7)).ln().sqrt();
+    let friction = format!("0.7+0.06*exp(-((p-{at:?})/{w:?})^2)");
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let text = text
+        .replace("[parameters.mu]", "[parameters.p]")
+        .replace("from = 0.5", "from = 0.0")
+        .replace("to = 1.1", "to = 1.0")
+        .replace("[[0.05, 0.0], [0.0, 0.05]]", &format!("[[{damping:?}, 0.0], [0.0, {damping:?}]]"))
+        .replace("mu = \"mu\"", &format!("mu = \"{friction}\""));
+    (at - 0.5 * width, at + 0.5 * width, text)
+}
+
+fn find_islands(seeds: std::ops::Range<u64>) {
+    for seed in seeds {
+        let mut numbers = Numbers::new(seed);
+        let width = numbers.pick(&[0.002, 0.005, 0.01, 0.015, 0.02]);
+        let damping = numbers.pick(&[0.0, 0.02, 0.05]);
+        let (from, to, text) = island(&mut numbers, width, damping);
+        let brake = MatricesBrake::new(written(&text)).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let found = sweep(&study, 0, &over("p", 0.0, 1.0), &QrSolver, &()).unwrap();
+        let [first, last] = &found.onsets[..] else { panic!("{seed} {width} {damping}: {:?}", found.onsets) };
+        assert!((first.at - from).abs() < 1e-9 && first.starts, "{seed} {width} {damping}: {first:?} {from}");
+        assert!((last.at - to).abs() < 1e-9 && !last.starts, "{seed} {width} {damping}: {last:?} {to}");
+    }
+}
+
+#[test]
+fn islands_of_a_fifth_of_a_per_cent_are_found() {
+    find_islands(0..12);
+}
+
+/// `cargo test -p squeal --test sweep -- --ignored two_hundred`
+#[test]
+#[ignore = "half a minute"]
+fn two_hundred_islands_are_found() {
+    find_islands(0..200);
+}
+
+#[test]
+fn without_damping_flutter_starts_where_two_modes_meet_on_the_axis() {
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let brake =
+        MatricesBrake::new(written(&text.replace("[[0.05, 0.0], [0.0, 0.05]]", "[[0.0, 0.0], [0.0, 0.0]]"))).unwrap();
+    for (from, to) in [(0.7, 0.8), (0.0, 1.5), (0.3, 0.9), (0.0, 0.75 + 1e-3)] {
+        let found = sweep(&Study::new(&brake, &QrSolver).unwrap(), 0, &over("mu", from, to), &QrSolver, &()).unwrap();
+        assert_eq!((found.unstable_at_start, found.unresolved.len()), (0, 0), "{found:?}");
+        let [onset] = &found.onsets[..] else { panic!("{from} {to}: {:?}", found.onsets) };
+        assert!((onset.at - 0.75).abs() <= onset.error && onset.error < 1e-11, "{onset:?}");
+        assert!(onset.starts && onset.of == ChangeOf::Flutter && (onset.omega - 2f64.sqrt()).abs() < 1e-6, "{onset:?}");
+        let [marginal] = &found.marginal[..] else { panic!("{:?}", found.marginal) };
+        assert!(marginal.from == from && marginal.modes == 2 && (marginal.to - 0.75).abs() < 2e-3, "{marginal:?}");
+    }
+}
+
+#[test]
+fn a_growing_mode_that_loses_its_frequency_diverges() {
+    // s^2 - 0.2 s + 1 - p: a pair that grows to p = 0.99, two real eigenvalues above zero to p = 1, one beyond.
+    let text = "[study]\nname = \"t\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+                [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 2.0\n\
+                [[terms]]\nname = \"m\"\nmass = [[1.0]]\nstiffness = [[1.0]]\ndamping = [[-0.2]]\n\
+                [[terms]]\nname = \"k\"\ncoefficient = \"-p\"\nstiffness = [[1.0]]\n";
+    let brake = MatricesBrake::new(written(text)).unwrap();
+    let found = sweep(&Study::new(&brake, &QrSolver).unwrap(), 0, &over("p", 0.0, 2.0), &QrSolver, &()).unwrap();
+    assert_eq!((found.unstable_at_start, found.diverging_at_start), (1, 0));
+    let [exchange, divergence] = &found.onsets[..] else { panic!("{:?}", found.onsets) };
+    assert!((exchange.at - 0.99).abs() <= exchange.error && exchange.error < 1e-10, "{exchange:?}");
+    assert!((exchange.of, exchange.starts, exchange.unstable) == (ChangeOf::Exchange, true, 2), "{exchange:?}");
+    assert!(exchange.omega == 0.0 && (exchange.growth - 0.1).abs() < 1e-6, "{exchange:?}");
+    assert!((divergence.at - 1.0).abs() <= divergence.error && divergence.error < 1e-12, "{divergence:?}");
+    assert!((divergence.of, divergence.starts, divergence.unstable) == (ChangeOf::Divergence, false, 1));
+}
+
+/// Maps of systems of all kinds against spectra on a grid; how many were refused.
+fn map_all(seeds: std::ops::Range<u64>, across: usize) -> usize {
+    let mut refused = 0;
+    for seed in seeds {
+        let mut numbers = Numbers::new(seed);
+        let kind = numbers.pick(&[Kind::Damped, Kind::GyroscopicDamped]);
+        let brake = MatricesBrake::new(written(&drawn(kind, &mut numbers, true))).unwrap();
+        let study = Study::new(&brake, &QrSolver).unwrap();
+        let ranges = [over("p", 0.0, 1.5), over("q", -1.0, 1.0)];
+        let map = match stability_map(&study, 0, &ranges, &QrSolver, &()) {
+            Ok(map) => map,
+            Err(error) => {
+                assert!(error.to_string().contains("a curve is missing"), "{seed}: {error}");
+                refused += 1;
+                continue;
+            }
+        };
+        let scene = &brake.plan.scenes[0];
+        let (mut differ, mut open) = (0, 0);
+        for i in 0..across * across {
+            let [x, y] = [i % across, i / across].map(|part| (part as f64 + 0.5) / across as f64);
+            let at = [map.parameters[0].at(x), map.parameters[1].at(y)];
+            let values = [(map.parameters[0].place, at[0]), (map.parameters[1].place, at[1])];
+            let row = (y * 240.0) as usize;
+            let run = map.rows.iter().find(|run| run.row == row && run.x[0] <= x && x <= run.x[1]).unwrap();
+            match counts(&brake.system_with(scene, &values).unwrap()) {
+                None => open += 1,
+                Some([flutter, divergence]) => differ += usize::from(flutter + divergence != run.unstable as i64),
+            }
+        }
+        let part = differ as f64 / (across * across - open) as f64;
+        assert!(part <= 0.02, "{seed} {kind:?}: {part} of the map differs, {} curves", map.curves.len());
+    }
+    refused
+}
+
+#[test]
+fn maps_count_as_spectra_do_or_are_refused() {
+    assert!(map_all(0..4, 30) <= 1);
+}
+
+/// `cargo test -p squeal --test sweep -- --ignored --nocapture sixty_maps`
+#[test]
+#[ignore = "some minutes"]
+fn sixty_maps_count_as_spectra_do_or_are_refused() {
+    println!("refused: {} of 60", map_all(0..60, 100));
+}
