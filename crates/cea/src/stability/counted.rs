@@ -162,7 +162,11 @@ mod tests {
                 for bits in [-4.0, -1.0, 1.0, 4.0] {
                     let mut rounded = &chain * 1e6;
                     rounded[(0, 1)] *= 1.0 + bits * f64::EPSILON;
-                    assert_eq!(counted(masses.clone(), &chain * damping, rounded).unstable(), 0, "{n} {damping} {bits}");
+                    assert_eq!(
+                        counted(masses.clone(), &chain * damping, rounded).unstable(),
+                        0,
+                        "{n} {damping} {bits}"
+                    );
                 }
             }
         }

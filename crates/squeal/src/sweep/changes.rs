@@ -21,6 +21,8 @@ use crate::Error;
 const SHORTEST: f64 = 1e-13;
 /// Error of a change that no smooth function gives, as a part of the range; chosen: as what is on the axis moves it.
 const LEAST_ERROR: f64 = 1e-10;
+/// How far beside a change it is looked how fast a real eigenvalue moves; chosen.
+const NEXT_TO: f64 = 1e-5;
 /// Length from which on a least distance from the threshold is not looked at any more; chosen.
 const SHORTEST_DIP: f64 = 1e-9;
 /// How much deeper than the parabola through three places a distance may go between them; chosen.
@@ -166,6 +168,18 @@ impl<'a> Along<'a> {
         Ok(changes)
     }
 
+    /// How far from a change a real eigenvalue is so small that it is taken for a rigid motion, as a part of the range.
+    fn hidden(&self, change: &Change) -> Result<f64, Error> {
+        if change.of != ChangeOf::Divergence {
+            return Ok(0.0);
+        }
+        let side = if change.starts { NEXT_TO } else { -NEXT_TO };
+        let there = self.place((change.at + side).clamp(0.0, 1.0))?;
+        let growth = there.counted.divergence.iter().copied().fold(f64::INFINITY, f64::min);
+        let zone = self.rigid.max(f64::EPSILON * growth);
+        Ok(if growth.is_finite() { NEXT_TO * zone / growth } else { NEXT_TO })
+    }
+
     /// Adds places where an eigenvalue may cross and come back between two of them.
     fn look_into_dips(&self, places: &mut Vec<Place>, changes: &mut Changes) -> Result<(), Error> {
         let mut added = 0;
@@ -229,7 +243,11 @@ impl<'a> Along<'a> {
         }
         let middle = 0.5 * (a.at + b.at);
         if b.at - a.at <= SHORTEST || middle <= a.at || middle >= b.at {
-            changes.found.extend(at_one_place([a, b], &self.threshold));
+            let found = at_one_place([a, b], &self.threshold);
+            for change in found {
+                let error = change.error.max(self.hidden(&change)?);
+                changes.found.push(Change { error, ..change });
+            }
             return Ok(());
         }
         let between = self.place(middle)?;

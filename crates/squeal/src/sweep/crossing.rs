@@ -15,7 +15,7 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::changes::{Along, Change, ChangeOf, Place};
-use super::divergence::sign_change;
+use super::divergence::{BESIDE, sign_change};
 use super::family::DIFFERENCE;
 use crate::Error;
 
@@ -100,7 +100,8 @@ pub(super) fn crossing(
         let Zero { at, error, lambda, is_double } = zero;
         Change { at, error, lambda, of, starts, is_double }
     });
-    Ok((change.filter(|change| a.at <= change.at && change.at <= b.at), search.spectra))
+    let is_inside = |change: &Change| (a.at - BESIDE..=b.at + BESIDE).contains(&change.at);
+    Ok((change.filter(is_inside), search.spectra))
 }
 
 /// Two eigenvalues by their mean and their squared half distance, which are smooth where they meet.

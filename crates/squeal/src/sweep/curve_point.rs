@@ -1,6 +1,6 @@
 //! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
 
-use cea::{Threshold, Workspace, left_vector, right_vector};
+use cea::{CeaError, Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
@@ -165,7 +165,7 @@ impl Crossing {
 }
 
 impl CurvePoint {
-    /// The point of a known change at an eigenvalue; `None` where K has more than one null vector.
+    /// The point of a known change at an eigenvalue; `None` where K has more than one null vector, and where there is no such eigenvalue.
     ///
     /// # Errors
     /// Those of the brake and of the vectors.
@@ -177,7 +177,10 @@ impl CurvePoint {
     ) -> Result<Option<Self>, Error> {
         let system = part.system(&[at.x, at.y])?;
         let there = if of == PointOf::Double { lambda } else { part.threshold().at_margin(0.0, lambda.im) };
-        let crossing = Crossing::of(&system, there, of)?;
+        let crossing = match Crossing::of(&system, there, of) {
+            Err(Error::Cea(CeaError::NoEigenvector { .. })) => None,
+            crossing => crossing?,
+        };
         crossing.map(|crossing| Self::new(part, at, &system, crossing)).transpose()
     }
 

@@ -23,6 +23,8 @@ pub fn named(mode: &str) -> String {
 }
 /// Smallest pivot, as a part of the largest, of a stiffness that has a sign; chosen: a free body's has none.
 const SINGULAR: f64 = 1e-12;
+/// How far beside a place without a sign it is looked for, as a part of the line; chosen.
+pub(super) const BESIDE: f64 = 1e-7;
 /// Halvings of a step: down to the last bit.
 const HALVINGS: usize = 60;
 /// Rounding of a product with K, in units of epsilon and its norm; chosen.
@@ -47,8 +49,17 @@ pub(super) fn sign_change(
     growth: f64,
     ends: [f64; 2],
 ) -> Result<Option<SignChange>, Error> {
-    let [from, to] = [sign(&system(ends[0])?, growth), sign(&system(ends[1])?, growth)];
-    let (Some(from), Some(to)) = (from, to) else { return Ok(None) };
+    let mut signs = [None; 2];
+    let mut ends = ends;
+    for (end, outward) in [(0, -BESIDE), (1, BESIDE)] {
+        signs[end] = sign(&system(ends[end])?, growth);
+        // An end that is the very place has no sign.
+        let beside = ends[end] + outward;
+        if signs[end].is_none() && (0.0..=1.0).contains(&beside) {
+            (ends[end], signs[end]) = (beside, sign(&system(beside)?, growth));
+        }
+    }
+    let [Some(from), Some(to)] = signs else { return Ok(None) };
     if from == to {
         return Ok(None);
     }

@@ -314,7 +314,10 @@ fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of,
     let nearest = alive.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| names[at].clone());
     let ambiguity = locus.ambiguities.iter().find(|step| (step.from..=step.to).contains(&at));
     let open = ambiguity.map(|step| step.before.iter().flat_map(|&branch| names[branch].clone()).collect::<Names>());
-    open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default()
+    let mut all = open.into_iter().chain(nearest).min_by_key(|names| names.is_empty()).unwrap_or_default();
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// Every coalescence, ascending, in parts of the range.

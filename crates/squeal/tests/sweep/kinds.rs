@@ -19,7 +19,9 @@ struct Numbers(u64);
 impl Numbers {
     fn new(seed: u64) -> Self {
         let mut numbers = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x0123_4567);
-        (0..20).for_each(|_| drop(numbers.next()));
+        for _ in 0..20 {
+            numbers.next();
+        }
         numbers
     }
 
