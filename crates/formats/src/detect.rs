@@ -52,6 +52,9 @@ pub(crate) fn detect(head: &[u8]) -> Result<(Format, Endian), FormatsError> {
     if head.starts_with(numpy::npy::MAGIC) {
         return Ok((Format::Npy, Endian::Little));
     }
+    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+        return refused("text in UTF-16", "save it as UTF-8");
+    }
     let binary = [
         (Format::MatlabV5, mat::v5::detect(head)),
         (Format::Op4Binary, op4::binary::detect(head)),
@@ -66,7 +69,7 @@ pub(crate) fn detect(head: &[u8]) -> Result<(Format, Endian), FormatsError> {
 /// The format of a text file.
 fn text(head: &[u8]) -> Result<Format, FormatsError> {
     let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
-    let text = String::from_utf8_lossy(head);
+    let text = String::from_utf8_lossy(head).replace('\r', "\n");
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
     let first = lines.next().unwrap_or_default();
     let trimmed = first.trim();

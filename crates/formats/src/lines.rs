@@ -1,6 +1,6 @@
-//! The lines of a text file, one at a time.
+//! The lines of a text file, one at a time, whatever ends them and in whatever encoding their comments are.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use crate::error::{FormatsError, Place};
 use crate::problem::Problem;
@@ -31,17 +31,56 @@ impl<'a> Lines<'a> {
             return Ok(Some(self.current()));
         }
         self.line.clear();
-        let read = (&mut self.source).take(LONGEST as u64 + 1).read_until(b'\n', &mut self.line);
-        if read.map_err(|e| Problem::Read { what: crate::shortened::cut(&e.to_string()) })? == 0 {
+        if !self.read().map_err(|e| Problem::Read { what: crate::shortened::cut(&e.to_string()) })? {
             return Ok(None);
         }
-        self.ended = self.line.last() == Some(&b'\n');
         self.number += 1;
         if self.line.len() > LONGEST {
             return Err(Problem::LongLine { most: LONGEST });
         }
-        std::str::from_utf8(&self.line).map_err(|_| Problem::NotText)?;
+        if self.number == 1 {
+            if self.line.starts_with(&[0xff, 0xfe]) || self.line.starts_with(&[0xfe, 0xff]) {
+                return Err(Problem::Utf16);
+            }
+            if let Some(rest) = self.line.strip_prefix(b"\xEF\xBB\xBF") {
+                self.line = rest.to_vec();
+            }
+        }
+        if self.line.contains(&0) {
+            return Err(Problem::NotText);
+        }
+        if std::str::from_utf8(&self.line).is_err() {
+            // Every byte is a character of Latin-1, the beginning of Unicode.
+            self.line = self.line.iter().map(|&byte| char::from(byte)).collect::<String>().into_bytes();
+        }
         Ok(Some(self.current()))
+    }
+
+    /// Reads a line up to its end, which is LF, CR LF or CR alone, and that end; whether there was one. It stops after the longest.
+    fn read(&mut self) -> std::io::Result<bool> {
+        let mut any = false;
+        loop {
+            let buffer = self.source.fill_buf()?;
+            if buffer.is_empty() {
+                return Ok(any);
+            }
+            // Where nothing is left the line before is still the last one.
+            (any, self.ended) = (true, false);
+            let end = buffer.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            let (length, is_cr) = (end.unwrap_or(buffer.len()), end.is_some_and(|at| buffer[at] == b'\r'));
+            self.line.extend_from_slice(&buffer[..length.min(LONGEST + 1)]);
+            self.source.consume(length + usize::from(end.is_some()));
+            if end.is_some() {
+                self.ended = true;
+                if is_cr && self.source.fill_buf()?.first() == Some(&b'\n') {
+                    self.source.consume(1);
+                }
+                return Ok(true);
+            }
+            if self.line.len() > LONGEST {
+                return Ok(true);
+            }
+        }
     }
 
     /// The next line that is neither blank nor a comment, without blanks around it.
@@ -64,10 +103,7 @@ impl<'a> Lines<'a> {
 
     /// The line last read without its end.
     pub fn current(&self) -> &str {
-        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
-        let line = if self.number == 1 { line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line) } else { line };
-        std::str::from_utf8(line).unwrap_or_default()
+        std::str::from_utf8(&self.line).unwrap_or_default()
     }
 
     /// Checks that the last line had an end. Where a format has no count of entries, a missing one is all that tells a file
@@ -79,5 +115,51 @@ impl<'a> Lines<'a> {
     /// A problem, with the line where it was met.
     pub fn located(&self, problem: Problem) -> FormatsError {
         FormatsError::At { place: Place::Line(self.number.max(1)), problem: Box::new(problem) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(bytes: &[u8], buffer: usize) -> Result<(Vec<String>, bool), Problem> {
+        let mut lines = Lines::new(Box::new(std::io::BufReader::with_capacity(buffer, bytes)));
+        let mut found = Vec::new();
+        while let Some(line) = lines.next()? {
+            found.push(line.to_owned());
+        }
+        Ok((found, lines.check_end().is_ok()))
+    }
+
+    #[test]
+    fn lines_are_the_same_whatever_ends_them_and_however_they_are_encoded() {
+        let text = ["* Beläge über 20 µm", "", "1, 2", "é"];
+        let utf8: Vec<Vec<u8>> = text.iter().map(|line| line.as_bytes().to_vec()).collect();
+        let latin1: Vec<Vec<u8>> = text.iter().map(|line| line.chars().map(|c| c as u8).collect()).collect();
+        for lines in [utf8, latin1] {
+            for end in [&b"\n"[..], b"\r\n", b"\r"] {
+                for (mark, last) in [(&b""[..], true), (b"\xEF\xBB\xBF", false)] {
+                    if !mark.is_empty() && std::str::from_utf8(&lines[0]).is_err() {
+                        continue;
+                    }
+                    let bytes = [mark, &lines.join(end)[..], if last { end } else { b"" }].concat();
+                    for buffer in [1, 2, 7, 1000] {
+                        let expected = (text.map(str::to_owned).to_vec(), last);
+                        assert_eq!(all(&bytes, buffer), Ok(expected), "{end:?}, {buffer}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_text_is_refused() {
+        let utf16 = |mark: &[u8]| {
+            [mark, &"*NODE\n".encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>()[..]].concat()
+        };
+        assert_eq!(all(&utf16(&[0xff, 0xfe]), 100), Err(Problem::Utf16));
+        assert_eq!(all(&utf16(&[]), 100), Err(Problem::NotText));
+        assert_eq!(all(&vec![b'x'; 3 * LONGEST], 100), Err(Problem::LongLine { most: LONGEST }));
+        assert_eq!(all(&vec![b'x'; LONGEST], 100).map(|(lines, _)| lines.len()), Ok(1));
     }
 }

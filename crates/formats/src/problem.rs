@@ -169,9 +169,12 @@ pub enum Problem {
         /// The limit.
         most: u64,
     },
-    /// Bytes that are not UTF-8 text.
-    #[error("not a text file")]
+    /// Bytes of no text.
+    #[error("not a text file: a zero byte; allowed: text in UTF-8 or Latin-1")]
     NotText,
+    /// Text in two bytes a character.
+    #[error("text in UTF-16; allowed: text in UTF-8 or Latin-1")]
+    Utf16,
     /// A line that no program writes.
     #[error("a line of more than {most} bytes")]
     LongLine {
