@@ -4,22 +4,14 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-use formats::{FormatsError, Limits, Matrix, Options, read_market};
-
 /// The largest case file, bytes. Chosen: its parser takes up to 75 times as much memory, 300 MB; matrices that large belong
 /// into files of their own.
 pub(crate) const LARGEST_CASE: u64 = 4_000_000;
 /// The largest file with a matrix, bytes. Chosen: enough for 1,600 x 1,600 numbers of 25 characters each.
 pub(crate) const LARGEST_MATRIX: u64 = 64_000_000;
 
-/// Most rows or columns of a matrix; chosen: 4096 x 4096 takes 128 MB as a full matrix.
-const LARGEST_ORDER: usize = 4096;
-
-/// The matrix in the contents of a Matrix Market file, which may be compressed.
-pub(crate) fn parse_matrix(bytes: &[u8]) -> Result<Matrix, Box<FormatsError>> {
-    let limits = Limits { bytes: LARGEST_MATRIX, order: LARGEST_ORDER, ..Limits::default() };
-    Ok(read_market(bytes, Options { limits, ..Options::default() })?)
-}
+/// Most rows or columns of a matrix of a case that is full; chosen: 4096 x 4096 takes 128 MB.
+pub(crate) const LARGEST_ORDER: usize = 4096;
 
 /// Refuses what is no regular file of at most so many bytes. Anything else could be without an end, or never begin.
 pub(crate) fn check_size(path: &Path, most: u64) -> io::Result<()> {

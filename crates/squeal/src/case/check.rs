@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use formats::{Matrix, Options, Wanted, read_one};
+use formats::{Limits, Matrix, Options, Wanted, read_one};
 use osc_model::OscModelError;
 use serde::Deserialize;
 
@@ -149,9 +149,11 @@ impl Check<'_> {
         field: &str,
         file: &Path,
         wanted: &Wanted<'_>,
+        limits: Limits,
     ) -> Result<(Matrix, TakenMatrix), CaseError> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(file);
-        let matrix = read_one(&path, wanted, Options::default()).map_err(|source| self.matrix(field, file, source))?;
+        let options = Options { limits, ..Options::default() };
+        let matrix = read_one(&path, wanted, options).map_err(|source| self.matrix(field, file, source))?;
         if let Some(doubt) = matrix.doubt() {
             note(&format!("{}: {field} = {:?}: {doubt}", self.path.display(), file.display()));
         }

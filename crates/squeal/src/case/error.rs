@@ -46,7 +46,7 @@ pub enum CaseError {
         source: Box<super::ExpressionError>,
     },
     /// A file with a matrix that cannot be opened.
-    #[error("{}: {field} = {:?}: cannot be read: {source}; allowed: a Matrix Market file, its path from the folder of the \
+    #[error("{}: {field} = {:?}: cannot be read: {source}; allowed: a file with a matrix, its path from the folder of the \
              case file", path.display(), file.display())]
     MatrixRead {
         /// The case file.

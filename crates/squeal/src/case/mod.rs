@@ -24,6 +24,6 @@ pub use error::CaseError;
 pub use expression::{Expression, ExpressionError, is_parameter_name};
 pub use file::CaseFile;
 pub(crate) use finite_elements::STIFFNESS_FACTOR;
-pub use finite_elements::{FiniteElementCase, Patch, PatchContact, ReductionGoal};
+pub use finite_elements::{FiniteElementCase, MissingRows, NamesOnMesh, Patch, PatchContact, ReductionGoal, Side};
 pub use matrices::{BodyDofs, FixedDofs, GainExpressions, MatricesCase, Parameter};
 pub use types::{ConstraintSet, FrictionDistributions, LatticeCase, LatticeReadings, Paper, SpeedRange};

@@ -6,15 +6,24 @@ use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
 use super::Patch;
+use super::missing::MissingRows;
 use super::nodes::Model;
 use super::schema::{ContactTable, SlidingEntry};
+use super::side::{Side, sides};
 use crate::case::CaseError;
+
+/// The directions x, y and z.
+const TRANSLATIONS: [u32; 3] = [1, 2, 3];
 
 /// The patches with their terms (one spring normal to the contact in each pair) and channels (friction in each pair).
 pub(super) struct Patches {
     pub patches: Vec<Patch>,
     pub terms: Vec<SparseTerm>,
     pub channels: Vec<Channel>,
+    /// How the mesh tells where the pad and the disc are.
+    pub sides: [Side; 2],
+    /// Nodes of the contact that the matrices have no rows of.
+    pub missing: Vec<MissingRows>,
 }
 
 /// A pair of nodes, the normal from the disc into the pad, and the direction in which the disc slides under the pad.
@@ -40,8 +49,16 @@ impl Patches {
         }
         check.no_repeats("contact.patches", contact.patches.iter().map(|name| name.to_ascii_uppercase()))?;
         let pairs = matched(model, contact)?;
+        let nodes_of =
+            |pairs: &[&Pair]| [0, 1].map(|side| pairs.iter().map(|pair| pair.nodes[side]).collect::<Vec<i64>>());
+        let [pad, disc] = nodes_of(&pairs.iter().collect::<Vec<_>>());
+        let missing = [("contact.pad", &pad), ("contact.disc", &disc)]
+            .map(|(field, nodes)| MissingRows::of(model, field, nodes, &TRANSLATIONS).transpose());
+        let missing = missing.into_iter().flatten().collect::<Result<_, _>>()?;
+        let normal = pairs.first().map_or_else(Vector3::zeros, |pair| pair.normal);
+        let sides = sides(model, [&pad, &disc], &normal)?;
         let mut owners: Vec<Option<&str>> = vec![None; pairs.len()];
-        let mut out = Self { patches: Vec::new(), terms: Vec::new(), channels: Vec::new() };
+        let mut out = Self { patches: Vec::new(), terms: Vec::new(), channels: Vec::new(), sides, missing };
         let of_pair = stiffness / pairs.len() as f64;
         for name in &contact.patches {
             check.plain_name("contact.patches", name)?;
@@ -56,7 +73,12 @@ impl Patches {
                     return Err(check.value("contact.patches", found, "each node of contact.pad in one patch"));
                 }
             }
-            out.add(model, name, own.iter().map(|&at| &pairs[at]).collect(), of_pair, load)?;
+            let own: Vec<&Pair> = own.iter().map(|&at| &pairs[at]).collect();
+            for nodes in nodes_of(&own) {
+                // Of a patch some nodes may be held, which was counted above.
+                MissingRows::of(model, &format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
+            }
+            out.add(model, name, own, of_pair, load)?;
         }
         match owners.iter().position(Option::is_none) {
             None => Ok(out),

@@ -2,10 +2,15 @@
 //! contact between matching nodes in patches that are in or out of contact.
 
 mod contact;
+mod missing;
 mod nodes;
 mod read;
 mod schema;
+mod side;
 mod terms;
+
+pub use missing::{MissingRows, NamesOnMesh};
+pub use side::Side;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -44,6 +49,12 @@ pub struct FiniteElementCase {
     pub mesh: Option<Mesh>,
     /// The node sets of the mesh.
     pub node_sets: BTreeMap<String, Vec<i64>>,
+    /// How the nodes of the mesh and the rows of the matrices belong together, where the case names a mesh.
+    pub names: Option<NamesOnMesh>,
+    /// Nodes of holders, contact and constraints that lack rows.
+    pub missing_rows: Vec<MissingRows>,
+    /// How the mesh tells that the pad and the disc are on their sides of the contact, where there is one.
+    pub sides: Option<[Side; 2]>,
     /// What each row of the matrices is; a matrix without labels has the numbers of its rows as nodes, and direction 0.
     pub dofs: Vec<Dof>,
     /// How the file of each matrix was taken.

@@ -1,9 +1,10 @@
 //! Nodes, node sets and degrees of freedom by the names that a case gives them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use formats::{Dof, Mesh};
 
+use super::missing::MissingRows;
 use crate::case::CaseError;
 use crate::case::check::Check;
 
@@ -54,8 +55,23 @@ impl<'a> Model<'a> {
         Ok(all)
     }
 
+    /// Some names of rows, for messages.
+    pub fn some_rows(&self) -> String {
+        let named: Vec<String> = self.dofs.iter().filter(|dof| dof.direction > 0).take(3).map(Dof::to_string).collect();
+        if named.is_empty() { "no names".to_owned() } else { format!("{}, ...", named.join(", ")) }
+    }
+
+    /// The nodes of a set: by its name as it is written, else in capitals without blanks as decks have it, else the only one that has it in
+    /// other letters.
+    fn set(&self, item: &str) -> Option<&Vec<i64>> {
+        let plain = item.split_whitespace().collect::<String>().to_ascii_uppercase();
+        let exact = self.sets.get(item).or_else(|| self.sets.get(&plain));
+        let mut alike = self.sets.iter().filter(|(name, _)| name.eq_ignore_ascii_case(item)).map(|(_, nodes)| nodes);
+        exact.or_else(|| alike.next().filter(|_| alike.next().is_none()))
+    }
+
     fn set_or_node(&self, field: &str, item: &str) -> Result<Vec<i64>, CaseError> {
-        if let Some(nodes) = self.sets.get(&item.to_ascii_uppercase()) {
+        if let Some(nodes) = self.set(item) {
             return Ok(nodes.clone());
         }
         let node = item.parse::<i64>().ok();
@@ -68,11 +84,13 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// The rows of `SET`, `SET.z`, `1042` and `1042.z`, each once, ascending. Those that the model holds anyway are left out.
-    pub fn rows(&self, field: &str, items: &[String]) -> Result<Vec<usize>, CaseError> {
-        let mut all = Vec::new();
+    /// The rows of `SET`, `SET.z`, `1042` and `1042.z`, each once, ascending. Those that the model holds anyway are left out, and counted.
+    pub fn rows(&self, field: &str, items: &[String]) -> Result<(Vec<usize>, Vec<MissingRows>), CaseError> {
+        let (mut all, mut missing) = (Vec::new(), Vec::new());
         for item in items {
             let (name, direction) = match item.rsplit_once('.') {
+                // A name in quotes may have a point.
+                _ if self.set(item).is_some() => (item.as_str(), None),
                 None => (item.as_str(), None),
                 Some((name, direction)) => {
                     let dof = format!("0.{direction}").parse::<Dof>();
@@ -90,9 +108,14 @@ impl<'a> Model<'a> {
             if all.len() == before {
                 return Err(self.check.value(field, format!("{item:?}"), "a degree of freedom that the matrices have"));
             }
+            let with_rows: HashSet<i64> = all[before..].iter().map(|&row: &usize| self.dofs[row].node).collect();
+            if with_rows.len() < nodes.len() {
+                let (field, without) = (format!("{field} {item:?}"), nodes.len() - with_rows.len());
+                missing.push(MissingRows { field, nodes: nodes.len(), without, partly: 0 });
+            }
         }
         all.sort_unstable();
         all.dedup();
-        Ok(all)
+        Ok((all, missing))
     }
 }

@@ -7,6 +7,7 @@ use montecarlo::Distribution;
 use sparse::SparseAffineSystem;
 
 use super::contact::Patches;
+use super::missing::{MissingRows, NamesOnMesh};
 use super::nodes::Model;
 use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
@@ -65,12 +66,30 @@ impl FiniteElementCase {
         let factor = contact.as_mut().and_then(|table| table.stiffness_factor.take());
         let factor = factor.map(|factor| formulas.expression(STIFFNESS_FACTOR, Some(factor), 1.0)).transpose()?;
         formulas.all_used()?;
-        terms.extend(holders_term(&model, &holders)?);
+        let names = NamesOnMesh::new(&model)?;
+        let (mut missing_rows, mut sides) = (Vec::new(), None);
+        terms.extend(holders_term(&model, &holders, &mut missing_rows)?);
         let mut channels = Vec::new();
         let contact = match contact {
-            None => None,
+            None => {
+                let unused = [
+                    ("friction", friction.is_some()),
+                    ("speeds", !speeds.is_empty()),
+                    ("study.laws", !study.laws.is_empty()),
+                ];
+                if let Some((field, _)) = unused.into_iter().find(|(_, is_given)| *is_given) {
+                    return Err(check.value(
+                        field,
+                        "given",
+                        "cases with a contact: nothing else has friction by a law",
+                    ));
+                }
+                None
+            }
             Some(table) => {
                 let of_contact = Patches::new(&model, &table)?;
+                sides = Some(of_contact.sides);
+                missing_rows.extend(of_contact.missing);
                 terms.extend(of_contact.terms);
                 channels = of_contact.channels;
                 let friction =
@@ -95,7 +114,7 @@ impl FiniteElementCase {
                 check.correlation(correlation, &of)?
             }
         };
-        let constraints = constraint_sets(&model, constraints)?;
+        let constraints = constraint_sets(&model, constraints, &mut missing_rows)?;
         let system = SparseAffineSystem::new(terms, channels).map_err(check.sparse("terms"))?;
         Ok(Self {
             path: path.to_owned(),
@@ -112,6 +131,9 @@ impl FiniteElementCase {
             contact,
             constraints,
             reduction: goal(&check, &reduction)?,
+            names,
+            missing_rows,
+            sides,
             dofs: model.dofs,
             files,
             held,
@@ -184,22 +206,27 @@ fn draw_places(model: &Model<'_>, contact: &PatchContact) -> Result<Vec<[f64; 3]
     }
 }
 
-fn constraint_sets(model: &Model<'_>, given: Vec<ConstraintsTable>) -> Result<Vec<FixedDofs>, CaseError> {
+fn constraint_sets(
+    model: &Model<'_>,
+    given: Vec<ConstraintsTable>,
+    missing: &mut Vec<MissingRows>,
+) -> Result<Vec<FixedDofs>, CaseError> {
     let check = model.check;
     if given.is_empty() {
         return Ok(vec![FixedDofs { name: "none".into(), fixed: Vec::new() }]);
     }
     check.no_repeats("constraints.name", given.iter().map(|set| set.name.clone()))?;
-    let set = |ConstraintsTable { name, fixed }: ConstraintsTable| {
+    let mut set = |ConstraintsTable { name, fixed }: ConstraintsTable| {
         check.plain_name("constraints.name", &name)?;
         let field = field("constraints", &name, "fixed");
-        let fixed = model.rows(&field, &fixed)?;
+        let (fixed, held) = model.rows(&field, &fixed)?;
+        missing.extend(held);
         match fixed.len() == model.dofs.len() {
             true => Err(check.value(&field, "all", "at most all degrees of freedom but one")),
             false => Ok(FixedDofs { name, fixed }),
         }
     };
-    given.into_iter().map(set).collect()
+    given.into_iter().map(&mut set).collect()
 }
 
 fn goal(check: &Check<'_>, table: &ReductionTable) -> Result<ReductionGoal, CaseError> {

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use formats::{Dof, FormatsError, Kind, Matrix};
+use formats::{Dof, FormatsError, Kind, Limits, Matrix};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use sparse::{SparseSecondOrder, SparseTerm};
 
+use super::missing::MissingRows;
 use super::nodes::Model;
 use super::schema::{HolderTable, TermTable};
 use crate::case::check::{Check, TakenMatrix, field};
@@ -42,7 +43,8 @@ pub(super) fn read_terms(check: &Check<'_>, given: Vec<TermTable>) -> Result<Ter
         let mut read = |file: &Option<std::path::PathBuf>, kind: Kind| {
             let of_field = field("terms", &table.name, &kind.to_string());
             let Some(file) = file else { return Ok(None) };
-            let (matrix, taken) = check.read_matrix(&of_field, file, &wanted(table.symmetry, kind))?;
+            let (matrix, taken) =
+                check.read_matrix(&of_field, file, &wanted(table.symmetry, kind), Limits::default())?;
             files.push(taken);
             Ok(Some(matrix))
         };
@@ -154,7 +156,11 @@ pub(super) fn terms_with_coefficients(
 }
 
 /// All holders as one term: springs and dashpots from nodes to ground.
-pub(super) fn holders_term(model: &Model<'_>, holders: &[HolderTable]) -> Result<Option<SparseTerm>, CaseError> {
+pub(super) fn holders_term(
+    model: &Model<'_>,
+    holders: &[HolderTable],
+    missing: &mut Vec<MissingRows>,
+) -> Result<Option<SparseTerm>, CaseError> {
     if holders.is_empty() {
         return Ok(None);
     }
@@ -162,7 +168,16 @@ pub(super) fn holders_term(model: &Model<'_>, holders: &[HolderTable]) -> Result
     check.names("holders.name", holders.iter().map(|holder| &holder.name))?;
     let (mut c, mut k) = (CooMatrix::new(order, order), CooMatrix::new(order, order));
     for holder in holders {
-        let nodes = model.nodes(&field("holders", &holder.name, "nodes"), holder.nodes.items())?;
+        let of_nodes = field("holders", &holder.name, "nodes");
+        let nodes = model.nodes(&of_nodes, holder.nodes.items())?;
+        let acts = |direction: &u32| {
+            let at = *direction as usize - 1;
+            holder.stiffness[at] != 0.0 || holder.damping[at] != 0.0
+        };
+        let directions: Vec<u32> = (1..=3).filter(acts).collect();
+        if !directions.is_empty() {
+            missing.extend(MissingRows::of(model, &of_nodes, &nodes, &directions)?);
+        }
         for (key, sum, values) in [("stiffness", &mut k, holder.stiffness), ("damping", &mut c, holder.damping)] {
             let named = field("holders", &holder.name, key);
             for (direction, value) in (1..).zip(values) {

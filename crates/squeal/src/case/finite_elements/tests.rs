@@ -88,6 +88,12 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
             "normal = [0.0, 0.0, 0.0]",
             "contact.normal = [0.0, 0.0, 0.0]; allowed: a direction",
         ),
+        (
+            "normal = [0.0, 0.0, 1.0]",
+            "normal = [0.0, 0.0, -1.0]",
+            "contact.normal = [0.000, 0.000, -1.000], which by 16 of the 16 faces of the pad at the contact does not point into it; \
+             allowed: a direction from the disc into the pad, about [0.000, 0.000, 1.000]",
+        ),
         ("\"PATCH8\", \"PATCH9\"]", "\"PATCH8\"]", "contact.patches = node"),
         ("\"PATCH8\", \"PATCH9\"]", "\"PATCH8\", \"PADFACE\"]", "contact.patches = node"),
         ("fixed = [\"BACKENDS.z\"]", "fixed = [\"BACKENDS.w\"]", "\"BACKENDS.w\"; allowed: SET, SET.z, 1042 or 1042.z"),

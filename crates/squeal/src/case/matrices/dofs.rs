@@ -1,5 +1,7 @@
 //! Degrees of freedom by name.
 
+use formats::Dof;
+
 use super::schema::Dofs;
 use crate::case::CaseError;
 use crate::case::check::Check;
@@ -14,8 +16,19 @@ pub(super) struct DofNames<'a> {
 }
 
 impl<'a> DofNames<'a> {
-    /// The given names, one for each row, or "1" to "n".
-    pub fn new(check: &'a Check<'a>, given: Option<Vec<String>>, order: usize) -> Result<Self, CaseError> {
+    /// The given names, one for each row, or those of the files, as `1042.z`, or "1" to "n".
+    pub fn new(
+        check: &'a Check<'a>,
+        given: Option<Vec<String>>,
+        rows: Option<Vec<Dof>>,
+        order: usize,
+    ) -> Result<Self, CaseError> {
+        let of_files = rows.filter(|_| given.is_none());
+        if let Some(rows) = of_files {
+            // Of a list that numbers its rows the numbers are the names.
+            let name = |dof: &Dof| if dof.direction == 0 { dof.node.to_string() } else { dof.to_string() };
+            return Ok(Self { check, names: rows.iter().map(name).collect() });
+        }
         let names = given.unwrap_or_else(|| (1..=order).map(|number| number.to_string()).collect());
         if names.len() != order {
             let allowed = format!("{order}, one for each row of the matrices");

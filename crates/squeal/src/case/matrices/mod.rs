@@ -16,7 +16,7 @@ use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::{Check, field};
-use super::{CaseError, Correlation, Expression, correlation, squeal};
+use super::{CaseError, Correlation, Expression, TakenMatrix, correlation, squeal};
 
 /// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
@@ -43,6 +43,8 @@ pub struct MatricesCase {
     pub dofs: Vec<String>,
     /// Terms and channels over all degrees of freedom.
     pub system: AffineSystem,
+    /// How the file of each matrix was taken.
+    pub files: Vec<TakenMatrix>,
     /// The coefficient of each term.
     pub coefficients: Vec<Expression>,
     /// The gain of each channel.

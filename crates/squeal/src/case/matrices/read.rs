@@ -10,7 +10,7 @@ use super::contacts::channels_with_gains;
 use super::dofs::DofNames;
 use super::formulas::Formulas;
 use super::schema::{self, MatricesFile};
-use super::terms::terms_with_coefficients;
+use super::terms::{Terms, read_terms};
 use super::{BodyDofs, FixedDofs, MatricesCase, Parameter};
 use crate::case::check::{Check, field, syntax};
 use crate::case::correlation::Correlated;
@@ -42,9 +42,9 @@ impl MatricesCase {
         let parameters: Vec<Parameter> =
             parameters.into_iter().map(|(name, given)| parameter(&check, name, given)).collect::<Result<_, _>>()?;
         let mut formulas = Formulas::new(&check, &parameters);
-        let (terms, coefficients) = terms_with_coefficients(&check, &mut formulas, terms)?;
+        let Terms { terms, coefficients, files, rows } = read_terms(&check, &mut formulas, terms)?;
         let order = terms.first().map_or(0, Term::order);
-        let dofs = DofNames::new(&check, brake.dofs, order)?;
+        let dofs = DofNames::new(&check, brake.dofs, rows, order)?;
         let (channels, gains) = channels_with_gains(&check, &mut formulas, &dofs, contacts)?;
         formulas.all_used()?;
         let constraints = constraint_sets(&check, &dofs, constraints)?;
@@ -63,6 +63,7 @@ impl MatricesCase {
             correlation: check.correlation(correlation, &correlated)?,
             system,
             coefficients,
+            files,
             gains,
             bodies: groups(&check, &dofs, bodies)?,
             constraints,

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use crate::case::check::Accuracy;
 use crate::case::correlation::CorrelationTable;
 use crate::case::squeal::SquealTable;
+use crate::case::symmetry::SymmetryEntry;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -66,6 +67,7 @@ pub(super) struct TermTable {
     pub name: String,
     pub family: Option<String>,
     pub coefficient: Option<Formula>,
+    pub symmetry: Option<SymmetryEntry>,
     pub mass: Option<MatrixEntry>,
     pub damping: Option<MatrixEntry>,
     pub stiffness: Option<MatrixEntry>,
@@ -79,7 +81,7 @@ pub(in crate::case) enum Formula {
     Text(String),
 }
 
-/// Rows, or a Matrix Market file.
+/// Rows, or a file with a matrix.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected rows of numbers, as [[1.0, 0.0], [0.0, 1.0]], or the name of a file in quotes")]
 pub(super) enum MatrixEntry {

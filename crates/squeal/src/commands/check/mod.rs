@@ -1,13 +1,14 @@
 //! `squeal check`: is the case valid, what would run, and how long would it take?
 
 mod health;
+mod names;
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use super::options::{override_run, whole_number};
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
-use crate::case::{CaseFile, FiniteElementCase};
+use crate::case::{CaseFile, FiniteElementCase, TakenMatrix};
 use crate::output::{bytes_in_words, in_words, note, printable};
 use crate::run::bar;
 use crate::study::{Cost, Plan, UncertainBrake};
@@ -45,10 +46,10 @@ impl CheckArgs {
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                // Said first, because a reduction of an unsound model may fail or take long.
+                // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
                 let model = self.model(&case)?;
                 out.write_all(model.as_bytes()).map_err(Error::StandardOutput)?;
-                finite_elements(*case)?
+                finite_elements(*case)? + &format!("\n{}: valid\n", self.file())
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -81,6 +82,7 @@ impl CheckArgs {
         text += &line("dofs", &case.dofs.len().to_string());
         let named = |name: &str, family: &str| if name == family { name.into() } else { format!("{name} ({family})") };
         text += &line("terms", &listed(case.system.terms().iter().map(|term| named(&term.name, &term.family))));
+        text += &taken(&case.files);
         let contacts = case.system.channels().iter().map(|channel| named(&channel.name, &channel.family));
         text += &line("contacts", &if case.gains.is_empty() { "none".into() } else { listed(contacts) });
         let parameters = case.parameters.iter().map(|parameter| format!("{} [{}]", parameter.name, parameter.unit));
@@ -99,11 +101,13 @@ impl CheckArgs {
         let patches = case.contact.as_ref().map_or("none".into(), |contact| {
             listed(contact.patches.iter().map(|patch| format!("{} ({} pairs)", patch.name, patch.pairs.len())))
         });
-        let mut text = self.heading(&case.name);
+        let mut text = line("study", &case.name);
         text += &line("dofs", &case.dofs.len().to_string());
         text += &line("terms", &terms);
+        text += &taken(&case.files);
         text += &line("patches", &patches);
         text += &line("constraints", &listed(case.constraints.iter().map(|set| set.name.clone())));
+        text += &names::of(case);
         for set in &case.constraints {
             text += &health::of_finite_elements(case, set)?;
         }
@@ -111,7 +115,11 @@ impl CheckArgs {
     }
 
     fn heading(&self, study: &str) -> String {
-        format!("{}: valid\n\n{}", printable(&self.case.display().to_string()), line("study", study))
+        format!("{}: valid\n\n{}", self.file(), line("study", study))
+    }
+
+    fn file(&self) -> String {
+        printable(&self.case.display().to_string())
     }
 }
 
@@ -149,6 +157,21 @@ fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
     Ok(text + &cost(&brake, brake.cost_of_bases().bytes)?)
 }
 
+/// How the file of each matrix was taken: files that were taken alike in one line.
+fn taken(files: &[TakenMatrix]) -> String {
+    let mut alike: Vec<(&str, Vec<String>)> = Vec::new();
+    for TakenMatrix { file, taken, .. } in files {
+        let name = file.display().to_string();
+        match alike.iter_mut().find(|(words, _)| words == taken) {
+            Some((_, names)) if names.contains(&name) => {}
+            Some((_, names)) => names.push(name),
+            None => alike.push((taken, vec![name])),
+        }
+    }
+    let lines = alike.into_iter().map(|(words, names)| format!("{}: {words}", printable(&names.join(", "))));
+    lines.enumerate().map(|(at, text)| line(if at == 0 { "files" } else { "" }, &text)).collect()
+}
+
 fn line(name: &str, value: &str) -> String {
     format!("  {name:<13} {value}\n")
 }
@@ -170,8 +193,11 @@ fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Err
     Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases))) + &line("time", &seconds))
 }
 
-/// Says what the bases of a case take, where that is more than some seconds.
+/// Says which nodes of the contact count as held, and what the bases of a case take, where that is more than some seconds.
 pub(super) fn announce_bases(case: &FiniteElementCase) {
+    for missing in case.missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
+        note(&missing.to_string());
+    }
     let cost = FiniteElementBrake::expected_cost(case);
     if cost.seconds > ANNOUNCED {
         let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
