@@ -82,24 +82,27 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
     let modes = brake.part(scene).reduced.modes(&full).unwrap();
     assert_equal_sets(&modes.lambdas, 1e-6);
     assert!(modes.largest_residual() <= 1e-8);
-    // Friction alone can make it unstable: one mode of twelve.
+    // Friction alone can make it unstable: one mode of nine.
     assert_eq!(modes.lambdas.iter().filter(|lambda| lambda.re > 0.0).count(), 1);
 
-    // Its parameters: the coefficient of friction and the stiffness of each patch.
+    // Its parameters: friction, on whose speed and load the resistance across the sliding depends, and the stiffness of each patch.
     let [median, same] = [brake.system(scene, &brake.median()), brake.system_with(scene, &[])].map(Result::unwrap);
     assert!(
         (&median.k - &same.k).norm() <= 1e-12 * median.k.norm()
             && (&median.c - &same.c).norm() <= 1e-12 * median.c.norm()
     );
     let names: Vec<String> = brake.parameters(scene).into_iter().map(|parameter| parameter.name).collect();
-    assert_eq!((names[0].as_str(), names[1].as_str(), names.len()), ("mu", "contact_stiffness.PATCH1", 10));
+    assert_eq!(
+        (&names[..4], names.len()),
+        (&["mu", "v", "load", "contact_stiffness.PATCH1"].map(String::from)[..], 12)
+    );
 
     // Why the unstable mode grows: derivatives of the reduced brake are limits of differences.
     let mut work = cea::Workspace::default();
     let unstable = *modes.lambdas.iter().find(|lambda| lambda.re > 0.0).unwrap();
     let explainer = squeal::why::Explainer::new(&brake, scene, &mut work).unwrap();
     let why = explainer.why(&[unstable], &mut work).unwrap().remove(0);
-    for place in [0, 1, 5] {
+    for place in [0, 1, 2, 3, 7] {
         let by = why.influences.iter().find(|influence| influence.name == names[place]).unwrap();
         let step = 1e-4 * by.value;
         let at = |value: f64| {
@@ -144,6 +147,50 @@ fn around_six_kilohertz() -> FiniteElementCase {
     let mut case = nine_in_contact();
     case.reduction.frequencies = [5700.0, 6500.0];
     case
+}
+
+/// The case with nine patches in contact at a speed and a coefficient of friction, with or without friction across the sliding: frequencies, Hz,
+/// and growth rates of the modes that grow.
+fn growing(mu: f64, speed: f64, lateral: &str) -> Vec<(f64, f64)> {
+    let text = nine_in_contact().text.replace("load = 468.0", &format!("load = 468.0\nlateral = \"{lateral}\""));
+    let text =
+        text.replace("from = 0.1 ", &format!("from = {speed:e} ")).replace("to = 1.0", &format!("to = {speed:e}"));
+    let text = text.replace("mean = 0.50", &format!("mean = {mu}"));
+    let CaseFile::FiniteElements(case) = CaseFile::parse(&folder().join("growing.toml"), text).unwrap() else {
+        panic!()
+    };
+    let brake = FiniteElementBrake::new(*case, &()).unwrap();
+    let scene = &brake.plan.scenes[0];
+    let at = brake.full_point(scene, &brake.operating_point(scene, &brake.median()).unwrap());
+    let rectangle = sparse::Rectangle { re: [1.0, 1000.0], im: [500.0 * TAU, 8000.0 * TAU] };
+    let whole = brake.sets[0].system.assemble(&at).unwrap();
+    let found = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap();
+    let modes = brake.part(scene).reduced.modes(&at).unwrap();
+    let grown: Vec<_> = modes.lambdas.iter().filter(|lambda| lambda.re > 1.0).collect();
+    assert_eq!(grown.len(), found.pairs.len(), "{grown:?}");
+    let mut all: Vec<_> = found.pairs.iter().map(|pair| (pair.lambda.im / TAU, pair.lambda.re)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for ((f, growth), lambda) in all.iter().zip(grown) {
+        assert!((Complex::new(*growth, TAU * f) - lambda).norm() < 1e-6 * lambda.norm());
+    }
+    all
+}
+
+/// Numbers of the script in the case's README.
+#[test]
+fn friction_across_the_sliding_silences_the_lower_mode_as_in_scipy() {
+    for (mu, speed, lateral, expected) in [
+        (0.6, 0.1, "none", &[(2744.4, 223.4), (6030.6, 707.6)][..]),
+        (0.6, 0.1, "vector", &[(6065.0, 690.6)]),
+        (0.6, 1.0, "vector", &[(6044.4, 641.0)]),
+        (0.6, 10.0, "vector", &[(2750.7, 67.4), (6031.3, 695.1)]),
+    ] {
+        let found = growing(mu, speed, lateral);
+        assert_eq!(found.len(), expected.len(), "{speed} {lateral}: {found:?}");
+        for ((f, growth), (expected_f, expected_growth)) in found.iter().zip(expected) {
+            assert!((f - expected_f).abs() <= 0.051 && (growth - expected_growth).abs() <= 0.051, "{found:?}");
+        }
+    }
 }
 
 fn over(name: &str, from: f64, to: f64) -> Over {
@@ -191,7 +238,7 @@ fn the_boundary_of_a_map_is_that_of_the_whole_brake() {
 #[test]
 fn a_sweep_over_what_the_scene_does_not_have_is_refused_before_anything_is_reduced() {
     for (range, allowed) in
-        [(over("nu", 0.0, 1.0), "mu, contact_stiffness.PATCH1"), (over("mu", 1.0, 0.0), "FROM < TO")]
+        [(over("nu", 0.0, 1.0), "mu, v, load, contact_stiffness.PATCH1"), (over("mu", 1.0, 0.0), "FROM < TO")]
     {
         let error = FiniteElementBrake::for_sweep(around_six_kilohertz(), &[range], &()).unwrap_err().to_string();
         assert!(error.contains("--over") && error.contains(allowed), "{error}");

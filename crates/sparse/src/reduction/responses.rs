@@ -119,7 +119,7 @@ struct Responses<'a> {
     problem: Problem,
     full: SparseSecondOrder,
     norms: NormsAt,
-    /// b_i and r_i, n x 2 m.
+    /// b_i and r_i as columns.
     forces: &'a DMatrix<f64>,
 }
 
@@ -152,11 +152,12 @@ impl Responses<'_> {
     }
 }
 
-/// The columns b_i and r_i of all channels.
+/// The columns b_i and r_i of all channels; one across the sliding reads nothing.
 fn forces(system: &SparseAffineSystem) -> DMatrix<f64> {
     let sides = system.channels().iter().flat_map(|channel| [&channel.force, &channel.reading]);
-    let mut forces = DMatrix::zeros(system.order(), 2 * system.channels().len());
-    for (column, side) in sides.enumerate() {
+    let sides: Vec<_> = sides.filter(|side| !side.is_empty()).collect();
+    let mut forces = DMatrix::zeros(system.order(), sides.len());
+    for (column, side) in sides.into_iter().enumerate() {
         side.iter().for_each(|&(row, value)| forces[(row, column)] += value);
     }
     forces

@@ -7,8 +7,8 @@ use crate::case::Law;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrictionUse {
     pub law: Law,
-    /// Whether friction acts across the sliding too.
-    pub is_lateral: bool,
+    /// Whether friction acts across the sliding with a coefficient of its own.
+    pub has_lateral_mu: bool,
     /// Whether LuGre bristles have damping.
     pub has_bristle_damping: bool,
 }
@@ -43,7 +43,7 @@ pub(super) const FRICTION: &[FrictionParameter] = &[
         unit: "1",
         get: |draw| draw.mu,
         set: |draw, value| (draw.mu, draw.lateral_mu) = (value, value),
-        matters: |of| of.law == Law::AmontonsCoulomb || of.is_lateral,
+        matters: |of| of.law == Law::AmontonsCoulomb || of.has_lateral_mu,
     },
     parameter!(mu_s, "1", |of| of.law != Law::AmontonsCoulomb),
     parameter!(mu_k, "1", |of| of.law != Law::AmontonsCoulomb),

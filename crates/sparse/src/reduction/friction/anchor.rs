@@ -1,6 +1,6 @@
 //! Gains at which the near modes are known, and guesses of them at others.
 
-use linsys::ChannelGain;
+use linsys::{ChannelGain, real_times_complex};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
@@ -26,6 +26,10 @@ pub(super) struct Anchor {
     gains: Vec<ChannelGain>,
     /// Of these gains in the middle of the band.
     pulls: Pulls,
+    /// The eigenvalues under them, rad/s.
+    lambdas: Vec<Complex<f64>>,
+    /// `phi_i^H M phi_j` of the shapes of these modes.
+    products: Rows<f32>,
     /// What A is made of with the vectors of these modes as coordinates, in which it is nearly diagonal.
     pub own: Coupled<f32>,
     /// These vectors S as rows, p x p.
@@ -60,32 +64,41 @@ impl Anchor {
     ) -> Result<Option<Self>, SparseError> {
         let mut a = Own::new(ports, structure, Gains::of(&gains));
         let (mut lambdas, mut vectors) = a.eigen(ports.middle)?;
+        let (p, mut shapes) = (ports.near(), Vec::with_capacity(ports.near()));
         for (lambda, mut vector) in lambdas.iter_mut().zip(vectors.column_iter_mut()) {
-            let Some(own) = a.next_to(*lambda, vector.as_mut_slice()) else { return Ok(None) };
+            let vector = vector.as_mut_slice();
+            let Some(own) = a.next_to(*lambda, vector) else { return Ok(None) };
             *lambda = own;
+            shapes.push(ports.shapes.shape(own, vector, &a.forces(vector)));
         }
-        let p = ports.near();
         let Ok(inverse) = dense::solve(&vectors, &DMatrix::identity(p, p)) else { return Ok(None) };
         if inverse.norm() * vectors.norm() > LARGEST_CONDITION {
             return Ok(None);
         }
         let weights = lambdas.iter().map(|lambda| coarse.weights_near(*lambda)).collect();
         let pulls = Pulls::of(ports, &gains);
-        let expansion = shared(&gains).and_then(|gain| Expansion::new(ports, gain, lambdas, &vectors, &inverse));
+        let weighted: Vec<_> = shapes.iter().map(|shape| real_times_complex(&ports.mass, shape)).collect();
+        let products = Rows::from_fn(p, p, |i, j| cast(shapes[i].dotc(&weighted[j])));
+        let expand = |gain| Expansion::new(ports, gain, lambdas.clone(), &vectors, &inverse);
+        let expansion = shared(&gains).and_then(expand);
         let own = Coupled::new(ports, &vectors, &inverse).single();
         let (vectors, inverse) = (Rows::of(&vectors.transpose()).single(), Rows::of(&inverse).single());
-        Ok(Some(Self { gains, pulls, own, vectors, inverse, weights, expansion }))
+        Ok(Some(Self { gains, pulls, lambdas, products, own, vectors, inverse, weights, expansion }))
     }
 
-    /// These gains, and the eigenvalues under them where they are expanded around.
+    /// These gains, and the eigenvalues under them.
     pub fn known(&self) -> (&[ChannelGain], &[Complex<f64>]) {
-        (&self.gains, self.expansion.as_ref().map_or(&[], |expansion| &expansion.lambdas))
+        (&self.gains, &self.lambdas)
     }
 
-    /// The MAC of a mode, given the amplitudes of the near modes, with each of the modes under these gains; `None` where they are not expanded
-    /// around.
-    pub fn mac(&self, amplitudes: &[Complex<f32>]) -> Option<Vec<f64>> {
-        Some(self.expansion.as_ref()?.mac(&product(&self.inverse, amplitudes)))
+    /// The modal assurance criterion (MAC), with M as weight, of a mode, given the amplitudes of the near modes, with each of the modes under
+    /// these gains.
+    pub fn mac(&self, amplitudes: &[Complex<f32>]) -> Vec<f64> {
+        let vector: Vec<Complex<f32>> = product(&self.inverse, amplitudes);
+        let seen: Vec<Complex<f32>> = product(&self.products, &vector);
+        let own: Complex<f32> = vector.iter().zip(&seen).map(|(v, seen)| v.conj() * seen).sum();
+        let of = |(i, seen): (usize, &Complex<f32>)| f64::from(seen.norm_sqr() / (own.re * self.products.at(i, i).re));
+        seen.iter().enumerate().map(of).collect()
     }
 
     /// The square of how far gains are.

@@ -16,14 +16,14 @@
 //!
 //! These are the first terms of the Neumann series of `T^-1`, in which each is the one before times `-T^-1 (dmu G + dp H)`.
 
-use linsys::{ChannelGain, real_times_complex};
+use linsys::ChannelGain;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::coupling::{self, Gains, Scratch, pull};
 use super::ports::Ports;
 use crate::reduction::real::cast;
-use crate::reduction::rows::{Rows, product};
+use crate::reduction::rows::Rows;
 
 /// The numbers c_k.
 pub(super) const TERMS: usize = 6;
@@ -47,8 +47,6 @@ pub(super) struct Expansion {
     pub terms: Rows<f32>,
     /// The sums over the sizes of their entries.
     sizes: Vec<f32>,
-    /// `phi_i^H M phi_j` of the shapes at these eigenvalues.
-    products: Rows<f32>,
     /// The known gain of all ports.
     pub gain: ChannelGain,
     /// lambda_j and p there, as two rows.
@@ -85,7 +83,6 @@ impl Expansion {
         let force = -(inverse * &ports.force);
         let (mut terms, mut sizes) = (Rows::zeros(TERMS * p, p), vec![0.0; TERMS * p]);
         let (mut known, mut drift) = (Rows::zeros(2, p), Vec::with_capacity(p));
-        let mut shapes = Vec::with_capacity(p);
         let dense = |rows: &Rows| DMatrix::from_fn(m, m, |i, j| rows.at(i, j));
         for (mode, &lambda) in lambdas.iter().enumerate() {
             coupling::factor_at(&ports.fine, lambda, Gains::of(&gains), &mut scratch, &mut slopes);
@@ -99,8 +96,6 @@ impl Expansion {
             let (mu, slope) = pull(gain, lambda);
             let mu = Complex::from(mu);
             let w = solved(&reading * mu + &velocity * slope);
-            let amplitudes: Vec<_> = vectors.column(mode).iter().copied().collect();
-            shapes.push(ports.shapes.shape(lambda, &amplitudes, w.as_slice()));
             let by_mu = solved(&reading - &g * &w);
             let by_slope = solved(&velocity - &h * &w);
             let by_lambda = solved(-(g_slope * mu + h_slope * slope) * &w);
@@ -118,19 +113,8 @@ impl Expansion {
             let own = terms.at(by_lambda, mode) + terms.at(by_slope, mode) * of_slope;
             drift.push((own, sizes[by_lambda] + sizes[by_slope] * of_slope.norm()));
         }
-        let weighted: Vec<_> = shapes.iter().map(|shape| real_times_complex(&ports.mass, shape)).collect();
-        let products = Rows::from_fn(p, p, |i, j| cast(shapes[i].dotc(&weighted[j])));
         let is_sound = drift.iter().all(|(_, whole)| *whole <= LARGEST_DRIFT);
-        is_sound.then_some(Self { lambdas, drift, terms, sizes, products, gain: *gain, known })
-    }
-
-    /// The modal assurance criterion (MAC), with M as weight, of a shape that has some vector in these coordinates with the shapes of all
-    /// known modes.
-    pub fn mac(&self, vector: &[Complex<f32>]) -> Vec<f64> {
-        let seen: Vec<Complex<f32>> = product(&self.products, vector);
-        let own: Complex<f32> = vector.iter().zip(&seen).map(|(v, seen)| v.conj() * seen).sum();
-        let of = |(i, seen): (usize, &Complex<f32>)| f64::from(seen.norm_sqr() / (own.re * self.products.at(i, i).re));
-        seen.iter().enumerate().map(of).collect()
+        is_sound.then_some(Self { lambdas, drift, terms, sizes, gain: *gain, known })
     }
 
     /// The numbers c_k of all columns under a gain, at numbers that are the first row of `at` and with p there as the second, each times an

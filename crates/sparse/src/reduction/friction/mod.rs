@@ -117,15 +117,14 @@ impl FrictionModes {
         FrictionSearch { modes: self, memory: Memory::new(&self.ports, &self.coarse), gains: Vec::new() }
     }
 
-    /// The points at which modes are known, by the friction of the channels, with their eigenvalues, rad/s; those next to which A is no
-    /// polynomial have none.
+    /// The points at which modes are known, by the friction of the channels, with their eigenvalues, rad/s.
     pub fn known_points(&self) -> impl ExactSizeIterator<Item = (&[ChannelGain], &[Complex<f64>])> {
         self.anchors.iter().map(Anchor::known)
     }
 
     /// How like a mode is to those at some known points, the nearest first: to first order in what friction adds.
     pub fn likenesses(&self, Amplitudes { values, nearest }: &Amplitudes) -> impl Iterator<Item = Likeness> {
-        nearest.iter().filter_map(|&point| Some(Likeness { point, mac: self.anchors[point].mac(values)? }))
+        nearest.iter().map(|&point| Likeness { point, mac: self.anchors[point].mac(values) })
     }
 
     /// Whether a point differs from the known ones in the friction of the channels alone.

@@ -50,7 +50,7 @@ pub(super) struct Memory {
     pub coarse: Vec<Rows<f32>>,
     /// For counts.
     pub lanes: Lanes,
-    /// The anchors with an expansion, from the one that is nearest to the last sample.
+    /// The anchors, from the one that is nearest to the last sample.
     pub nearest: Vec<usize>,
     pub weights: Vec<Complex<f64>>,
     /// Corrections so far.
@@ -95,12 +95,12 @@ impl Search<'_> {
         let is_wanted = |lambda: Complex<f64>, beyond: f64| {
             lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && full::is_wanted(self.rectangle, lambda, beyond)
         };
-        let expanded = distances.iter().map(|(_, at)| *at).filter(|&at| self.anchors[at].expansion.is_some());
         memory.nearest.clear();
-        memory.nearest.extend(expanded);
+        memory.nearest.extend(distances.iter().map(|(_, at)| *at));
         if let Some(gain) = shared(gains) {
-            for place in 0..memory.nearest.len().min(MOST_TRIES) {
-                if let Ok(found) = self.by_discs(memory.nearest[place], gain, gains, &is_wanted, memory) {
+            let expanded = distances.iter().map(|(_, at)| *at).filter(|&at| self.anchors[at].expansion.is_some());
+            for at in expanded.take(MOST_TRIES) {
+                if let Ok(found) = self.by_discs(at, gain, gains, &is_wanted, memory) {
                     return Ok(found);
                 }
             }

@@ -170,7 +170,7 @@ impl FiniteElementBrake {
             from: &contact.friction,
             correlation: self.case.correlation.as_ref(),
             draws: contact.draws,
-            is_lateral: false,
+            has_lateral_mu: false,
             has_bristle_damping: contact.bristle_damping.is_some(),
         })
     }
@@ -258,10 +258,10 @@ impl UncertainBrake for FiniteElementBrake {
         values
     }
 
-    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn.
+    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn and none acts across the sliding.
     fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
         let contact = self.case.contact.as_ref()?;
-        let is_single = contact.laws[scene.key.law] == Law::AmontonsCoulomb
+        let is_single = !points::depends_on_speed(contact, contact.laws[scene.key.law])
             && contact.draws == Draws::Shared
             && self.case.parameters.iter().all(|p| matches!(p.distribution, Distribution::Constant { .. }));
         is_single.then_some(&contact.friction.mu)

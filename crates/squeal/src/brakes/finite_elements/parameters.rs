@@ -52,10 +52,9 @@ fn medians(scene: &SceneOf<'_>) -> Values {
 fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
     let own = (0..scene.case.parameters.len()).map(Choice::Own);
     let Some((contact, (law, _))) = scene.case.contact.as_ref().zip(scene.state) else { return own.collect() };
-    let of = FrictionUse { law, is_lateral: false, has_bristle_damping: contact.bristle_damping.is_some() };
+    let of = FrictionUse { law, has_lateral_mu: false, has_bristle_damping: contact.bristle_damping.is_some() };
     let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);
-    // Coulomb friction knows neither speed nor load.
-    let sliding = [Choice::Speed, Choice::Load].into_iter().filter(|_| law != Law::AmontonsCoulomb);
+    let sliding = [Choice::Speed, Choice::Load].into_iter().filter(|_| points::depends_on_speed(contact, law));
     own.chain(friction).chain(sliding).chain(scene.closed.iter().map(|&patch| Choice::Stiffness(patch))).collect()
 }
 

@@ -8,15 +8,15 @@ use super::points::{all_patches, naming_point, of_brake};
 use crate::Error;
 use crate::study::{Direction, OwnSize, Place, Scene, WholeContact};
 
-/// The closed patches of a scene, each with the friction of its pairs of nodes and with their springs.
+/// The closed patches of a scene, each with the friction of its pairs of nodes, along the sliding and across it, and with their springs.
 pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeContact> {
     let Some(contact) = &brake.case.contact else { return Vec::new() };
     let terms = brake.part(scene).reduced.system().terms();
     let (first, mut channel) = (terms.len() - contact.patches.len(), 0);
     let whole = |&number: &usize| {
         let patch = &contact.patches[number];
-        let channels = (channel..channel + patch.pairs.len()).collect();
-        channel += patch.pairs.len();
+        let channels = (channel..channel + patch.channels.len()).collect();
+        channel += patch.channels.len();
         // A stiffness that is drawn is not the same in every sample.
         let structure = contact.stiffness_factor.is_none().then(|| terms[first + number].matrices().clone());
         WholeContact { number, name: patch.name.clone(), channels, structure }

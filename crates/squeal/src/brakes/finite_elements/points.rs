@@ -1,5 +1,6 @@
 //! Samples and operating points of a finite element brake.
 
+use friction::Tangent;
 use linsys::{ChannelGain, DofMap, Lag, OperatingPoint};
 use montecarlo::StreamRng;
 use sparse::SparseSecondOrder;
@@ -73,17 +74,35 @@ pub(super) fn scene_point(
     }));
     let mut gains = Vec::new();
     if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
-        for &patch in closed {
-            let tangent = sample.contact(patch).tangent(law, speed, contact.bristle_damping)?;
-            let load = contact.patches[patch].load;
-            let lag =
-                tangent.internal.map(|state| Lag { decay: state.decay, drive: state.drive, force: load * state.force });
-            // A channel reads the normal force of its spring.
-            let gain = ChannelGain { mu: factor * tangent.mu, slope: load * tangent.slope, lag };
-            gains.extend(vec![gain; contact.patches[patch].pairs.len()]);
+        for &number in closed {
+            let patch = &contact.patches[number];
+            let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(patch.pairs.len());
+            for own in patch.speeds.iter().map(|part| part * speed) {
+                // Pairs of one speed have one tangent.
+                let known = tangents.last().filter(|(of, _)| *of == own).map(|(_, tangent)| *tangent);
+                let tangent =
+                    known.map_or_else(|| sample.contact(number).tangent(law, own, contact.bristle_damping), Ok)?;
+                tangents.push((own, tangent));
+            }
+            gains.extend(tangents.iter().map(|(_, tangent)| along(tangent, patch.load, factor)));
+            if contact.is_lateral {
+                gains.extend(tangents.iter().map(|(speed, tangent)| across(tangent, patch.load, *speed)));
+            }
         }
     }
     Ok(OperatingPoint { coefficients, channels: gains })
+}
+
+/// Friction along the sliding of a pair under a load. A channel reads the normal force of its spring, whose stiffness is multiplied.
+fn along(tangent: &Tangent, load: f64, factor: f64) -> ChannelGain {
+    let lag = tangent.internal.map(|state| Lag { decay: state.decay, drive: state.drive, force: load * state.force });
+    ChannelGain { mu: factor * tangent.mu, slope: load * tangent.slope, lag }
+}
+
+/// Friction across the sliding of a pair: mu N0 has the direction of the sliding, so that a small velocity v_y across it turns it by
+/// `v_y / v`, a dashpot `mu N0 / v`. A bristle leans along the sliding alone: across it friction is that of steady sliding.
+fn across(tangent: &Tangent, load: f64, speed: f64) -> ChannelGain {
+    ChannelGain { slope: tangent.mu * load / speed, ..ChannelGain::default() }
 }
 
 /// A term of the reduced brake of a scene that stands for terms whose coefficients do not differ between scenes with the same closed patches.
@@ -121,14 +140,22 @@ fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> R
     }
 }
 
-/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed.
+/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed, unless it acts across the sliding.
 pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
-    if law == Law::AmontonsCoulomb { vec![None] } else { (0..contact.speeds.len()).map(Some).collect() }
+    if depends_on_speed(contact, law) { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
 }
 
-/// The point at which modes are named: Amontons-Coulomb friction at median parameters.
+/// Whether the systems of a law depend on the speed, and on the load.
+pub(super) fn depends_on_speed(contact: &PatchContact, law: Law) -> bool {
+    law != Law::AmontonsCoulomb || contact.is_lateral
+}
+
+/// The point at which modes are named: Amontons-Coulomb friction at median parameters, and the median of the first range of speed.
 pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
-    scene_point(case, closed, Some((Law::AmontonsCoulomb, ANY_SPEED)), &median(case)).map_err(no_median(case))
+    let (law, median) = (Law::AmontonsCoulomb, median(case));
+    let range = case.contact.as_ref().and_then(|contact| speeds_of(contact, law).first().copied().flatten());
+    let friction = law_and_speed(case, Some((law, range)), &median);
+    scene_point(case, closed, friction, &median).map_err(no_median(case))
 }
 
 /// The operating point of the whole brake from that of a configuration: holders count once, closed patches as their stiffness
@@ -179,7 +206,7 @@ pub(super) fn closed_channels<'a>(
 /// The channels of a patch, as places in the system.
 pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::Range<usize> {
     let patches = case.contact.as_ref().map_or(&[][..], |contact| &contact.patches);
-    patches.get(patch).map_or(0..0, |patch| patch.first_channel..patch.first_channel + patch.pairs.len())
+    patches.get(patch).map_or(0..0, |patch| patch.channels.clone())
 }
 
 /// The error of a case whose medians have no operating point.

@@ -131,7 +131,7 @@ impl LatticeBrake {
             from: friction,
             correlation: correlation.as_ref(),
             draws: readings.draws,
-            is_lateral: readings.lateral != Lateral::None,
+            has_lateral_mu: readings.lateral != Lateral::None,
             has_bristle_damping: readings.bristle_damping.is_some(),
         }
     }

@@ -200,7 +200,7 @@ fn of_scene(brake: &LatticeBrake, scene: &Scene) -> Vec<(Choice, f64)> {
     let (law, at) = (brake.law(scene.key), medians(brake, scene));
     let of = FrictionUse {
         law,
-        is_lateral: at.readings.lateral != Lateral::None,
+        has_lateral_mu: at.readings.lateral != Lateral::None,
         has_bristle_damping: at.readings.bristle_damping.is_some(),
     };
     let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);

@@ -17,8 +17,8 @@ pub(in crate::brakes) struct DrawnFriction<'a> {
     pub correlation: Option<&'a Correlation>,
     /// Whether all contacts share a draw.
     pub draws: Draws,
-    /// Whether friction acts across the sliding too.
-    pub is_lateral: bool,
+    /// Whether friction acts across the sliding with a coefficient of its own.
+    pub has_lateral_mu: bool,
     /// Whether LuGre's bristles have damping.
     pub has_bristle_damping: bool,
 }
@@ -84,7 +84,7 @@ impl DrawnFriction<'_> {
         let from = self.from.of_draw();
         let matters = |place: &usize| {
             let is_used = match FrictionDistributions::DRAWN[*place] {
-                "lateral_mu" => self.is_lateral,
+                "lateral_mu" => self.has_lateral_mu,
                 "sigma1" => self.has_bristle_damping,
                 _ => true,
             };

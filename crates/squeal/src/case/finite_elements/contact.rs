@@ -8,12 +8,14 @@ use sparse::{SparseSecondOrder, SparseTerm};
 use super::Patch;
 use super::missing::MissingRows;
 use super::nodes::Model;
-use super::schema::{ContactTable, SlidingEntry};
+use super::schema::{ContactTable, LateralEntry, SlidingEntry};
 use super::side::{Side, sides};
 use crate::case::CaseError;
 
 /// The directions x, y and z.
 const TRANSLATIONS: [u32; 3] = [1, 2, 3];
+/// Least speed of a pair as a part of the mean; chosen: nearer to the axis rounding would say where the disc slides.
+const LEAST_SPEED: f64 = 1e-6;
 
 /// The patches with their terms (one spring normal to the contact in each pair) and channels (friction in each pair).
 pub(super) struct Patches {
@@ -26,11 +28,13 @@ pub(super) struct Patches {
     pub missing: Vec<MissingRows>,
 }
 
-/// A pair of nodes, the normal from the disc into the pad, and the direction in which the disc slides under the pad.
+/// A pair of nodes, the normal from the disc into the pad, the direction in which the disc slides under the pad, and how fast it does as a
+/// multiple of the speed of a scene.
 struct Pair {
     nodes: [i64; 2],
     normal: Vector3<f64>,
     sliding: Vector3<f64>,
+    speed: f64,
 }
 
 impl Patches {
@@ -78,7 +82,8 @@ impl Patches {
                 // Of a patch some nodes may be held, which was counted above.
                 MissingRows::of(model, &format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
             }
-            out.add(model, name, own, of_pair, load)?;
+            let is_lateral = contact.lateral == LateralEntry::Vector;
+            out.add(model, name, own, (of_pair, load, is_lateral))?;
         }
         match owners.iter().position(Option::is_none) {
             None => Ok(out),
@@ -92,16 +97,17 @@ impl Patches {
     /// Adds a patch, whose pairs share its load equally.
     ///
     /// The spring presses with `N = k n^T (u_disc - u_pad)`, so that a channel reads `r = k (n on the pad, -n on the disc)`, and
-    /// friction mu N pulls the pad along the sliding and the disc against it: `b = (t on the pad, -t on the disc)`.
+    /// friction mu N pulls the pad along the sliding and the disc against it: `b = (t on the pad, -t on the disc)`. Where friction has the
+    /// direction of the sliding, a motion across that turns it: a channel across the sliding reads no normal force.
     fn add(
         &mut self,
         model: &Model<'_>,
         name: &str,
         pairs: Vec<&Pair>,
-        stiffness: f64,
-        load: f64,
+        (stiffness, load, is_lateral): (f64, f64, bool),
     ) -> Result<(), CaseError> {
-        let (order, first_channel) = (model.dofs.len(), self.channels.len());
+        let (order, first) = (model.dofs.len(), self.channels.len());
+        let mut across = Vec::new();
         let mut k = CooMatrix::new(order, order);
         for pair in &pairs {
             let relative = |v: &Vector3<f64>| {
@@ -118,13 +124,20 @@ impl Patches {
             let reading = gap.iter().map(|&(dof, value)| (dof, stiffness * value)).collect();
             let [pad, disc] = pair.nodes;
             self.channels.push(Channel::new(format!("{pad}/{disc}"), format!("friction {name}"), force, reading));
+            if is_lateral {
+                let force = relative(&pair.normal.cross(&pair.sliding));
+                let [name, family] = [format!("{pad}/{disc} across"), format!("lateral friction {name}")];
+                across.push(Channel::new(name, family, force, Vec::new()));
+            }
         }
+        self.channels.extend(across);
         let zero = || CscMatrix::zeros(order, order);
         let matrices = SparseSecondOrder::new(zero(), zero(), (&k).into()).map_err(model.check.sparse("contact"))?;
         self.terms.push(SparseTerm { name: name.into(), family: "contact".into(), matrices });
         let load = load / pairs.len() as f64;
+        let speeds = pairs.iter().map(|pair| pair.speed).collect();
         let pairs = pairs.iter().map(|pair| pair.nodes).collect();
-        self.patches.push(Patch { name: name.into(), pairs, first_channel, load });
+        self.patches.push(Patch { name: name.into(), pairs, speeds, channels: first..self.channels.len(), load });
         Ok(())
     }
 }
@@ -161,17 +174,29 @@ fn matched(model: &Model<'_>, contact: &ContactTable) -> Result<Vec<Pair>, CaseE
             let found = format!("nodes {other} and {node} at node {} of contact.disc", disc[nearest]);
             return Err(check.value("contact.pad", found, "a node of the disc for each"));
         }
-        let along = match contact.sliding {
+        let velocity = match contact.sliding {
             SlidingEntry::Direction(direction) => unit("contact.sliding", direction)?,
             SlidingEntry::About(about) => {
-                let axis = unit("contact.sliding.axis", about.axis)?;
-                let around = axis.cross(&(place - Vector3::from(about.through)));
-                unit("contact.sliding", around.into())?
+                unit("contact.sliding.axis", about.axis)?.cross(&(place - Vector3::from(about.through)))
             }
         };
         // Friction acts in the plane of the contact.
-        let sliding = unit("contact.sliding", (along - normal * normal.dot(&along)).into())?;
-        pairs.push(Pair { nodes: [node, disc[nearest]], normal, sliding });
+        let velocity = velocity - normal * normal.dot(&velocity);
+        let sliding = unit("contact.sliding", velocity.into())?;
+        pairs.push(Pair { nodes: [node, disc[nearest]], normal, sliding, speed: velocity.norm() });
+    }
+    // A direction has one speed, up to rounding.
+    let is_direction = matches!(contact.sliding, SlidingEntry::Direction(_));
+    let mean = pairs.iter().map(|pair| pair.speed).sum::<f64>() / pairs.len() as f64;
+    for pair in &mut pairs {
+        pair.speed = if is_direction { 1.0 } else { pair.speed / mean };
+        if !(pair.speed.is_finite() && pair.speed >= LEAST_SPEED) {
+            let found = format!(
+                "node {} of contact.pad, {:e} times as far from the axis as the mean",
+                pair.nodes[0], pair.speed
+            );
+            return Err(check.value("contact.sliding", found, "an axis that goes through no pair of the contact"));
+        }
     }
     Ok(pairs)
 }

@@ -13,6 +13,7 @@ pub use missing::{MissingRows, NamesOnMesh};
 pub use side::Side;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use cea::Threshold;
@@ -61,8 +62,8 @@ pub struct FiniteElementCase {
     pub files: Vec<TakenMatrix>,
     /// Degrees of freedom that the matrices hold by huge entries; they have no row.
     pub held: Vec<Dof>,
-    /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; one channel for each
-    /// pair of nodes in contact, patch by patch.
+    /// The terms of the file, then the holders as one term, where there are any, then one term for each patch; patch by patch one channel
+    /// for each pair of nodes in contact, along the sliding, then one for each across it, where friction acts there.
     pub system: SparseAffineSystem,
     /// The coefficients of the terms of the file.
     pub coefficients: Vec<Expression>,
@@ -93,6 +94,8 @@ pub struct PatchContact {
     pub draws: Draws,
     /// LuGre's sigma1 as a function of speed; `None` sets sigma1 to 0.
     pub bristle_damping: Option<BristleDamping>,
+    /// Whether friction acts across the sliding too: a dashpot `mu N0 / v` in each pair.
+    pub is_lateral: bool,
     /// What multiplies the stiffness of all pairs, where it depends on parameters.
     pub stiffness_factor: Option<Expression>,
 }
@@ -107,8 +110,11 @@ pub struct Patch {
     pub name: String,
     /// Its pairs of nodes (pad, disc).
     pub pairs: Vec<[i64; 2]>,
-    /// The place of its first channel in the system.
-    pub first_channel: usize,
+    /// The sliding speed of each of its pairs as a multiple of that of a scene: 1 where sliding is a direction, the pair's radius over the
+    /// mean radius of all pairs of the contact where the disc turns about its normal.
+    pub speeds: Vec<f64>,
+    /// The places of its channels in the system: of friction along the sliding of each pair, then across it.
+    pub channels: Range<usize>,
     /// The normal load of each of its pairs while it is closed, N.
     pub load: f64,
 }

@@ -9,7 +9,7 @@ use sparse::SparseAffineSystem;
 use super::contact::Patches;
 use super::missing::{MissingRows, NamesOnMesh};
 use super::nodes::Model;
-use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, ReductionTable};
+use super::schema::{ConstraintsTable, ContactTable, FiniteElementsFile, FrictionTable, LateralEntry, ReductionTable};
 use super::terms::{Terms, holders_term, read_terms, terms_with_coefficients};
 use super::{FiniteElementCase, Patch, PatchContact, ReductionGoal, STIFFNESS_FACTOR};
 use crate::case::arrangements::arrangements_by_number;
@@ -153,8 +153,13 @@ fn patch_contact(
         return Err(check.value("study.laws", "[]", "one law or more"));
     }
     check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
-    let depends_on_speed = laws.iter().any(|&law| law != Law::AmontonsCoulomb);
-    let ContactTable { in_contact, arrangements, draws, bristle_damping, .. } = table;
+    let ContactTable { in_contact, arrangements, draws, bristle_damping, lateral, .. } = table;
+    let is_lateral = lateral == LateralEntry::Vector;
+    let depends_on_speed = is_lateral || laws.iter().any(|&law| law != Law::AmontonsCoulomb);
+    if is_lateral && speeds.is_empty() {
+        let allowed = "a range of speed or more, on which friction across the sliding depends; or contact.lateral = \"none\" without it";
+        return Err(check.value("speeds", "missing", allowed));
+    }
     let of_patches = schema::ContactTable { in_contact, arrangements };
     Ok(PatchContact {
         panels: arrangements_by_number(check, &of_patches, patches.len())?,
@@ -164,6 +169,7 @@ fn patch_contact(
         speeds: if depends_on_speed || !speeds.is_empty() { speed_ranges(check, speeds)? } else { Vec::new() },
         draws,
         bristle_damping: bristle_damping.into(),
+        is_lateral,
         stiffness_factor: None,
     })
 }

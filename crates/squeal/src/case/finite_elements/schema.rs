@@ -112,6 +112,20 @@ pub(super) struct ContactTable {
     pub draws: Draws,
     #[serde(default = "constant")]
     pub bristle_damping: BristleDampingEntry,
+    #[serde(default = "vector")]
+    pub lateral: LateralEntry,
+}
+
+/// Friction across the sliding: the direction of friction follows that of the sliding, or there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum LateralEntry {
+    Vector,
+    None,
+}
+
+fn vector() -> LateralEntry {
+    LateralEntry::Vector
 }
 
 fn shared() -> Draws {

@@ -25,8 +25,13 @@ fn parse(text: String) -> Result<FiniteElementCase, String> {
 fn the_shipped_case_is_the_brake_that_its_readme_describes() {
     let case = parse(text()).unwrap();
     let contact = case.contact.as_ref().unwrap();
-    assert_eq!((case.dofs.len(), contact.patches.len(), case.system.channels().len()), (2349, 9, 27));
+    assert_eq!((case.dofs.len(), contact.patches.len(), case.system.channels().len()), (2349, 9, 54));
     assert!(contact.patches.iter().all(|patch| patch.pairs.len() == 3 && patch.load == 156.0));
+    // Patches 1 to 3 at 100 mm, 4 to 6 at 119 mm and 7 to 9 at 138 mm.
+    for (at, patch) in contact.patches.iter().enumerate() {
+        let expected = [100.0, 119.0, 138.0][at / 3] / 119.0;
+        assert!(patch.speeds.iter().all(|speed| (speed - expected).abs() < 1e-7), "{:?}", patch.speeds);
+    }
     assert_eq!(contact.panels.iter().map(|(n, all)| (*n, all.len())).collect::<Vec<_>>(), [(9, 1), (8, 9)]);
     // Nine nodes at each end of the backplate.
     assert_eq!(case.constraints[1].fixed.len(), 18);
@@ -41,7 +46,7 @@ fn friction_of_a_pair_is_the_matrix_of_the_textbook() {
     let [pad, disc] = patch.pairs[1];
     let point = |mu: f64| {
         let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
-        channels[patch.first_channel + 1] = ChannelGain::proportional(mu);
+        channels[patch.channels.start + 1] = ChannelGain::proportional(mu);
         let mut coefficients = vec![0.0; case.system.terms().len()];
         coefficients[2 + 4] = 1.0;
         OperatingPoint { coefficients, channels }
@@ -69,7 +74,10 @@ fn what_only_other_laws_depend_on_may_be_left_out() {
     let before = before.replace(laws, "laws = [\"amontons-coulomb\"]");
     let before = &before[..before.find("[[speeds]]").unwrap()];
     let after = &rest[rest.find("[reduction]").unwrap()..];
-    let case = parse(format!("{before}[friction]\n{mu}\n{after}")).unwrap();
+    let text = format!("{before}[friction]\n{mu}\n{after}");
+    let refused = parse(text.clone()).unwrap_err();
+    assert!(refused.contains("speeds = missing; allowed: a range of speed"), "{refused}");
+    let case = parse(text.replace("load = 468.0", "load = 468.0\nlateral = \"none\"")).unwrap();
     assert_eq!(case.contact.unwrap().friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
 }
 
@@ -123,6 +131,12 @@ fn faults_are_one_line_with_file_field_value_and_what_is_allowed() {
             "friction.alpha = missing; allowed: a distribution, as velocity-dependent friction has it",
         ),
         ("load = 468.0", "load = nan", "contact.load = NaN; allowed: a force in N, > 0"),
+        ("load = 468.0", "load = 468.0\nlateral = \"coupled\"", "lateral"),
+        (
+            "sliding = { axis = [0.0, 0.0, 1.0] }",
+            "sliding = { axis = [0.0, 0.0, 1.0], through = [0.119, 0.0, 0.0] }",
+            "contact.sliding",
+        ),
     ];
     for (given, changed, expected) in faults {
         let text = text();
