@@ -12,12 +12,13 @@ use squeal::study::UncertainBrake;
 /// Steps of a mode that is followed.
 const STEPS: i32 = 100;
 
-/// The case with some arrangements of closed patches.
-fn brake(arrangements: &str) -> FiniteElementBrake {
+/// The case with some arrangements of closed patches, with or without friction across the sliding (`contact.lateral`).
+fn brake(arrangements: &str, lateral: &str) -> FiniteElementBrake {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad/disc-pad.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let contact = text.lines().find(|line| line.starts_with("in_contact")).unwrap();
-    match CaseFile::parse(&path, text.replace(contact, arrangements)).unwrap() {
+    let changed = format!("{arrangements}\nlateral = \"{lateral}\"");
+    match CaseFile::parse(&path, text.replace(contact, &changed)).unwrap() {
         CaseFile::FiniteElements(case) => FiniteElementBrake::new(*case, &()).unwrap(),
         other => panic!("{other:?}"),
     }
@@ -51,16 +52,26 @@ fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clo
 /// arrangement ones whose guess went to another mode while the guess of that one stood for both where modes are counted.
 #[test]
 fn no_growing_mode_is_missing() {
-    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8], [1, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]");
+    let arrangements = "arrangements = [[1, 2, 3, 4, 5, 6, 7, 8], [1, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]";
+    let brake = brake(arrangements, "none");
     let (samples, growing) = compared(&brake, [0, 1, 2, 81, 281, 380, 209, 533, 616, 755, 978].into_iter());
     assert_eq!(samples, 198);
     assert!(growing > 100, "{growing}");
 }
 
+/// With friction across the sliding, where the gains of all ports differ.
+#[test]
+fn no_growing_mode_is_missing_where_friction_acts_across_the_sliding() {
+    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [2, 4, 5, 6, 7, 8]]", "vector");
+    let (samples, growing) = compared(&brake, 0..6);
+    assert_eq!(samples, 72);
+    assert!(growing > 40, "{growing}");
+}
+
 /// A mode that looks like a known one, by shape alone, is followed to it on the straight line between the two frictions, in small steps.
 #[test]
 fn modes_that_look_like_known_ones_become_these() {
-    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]");
+    let brake = brake("arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 3, 4, 5, 6, 8, 9]]", "none");
     let (mut modes, mut like, mut others) = (0, 0, 0);
     for scene in &brake.plan().scenes {
         let drawn = (0..60).map(|at| brake.draw(&mut stream(brake.case.seed, at)).unwrap());
@@ -86,13 +97,14 @@ fn modes_that_look_like_known_ones_become_these() {
     assert!(like > modes / 2 && others == 0, "{modes} {like} {others}");
 }
 
-/// SAMPLES of every scene with the arrangements in ARRANGEMENTS, or those of the case; minutes.
+/// SAMPLES of every scene with the arrangements in ARRANGEMENTS, or those of the case, and friction across the sliding as in LATERAL; minutes.
 #[test]
 #[ignore = "minutes"]
 fn no_growing_mode_is_missing_in_any_scene() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
     let arrangements = std::env::var("ARRANGEMENTS").map(|of| format!("arrangements = {of}"));
-    let brake = brake(&arrangements.unwrap_or_else(|_| "in_contact = [9, 8]".into()));
+    let lateral = std::env::var("LATERAL").unwrap_or_else(|_| "vector".into());
+    let brake = brake(&arrangements.unwrap_or_else(|_| "in_contact = [9, 8]".into()), &lateral);
     let (samples, growing) = compared(&brake, 0..number("SAMPLES").unwrap_or(20));
     println!("{samples} samples, {growing} growing modes, none missing and none invented");
 }

@@ -286,7 +286,8 @@ pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part
 }
 
 /// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
-/// another: `count`, or one for each of these where they are more.
+/// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
+/// sliding grows without bound towards low ones.
 fn training(
     case: &FiniteElementCase,
     arrangements: &[Closed],
@@ -308,9 +309,30 @@ fn training(
     let count = count.max(scenes.len() as u64);
     let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
         // Streams from the other end than those of the samples.
-        let sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
+        let mut sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
+        if let Some(contacts) = &mut sample.contacts {
+            contacts.speed_quantile = spread(index / scenes.len() as u64);
+        }
         let friction = law_and_speed(case, state, &sample);
         Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
     };
     (0..count).zip(scenes.iter().cycle()).map(point).collect()
+}
+
+/// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).
+fn spread(at: u64) -> f64 {
+    match at {
+        0 | 1 => at as f64,
+        _ => (at - 1).reverse_bits() as f64 / 2f64.powi(64),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn numbers_are_spread_from_end_to_end() {
+        assert_eq!((0..8).map(spread).collect::<Vec<_>>(), [0.0, 1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375]);
+    }
 }
