@@ -17,7 +17,13 @@ fn folder() -> PathBuf {
 
 /// The case with all patches in contact, one set of constraints, mu = 0.5 at its median, and modes up to 10 kHz.
 fn nine_in_contact() -> FiniteElementCase {
+    nine_with("vector")
+}
+
+/// The same with `contact.lateral`.
+fn nine_with(lateral: &str) -> FiniteElementCase {
     let text = std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap();
+    let text = text.replace("load = 468.0", &format!("lateral = \"{lateral}\"\nload = 468.0"));
     let text = text.replace("in_contact = [9, 8]", "in_contact = [9]").replace("[500.0, 8000.0]", "[500.0, 10000.0]");
     let text = text.replace("residual = 1e-8", "residual = 1e-8\ntraining = 3").replace(", \"lugre\"]", "]");
     let held = text.find("[[constraints]]\nname = \"ends").unwrap();
@@ -34,7 +40,7 @@ fn two_arrangements() -> FiniteElementCase {
     let contact = text.lines().find(|line| line.starts_with("in_contact")).unwrap();
     let text = text.replace(contact, "arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [2, 3, 4, 5, 6, 7, 8]]");
     let full_checks = text.lines().find(|line| line.starts_with("full_checks")).unwrap();
-    let text = text.replace(full_checks, "training = 6\nfull_checks = 4");
+    let text = text.replace(full_checks, "training = 16\nfull_checks = 4");
     let laws = text.lines().find(|line| line.starts_with("laws")).unwrap();
     let text = text.replace(laws, "laws = [\"amontons-coulomb\", \"lugre\"]");
     let held = text.find("[[constraints]]\nname = \"ends").unwrap();
@@ -134,7 +140,7 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
         assert!(reference.modes.len() >= 12 && open(scene) <= 2, "{:?}", reference.names);
     }
     let found = brake.full_checks(50).unwrap().unwrap();
-    assert!(found.samples == 4 && found.modes >= 40, "{found:?}");
+    assert!(found.samples == 4 && found.modes >= 32, "{found:?}");
     assert_eq!((found.missing, found.invented, found.other_verdicts), (0, 0, 0), "{found:?}");
     assert!(found.largest_distance < 1e-5, "{found:?}");
 
@@ -152,7 +158,7 @@ fn around_six_kilohertz() -> FiniteElementCase {
 /// The case with nine patches in contact at a speed and a coefficient of friction, with or without friction across the sliding: frequencies, Hz,
 /// and growth rates of the modes that grow.
 fn growing(mu: f64, speed: f64, lateral: &str) -> Vec<(f64, f64)> {
-    let text = nine_in_contact().text.replace("load = 468.0", &format!("load = 468.0\nlateral = \"{lateral}\""));
+    let text = nine_with(lateral).text;
     let text =
         text.replace("from = 0.1 ", &format!("from = {speed:e} ")).replace("to = 1.0", &format!("to = {speed:e}"));
     let text = text.replace("mean = 0.50", &format!("mean = {mu}"));
@@ -284,7 +290,8 @@ fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
 #[test]
 fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same() {
     for growth in [[-500.0, 300.0], [-20.0, 1.0]] {
-        let mut case = around_six_kilohertz();
+        let mut case = nine_with("none");
+        case.reduction.frequencies = [5700.0, 6500.0];
         case.reduction.growth = growth;
         let brake = FiniteElementBrake::new(case, &()).unwrap();
         let scene = &brake.plan.scenes[0];
