@@ -159,7 +159,7 @@ impl Brake {
         };
         let contact = format!(
             "[contact]\npad = \"{pad}\"\ndisc = \"{disc}\"\ntolerance = 1e-6\nnormal = {}\nsliding = {}\nstiffness = 1e6\nload = 10.0\n\
-             patches = {patches}\nin_contact = [2]\n",
+             patches = {patches}\nin_contact = [2]\nlateral = \"none\"\n",
             vector(self.normal),
             vector(self.turned * Vector3::new(1.0, 0.3, 0.2))
         );
