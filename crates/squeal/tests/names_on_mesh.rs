@@ -1,6 +1,6 @@
 //! Small brakes of every make: how names and the normal are compared with the mesh.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lint does not recognise outside test functions.
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
