@@ -5,12 +5,15 @@ use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
 
-use super::divergence::{Determinant, stiffness};
+use super::divergence::stiffness;
 use super::double::Double;
 use super::eigenpair::Eigenpair;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
 use crate::study::UncertainBrake;
+
+/// Largest part of `left^T C right`, of the norms, that is no damping; chosen.
+const UNDAMPED: f64 = 1e-10;
 
 /// A point of a boundary curve.
 #[derive(Debug, Clone)]
@@ -52,17 +55,21 @@ pub(super) enum PointOf {
 /// ```
 ///
 /// have the same g, which vanishes where det K does, and `dg = -left^T dK right` (Govaerts, Numerical Methods for Bifurcations of
-/// Dynamical Equilibria, 2000, section 3.3). Mass and damping have no part in it, so that a brake without damping has its boundary too.
+/// Dynamical Equilibria, 2000, section 3.3). Next to there a real eigenvalue moves by `-left^T dK right / left^T C right` from zero, and
+/// without damping its square by `-left^T dK right / left^T M right`: that says on which side one more of them is above zero. Where the
+/// sign of `left^T C right` changes along the curve two real eigenvalues are zero at once, and another curve begins.
 #[derive(Debug, Clone)]
 pub(super) struct NullPair {
-    /// `-g` or `g`: positive where det K is negative.
+    /// `g` or `-g`: positive where one more real eigenvalue is beyond the threshold.
     growth: f64,
     right: DVector<f64>,
     left: DVector<f64>,
-    /// Whether det K has the sign of g; it does not change along a curve.
-    has_sign_of_determinant: bool,
+    /// The factor between g and the growth, 1 or -1; it does not change along a curve.
+    sign: f64,
     /// The growth rate at which Q stands in the place of K, 1/s.
     at: f64,
+    /// Size of the border: that of K, but where K vanishes as a whole.
+    size: f64,
 }
 
 impl NullPair {
@@ -71,9 +78,8 @@ impl NullPair {
         let (lambda, mut work) = (Complex::from(at), Workspace::default());
         let vectors = [right_vector(system, lambda, &mut work)?, left_vector(system, lambda, &mut work)?];
         let [right, left] = vectors.map(real);
-        let start = Self { growth: 0.0, right, left, has_sign_of_determinant: true, at };
-        let Some(bordered) = Determinant::of(&start.bordered(&stiffness(system, at))) else { return Ok(None) };
-        Ok(Self { has_sign_of_determinant: bordered.is_positive, ..start }.of_neighbour(system))
+        let size = stiffness(system, at).amax() + system.c.amax() + system.m.amax();
+        Ok(Self { growth: 0.0, right, left, sign: 1.0, at, size }.of_neighbour(system))
     }
 
     /// Those of a neighbour; `None` where it has another null vector.
@@ -84,13 +90,16 @@ impl NullPair {
         unit[n] = 1.0;
         let (right, left) = (bordered.clone().lu().solve(&unit)?, bordered.transpose().lu().solve(&unit)?);
         let g = right[n];
-        let growth = if self.has_sign_of_determinant { -g } else { g };
         let [right, left] = [right, left].map(|vector| vector.rows(0, n).into_owned());
-        Some(Self { growth, right, left, ..*self })
+        let derivative = system.dynamic_stiffness_derivative(Complex::from(self.at)).map(|entry| entry.re);
+        let slope = left.dot(&(&derivative * &right));
+        let is_damped = slope.abs() > UNDAMPED * derivative.norm() * left.norm() * right.norm();
+        let sign = if is_damped { slope.signum() } else { left.dot(&(&system.m * &right)).signum() };
+        Some(Self { growth: sign * g, right, left, sign, ..*self })
     }
 
     fn bordered(&self, k: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, size) = (k.nrows(), k.amax());
+        let (n, size) = (k.nrows(), self.size);
         let mut bordered = k.clone().resize(n + 1, n + 1, 0.0);
         bordered.view_mut((0, n), (n, 1)).copy_from(&(self.left.normalize() * size));
         bordered.view_mut((n, 0), (1, n)).copy_from(&(self.right.normalize() * size).transpose());
@@ -99,8 +108,7 @@ impl NullPair {
 
     /// d growth from a change of K.
     fn rate(&self, change: &DMatrix<f64>) -> f64 {
-        let rate = self.left.dot(&(change * &self.right));
-        if self.has_sign_of_determinant { rate } else { -rate }
+        -self.sign * self.left.dot(&(change * &self.right))
     }
 }
 
@@ -304,7 +312,8 @@ impl CurvePoint {
         match (&self.crossing, &other.crossing) {
             (Crossing::Flutter(here), Crossing::Flutter(there)) => here.likeness(there),
             (Crossing::Divergence(here), Crossing::Divergence(there)) => {
-                here.right.normalize().dot(&there.right.normalize()).abs()
+                let likeness = here.right.normalize().dot(&there.right.normalize()).abs();
+                if here.sign == there.sign { likeness } else { 0.0 }
             }
             (Crossing::Double(_), Crossing::Double(_)) => 1.0,
             _ => 0.0,

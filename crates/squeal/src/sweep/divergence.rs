@@ -77,20 +77,20 @@ pub(super) fn sign_change(
 }
 
 /// Whether det Q(growth) is positive; `None` where Q is singular there, or nearly.
-pub(super) fn sign(system: &SecondOrder, growth: f64) -> Option<bool> {
+fn sign(system: &SecondOrder, growth: f64) -> Option<bool> {
     Determinant::of(&stiffness(system, growth)).filter(|it| it.smallest > SINGULAR).map(|it| it.is_positive)
 }
 
 /// What a factorisation says of a determinant.
-pub(super) struct Determinant {
-    pub is_positive: bool,
+struct Determinant {
+    is_positive: bool,
     /// The smallest pivot, as a part of the largest.
     smallest: f64,
 }
 
 impl Determinant {
     /// `None` where it vanishes.
-    pub fn of(k: &DMatrix<f64>) -> Option<Self> {
+    fn of(k: &DMatrix<f64>) -> Option<Self> {
         let scale: Vec<f64> = k.row_iter().map(|row| row.amax().sqrt()).collect();
         if scale.contains(&0.0) {
             return None;

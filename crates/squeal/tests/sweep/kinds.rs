@@ -289,6 +289,42 @@ fn a_growing_mode_that_loses_its_frequency_diverges() {
     assert!((divergence.of, divergence.starts, divergence.unstable) == (ChangeOf::Divergence, false, 1));
 }
 
+#[test]
+fn a_map_has_the_curves_on_which_flutter_becomes_divergence_and_two_modes_meet_on_the_axis() {
+    // s^2 - 0.2 s + 1 - p + q: two real eigenvalues from p - q = 0.99 on, one below zero from 1 on.
+    let text = "[study]\nname = \"t\"\nsamples = 1\nseed = 1\n[brake]\nkind = \"matrices\"\n\
+                [parameters.p]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 2.0\n\
+                [parameters.q]\ndistribution = \"uniform\"\nfrom = -0.5\nto = 0.5\n\
+                [[terms]]\nname = \"m\"\nmass = [[1.0]]\nstiffness = [[1.0]]\ndamping = [[-0.2]]\n\
+                [[terms]]\nname = \"p\"\ncoefficient = \"-p\"\nstiffness = [[1.0]]\n\
+                [[terms]]\nname = \"q\"\ncoefficient = \"q\"\nstiffness = [[1.0]]\n";
+    let brake = MatricesBrake::new(written(text)).unwrap();
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    let map = stability_map(&study, 0, &[over("p", 0.0, 2.0), over("q", -0.5, 0.5)], &QrSolver, &()).unwrap();
+    let mut names: Vec<&str> = map.curves.iter().map(|curve| curve.mode.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["divergence", "flutter to divergence"]);
+    for curve in &map.curves {
+        let expected = if curve.mode == "divergence" { 1.0 } else { 0.99 };
+        for point in &curve.points {
+            assert!((point.at[0] - point.at[1] - expected).abs() < 1e-9, "{} {point:?}", curve.mode);
+        }
+    }
+    // Hoffmann's oscillator without damping, with a spring q in both directions: lambda^2 = -2 - q +- (1 - 4 mu / 3)^1/2, so that the modes
+    // meet at mu = 3/4 on the axis, and as two that diverge where q < -2.
+    let text = std::fs::read_to_string(cases("hoffmann.toml")).unwrap();
+    let text = text.replace("[[0.05, 0.0], [0.0, 0.05]]", "[[0.0, 0.0], [0.0, 0.0]]").replace(
+        "[[contacts]]",
+        "[parameters.q]\ndistribution = \"uniform\"\nfrom = 0.0\nto = 0.4\n\
+         [[terms]]\nname = \"spring\"\ncoefficient = \"q\"\nstiffness = [[1.0, 0.0], [0.0, 1.0]]\n[[contacts]]",
+    );
+    let brake = MatricesBrake::new(written(&text)).unwrap();
+    let study = Study::new(&brake, &QrSolver).unwrap();
+    let map = stability_map(&study, 0, &[over("mu", 0.1, 1.3), over("q", -0.9, 1.2)], &QrSolver, &()).unwrap();
+    assert_eq!(map.curves.len(), 1, "{:?}", map.curves.iter().map(|curve| &curve.mode).collect::<Vec<_>>());
+    assert!(map.curves[0].points.iter().all(|point| (point.at[0] - 0.75).abs() < 1e-9 && point.omega > 1.0));
+}
+
 /// Maps of systems of all kinds against spectra on a grid; how many were refused.
 fn map_all(seeds: std::ops::Range<u64>, across: usize) -> usize {
     let mut refused = 0;
