@@ -1,6 +1,6 @@
 //! Tells the program which commit it is built from, for the manifest of a study.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn git(arguments: &[&str]) -> Option<String> {
@@ -8,9 +8,25 @@ fn git(arguments: &[&str]) -> Option<String> {
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }
 
+/// Whether the repository of this folder is the project's own, which has the crate in `crates/squeal`. One into which the crate was copied,
+/// or that of a folder far above it, has other commits.
+fn is_own_repository() -> bool {
+    let real = |path: PathBuf| path.canonicalize().ok();
+    let own = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).and_then(real);
+    let root = git(&["rev-parse", "--show-toplevel"]).map(PathBuf::from);
+    let expected = root.and_then(|root| real(root.join("crates").join("squeal")));
+    // A file that is there and not in the commit was vendored into a checkout that happens to have the same folders.
+    let is_known = git(&["ls-files", "--error-unmatch", "Cargo.toml"]).is_some();
+    own.is_some() && own == expected && is_known
+}
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    // Its log changes with every commit and checkout. Without git, or outside a checkout, the commit stays unknown.
+    // Without git, or outside its own checkout, the commit stays unknown.
+    if !is_own_repository() {
+        return;
+    }
+    // Its log changes with every commit and checkout.
     let log = git(&["rev-parse", "--git-path", "logs/HEAD"]);
     if let Some(log) = log.filter(|log| Path::new(log).exists()) {
         println!("cargo::rerun-if-changed={log}");

@@ -35,6 +35,33 @@ pub enum CeaError {
         /// How many there were.
         solves: u64,
     },
+    /// A solver that has not given every eigenvalue.
+    #[error(
+        "the solver gave {found} eigenvalues of a system that has {expected}; what is missing would count as stable"
+    )]
+    SpectrumLength {
+        /// Eigenvalues given.
+        found: usize,
+        /// 2 n + s.
+        expected: usize,
+    },
+    /// A solver whose eigenvalues are not those of a real system, sorted.
+    #[error(
+        "the solver gave {lambda} where an eigenvalue of a real system would not stand; allowed: finite ones, sorted by frequency, complex \
+         ones in exact conjugate pairs"
+    )]
+    SpectrumOrder {
+        /// The first that does not fit.
+        lambda: Complex<f64>,
+    },
+    /// A solver that has not given one spectrum for each system.
+    #[error("the solver gave {found} spectra of {expected} systems")]
+    SpectraCount {
+        /// Spectra given.
+        found: usize,
+        /// Systems.
+        expected: usize,
+    },
     /// Eigenvalues beyond the range of a double.
     #[error(
         "an eigenvalue overflows or underflows: the entries of the scaled matrices span {smallest:.0e} to {largest:.0e}"

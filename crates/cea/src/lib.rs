@@ -58,8 +58,8 @@ pub use nalgebra;
 pub use num_complex;
 
 pub use dense::{
-    BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, backward_error, fix_phase, left_vector,
-    mass_norm_squared, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all,
+    BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, WholeSpectra, backward_error, fix_phase,
+    left_vector, mass_norm_squared, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all,
     singular_vectors,
 };
 #[cfg(feature = "lapack")]

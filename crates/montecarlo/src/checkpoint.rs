@@ -22,10 +22,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Damage, MonteCarloError};
 use crate::experiment::{Experiment, Tally};
 use crate::sampling::Sampling;
+use crate::sealed::Sealed;
 use crate::summary::Summary;
 
-const MAGIC: &str = "montecarlo-checkpoint";
-const VERSION: u32 = 2;
+const FORMAT: Sealed = Sealed { kind: "montecarlo-checkpoint", version: 2 };
 
 /// Where and how often the state of a run is saved.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl<'a> Store<'a> {
             Err(source) => return Err(MonteCarloError::CheckpointIo { action: "read", path: path.clone(), source }),
         };
         let damaged = |damage| MonteCarloError::CheckpointDamaged { path: path.clone(), damage };
-        let body = intact_body(&bytes).map_err(damaged)?;
+        let body = FORMAT.open(&bytes).map_err(damaged)?;
         let cut = body.iter().position(|&byte| byte == b'\n').unwrap_or(body.len());
         let content = |error| damaged(Damage::Content(error));
         self.check_identity(&serde_json::from_slice(&body[..cut]).map_err(content)?)?;
@@ -89,12 +89,13 @@ impl<'a> Store<'a> {
     /// Refuses a state that is not one of this identity: the field that does not fit.
     fn check_state<S: Experiment, T: Tally<S>>(&self, state: &Summary<T>) -> Result<(), &'static str> {
         let Identity { seed, first, scenes, .. } = self.identity;
+        let samples = state.first..state.first.saturating_add(state.samples);
         for (field, fits) in [
             ("seed", state.seed == seed),
             ("first sample", state.first == first),
             ("number of samples", state.first.checked_add(state.samples).is_some()),
-            ("failures", state.failures.may_be_of(scenes, state.samples)),
-            ("tally", state.tally.may_be_of(state.samples, &state.failures)),
+            ("failures", state.failures.may_be_of(scenes, samples.clone())),
+            ("tally", state.tally.may_be_of(samples, &state.failures)),
         ] {
             if !fits {
                 return Err(field);
@@ -175,7 +176,7 @@ fn write_to_disk(path: &Path, body: &[u8]) -> io::Result<()> {
         _ => {}
     }
     let mut file = File::create_new(path)?;
-    writeln!(file, "{MAGIC} {VERSION} {} {:08x}", body.len(), crc32fast::hash(body))?;
+    file.write_all(FORMAT.header(body).as_bytes())?;
     file.write_all(body)?;
     file.sync_all()
 }
@@ -189,28 +190,4 @@ fn replace(partial: &Path, path: &Path) -> io::Result<()> {
         File::open(folder)?.sync_all()?;
     }
     Ok(())
-}
-
-/// The bytes after the header, if they have the length and the checksum that the header announces.
-fn intact_body(bytes: &[u8]) -> Result<&[u8], Damage> {
-    let cut = bytes.iter().position(|&byte| byte == b'\n').ok_or(Damage::Header)?;
-    let header = str::from_utf8(&bytes[..cut]).map_err(|_| Damage::Header)?;
-    let [MAGIC, version, length, checksum] = header.split(' ').collect::<Vec<_>>()[..] else {
-        return Err(Damage::Header);
-    };
-    let found = version.parse().map_err(|_| Damage::Header)?;
-    if found != VERSION {
-        return Err(Damage::Version { found, expected: VERSION });
-    }
-    let expected = length.parse().map_err(|_| Damage::Header)?;
-    let body = &bytes[cut + 1..];
-    if body.len() != expected {
-        return Err(Damage::Length { expected, found: body.len() });
-    }
-    let expected = u32::from_str_radix(checksum, 16).map_err(|_| Damage::Header)?;
-    let found = crc32fast::hash(body);
-    if found != expected {
-        return Err(Damage::Checksum { expected, found });
-    }
-    Ok(body)
 }

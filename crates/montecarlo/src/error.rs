@@ -166,7 +166,7 @@ pub struct DistributionFault {
 #[non_exhaustive]
 pub enum Damage {
     /// The first line is not that of a checkpoint.
-    #[error("it does not begin with the header of a checkpoint")]
+    #[error("it does not begin with the header of such a file")]
     Header,
     /// Another version of the format.
     #[error("it has format version {found}, this program reads version {expected}")]

@@ -1,6 +1,7 @@
 //! The traits of a user: what is sampled and computed ([`Experiment`]), and what is kept ([`Tally`]).
 
 use std::fmt::Display;
+use std::ops::Range;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -75,8 +76,9 @@ pub trait Tally<S: Experiment>: Merge + Serialize + DeserializeOwned + Send {
     /// Enters one sample. Called in the order of the indices, but not for a sample whose draw failed.
     fn record(&mut self, runs: &Runs<'_, S>);
 
-    /// Whether these can be the counts of so many samples with these failures: asked of a checkpoint before it is continued.
-    fn may_be_of(&self, _samples: u64, _failures: &Failures) -> bool {
+    /// Whether these can be the counts of the samples of these global indices, with these failures: asked of a checkpoint before it is
+    /// continued.
+    fn may_be_of(&self, _samples: Range<u64>, _failures: &Failures) -> bool {
         true
     }
 }

@@ -1,5 +1,7 @@
 //! Failed draws and evaluations: all are counted, the first 1,000 are listed.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::merge::Merge;
@@ -41,12 +43,17 @@ impl Failures {
         }
     }
 
-    /// Whether these can be the failures of so many samples in so many scenes.
-    pub(crate) fn may_be_of(&self, scenes: usize, samples: u64) -> bool {
-        let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= samples);
+    /// Whether these can be the failures of the samples of these indices in so many scenes.
+    pub(crate) fn may_be_of(&self, scenes: usize, samples: Range<u64>) -> bool {
+        let count = samples.end - samples.start;
+        let of_scene = |&failed: &u64| self.draws.checked_add(failed).is_some_and(|failed| failed <= count);
+        let is_listed =
+            |failure: &Failure| samples.contains(&failure.index) && failure.scene.is_none_or(|scene| scene < scenes);
         let total = self.scenes.iter().try_fold(self.draws, |sum, &failed| sum.checked_add(failed));
         self.scenes.len() == scenes
             && self.scenes.iter().all(of_scene)
+            && self.listed.iter().all(is_listed)
+            && self.listed.windows(2).all(|pair| pair[0].index <= pair[1].index)
             && total.is_some_and(|total| self.listed.len() as u64 == total.min(MOST_LISTED as u64))
     }
 

@@ -41,6 +41,12 @@ impl GaussianCopula {
         Some(Self { factor })
     }
 
+    /// The rows of L, each up to the diagonal.
+    #[must_use]
+    pub fn factor(&self) -> &[Vec<f64>] {
+        &self.factor
+    }
+
     /// Whether no parameter is correlated with another.
     #[must_use]
     pub fn is_independent(&self) -> bool {

@@ -12,6 +12,7 @@
 //! says, but the sum means nothing: correlated inputs explain the same part twice.
 
 use crate::confidence::{Confidence, Interval};
+use crate::few_terms::FewTerms;
 
 /// Fewest samples of which an index and its error are computed; chosen: with 200 samples of the functions of `tests/sobol_indices.rs`
 /// intervals of 95 % still cover in 92 % of the cases and more.
@@ -26,14 +27,28 @@ pub struct SobolIndex {
     pub standard_error: f64,
     /// The samples, or rows of a design, behind it.
     pub samples: u64,
+    /// The few terms that it is a sum of, where these are too few for a standard error.
+    pub few: Option<FewTerms>,
 }
 
 impl SobolIndex {
-    /// The interval by Student's t, cut to what an index can be: 0 to 1.
+    /// The estimate as a part of the variance: cut to what an index can be, 0 to 1.
+    #[must_use]
+    pub fn part(&self) -> f64 {
+        self.value.clamp(0.0, 1.0)
+    }
+
+    /// The interval by Student's t, and where the index is a sum of few terms that of their Poisson counts too, whichever is wider; cut to
+    /// what an index can be: 0 to 1.
     #[must_use]
     pub fn interval(&self, confidence: Confidence) -> Interval {
         let error = confidence.t(self.samples - 1) * self.standard_error;
-        Interval { lower: (self.value - error).clamp(0.0, 1.0), upper: (self.value + error).clamp(0.0, 1.0) }
+        let (mut lower, mut upper) = (self.value - error, self.value + error);
+        if let Some(few) = self.few {
+            let of_counts = few.interval(confidence);
+            (lower, upper) = (lower.min(of_counts.lower), upper.max(of_counts.upper));
+        }
+        Interval { lower: lower.clamp(0.0, 1.0), upper: upper.clamp(0.0, 1.0) }
     }
 }
 
@@ -59,6 +74,10 @@ impl SobolIndex {
 ///
 /// where `c_1 - c_2` is taken to be 0 if it comes out below: with few samples its own error would make intervals too narrow.
 ///
+/// That needs many pairs of neighbours of which neither is zero. An output that is zero in most samples has as few as none, in whichever
+/// case the standard error is nearly 0; then the interval is that of their number, see [`FewTerms`]. Of an indicator that is 1 in most
+/// samples 1 - y is taken, which has the same index.
+///
 /// The bootstrap does not apply: a sample that is drawn twice is its own neighbour (Lin and Han, Biometrika 111, 2024).
 ///
 /// `None` for fewer than 100 samples, lists of unequal length, or an output that is constant.
@@ -82,7 +101,7 @@ pub fn first_order_by_ranks(x: &[f64], y: &[f64]) -> Option<SobolIndex> {
     }
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| x[a].total_cmp(&x[b]));
-    let mean = mean(y.iter().copied());
+    let (given, mean) = (y, mean(y.iter().copied()));
     let y: Vec<f64> = order.iter().map(|&at| y[at] - mean).collect();
     let after = |k: usize, j: usize| (k + j) % n;
     let variance = y.iter().map(|y| y * y).sum::<f64>() / n as f64;
@@ -93,7 +112,33 @@ pub fn first_order_by_ranks(x: &[f64], y: &[f64]) -> Option<SobolIndex> {
     let w: Vec<f64> = (0..n).map(|k| y[k] * y[after(k, 1)] - value * y[k] * y[k]).collect();
     let c = |j: usize| (0..n).map(|k| w[k] * w[after(k, j)]).sum::<f64>() / n as f64;
     let of_all = c(0) + 2.0 * (c(1) - c(2)).max(0.0);
-    Some(SobolIndex { value, standard_error: (of_all / n as f64).sqrt() / variance, samples: n as u64 })
+    let standard_error = (of_all / n as f64).sqrt() / variance;
+    Some(SobolIndex { value, standard_error, samples: n as u64, few: few_neighbours(&order, given, variance) })
+}
+
+/// Part of the samples in which an output is not zero, up to which it is rare; chosen: pairs of neighbours are then few where they are
+/// independent, and the mean of y is small beside its deviation.
+const RARE: f64 = 0.1;
+
+/// The pairs of neighbours of which neither is zero, of a rare output; `order` is that of x, and the variance that of y.
+fn few_neighbours(order: &[usize], y: &[f64], variance: f64) -> Option<FewTerms> {
+    let n = y.len() as f64;
+    let zeros = y.iter().filter(|y| **y == 0.0).count() as f64;
+    let is_indicator = y.iter().all(|y| *y == 0.0 || *y == 1.0);
+    let complement: Vec<f64>;
+    let y = match is_indicator && zeros <= RARE * n {
+        true => {
+            complement = y.iter().map(|y| 1.0 - y).collect();
+            &complement
+        }
+        false if n - zeros <= RARE * n && y.iter().all(|y| *y >= 0.0) => y,
+        false => return None,
+    };
+    let neighbours = order.iter().zip(order.iter().cycle().skip(1));
+    let terms = neighbours.map(|(&a, &b)| y[a] * y[b] / (n * variance));
+    let nonzero = || y.iter().filter(|y| **y > 0.0);
+    let typical = nonzero().map(|y| y * y).sum::<f64>() / nonzero().count().max(1) as f64 / (n * variance);
+    FewTerms::of(terms, typical, mean(y.iter().copied()).powi(2) / variance)
 }
 
 /// The rows of a design for total indices: the output at points A and B of independent draws of all inputs, and at the points
@@ -113,7 +158,16 @@ impl PickFreeze<'_> {
     /// and B. Inputs have to be independent. `None` as [`first_order_by_ranks`].
     #[must_use]
     pub fn total(&self) -> Option<SobolIndex> {
-        self.ratio(|a, _, mixed| 0.5 * (a - mixed) * (a - mixed))
+        let index = self.ratio(|a, _, mixed| 0.5 * (a - mixed) * (a - mixed))?;
+        // Its terms are zero where the input makes no difference, which in few rows it may.
+        let n = self.a.len() as f64;
+        let both = || self.a.iter().chain(self.b).copied();
+        let mean = mean(both());
+        let by = n * both().map(|y| (y - mean).powi(2)).sum::<f64>() / (2.0 * n);
+        let terms = self.a.iter().zip(self.mixed).map(|(a, mixed)| 0.5 * (a - mixed).powi(2) / by);
+        let nonzero = || both().filter(|y| *y != 0.0);
+        let typical = 0.5 * nonzero().map(|y| y * y).sum::<f64>() / nonzero().count().max(1) as f64 / by;
+        Some(SobolIndex { few: FewTerms::of(terms, typical, 0.0), ..index })
     }
 
     /// The first-order index of the input: `mean(f(B) (f(mixed) - f(A))) / Var` (Saltelli et al., Comput. Phys. Commun. 181, 2010), with f
@@ -141,7 +195,7 @@ impl PickFreeze<'_> {
         let value = rows().map(term).sum::<f64>() / n as f64 / variance;
         let left = rows().map(|row| (term(row) - value * of_variance(row)).powi(2)).sum::<f64>();
         let standard_error = (left / (n - 1) as f64 / n as f64).sqrt() / variance;
-        Some(SobolIndex { value, standard_error, samples: n as u64 })
+        Some(SobolIndex { value, standard_error, samples: n as u64, few: None })
     }
 }
 

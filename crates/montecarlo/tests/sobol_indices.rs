@@ -118,3 +118,109 @@ fn intervals_cover_as_often_as_they_say() {
         }
     }
 }
+
+/// An output that is zero but where u1 < q1, u2 < q2 and u3 < q3, and there a function of u4 with these means of its first and second power;
+/// u5 does nothing.
+struct Rare {
+    q: [f64; 3],
+    of: fn(f64) -> f64,
+    means: [f64; 2],
+}
+
+impl Rare {
+    /// Of each input.
+    fn first(&self) -> Vec<f64> {
+        let (p, [mean, square]) = (self.q.iter().product::<f64>(), self.means);
+        let all = p * square - (p * mean).powi(2);
+        let mut first: Vec<f64> = self.q.iter().map(|q| (p * mean).powi(2) * (1.0 / q - 1.0) / all).collect();
+        first.extend([p * p * (square - mean * mean) / all, 0.0]);
+        first
+    }
+
+    fn total(&self) -> Vec<f64> {
+        let (p, [mean, square]) = (self.q.iter().product::<f64>(), self.means);
+        let all = p * square - (p * mean).powi(2);
+        // E Var[y | all but u_i].
+        let mut total: Vec<f64> = self.q.iter().map(|q| p * square * (1.0 - q) / all).collect();
+        total.extend([p * (square - mean * mean) / all, 0.0]);
+        total
+    }
+
+    fn value(&self, u: &[f64; 5]) -> f64 {
+        if u.iter().zip(self.q).all(|(u, q)| *u < q) { (self.of)(u[3]) } else { 0.0 }
+    }
+}
+
+/// Rare outputs of several kinds: which input decides, and how the output is distributed where it is not zero.
+fn rare_outputs(parts: &[[f64; 3]]) -> Vec<Rare> {
+    let kinds: [(fn(f64) -> f64, [f64; 2]); 3] =
+        [(|_| 1.0, [1.0, 1.0]), (|u| u, [0.5, 1.0 / 3.0]), (|u| u * u, [1.0 / 3.0, 0.2])];
+    parts.iter().flat_map(|&q| kinds.map(|(of, means)| Rare { q, of, means })).collect()
+}
+
+/// The part of replicates of which the intervals cover the index, of each input: by ranks, and total ones by design. An output that is not
+/// zero in fewer than 30 samples has no index.
+fn rare_coverage(rare: &Rare, n: usize, replicates: u64) -> [Vec<f64>; 2] {
+    let (first, total) = (rare.first(), rare.total());
+    let mut covered = [vec![0.0; 5], vec![0.0; 5]];
+    let mut counted = 0.0;
+    for replicate in 0..replicates {
+        let mut rng = stream(21, replicate);
+        let mut points = || (0..n).map(|_| std::array::from_fn(|_| rng.random())).collect::<Vec<[f64; 5]>>();
+        let (a, b) = (points(), points());
+        let of_a: Vec<f64> = a.iter().map(|u| rare.value(u)).collect();
+        let of_b: Vec<f64> = b.iter().map(|u| rare.value(u)).collect();
+        if of_a.iter().filter(|y| **y > 0.0).count() < 30 {
+            continue;
+        }
+        counted += 1.0;
+        for i in 0..5 {
+            let x: Vec<f64> = a.iter().map(|u| u[i]).collect();
+            let index = first_order_by_ranks(&x, &of_a).unwrap();
+            let interval = index.interval(Confidence::P95);
+            assert!((0.0..=1.0).contains(&index.part()) && interval.contains(index.part()), "{index:?}");
+            covered[0][i] += f64::from(u8::from(interval.contains(first[i])));
+            let mixed = |(a, b): (&[f64; 5], &[f64; 5])| {
+                let mut u = *a;
+                u[i] = b[i];
+                rare.value(&u)
+            };
+            let mixed: Vec<f64> = a.iter().zip(&b).map(mixed).collect();
+            let index = PickFreeze { a: &of_a, b: &of_b, mixed: &mixed }.total().unwrap();
+            covered[1][i] += f64::from(u8::from(index.interval(Confidence::P95).contains(total[i])));
+        }
+    }
+    assert!(counted > 0.5 * replicates as f64, "{counted}");
+    covered.map(|of| of.into_iter().map(|covered: f64| covered / counted).collect())
+}
+
+fn check_rare(parts: &[[f64; 3]], n: usize, replicates: u64) {
+    for rare in rare_outputs(parts) {
+        let covered = rare_coverage(&rare, n, replicates);
+        println!("{:?}, mean {:.2}: ranks {:.3?}, total {:.3?}", rare.q, rare.means[0], covered[0], covered[1]);
+        // Three standard errors of a part of so many replicates.
+        let least = 0.95 - 3.0 * (0.95 * 0.05 / replicates as f64).sqrt();
+        assert!(covered.iter().flatten().all(|covered| *covered >= least), "{:?}: {covered:?}", rare.q);
+    }
+}
+
+#[test]
+fn intervals_of_rare_outputs_cover() {
+    check_rare(&[[0.05, 0.5, 0.6]], 3_000, 100);
+}
+
+/// With 20,000 samples, of which 0.3 % and more are not zero: `cargo test --release -p montecarlo --test sobol_indices -- --ignored --nocapture`.
+#[test]
+#[ignore = "20,000 samples in 400 replicates of 21 outputs"]
+fn intervals_of_rare_outputs_cover_with_many_samples() {
+    let parts = [
+        [0.05, 0.3, 0.2],
+        [0.003, 0.99, 0.99],
+        [0.01, 0.6, 0.5],
+        [0.3, 0.3, 0.3],
+        [0.02, 0.9, 0.9],
+        [0.9, 0.05, 0.9],
+        [0.3, 0.6, 0.4],
+    ];
+    check_rare(&parts, 20_000, 400);
+}

@@ -104,6 +104,9 @@ pub enum Error {
     /// An estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<crate::estimators::EstimatorError>),
+    /// What a brake of a user's own type forgets, or says twice and differently.
+    #[error(transparent)]
+    Contradiction(#[from] crate::study::Contradiction),
     /// What a brake of a user's own type refuses.
     #[error("{0}")]
     Brake(Box<dyn std::error::Error + Send + Sync>),
@@ -135,14 +138,28 @@ pub enum Error {
         allowed: String,
     },
     /// A folder that belongs to another study.
-    #[error("{}: holds {found}, not {wanted}; allowed: a new or empty folder, or that of the same study", path.display())]
+    #[error(
+        "{}: holds {}; allowed: a new or empty folder, or that of the same study",
+        path.display(), crate::identity::difference(found, wanted)
+    )]
     OtherStudy {
         /// The folder.
         path: PathBuf,
-        /// The study that it holds.
+        /// The identity of the study that it holds, or what it holds else.
         found: String,
-        /// The study to be run.
+        /// The identity of the study to be run.
         wanted: String,
+    },
+    /// Estimates in a folder that are truncated or altered, or of another version of the program.
+    #[error(
+        "estimates {} are damaged: {damage}; put back an intact copy, or delete them to estimate anew",
+        path.display()
+    )]
+    EstimatesDamaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        damage: montecarlo::Damage,
     },
     /// A folder that another run writes to.
     #[error("{}: {by} is writing there; allowed: another folder, or wait until it has ended", path.display())]

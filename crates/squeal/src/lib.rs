@@ -85,6 +85,7 @@ mod fingerprint;
 mod folder;
 #[cfg(feature = "case-files")]
 mod held;
+mod identity;
 pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;

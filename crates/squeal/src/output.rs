@@ -1,5 +1,6 @@
 //! Writing files so that a reader finds the whole file or none.
 
+use std::borrow::Cow;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -32,15 +33,6 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     })();
     // The error to report is the first one; a temporary file that cannot be removed either is beside the point.
     written.inspect_err(|_| drop(fs::remove_file(&temporary)))
-}
-
-/// Writes a value as JSON.
-///
-/// # Errors
-/// [`Error::Write`].
-pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), Error> {
-    let failed = |error: serde_json::Error| Error::Write { path: path.to_owned(), source: error.into() };
-    write(path, &serde_json::to_vec(value).map_err(failed)?)
 }
 
 /// Makes a folder and those above it.
@@ -91,7 +83,7 @@ pub fn printable(text: &str) -> String {
         digits = 0;
         match c {
             '\n' => line.push(' '),
-            c if c.is_control() => line.extend(c.escape_default()),
+            c if c.is_control() || moves_others(c) => line.extend(c.escape_default()),
             c => line.push(c),
         }
     }
@@ -128,15 +120,37 @@ pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Ve
     write(path, &bytes)
 }
 
+/// A cell that no spreadsheet takes for a formula: a text that begins as one gets an apostrophe before it, which they take for the mark of a
+/// text. Numbers stay as they are.
+fn harmless(cell: &[u8]) -> Cow<'_, [u8]> {
+    let is_number = || str::from_utf8(cell).is_ok_and(|text| text.parse::<f64>().is_ok());
+    match cell {
+        [b'=' | b'+' | b'-' | b'@' | b'\t' | b'\r', _, ..] if !is_number() => Cow::Owned([b"'", cell].concat()),
+        _ => Cow::Borrowed(cell),
+    }
+}
+
+/// Whether a character changes where others stand, or ends a line, without being seen: marks of the direction of writing, and separators of
+/// lines and paragraphs.
+pub(crate) fn moves_others(c: char) -> bool {
+    matches!(c, '\u{061c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
 /// A table as CSV.
 pub(crate) fn csv_bytes<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
 where
     R: IntoIterator<Item: AsRef<[u8]>>,
 {
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(header)?;
+    for name in header {
+        table.write_field(harmless(name.as_bytes()))?;
+    }
+    table.write_record(None::<&[u8]>)?;
     for row in rows {
-        table.write_record(row)?;
+        for cell in row {
+            table.write_field(harmless(cell.as_ref()))?;
+        }
+        table.write_record(None::<&[u8]>)?;
     }
     table.into_inner().map_err(|error| error.into_error().into())
 }

@@ -8,6 +8,7 @@ use montecarlo::{Checkpoint, MonteCarloError, Summary, interim_looks, run_with};
 use crate::Error;
 use crate::folder::RunFolder;
 use crate::report::{Manifest, Results, Stopped, Times, reasons, write_tables};
+use crate::study::identity::of_study;
 use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
@@ -72,8 +73,8 @@ pub fn run_study_with<B: UncertainBrake>(
     draw: &mut DrawResults<'_, B>,
 ) -> Result<Manifest, Error> {
     let plan = brake.plan();
-    let with_samples = if keeps_samples { " with samples" } else { "" };
-    let identity = format!("{} seed {} format {TALLY_VERSION}{with_samples}", plan.identity, plan.seed);
+    let identity = of_study(brake).given("format", TALLY_VERSION);
+    let identity = if keeps_samples { identity.given("samples", "kept") } else { identity }.into_line();
     RunFolder::check(dir, &identity)?;
     let mut seconds = Times::default();
 

@@ -74,8 +74,8 @@ impl UncertainBrake for Oscillator {
         self.is_single.then_some(&self.w)
     }
 
-    fn with_parameter(&self, _: &Scene, w: f64) -> f64 {
-        w
+    fn with_parameter(&self, _: &Scene, w: f64) -> Option<f64> {
+        Some(w)
     }
 }
 

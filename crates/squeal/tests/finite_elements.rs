@@ -216,7 +216,7 @@ fn onsets_of_a_sweep_are_those_of_the_whole_brake() {
     // The whole brake, solved by another route, has a growing mode there on one side only, and near.
     let scene = &brake.plan.scenes[0];
     let growing = |mu: f64| {
-        let at = brake.operating_point(scene, &brake.with_parameter(scene, mu)).unwrap();
+        let at = brake.operating_point(scene, &brake.with_parameter(scene, mu).unwrap()).unwrap();
         let whole = brake.sets[0].system.assemble(&brake.full_point(scene, &at)).unwrap();
         let rectangle = sparse::Rectangle { re: [-1e-2, 1e-2], im: [0.999 * onset.omega, 1.001 * onset.omega] };
         let found = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap();

@@ -49,7 +49,7 @@ impl Onsets {
             if scene.key.speed.is_some_and(|range| range > 0) {
                 continue;
             }
-            let samples: Vec<LatticeSample> = mus.iter().map(|&mu| brake.with_parameter(scene, mu)).collect();
+            let samples: Vec<LatticeSample> = mus.iter().map(|&mu| brake.with_mu(mu)).collect();
             let mut outcomes = Vec::with_capacity(samples.len());
             study.evaluate_block(at, &samples.iter().collect::<Vec<_>>(), &mut Scratch::default(), &mut outcomes);
             let mut onsets = BTreeMap::new();

@@ -95,6 +95,26 @@ pub enum Distribution {
 }
 
 impl Distribution {
+    /// The kind by its name in a file, and its numbers in the order of its fields, `None` for a bound that is not there: what tells two
+    /// distributions apart.
+    #[must_use]
+    pub fn written_out(&self) -> (&'static str, Vec<Option<f64>>) {
+        match self {
+            Self::Constant { value } => ("constant", vec![Some(*value)]),
+            Self::Normal { mean, deviation, at_least, at_most } => {
+                ("normal", vec![Some(*mean), Some(*deviation), Some(*at_least), *at_most])
+            }
+            Self::LogNormal { median, sigma, at_least, at_most } => {
+                ("log-normal", vec![Some(*median), Some(*sigma), *at_least, *at_most])
+            }
+            Self::Uniform { from, to } => ("uniform", vec![Some(*from), Some(*to)]),
+            Self::LogUniform { from, to } => ("log-uniform", vec![Some(*from), Some(*to)]),
+            Self::Quantiles { probabilities, values } => {
+                ("quantiles", probabilities.iter().chain(values).map(|number| Some(*number)).collect())
+            }
+        }
+    }
+
     /// One value.
     ///
     /// # Errors

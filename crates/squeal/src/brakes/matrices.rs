@@ -94,12 +94,10 @@ impl UncertainBrake for MatricesBrake {
         Some(&self.case.parameters[self.only_parameter()?].distribution)
     }
 
-    fn with_parameter(&self, _: &Scene, value: f64) -> Vec<f64> {
+    fn with_parameter(&self, _: &Scene, value: f64) -> Option<Vec<f64>> {
         let mut sample = self.median();
-        if let Some(at) = self.only_parameter() {
-            sample[at] = value;
-        }
-        sample
+        sample[self.only_parameter()?] = value;
+        Some(sample)
     }
 
     fn parameters(&self, _: &Scene) -> Vec<NamedParameter> {

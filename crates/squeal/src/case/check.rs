@@ -7,7 +7,7 @@ use osc_model::OscModelError;
 use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
-use crate::output::note;
+use crate::output::{moves_others, note};
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.
@@ -40,6 +40,14 @@ pub struct TakenMatrix {
 
 /// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
 const LONGEST_NAME: usize = 60;
+
+/// What names and lines must not have, in words.
+const UNSEEN: &str = "control characters, marks of direction and separators of lines";
+
+/// Whether a character must not stand in a name: it is not seen, and moves what is.
+fn is_unseen(c: char) -> bool {
+    c.is_control() || moves_others(c)
+}
 
 /// The first characters of a text.
 fn beginning(text: &str, characters: usize) -> String {
@@ -107,8 +115,8 @@ impl Check<'_> {
     pub fn line(&self, field: &str, text: &str) -> Result<(), CaseError> {
         /// Most characters; chosen: two lines of a figure.
         const LONGEST_LINE: usize = 200;
-        if text.chars().count() > LONGEST_LINE || text.chars().any(char::is_control) {
-            let allowed = format!("at most {LONGEST_LINE} characters without control characters");
+        if text.chars().count() > LONGEST_LINE || text.chars().any(is_unseen) {
+            let allowed = format!("at most {LONGEST_LINE} characters without {UNSEEN}");
             return Err(self.value(field, format!("{:?}", beginning(text, LONGEST_NAME)), &allowed));
         }
         Ok(())
@@ -174,9 +182,9 @@ impl Check<'_> {
 
     /// An error unless names of tables differ and can be used in messages and column heads.
     pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
-        let allowed = format!("1 to {LONGEST_NAME} characters without control characters");
+        let allowed = format!("1 to {LONGEST_NAME} characters without {UNSEEN}");
         for name in names.clone() {
-            if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
+            if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(is_unseen) {
                 return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
             }
         }

@@ -166,6 +166,16 @@ impl Check<'_> {
 }
 
 impl Correlation {
+    /// Places in the list of parameters.
+    pub(super) fn places(&self) -> &[usize] {
+        &self.parameters
+    }
+
+    /// The rows of the factor of the correlation matrix, over these parameters in one contact after the other.
+    pub(super) fn factor(&self) -> &[Vec<f64>] {
+        self.copula.factor()
+    }
+
     /// Whether a parameter, by its place, depends on others.
     pub fn holds(&self, parameter: usize) -> bool {
         self.parameters.contains(&parameter)
@@ -182,9 +192,4 @@ impl Correlation {
             contacts[contact][at] = value;
         }
     }
-}
-
-/// What a correlation adds to the identity of a study: nothing where there is none.
-pub(super) fn identity_of(correlation: Option<&Correlation>) -> String {
-    correlation.map_or(String::new(), |correlation| format!(" {correlation:?}"))
 }

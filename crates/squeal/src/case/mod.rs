@@ -9,6 +9,7 @@ mod error;
 mod expression;
 mod file;
 mod finite_elements;
+mod identity;
 mod matrices;
 mod schema;
 mod squeal;

@@ -25,8 +25,3 @@ impl Check<'_> {
         Threshold::new(growth, ratio).ok_or_else(|| self.value("squeal.damping_ratio_below", ratio, allowed))
     }
 }
-
-/// What a threshold adds to the identity of a study: nothing where it is the axis.
-pub(super) fn identity_of(threshold: &Threshold) -> String {
-    if threshold.is_axis() { String::new() } else { format!(" {threshold:?}") }
-}

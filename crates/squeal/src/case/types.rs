@@ -8,7 +8,7 @@ use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
-use super::{Alternative, Correlation, Draws, Law, correlation, squeal};
+use super::{Alternative, Correlation, Draws, Law};
 use crate::study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
@@ -165,15 +165,6 @@ pub struct Paper {
 }
 
 impl LatticeCase {
-    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on.
-    pub fn identity(&self) -> String {
-        let Self { laws, lattice, readings, panels, constraints, speeds, friction, .. } = self;
-        let content = format!("{laws:?} {lattice:?} {readings:?} {panels:?} {constraints:?} {speeds:?} {friction:?}");
-        let content =
-            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
-        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
-    }
-
     /// The case under another reading.
     pub fn with(&self, alternative: &Alternative) -> Self {
         let mut case = self.clone();

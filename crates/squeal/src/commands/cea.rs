@@ -8,9 +8,11 @@ use cea::{
     verdicts_beyond,
 };
 use linsys::OperatingPoint;
+use nalgebra::DVectorView;
 use num_complex::Complex;
 use osc_model::Brake;
 use serde_json::{Value, json};
+use sparse::reduction::ReducedModes;
 use work::ModeWork;
 
 use super::eig::announce;
@@ -137,9 +139,11 @@ impl CeaArgs {
             verdict_in_words(found, lambda, threshold)
         };
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
+        let shapes = if self.modes { on_rows(&brake, scene, &at, &modes)? } else { Vec::new() };
         if self.json {
             let list: Vec<Value> = rows
-                .map(|(lambda, residual)| {
+                .enumerate()
+                .map(|(place, (lambda, residual))| {
                     let mut mode = json!({
                         "re": lambda.re,
                         "im": lambda.im,
@@ -151,19 +155,29 @@ impl CeaArgs {
                     if let Some(why) = whys.iter().find(|why| is_of(*lambda, why)) {
                         mode["why"] = json!(why);
                     }
+                    if let Some((shape, energy)) = shapes.get(place) {
+                        add_shape(&mut mode, shape, energy);
+                    }
                     mode
                 })
                 .collect();
-            return Ok(format!("{:#}\n", json!({ "scene": heading, "modes": list })));
+            let mut all = json!({ "scene": heading, "modes": list });
+            if self.modes {
+                all["dofs"] = (0..brake.case.dofs.len()).map(|row| brake.case.dof_name(row)).collect();
+            }
+            return Ok(format!("{all:#}\n"));
         }
         let mut text = format!(
             "{heading}\n\n{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
             "Hz", "growth 1/s", "damping ratio", "residual", "verdict"
         );
-        for (lambda, residual) in rows {
+        for (place, (lambda, residual)) in rows.enumerate() {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
             let verdict = verdict(*lambda);
             text += &format!("{hz:>12}  {:>14.4}  {ratio:>14.6}  {residual:>9.1e}  {verdict:>9}\n", lambda.re);
+            if let Some((shape, energy)) = shapes.get(place) {
+                text += &largest_and_work(shape, energy, &brake.case);
+            }
         }
         Ok(text
             + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in the unreduced brake\n"
@@ -316,6 +330,44 @@ fn said_first(real: &[RealRow]) -> String {
     }
 }
 
+/// The shapes of the modes of a reduced brake over the rows of the matrices of its case, 0 where held, and their work: the shapes have
+/// phi^H M phi = 1, in the whole brake as in the reduced one.
+fn on_rows(
+    brake: &FiniteElementBrake,
+    scene: &Scene,
+    at: &OperatingPoint,
+    modes: &ReducedModes,
+) -> Result<Vec<(Vec<Complex<f64>>, ModeWork)>, Error> {
+    let (part, of) = (brake.part(scene), brake.plan.brake(scene));
+    let mass = of.system.assemble(at)?.m;
+    let dofs = &brake.sets[part.set].dofs;
+    let on_rows = |(&lambda, shape): (&Complex<f64>, DVectorView<'_, Complex<f64>>)| {
+        let mode = Mode::normalised(&mass, lambda, shape.into_owned());
+        let work = mode_work(of, at, &mode)?;
+        Ok((dofs.expand(&part.reduced.lift(&mode.shape)).iter().copied().collect(), work))
+    };
+    modes.lambdas.iter().zip(modes.shapes.column_iter()).map(on_rows).collect()
+}
+
+/// Where a mode of a finite element brake is largest, and the work of each family over the largest of them.
+fn largest_and_work(shape: &[Complex<f64>], energy: &ModeWork, case: &FiniteElementCase) -> String {
+    let largest = (0..shape.len()).max_by(|&a, &b| shape[a].norm().total_cmp(&shape[b].norm())).unwrap_or(0);
+    let of = |family: &work::FamilyWork| (family.name.clone(), family.bodies.iter().sum::<f64>());
+    let works: Vec<(String, f64)> = energy.families.iter().map(of).collect();
+    let scale = works.iter().map(|(_, work)| work.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let works: Vec<String> = works.iter().map(|(name, work)| format!("{name} {:+.4}", work / scale)).collect();
+    format!("{:>14}largest at {}; work of {}\n", "", case.dof_name(largest), works.join(", "))
+}
+
+/// Adds shape and work to a mode.
+fn add_shape(mode: &mut Value, shape: &[Complex<f64>], energy: &ModeWork) {
+    mode["shape"] = shape.iter().map(|u| json!([u.re, u.im])).collect();
+    for family in &energy.families {
+        mode[format!("{}_work", family.name)] = json!(family.bodies);
+    }
+    mode["net_work"] = json!(energy.net());
+}
+
 fn json_text(scene: &Value, rows: &[Row], real: &[RealRow], modes: &Modes, whys: &[Why]) -> String {
     let list: Vec<Value> = rows
         .iter()
@@ -334,11 +386,7 @@ fn json_text(scene: &Value, rows: &[Row], real: &[RealRow], modes: &Modes, whys:
                 mode["why"] = json!(why);
             }
             if let Some((shape, energy)) = &row.shape {
-                mode["shape"] = shape.iter().map(|u| json!([u.re, u.im])).collect();
-                for family in &energy.families {
-                    mode[format!("{}_work", family.name)] = json!(family.bodies);
-                }
-                mode["net_work"] = json!(energy.net());
+                add_shape(&mut mode, shape, energy);
             }
             mode
         })

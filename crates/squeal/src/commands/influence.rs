@@ -16,6 +16,7 @@ use crate::folder::RunFolder;
 use crate::influence::{influence, write_influences};
 use crate::output::{printable, write};
 use crate::run::{bar, workers};
+use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
@@ -80,7 +81,8 @@ impl InfluenceArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
                 let case = self.scene.only_finite_elements(*case, range)?;
-                self.influence(&FiniteElementBrake::new(case, &bar("reductions"))?)?
+                let brake = workers(self.threads)?.install(|| FiniteElementBrake::new(case, &bar("reductions")))?;
+                self.influence(&brake)?
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -100,8 +102,8 @@ impl InfluenceArgs {
     fn influence<B: UncertainBrake>(&self, brake: &B) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let draws = plan.samples.clamp(*ALLOWED.start(), *ALLOWED.end());
-        let total = self.total.map_or(String::new(), |rows| format!(" total {rows}"));
-        let identity = format!("{} seed {} influence {draws}{total}", plan.identity, plan.seed);
+        let total = self.total.map_or_else(|| "none".into(), |rows| rows.to_string());
+        let identity = of_study(brake).given("influence", draws).given("total", total).into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }

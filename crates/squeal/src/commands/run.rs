@@ -14,7 +14,7 @@ use crate::output::printable;
 use crate::report::{
     Claim, Estimates, Geometry, Results, Stopped, claims, claims_markdown, draw_occurrence, write_page,
 };
-use crate::run::bar;
+use crate::run::{bar, workers};
 use crate::study::{FullChecks, UncertainBrake};
 use crate::{Error, RunOptions, run_study_with};
 
@@ -96,7 +96,7 @@ impl RunArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 announce_bases(&case);
-                let brake = FiniteElementBrake::new(*case, &bar("reductions"))?;
+                let brake = workers(self.threads)?.install(|| FiniteElementBrake::new(*case, &bar("reductions")))?;
                 let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)

@@ -10,6 +10,7 @@ use super::mesh_shapes::mesh_geometry;
 use super::options::{number, override_run, threads, whole_number};
 use super::results_folder;
 use super::scene::chosen;
+use crate::Error;
 use crate::brakes::{Bases, FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
@@ -18,7 +19,7 @@ use crate::report::{Geometry, write_screen_page};
 use crate::run::{bar, workers};
 use crate::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use crate::study::UncertainBrake;
-use crate::{Error, fingerprint};
+use crate::study::identity::of_study;
 
 /// Draws of the prediction where no option says otherwise; chosen: it ranks.
 const DRAWS: u64 = 8;
@@ -100,7 +101,8 @@ impl ScreenArgs {
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
-                let brake = FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"))?;
+                let on = || FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"));
+                let brake = workers(self.threads)?.install(on)?;
                 self.screen(&brake, &|| mesh_geometry(&brake))?
             }
         };
@@ -156,8 +158,8 @@ impl ScreenArgs {
             let (value, allowed) = (plan.samples.to_string(), "2 or more, for an interval".into());
             return Err(Error::Option { option: "--samples", value, allowed });
         }
-        let of = fingerprint(&format!("{options:?}"));
-        let identity = format!("{} seed {} screen {} samples {}", plan.identity, plan.seed, &of[..16], plan.samples);
+        let identity =
+            of_study(brake).part("screen", |to| options.written(to)).given("samples", plan.samples).into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }

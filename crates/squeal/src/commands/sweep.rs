@@ -15,9 +15,11 @@ use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
+use crate::identity::Written;
 use crate::output::printable;
 use crate::report::{Geometry, write_sweep_page};
 use crate::run::{bar, workers};
+use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 use crate::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
 
@@ -74,7 +76,8 @@ impl SweepArgs {
             }
             CaseFile::FiniteElements(case) => {
                 let case = self.scene.only_finite_elements(*case, None)?;
-                let brake = FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"))?;
+                let for_sweep = || FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"));
+                let brake = workers(self.threads)?.install(for_sweep)?;
                 self.sweep(&brake, &|| mesh_geometry(&brake))?
             }
         };
@@ -85,7 +88,8 @@ impl SweepArgs {
     fn sweep<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
-        let identity = format!("{} sweep {}", plan.identity, named.join(" "));
+        let over = |to: &mut Written| to.list(&named, |to, over| to.text(over));
+        let identity = of_study(brake).part("sweep", over).into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }

@@ -12,7 +12,7 @@ use num_complex::Complex;
 use tracking::{BranchPoint, Branches, KeptSpectra, Onsets, RefinedPoint, SystemAt, SystemChange, find_onsets};
 
 use super::EstimatorError;
-use crate::study::{Scene, UncertainBrake};
+use crate::study::{Contradiction, Scene, UncertainBrake};
 
 /// Shortest step in mu: what is still open there stays open; chosen.
 pub(super) const SMALLEST_STEP: f64 = 1e-10;
@@ -57,7 +57,13 @@ impl<'a> OneParameterFamily<'a> {
         }
         let of_scene = &brake.plan().brake(scene).system;
         let assembled = |value: f64| -> Result<SecondOrder, crate::Error> {
-            Ok(of_scene.assemble(&brake.operating_point(scene, &brake.with_parameter(scene, value))?)?)
+            let not_given = || Contradiction::NotGiven {
+                scene: brake.plan().describe(scene),
+                method: "with_parameter()",
+                needed_by: "single_parameter()",
+            };
+            let sample = brake.with_parameter(scene, value).ok_or_else(not_given)?;
+            Ok(of_scene.assemble(&brake.operating_point(scene, &sample)?)?)
         };
         // Some of the values lie outside of the distribution, where the brake need not exist.
         let at = |value: f64| {

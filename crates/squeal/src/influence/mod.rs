@@ -22,9 +22,6 @@ pub use output::{Output, OutputKind};
 pub use report::write_influences;
 pub use samples::write_kept_samples;
 
-/// Fewest draws in which an output is not what it is in most: with fewer its indices rest on those few draws. Chosen.
-const FEWEST_UNLIKE: usize = 30;
-
 /// The influence of all inputs on an output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputInfluence {
@@ -36,6 +33,10 @@ pub struct OutputInfluence {
     pub deviation: f64,
     /// Draws in which it is not 0.
     pub nonzero: u64,
+    /// Draws in which it is not what it is in most: of these an index knows.
+    pub unlike: u64,
+    /// The same of the rows of a design, where there is one.
+    pub unlike_in_design: Option<u64>,
     /// In the order of [`Influence::inputs`]; empty where the output hardly varies.
     pub inputs: Vec<InputInfluence>,
 }
@@ -123,22 +124,33 @@ impl OutputInfluence {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let nonzero = values.iter().filter(|value| **value != 0.0).count();
-        let has_enough =
-            nonzero >= FEWEST_UNLIKE && (output.kind == OutputKind::Growth || values.len() - nonzero >= FEWEST_UNLIKE);
+        let nonzero = values.iter().filter(|value| **value != 0.0).count() as u64;
+        let unlike = |values: &mut dyn Iterator<Item = f64>| {
+            let (nonzero, zero): (Vec<f64>, Vec<f64>) = values.partition(|value| *value != 0.0);
+            match output.kind {
+                OutputKind::Growth => nonzero.len() as u64,
+                OutputKind::Instability => nonzero.len().min(zero.len()) as u64,
+            }
+        };
+        let of_draws = unlike(&mut values.iter().copied());
         let of_design: Option<Vec<Vec<f64>>> =
             design.map(|columns| columns.iter().map(|column| output.of_all(column)).collect());
+        let unlike_in_design = of_design.as_deref().map(|design| unlike(&mut design[..2].iter().flatten().copied()));
+        let enough_of_design = of_design.filter(|_| unlike_in_design.is_some_and(|count| count >= Self::FEWEST_UNLIKE));
         let of_input = |(at, column): (usize, &Vec<f64>)| {
-            let total = of_design.as_deref().and_then(|design| {
+            let total = enough_of_design.as_deref().and_then(|design| {
                 let [a, b, mixed] = [0, 1, at + 2].map(|column| &design[column][..]);
                 PickFreeze { a, b, mixed }.total()
             });
             Some(InputInfluence { first_order: first_order_by_ranks(column, &values)?, total })
         };
-        let all = columns.iter().enumerate().filter(|_| has_enough);
+        let all = columns.iter().enumerate().filter(|_| of_draws >= Self::FEWEST_UNLIKE);
         let inputs = all.map(of_input).collect::<Option<Vec<_>>>().unwrap_or_default();
-        Self { output, mean, deviation, nonzero: nonzero as u64, inputs }
+        Self { output, mean, deviation, nonzero, unlike: of_draws, unlike_in_design, inputs }
     }
+
+    /// Fewest draws, or rows of a design, in which an output is not what it is in most: with fewer its indices rest on those few. Chosen.
+    pub const FEWEST_UNLIKE: u64 = 30;
 
     /// The inputs by their first-order indices, the largest first, with their places.
     #[must_use]

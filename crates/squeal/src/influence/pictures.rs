@@ -35,7 +35,7 @@ impl Influence {
         };
         let limits = |index: montecarlo::SobolIndex| {
             let interval = index.interval(Self::CONFIDENCE);
-            [index.value.clamp(0.0, 1.0), interval.lower, interval.upper]
+            [index.part(), interval.lower, interval.upper]
         };
         let mut ranked = output.ranked();
         ranked.sort_by(|(_, a), (_, b)| {

@@ -32,7 +32,11 @@ impl Influence {
         let mut modes: Vec<String> = rare.iter().filter_map(|output| Some(output.output.mode?.to_string())).collect();
         modes.dedup();
         if !modes.is_empty() {
-            text += &format!("Of modes {} too few draws differ from the others.\n", modes.join(", "));
+            let needed = OutputInfluence::FEWEST_UNLIKE;
+            text += &format!(
+                "Of modes {} too few draws differ from the others: fewer than the {needed} that are needed.\n",
+                modes.join(", ")
+            );
         }
         let correlated: Vec<&str> =
             self.inputs.iter().filter(|input| input.is_correlated).map(|input| input.name.as_str()).collect();
@@ -73,17 +77,21 @@ impl Influence {
             },
         };
         if output.inputs.is_empty() {
-            return heading + "  too few draws differ from the others to say what makes it vary\n";
+            let (found, needed) = (output.unlike, OutputInfluence::FEWEST_UNLIKE);
+            return heading
+                + &format!(
+                    "  too few draws differ from the others to say what makes it vary: {found}; needed: {needed}\n"
+                );
         }
         let mut text = heading;
         let (mut others, mut sum) = (Vec::new(), 0.0);
         for (at, input) in output.ranked() {
-            sum += input.first_order.value;
             let interval = input.first_order.interval(Self::CONFIDENCE);
             let total = input.total.map(|total| format!("; in all, with others, {}", in_words(&total)));
             let matters = interval.lower > LEAST_IN_WORDS
                 || input.total.is_some_and(|total| total.interval(Self::CONFIDENCE).lower > LEAST_IN_WORDS);
             if matters {
+                sum += input.first_order.part();
                 let name = &self.inputs[at].name;
                 let explained = in_words(&input.first_order);
                 text += &format!("  {name} explains {explained} of the variance{}\n", total.unwrap_or_default());
@@ -99,10 +107,18 @@ impl Influence {
             let each = if others.len() > 1 { " each" } else { "" };
             text += &format!("  {which}: not surely more than 1 %{each}\n");
         }
-        if self.inputs.iter().all(|input| !input.is_correlated) {
+        if let Some(rows) = output.unlike_in_design.filter(|rows| *rows < OutputInfluence::FEWEST_UNLIKE) {
+            let needed = OutputInfluence::FEWEST_UNLIKE;
             text += &format!(
-                "  alone they explain about {:.0} %; the rest is what they do together\n",
-                100.0 * sum.clamp(0.0, 1.0)
+                "  too few rows of the design differ from the others for total indices: {rows}; needed: {needed}\n"
+            );
+        }
+        // Of what does not surely matter the sum would be one of noise.
+        if self.inputs.iter().all(|input| !input.is_correlated) && others.len() < output.inputs.len() {
+            text += &format!(
+                "  each alone, these explain about {:.0} %; the rest is what inputs do together{}\n",
+                (100.0 * sum).min(100.0),
+                if others.is_empty() { "" } else { ", and the others" }
             );
         }
         text
@@ -119,7 +135,7 @@ impl Influence {
                     let mut row = plan.labels.scene_columns(scene);
                     row.push(output.output.mode.map_or("any".into(), |mode| mode.to_string()));
                     row.extend([output.output.kind.name(), &input.name, &input.unit, kind].map(str::to_owned));
-                    let numbers = [index.value, interval.lower, interval.upper, index.standard_error];
+                    let numbers = [index.part(), interval.lower, interval.upper, index.standard_error];
                     row.extend(numbers.map(|number| number.to_string()));
                     row.push(index.samples.to_string());
                     rows.push(row);
@@ -148,6 +164,6 @@ pub fn write_influences<'a>(
 /// "83 % (80 to 86 %)".
 fn in_words(index: &SobolIndex) -> String {
     let interval = index.interval(Influence::CONFIDENCE);
-    let percent = |part: f64| (100.0 * part.clamp(0.0, 1.0)).round();
-    format!("{} % ({} to {} %)", percent(index.value), percent(interval.lower), percent(interval.upper))
+    let percent = |part: f64| (100.0 * part).round();
+    format!("{} % ({} to {} %)", percent(index.part()), percent(interval.lower), percent(interval.upper))
 }

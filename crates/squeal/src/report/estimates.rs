@@ -1,9 +1,10 @@
 //! Every occurrence of a study to a half width: estimated scene by scene, kept in the folder, and written as a table.
 
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::Progress;
+use montecarlo::{Damage, Progress, Sealed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +13,15 @@ use crate::Error;
 use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
 };
-use crate::output::{write_csv, write_json};
+use crate::output::{write, write_csv};
 use crate::run::bar;
+use crate::study::identity::of_study;
 use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
 const STATE: &str = "estimates.json";
+/// Its format; the version changes when estimates of an older program can no longer be continued.
+const FORMAT: Sealed = Sealed { kind: "squeal-estimates", version: 1 };
 /// Scenes estimated together; chosen: some for each thread.
 const SCENES_PER_BATCH: usize = 16;
 /// Time between two writes of the state.
@@ -49,7 +53,7 @@ impl Estimates {
         dir: &Path,
     ) -> Result<Self, Error> {
         let own = &results.summary.tally.scenes;
-        let mut estimates = Self::kept(study, half_width, kept_in);
+        let mut estimates = Self::kept(study, half_width, kept_in)?;
         for (found, own) in estimates.scenes.iter_mut().zip(own) {
             *found = found.take().filter(|found| found.agrees_with(own));
         }
@@ -81,7 +85,7 @@ impl Estimates {
             }
             progress.advance(count as u64);
             if open.is_empty() || saved.elapsed() >= SAVE_EVERY {
-                write_json(&kept_in.join(STATE), &estimates)?;
+                estimates.keep(kept_in)?;
                 saved = Instant::now();
             }
         }
@@ -95,16 +99,36 @@ impl Estimates {
         Ok(estimates)
     }
 
-    /// What a folder holds, if it is of the same study and half width; else nothing.
-    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, kept_in: &Path) -> Self {
-        let (plan, count) = (study.plan(), study.plan().scenes.len());
-        let identity = format!("{} seed {}", plan.identity, plan.seed);
-        let text = std::fs::read_to_string(kept_in.join(STATE)).unwrap_or_default();
-        let kept = serde_json::from_str::<Self>(&text).ok();
+    /// Keeps the state in a folder.
+    fn keep(&self, kept_in: &Path) -> Result<(), Error> {
+        let path = kept_in.join(STATE);
+        let failed = |error: serde_json::Error| Error::Write { path: path.clone(), source: error.into() };
+        let body = serde_json::to_vec(self).map_err(failed)?;
+        // A state that cannot be read back, as with an infinite number, is estimated anew.
+        if serde_json::from_slice::<Self>(&body).is_err() {
+            return Ok(());
+        }
+        write(&path, &[FORMAT.header(&body).as_bytes(), &body].concat())
+    }
+
+    /// What a folder holds, if it is of the same study and half width; else nothing. What is damaged is an error.
+    fn kept<B: UncertainBrake>(study: &Study<'_, B>, half_width: f64, kept_in: &Path) -> Result<Self, Error> {
+        let count = study.plan().scenes.len();
+        let identity = of_study(study.brake()).into_line();
+        let path = kept_in.join(STATE);
+        let damaged = |damage| Error::EstimatesDamaged { path: path.clone(), damage };
+        let kept = match std::fs::read(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(source) => return Err(Error::Read { path, source }),
+            Ok(bytes) => {
+                let body = FORMAT.open(&bytes).map_err(damaged)?;
+                Some(serde_json::from_slice::<Self>(body).map_err(|error| damaged(Damage::Content(error)))?)
+            }
+        };
         let is_same =
             |kept: &Self| kept.identity == identity && kept.half_width == half_width && kept.scenes.len() == count;
         let empty = || Self { identity: identity.clone(), half_width, scenes: vec![None; count] };
-        kept.filter(is_same).unwrap_or_else(empty)
+        Ok(kept.filter(is_same).unwrap_or_else(empty))
     }
 
     fn write_table<B: UncertainBrake>(&self, study: &Study<'_, B>, dir: &Path) -> Result<(), Error> {

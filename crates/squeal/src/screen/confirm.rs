@@ -1,5 +1,7 @@
 //! Sets of changes confirmed: all scenes of a study, all sets on the same draws.
 
+use std::ops::Range;
+
 use montecarlo::{BoundedMean, Bounds, Confidence, Failures, Merge, Runs, Tally, wilson};
 use serde::{Deserialize, Serialize};
 
@@ -100,8 +102,9 @@ impl<B: UncertainBrake> Tally<Study<'_, Modified<'_, B>>> for ScreenTally {
         }
     }
 
-    fn may_be_of(&self, samples: u64, _: &Failures) -> bool {
-        self.unstable.iter().chain(&self.squealing).all(|mean| mean.count() <= samples)
+    fn may_be_of(&self, samples: Range<u64>, _: &Failures) -> bool {
+        let count = samples.end - samples.start;
+        self.unstable.iter().chain(&self.squealing).all(|mean| mean.count() <= count)
     }
 }
 

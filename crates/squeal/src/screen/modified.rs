@@ -5,11 +5,12 @@ use std::collections::{BTreeMap, HashMap};
 use linsys::OperatingPoint;
 use montecarlo::StreamRng;
 
-use super::change::{Change, ChangedBrake};
+use super::change::{Attached, Change, ChangedBrake};
+use crate::Error;
+use crate::identity::{Identity, Written};
 use crate::study::{
     Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake,
 };
-use crate::{Error, fingerprint};
 
 /// Changes of a brake together, compared as one.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,38 @@ pub struct ChangeSet {
     pub of: usize,
     /// The changes; none is the brake as it is.
     pub changes: Vec<Change>,
+}
+
+impl ChangeSet {
+    /// Writes out what is changed.
+    fn written(to: &mut Written, Self { name, of, changes }: &Self) {
+        to.text(name);
+        to.count(*of);
+        to.list(changes, |to, change| match change {
+            Change::Hold { dof } => {
+                to.text("hold");
+                to.count(*dof);
+            }
+            Change::Attach { what, size, along } => {
+                to.text(match what {
+                    Attached::Mass => "mass",
+                    Attached::Spring => "spring",
+                    Attached::Dashpot => "dashpot",
+                });
+                to.number(*size);
+                to.list(along, |to, vector| {
+                    to.list(vector, |to, &(dof, value)| {
+                        to.count(dof);
+                        to.number(value);
+                    });
+                });
+            }
+            Change::TakeOut { contact } => {
+                to.text("take out");
+                to.count(*contact);
+            }
+        });
+    }
 }
 
 /// A brake with several sets of changes in the place of its sets of constraints, so that a study compares them on the same draws.
@@ -54,7 +87,9 @@ impl<'a, B: UncertainBrake> Modified<'a, B> {
     pub fn new(inner: &'a B, sets: &[ChangeSet]) -> Result<Self, Error> {
         let of = inner.plan();
         let plan = Plan {
-            identity: format!("{} changes {}", of.identity, &fingerprint(&format!("{sets:?}"))[..16]),
+            identity: Identity::read(&of.name, &of.identity)
+                .part("changes", |to| to.list(sets, ChangeSet::written))
+                .into_line(),
             mode_labels: ModeNaming::Rank,
             mode_identity: ModeIdentity::Mac,
             labels: SceneLabels { constraints: sets.iter().map(|set| set.name.clone()).collect(), ..of.labels.clone() },

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use montecarlo::{Checkpoint, Progress, Sampling, run_with};
+use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
@@ -13,7 +13,10 @@ use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
+#[cfg(feature = "program")]
+use crate::identity::Written;
 use crate::run::block;
+use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
@@ -36,6 +39,20 @@ pub struct ScreenOptions {
     pub draws: u64,
     /// Single changes of each kind that are confirmed.
     pub confirmed: usize,
+}
+
+impl ScreenOptions {
+    /// Writes out what tells a screening from others of the same brake.
+    #[cfg(feature = "program")]
+    pub(crate) fn written(&self, to: &mut Written) {
+        let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed } = self;
+        to.count(*constraints);
+        to.list(kinds, |to, kind| to.text(kind.name()));
+        [mass, spring, dashpot].into_iter().for_each(|size| to.option(*size, Written::number));
+        to.count(*up_to);
+        to.text(&draws.to_string());
+        to.count(*confirmed);
+    }
 }
 
 /// All changes ranked by prediction.
@@ -106,9 +123,15 @@ pub fn confirm<B: UncertainBrake>(
     let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint {
         path: path.clone(),
         every: CHECKPOINT_EVERY,
-        fingerprint: format!("{} seed {} format {TALLY_VERSION}", plan.identity, plan.seed),
+        fingerprint: of_study(&modified).given("format", TALLY_VERSION).into_line(),
     });
-    let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation)?;
+    let other = |error| match error {
+        MonteCarloError::CheckpointMismatch { path, field: "experiment", found, expected } => {
+            Error::OtherStudy { path, found, wanted: expected }
+        }
+        other => other.into(),
+    };
+    let summary = run_with(&study, &sampling, empty, checkpoint.as_ref(), how.evaluation).map_err(other)?;
     for (place, &at) in to_confirm.iter().enumerate() {
         sets[at].confirmed = summary.tally.confirmed(plan, place, how.samples);
     }

@@ -8,7 +8,7 @@ use num_complex::Complex;
 use serde::Serialize;
 use tracking::OwnedPath;
 
-use super::{Plan, Scene};
+use super::{Contradiction, Plan, Scene};
 use crate::Error;
 
 /// A parameter of a brake that has a name, by which a sweep varies it.
@@ -246,9 +246,9 @@ pub trait UncertainBrake: Sync {
         None
     }
 
-    /// The sample in which that parameter has a value and all others their medians.
-    fn with_parameter(&self, _scene: &Scene, _value: f64) -> Self::Sample {
-        self.median()
+    /// The sample in which that parameter has a value and all others their medians; `None` of a brake that has no such parameter.
+    fn with_parameter(&self, _scene: &Scene, _value: f64) -> Option<Self::Sample> {
+        None
     }
 
     /// What the modes of a configuration, by its place in the plan, have in common with those of its origin, where the degrees of
@@ -335,8 +335,12 @@ pub trait UncertainBrake: Sync {
     /// their medians.
     ///
     /// # Errors
-    /// A value that is not allowed; as [`UncertainBrake::operating_point`].
-    fn system_with(&self, scene: &Scene, _values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
-        self.system(scene, &self.median())
+    /// A value that is not allowed; as [`UncertainBrake::operating_point`]; any value, of a brake that has no parameters.
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+        if values.is_empty() {
+            return self.system(scene, &self.median());
+        }
+        let (method, needed_by) = ("system_with()", "parameters(), with a value of one of them,");
+        Err(Contradiction::NotGiven { scene: self.plan().describe(scene), method, needed_by }.into())
     }
 }

@@ -2,12 +2,13 @@
 
 mod samples;
 
-use cea::{Anchors, EigenSolver, Gain, Mode};
+use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
 use linsys::OperatingPoint;
 use montecarlo::{Progress, StreamRng};
 use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
+use super::check::check;
 use super::cost::Cost;
 use super::known_names::KnownNames;
 use super::memory::{Scratch, timed};
@@ -75,7 +76,7 @@ impl Default for StudyOptions {
 /// A brake, ready to be sampled.
 pub struct Study<'a, B: UncertainBrake> {
     brake: &'a B,
-    solver: &'a dyn EigenSolver,
+    solver: WholeSpectra<'a>,
     /// By origin.
     origin_references: Vec<Reference>,
     references: Vec<Reference>,
@@ -99,7 +100,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// secular equations and their anchors.
     ///
     /// # Errors
-    /// Those of the brake and of the solver; a study that would take more memory than [`Cost::MOST_BYTES`].
+    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver; a study that would take more memory
+    /// than [`Cost::MOST_BYTES`].
     pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         Self::with_progress(brake, solver, &())
     }
@@ -131,7 +133,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         options: StudyOptions,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let plan = brake.plan();
+        check(brake)?;
+        let (plan, solver) = (brake.plan(), WholeSpectra(solver));
         Cost::of(plan).check(&plan.source())?;
         let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
         let median = brake.median();
@@ -142,7 +145,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let bridge: Option<&Bridges<'_>> = if brake.has_band_modes() { Some(&bridge) } else { None };
         let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| brake.path(scene, from, to);
         let References { origins, scenes } =
-            references(plan, &points, bridge, &paths, by_likeness, solver, progress).map_err(failed)?;
+            references(plan, &points, bridge, &paths, by_likeness, &solver, progress).map_err(failed)?;
         let (references, sector_references) =
             scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
         let certificates = match options.certificates && !brake.has_band_modes() {
@@ -153,7 +156,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
             true => plan.configurations.iter().map(SecularEquations::none).collect(),
             false => equations(&plan.configurations)?,
         };
-        let anchors = anchors(brake, &equations, &certificates, solver, progress)?;
+        let anchors = anchors(brake, &equations, &certificates, &solver, progress)?;
         let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
         let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
         Ok(Self {
@@ -218,7 +221,7 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
         let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
         let gain = self.reference_gains[scene];
         let solvers = each.map(|((reference, secular), anchors)| SectorSolver {
-            eigen_solver: self.solver,
+            eigen_solver: &self.solver,
             reference,
             plan: self.plan(),
             likeness_too: self.options.likeness_too,

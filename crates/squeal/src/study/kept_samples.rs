@@ -2,6 +2,8 @@
 //!
 //! Inputs are not among them: a sample is drawn again from the seed and its index.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::{ModeLabel, Outcome};
@@ -63,20 +65,43 @@ impl KeptSamples {
         self.failed.binary_search(&index).is_ok()
     }
 
-    /// Whether these can be samples of a run of so many, of which so many were unstable.
-    pub(super) fn may_be_of(&self, samples: u64, unstable: u64) -> bool {
+    /// Whether these can be samples of a run of these indices, of which so many were unstable.
+    pub(super) fn may_be_of(&self, samples: &Range<u64>, unstable: u64) -> bool {
         self.unstable.len() as u64 == unstable
             && ascend(self.unstable.iter().map(|sample| sample.index), samples)
             && ascend(self.failed.iter().copied(), samples)
     }
 }
 
-/// Whether indices ascend, below the number of samples.
-fn ascend(mut indices: impl Iterator<Item = u64>, samples: u64) -> bool {
-    let mut least = 0;
+/// Whether indices ascend, all of a run.
+fn ascend(mut indices: impl Iterator<Item = u64>, samples: &Range<u64>) -> bool {
+    let mut least = samples.start;
     indices.all(|index| {
-        let is_next = (least..samples).contains(&index);
+        let is_next = (least..samples.end).contains(&index);
         least = index + 1;
         is_next
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_those_of_a_range() {
+        let kept = |unstable: &[u64], failed: &[u64]| {
+            let sample = |&index: &u64| KeptSample { index, growth: 1.0, modes: Vec::new() };
+            KeptSamples { unstable: unstable.iter().map(sample).collect(), failed: failed.to_vec() }
+        };
+        for (start, is_there) in [(0, true), (100, true), (u64::MAX - 50, true)] {
+            let found = kept(&[start, start + 3, start + 9], &[start + 1]);
+            assert_eq!(found.may_be_of(&(start..start + 10), 3), is_there);
+            // One index too few at either end.
+            assert!(!found.may_be_of(&(start..start + 9), 3));
+            assert!(!found.may_be_of(&(start + 1..start + 10), 3));
+            assert!(!found.may_be_of(&(start..start + 10), 2));
+        }
+        assert!(!kept(&[4, 3], &[]).may_be_of(&(0..10), 2));
+        assert!(!kept(&[3], &[7, 7]).may_be_of(&(0..10), 1));
+    }
 }

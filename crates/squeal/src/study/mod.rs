@@ -10,9 +10,12 @@
 mod band;
 mod brake;
 mod certificate;
+mod check;
 mod comparison;
+mod contradiction;
 mod cost;
 mod evaluate;
+pub(crate) mod identity;
 mod kept_samples;
 mod known_names;
 mod memory;
@@ -32,7 +35,9 @@ pub use brake::{
     UncertainBrake, WholeContact, WholeEigenvalue,
 };
 pub use certificate::Certificate;
+pub use check::check;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
+pub use contradiction::Contradiction;
 pub use cost::Cost;
 pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
 pub use kept_samples::{KeptSample, KeptSamples};

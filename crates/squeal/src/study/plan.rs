@@ -184,7 +184,8 @@ pub struct Plan {
     pub source_file: Option<StudySource>,
     /// What the study is called.
     pub name: String,
-    /// What tells it from others, whatever its seed and number of samples: its name and a hash of all that is computed from.
+    /// Text that tells it from others beside what a study compares anyway before it continues a folder: equations, naming points, scenes,
+    /// threshold, seed, and the operating points of the first draws.
     pub identity: String,
     /// Samples per scene, >= 1.
     pub samples: u64,
@@ -198,6 +199,9 @@ pub struct Plan {
     pub band: Option<[f64; 2]>,
     /// From where on a growing mode counts as unstable; the axis: every mode that grows.
     pub threshold: Threshold,
+    /// Whether the naming point of each configuration is the operating point of the medians in one of its scenes, which a study checks
+    /// where it is so. [`Plan::add_constraint_set`] says that it is.
+    pub is_named_at_medians: bool,
     /// What scenes are called.
     pub labels: SceneLabels,
     /// Where names of modes come from.
@@ -212,14 +216,12 @@ impl Plan {
     /// The plan of a brake with one configuration and one scene, whose modes are named at an operating point, and whose
     /// net work is computed. `samples` and `seed` may be changed afterwards.
     pub fn single(name: &str, brake: Brake, naming_point: OperatingPoint, samples: u64, seed: u64) -> Self {
-        let identity = format!("\"{name}\" {}", &crate::fingerprint(&format!("{brake:?} {naming_point:?}"))[..16]);
-        let mut plan = Self::without_scenes(name, identity, samples, seed);
+        let mut plan = Self::without_scenes(name, name.to_owned(), samples, seed);
         plan.add_constraint_set("none", brake, naming_point);
         plan
     }
 
-    /// A plan to which [`Plan::add_constraint_set`] adds the scenes. `identity` tells the study from others, whatever its
-    /// seed and number of samples.
+    /// A plan to which [`Plan::add_constraint_set`] adds the scenes; `identity` as in [`Plan::identity`].
     pub fn without_scenes(name: &str, identity: String, samples: u64, seed: u64) -> Self {
         Self {
             source_file: None,
@@ -231,6 +233,7 @@ impl Plan {
             mode_identity: ModeIdentity::Continuation,
             band: None,
             threshold: Threshold::AXIS,
+            is_named_at_medians: false,
             labels: SceneLabels::default(),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -238,7 +241,7 @@ impl Plan {
         }
     }
 
-    /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own.
+    /// Adds a scene: a brake under a set of constraints, whose modes are named at an operating point of its own, that of the medians.
     pub fn add_constraint_set(&mut self, name: &str, brake: Brake, naming_point: OperatingPoint) {
         let contacts: Vec<&str> = brake.system.channels().iter().map(|channel| channel.name.as_str()).collect();
         let contacts = contacts.join(" ");
@@ -254,6 +257,7 @@ impl Plan {
         self.origins.push(Origin { brake: brake.clone(), naming_point: naming_point.clone() });
         self.configurations.push(Configuration { brake, naming_point, origin, contacts });
         self.scenes.push(Scene { key, members: vec![0], configuration, wants_work: true });
+        self.is_named_at_medians = true;
     }
 
     /// Where the study comes from, for messages: its file or its name.

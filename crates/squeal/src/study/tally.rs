@@ -1,6 +1,7 @@
 //! What is kept of the samples: counts, whose size does not depend on the number of samples; and where it is asked for the samples.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use montecarlo::{
     BoundedMean, Confidence, Failures, LabelTally, Merge, Proportion, QuantileSketch, Runs, Trial, distance,
@@ -296,15 +297,16 @@ impl<B: UncertainBrake> montecarlo::Tally<Study<'_, B>> for StudyTally {
         self.enter(&outcomes);
     }
 
-    fn may_be_of(&self, samples: u64, failures: &Failures) -> bool {
+    fn may_be_of(&self, samples: Range<u64>, failures: &Failures) -> bool {
+        let count = samples.end - samples.start;
         let counted = |(tally, &failed): (&SceneTally, &u64)| {
-            tally.solved.checked_add(failed + failures.draws()) == Some(samples)
+            tally.solved.checked_add(failed + failures.draws()) == Some(count)
                 && tally.certified <= tally.solved
                 && tally.any_unstable + tally.perhaps_unstable <= tally.solved
                 && tally.diverging + tally.perhaps_diverging <= tally.solved
                 && tally.diverging <= tally.any_unstable
         };
-        let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| kept.may_be_of(samples, tally.any_unstable);
+        let may_be_kept = |(kept, tally): (&KeptSamples, &SceneTally)| kept.may_be_of(&samples, tally.any_unstable);
         self.scenes.len() == failures.by_scene().len()
             && self.scenes.iter().zip(failures.by_scene()).all(counted)
             && self.kept.as_ref().is_none_or(|kept| kept.len() == self.scenes.len())

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use cea::{Counters, EigenSolver, Threshold};
+use cea::{Counters, EigenSolver, Threshold, WholeSpectra};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
@@ -65,7 +65,7 @@ pub(super) struct Family<'a, B: UncertainBrake> {
     pub study: &'a Study<'a, B>,
     /// Place of the scene.
     pub scene: usize,
-    pub solver: &'a dyn EigenSolver,
+    pub solver: WholeSpectra<'a>,
     pub parameters: Vec<SweptParameter>,
 }
 
@@ -102,7 +102,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
     ) -> Result<Self, Error> {
         let (brake, of) = (study.brake(), &study.plan().scenes[scene]);
         let parameters = swept(&brake.parameters(of), &study.plan().describe(of), over)?;
-        let family = Self { study, scene, solver, parameters };
+        let family = Self { study, scene, solver: WholeSpectra(solver), parameters };
         family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
         Ok(family)
     }
@@ -237,7 +237,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
             let change = SystemChange { below: at(below)?, above: at(above)?, distance: above - below };
             Ok(SystemAt { system: at(t)?, change: Arc::new(change) })
         });
-        let spectra = KeptSpectra::new(make, self.family.solver).with_overdamping();
+        let spectra = KeptSpectra::new(make, &self.family.solver).with_overdamping();
         match self.family.study.plan().followed_band() {
             Some(band) => spectra.in_band(band),
             None => spectra,

@@ -44,7 +44,7 @@ pub fn boundary_modes<B: UncertainBrake>(
                     does: Option<&'static str>|
      -> Result<BoundaryMode, Error> {
         let system = family.system(&at)?;
-        let eigenvalues = solver.eigenvalues(&system, &mut work)?.eigenvalues;
+        let eigenvalues = family.solver.eigenvalues(&system, &mut work)?.eigenvalues;
         let distance = |lambda: &Complex<f64>| (lambda - there).norm();
         let nearest = eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let lambda = nearest.unwrap_or(there);

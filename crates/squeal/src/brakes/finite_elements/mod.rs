@@ -267,13 +267,14 @@ impl UncertainBrake for FiniteElementBrake {
         is_single.then_some(&contact.friction.mu)
     }
 
-    fn with_parameter(&self, _: &Scene, mu: f64) -> FiniteElementSample {
+    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<FiniteElementSample> {
+        self.single_parameter(scene)?;
         let median = self.median();
         let contacts = median.contacts.map(|sample| {
             let draw = super::FrictionDraw { mu, lateral_mu: mu, ..*sample.contact(0) };
             LatticeSample::shared(draw, sample.speed_quantile)
         });
-        FiniteElementSample { contacts, ..median }
+        Some(FiniteElementSample { contacts, ..median })
     }
 
     fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {

@@ -61,6 +61,7 @@ impl LatticeBrake {
             mode_identity: case.readings.identity,
             band: None,
             threshold: case.threshold,
+            is_named_at_medians: false,
             labels: labels(&case),
             origins: Vec::new(),
             configurations: Vec::new(),
@@ -136,6 +137,13 @@ impl LatticeBrake {
         }
     }
 
+    /// The sample of the medians with another coefficient of Amontons-Coulomb friction in all contacts.
+    pub fn with_mu(&self, mu: f64) -> LatticeSample {
+        let median = self.median();
+        let draw = FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) };
+        LatticeSample::shared(draw, median.speed_quantile)
+    }
+
     fn speed_is_drawn(&self, scene: &Scene) -> bool {
         scene.key.speed.is_some_and(|range| self.case.speeds[range].to > self.case.speeds[range].from)
     }
@@ -198,9 +206,8 @@ impl UncertainBrake for LatticeBrake {
         is_single.then_some(&self.case.friction.mu)
     }
 
-    fn with_parameter(&self, _: &Scene, mu: f64) -> LatticeSample {
-        let median = self.median();
-        LatticeSample::shared(FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) }, median.speed_quantile)
+    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<LatticeSample> {
+        self.single_parameter(scene).map(|_| self.with_mu(mu))
     }
 
     fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {

@@ -24,7 +24,6 @@ use sparse::SparseAffineSystem;
 
 use super::{
     Correlation, Draws, Expression, FixedDofs, FrictionDistributions, Law, Parameter, SpeedRange, TakenMatrix,
-    correlation, squeal,
 };
 
 /// A checked study of a finite element brake.
@@ -141,17 +140,6 @@ impl FiniteElementCase {
             0 => dof.node.to_string(),
             _ => dof.to_string(),
         })
-    }
-
-    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on,
-    /// including matrices in other files.
-    pub fn identity(&self) -> String {
-        let Self { parameters, dofs, system, coefficients, contact, constraints, reduction, .. } = self;
-        let content =
-            format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {contact:?} {constraints:?} {reduction:?}");
-        let content =
-            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
-        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }
 

@@ -16,7 +16,7 @@ use linsys::{AffineSystem, ChannelGain, Lag, OperatingPoint};
 use montecarlo::{Distribution, MonteCarloError, StreamRng};
 
 use super::check::{Check, field};
-use super::{CaseError, Correlation, Expression, TakenMatrix, correlation, squeal};
+use super::{CaseError, Correlation, Expression, TakenMatrix};
 
 /// A checked study of a brake given by its matrices.
 #[derive(Debug, Clone)]
@@ -166,17 +166,6 @@ impl MatricesCase {
             coefficients: coefficients.collect::<Result<_, CaseError>>()?,
             channels: channels.collect::<Result<_, CaseError>>()?,
         })
-    }
-
-    /// Identifies the study up to its seed and number of samples: its name, and a hash of all data that results depend on,
-    /// including matrices in other files.
-    pub fn identity(&self) -> String {
-        let Self { parameters, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
-        let content =
-            format!("{parameters:?} {dofs:?} {system:?} {coefficients:?} {gains:?} {bodies:?} {constraints:?}");
-        let content =
-            content + &squeal::identity_of(&self.threshold) + &correlation::identity_of(self.correlation.as_ref());
-        format!("\"{}\" {}", self.name, &crate::fingerprint(&content)[..16])
     }
 }
 

@@ -25,7 +25,7 @@ impl<B: UncertainBrake> Study<'_, B> {
     ) -> Vec<Result<Outcome, Error>> {
         let memory = &mut scratch.memory;
         let names = BandNames {
-            solver: self.solver,
+            solver: &self.solver,
             plan: self.plan(),
             reference: &self.references[scene],
             known: &self.known_names[scene],
