@@ -296,7 +296,7 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
         let brake = FiniteElementBrake::new(case, &()).unwrap();
         let scene = &brake.plan.scenes[0];
         for mu in [0.3, 0.5, 0.8, 1.2] {
-            let at = brake.operating_point(scene, &brake.with_parameter(scene, mu)).unwrap();
+            let at = brake.operating_point(scene, &brake.with_parameter(scene, mu).unwrap()).unwrap();
             let full = brake.full_point(scene, &at);
             let rectangle = sparse::Rectangle { re: [0.0, 20_000.0], im: [5700.0 * TAU, 6500.0 * TAU] };
             let whole = brake.sets[0].system.assemble(&full).unwrap();

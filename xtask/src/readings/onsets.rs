@@ -11,7 +11,7 @@ use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::case::{LatticeCase, Law};
 use squeal::montecarlo::Experiment as _;
 use squeal::nalgebra::{DMatrix, DVector};
-use squeal::study::{Scratch, Study, UncertainBrake as _};
+use squeal::study::{Scratch, Study};
 use toml::Table;
 
 use super::product::{AXES, Combination, mode_numbers, product};
