@@ -268,7 +268,7 @@ fn is_affine_throughout<B: UncertainBrake>(
     half_width: f64,
 ) -> bool {
     let count = (4.0 / half_width).clamp(FEWEST_PROBES, MOST_PROBES) as u64;
-    let at = |value: f64| brake.operating_point(scene, &brake.with_parameter(scene, value)).map(numbers).ok();
+    let at = |value: f64| brake.operating_point(scene, &brake.with_parameter(scene, value)?).map(numbers).ok();
     let quantile = |i: u64| distribution.quantile((i as f64 + 0.5) / count as f64);
     let [from, to] = [quantile(0), quantile(count - 1)];
     let (Some(first), Some(last)) = (at(from), at(to)) else { return false };

@@ -159,7 +159,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         difference: DIFFERENCE,
     });
     let system = |at: f64| part.system(&[at]);
-    let along = Along::new(&system, part.family.solver, threshold);
+    let along = Along::new(&system, &part.family.solver, threshold);
     let steps = steps(part)?;
     let Changes { found: changes, unresolved, marginal, start, spectra } = along.changes(steps)?;
     let locus = part.studied(root_locus(&mut branches, 0.0, 1.0, SHORTEST_LOCUS_STEP)?);

@@ -139,7 +139,7 @@ pub(super) fn of_part<B: UncertainBrake>(
 /// The onsets on a line of the grid, in parts of the range.
 fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLine, Error> {
     let system = |along: f64| part.system(line.place(along).as_slice());
-    let along = Along::new(&system, part.family.solver, part.threshold());
+    let along = Along::new(&system, &part.family.solver, part.threshold());
     let Changes { found, unresolved, start, spectra, .. } = along.changes(STEPS)?;
     let is_kept = |change: &Change| match change.of {
         ChangeOf::Flutter => part.is_studied(change.lambda.im),
