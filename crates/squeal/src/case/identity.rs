@@ -259,13 +259,17 @@ fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {
 }
 
 fn of_contact(to: &mut Written, contact: &PatchContact) {
-    let PatchContact { patches, panels, laws, friction, speeds, draws, bristle_damping, stiffness_factor } = contact;
-    to.list(patches, |to, Patch { name, pairs, first_channel, load }| {
+    let PatchContact { patches, panels, laws, friction, speeds, draws, bristle_damping, is_lateral, stiffness_factor } =
+        contact;
+    to.list(patches, |to, Patch { name, pairs, speeds, channels, load }| {
         to.text(name);
         to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
-        to.count(*first_channel);
+        numbers(to, speeds);
+        to.count(channels.start);
+        to.count(channels.end);
         to.number(*load);
     });
+    to.count(usize::from(*is_lateral));
     to.list(panels, panel);
     to.list(laws, |to, law| to.text(law.name()));
     of_friction(to, friction);
