@@ -74,10 +74,10 @@ fn what_only_other_laws_depend_on_may_be_left_out() {
     let before = before.replace(laws, "laws = [\"amontons-coulomb\"]");
     let before = &before[..before.find("[[speeds]]").unwrap()];
     let after = &rest[rest.find("[reduction]").unwrap()..];
-    let text = format!("{before}[friction]\n{mu}\n{after}");
-    let refused = parse(text.clone()).unwrap_err();
+    let written = format!("{before}[friction]\n{mu}\n{after}");
+    let refused = parse(written.clone()).unwrap_err();
     assert!(refused.contains("speeds = missing; allowed: a range of speed"), "{refused}");
-    let case = parse(text.replace("load = 468.0", "load = 468.0\nlateral = \"none\"")).unwrap();
+    let case = parse(written.replace("load = 468.0", "load = 468.0\nlateral = \"none\"")).unwrap();
     assert_eq!(case.contact.unwrap().friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
 }
 
