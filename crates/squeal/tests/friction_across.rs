@@ -155,7 +155,9 @@ fn friction_across_the_sliding_needs_a_speed_or_is_left_out() {
         let text = format!("{}{}", &text[..speeds], &text[text.find("[friction]").unwrap()..]);
         case(folder.path(), text.replace(", \"velocity-dependent\"", ""))
     };
-    let refused = without_speeds("").unwrap_err();
+    // Cases that say nothing of either were made before there was friction across the sliding.
+    assert!(!without_speeds("").unwrap().contact.unwrap().is_lateral);
+    let refused = without_speeds("lateral = \"vector\"").unwrap_err();
     assert!(
         refused.contains("speeds = missing; allowed: ") && refused.contains("contact.lateral = \"none\""),
         "{refused}"

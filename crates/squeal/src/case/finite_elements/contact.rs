@@ -82,7 +82,7 @@ impl Patches {
                 // Of a patch some nodes may be held, which was counted above.
                 MissingRows::of(model, &format!("contact.patches {name:?}"), &nodes, &TRANSLATIONS)?;
             }
-            let is_lateral = contact.lateral == LateralEntry::Vector;
+            let is_lateral = contact.lateral != Some(LateralEntry::None);
             out.add(model, name, own, (of_pair, load, is_lateral))?;
         }
         match owners.iter().position(Option::is_none) {

@@ -19,6 +19,7 @@ use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::read::parameter;
 use crate::case::validate::{distributions, friction_parameters, speed_ranges};
 use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
+use crate::output::note;
 
 /// Most samples that are solved with the whole brake too; chosen: hours.
 const MOST_FULL_CHECKS: u64 = 10_000;
@@ -86,7 +87,15 @@ impl FiniteElementCase {
                 }
                 None
             }
-            Some(table) => {
+            Some(mut table) => {
+                if table.lateral.is_none() && speeds.is_empty() {
+                    // Friction across the sliding depends on a speed, and nobody says which.
+                    note(&format!(
+                        "{}: no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)",
+                        path.display()
+                    ));
+                    table.lateral = Some(LateralEntry::None);
+                }
                 let of_contact = Patches::new(&model, &table)?;
                 sides = Some(of_contact.sides);
                 missing_rows.extend(of_contact.missing);
@@ -154,7 +163,7 @@ fn patch_contact(
     }
     check.no_repeats("study.laws", laws.iter().map(ToString::to_string))?;
     let ContactTable { in_contact, arrangements, draws, bristle_damping, lateral, .. } = table;
-    let is_lateral = lateral == LateralEntry::Vector;
+    let is_lateral = lateral != Some(LateralEntry::None);
     let depends_on_speed = is_lateral || laws.iter().any(|&law| law != Law::AmontonsCoulomb);
     if is_lateral && speeds.is_empty() {
         let allowed = "a range of speed or more, on which friction across the sliding depends; or contact.lateral = \"none\" without it";

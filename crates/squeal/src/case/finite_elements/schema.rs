@@ -112,8 +112,7 @@ pub(super) struct ContactTable {
     pub draws: Draws,
     #[serde(default = "constant")]
     pub bristle_damping: BristleDampingEntry,
-    #[serde(default = "vector")]
-    pub lateral: LateralEntry,
+    pub lateral: Option<LateralEntry>,
 }
 
 /// Friction across the sliding: the direction of friction follows that of the sliding, or there is none.
@@ -122,10 +121,6 @@ pub(super) struct ContactTable {
 pub(super) enum LateralEntry {
     Vector,
     None,
-}
-
-fn vector() -> LateralEntry {
-    LateralEntry::Vector
 }
 
 fn shared() -> Draws {
