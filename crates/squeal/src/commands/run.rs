@@ -146,9 +146,10 @@ impl RunArgs {
             // Last: it shows the tables.
             write_page(results, &(more.geometry)(), dir)?;
             most_failed = self.most_failed(results);
-            if results.panels().len() <= SUMMARISED_PANELS {
-                summary = results.text()?;
-            }
+            summary = match results.panels().len() {
+                0..=SUMMARISED_PANELS => results.text()?,
+                _ => results.in_short(),
+            };
             Ok(())
         })?;
         if !scorecard.is_empty() {

@@ -28,7 +28,7 @@ impl<'a> Results<'a> {
     /// # Errors
     /// None for the results of a study.
     pub fn text(&self) -> Result<String, Error> {
-        let mut text: String = warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect();
+        let mut text = self.said_first();
         if !self.plan().threshold.is_axis() {
             let _ = writeln!(text, "unstable: with {}", self.plan().threshold);
         }
@@ -53,6 +53,28 @@ impl<'a> Results<'a> {
             }
         }
         Ok(text)
+    }
+
+    /// What every number has to be read with, a line each: what failed, what is undecided.
+    pub fn said_first(&self) -> String {
+        warnings(self).into_iter().map(|warning| printable(&warning) + "\n").collect()
+    }
+
+    /// A study of many panels in some lines: what is said first, and in how many evaluations there is what no figure of modes shows.
+    pub fn in_short(&self) -> String {
+        let sum = |of: fn(&SceneTally) -> u64| self.summary.tally.scenes.iter().map(of).sum::<u64>();
+        let (solved, any) = (sum(|tally| tally.solved), sum(|tally| tally.any_unstable));
+        let mut text = self.said_first();
+        let _ = writeln!(text, "anything is unstable in {any} of {solved} evaluations that were solved");
+        for (what, count) in [
+            ("divergence (real eigenvalues, no oscillation)", sum(|tally| tally.diverging)),
+            ("modes without a name", sum(|tally| tally.unnamed().hits())),
+        ] {
+            if count > 0 {
+                let _ = writeln!(text, "  {what}: in {count} of them");
+            }
+        }
+        text
     }
 
     /// A mode with its frequency, or what is no mode, for people.

@@ -397,11 +397,16 @@ mod tests {
         let names = |modes: &[&[u16]]| {
             let candidates: Vec<Vec<ModeLabel>> = modes.iter().map(|names| labels(names)).collect();
             let found = unstable_names(&candidates, &labels(&[1, 2, 3]));
-            found.into_iter().map(|(name, is_sure)| (name.number(), is_sure)).collect::<Vec<_>>()
+            found.into_iter().map(|(name, is_sure)| (name.to_string(), is_sure)).collect::<Vec<_>>()
         };
-        assert_eq!(names(&[&[2], &[]]), [(1, false), (2, true), (3, false)]);
-        assert_eq!(names(&[&[], &[], &[]]), [(1, false), (2, false), (3, false)]);
-        assert_eq!(names(&[&[2], &[1, 3]]), [(1, false), (2, true), (3, false)]);
+        let expected = |names: &[(&str, bool)]| -> Vec<(String, bool)> {
+            names.iter().map(|(name, is_sure)| ((*name).to_owned(), *is_sure)).collect()
+        };
+        let one_unnamed = [("1", false), ("2", true), ("3", false), ("unnamed", true)];
+        assert_eq!(names(&[&[2], &[]]), expected(&one_unnamed));
+        let all_unnamed = [("1", false), ("2", false), ("3", false), ("unnamed", true)];
+        assert_eq!(names(&[&[], &[], &[]]), expected(&all_unnamed));
+        assert_eq!(names(&[&[2], &[1, 3]]), expected(&one_unnamed[..3]));
         assert!(names(&[]).is_empty());
     }
 }
