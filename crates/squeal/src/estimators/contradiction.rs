@@ -57,9 +57,12 @@ pub(super) fn contradiction(found: &SceneOccurrences, own: &SceneTally) -> Optio
 
 /// Whether the limits of a proportion have no number in common with an interval.
 fn are_apart(estimate: &Interval, of: &Proportion) -> bool {
-    let lower = exact_lower_limit(of.hits(), of.trials(), TAIL);
-    let upper = exact_upper_limit(of.hits() + of.ambiguous(), of.trials(), TAIL);
-    of.trials() > 0 && (estimate.upper < lower || upper < estimate.lower)
+    let (sure, possible, trials) = (of.hits(), of.hits() + of.ambiguous(), of.trials());
+    // The lower limit of one hit, 1 - (1 - tail)^(1/n), which a bisection of numbers near 1 does not resolve.
+    let of_one = -((-TAIL).ln_1p() / trials.max(1) as f64).exp_m1();
+    let lower = exact_lower_limit(sure, trials, TAIL).max(if sure > 0 { of_one } else { 0.0 });
+    let upper = exact_upper_limit(possible, trials, TAIL).min(if possible < trials { 1.0 - of_one } else { 1.0 });
+    trials > 0 && (estimate.upper < lower || upper < estimate.lower)
 }
 
 fn in_words(what: &str, estimate: &Interval, of: &Proportion) -> String {
