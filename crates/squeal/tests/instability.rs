@@ -286,7 +286,8 @@ fn islands_are_estimated(count: u64, samples: u64) {
         let upper = found.modes.values().map(|mode| 2.0 * mode.limits.upper - mode.occurrence.upper);
         let upper = upper.fold(found.half_width, f64::max);
         let lower = found.modes.values().map(|mode| mode.limits.lower).fold(0.0, f64::max);
-        assert!(lower <= share && share <= upper && found.half_width <= 0.0015, "{centre} {share}: {found:?}");
+        // Plain samples are planned by pilots, which may have seen none.
+        assert!(lower <= share && share <= upper && found.half_width <= 0.003, "{centre} {share}: {found:?}");
     }
 }
 

@@ -64,9 +64,9 @@ fn named(
     reference: &Reference,
 ) -> Result<Vec<Vec<ModeLabel>>, EstimatorError> {
     let at_median = family.lambdas(median)?.to_vec();
-    let lambdas = family.lambdas(mu)?;
+    let lambdas = family.lambdas(mu)?.to_vec();
     let growing: Vec<usize> = (0..lambdas.len()).filter(|&i| lambdas[i].re > 0.0).collect();
-    let unstable = surely_unstable(growing, &lambdas.to_vec(), &family.system(mu), mu)?;
+    let unstable = surely_unstable(growing, &lambdas, &family.system(mu), mu)?;
     let name = |index: usize| {
         let ends = follow_branch(family, mu, index, median, SMALLEST_STEP)?;
         Ok(reference.names_of(ends.into_iter().map(|end| place(reference, end, at_median[end]))))
