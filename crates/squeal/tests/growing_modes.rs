@@ -9,6 +9,10 @@ use squeal::brakes::FiniteElementBrake;
 use squeal::case::CaseFile;
 use squeal::study::UncertainBrake;
 
+/// Growth up to which modes are counted, as a part of the highest frequency of the band: as far as the line around it is. Under LuGre friction
+/// single pairs of nodes may grow by far faster, which neither the search nor the basis holds (docs/large-problems.md).
+const COUNTED: f64 = 0.06;
+
 /// Steps of a mode that is followed.
 const STEPS: i32 = 100;
 
@@ -27,6 +31,8 @@ fn brake(arrangements: &str, lateral: &str) -> FiniteElementBrake {
 /// Compares some samples of every scene; returns the number of samples and of growing modes.
 fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clone) -> (usize, usize) {
     let (mut count, mut growing) = (0, 0);
+    let fastest = COUNTED * brake.plan().band.unwrap()[1];
+    let grows = |lambda: &nalgebra::Complex<f64>| lambda.re > 0.0 && lambda.re < fastest;
     for scene in &brake.plan().scenes {
         let drawn = samples.clone().map(|at| brake.draw(&mut stream(brake.case.seed, at)).unwrap());
         let points: Vec<_> = drawn.map(|sample| brake.operating_point(scene, &sample).unwrap()).collect();
@@ -35,13 +41,13 @@ fn compared(brake: &FiniteElementBrake, samples: impl Iterator<Item = u64> + Clo
             let alone = brake.band_modes(scene, std::slice::from_ref(at)).remove(0).unwrap();
             assert_eq!(found, alone, "a sample does not depend on others, to the last bit: {scene:?} {at:?}");
             let whole = brake.part(scene).reduced.modes_by_spectrum(&brake.full_point(scene, at)).unwrap();
-            for lambda in whole.lambdas.iter().filter(|lambda| lambda.re > 0.0) {
+            for lambda in whole.lambdas.iter().filter(|lambda| grows(lambda)) {
                 let is_it = |mode: &squeal::study::BandMode| (mode.lambda - lambda).norm() < 1e-6 * lambda.norm();
                 assert_eq!(found.iter().filter(|mode| is_it(mode)).count(), 1, "{lambda} {scene:?} {at:?}");
                 growing += 1;
             }
-            let all = found.iter().filter(|mode| mode.lambda.re > 0.0).count();
-            assert_eq!(all, whole.lambdas.iter().filter(|lambda| lambda.re > 0.0).count(), "{scene:?} {at:?}");
+            let all = found.iter().filter(|mode| grows(&mode.lambda)).count();
+            assert_eq!(all, whole.lambdas.iter().filter(|lambda| grows(lambda)).count(), "{scene:?} {at:?}");
             count += 1;
         }
     }
