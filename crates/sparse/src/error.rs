@@ -71,6 +71,26 @@ pub enum SparseError {
         /// The backward error reached.
         residual: f64,
     },
+    /// An eigenvalue of a higher multiplicity than any block shows.
+    #[error(
+        "an eigenvalue within reach of {shift} rad/s occurs {copies} times or more: too often for a search to find all"
+    )]
+    Multiplicity {
+        /// The shift, rad/s.
+        shift: Complex<f64>,
+        /// How often it was found.
+        copies: usize,
+    },
+    /// A group of eigenvalues that were not found again in the space of their vectors.
+    #[error("{found} eigenvalues next to {lambda:.6e} rad/s were found, but {settled} in the space of their vectors")]
+    GroupLost {
+        /// One of them, rad/s.
+        lambda: Complex<f64>,
+        /// How many a disc has.
+        found: usize,
+        /// How many the space has.
+        settled: usize,
+    },
     /// A rectangle of no extent, or without end.
     #[error("{part} from {from} to {to} rad/s; both must be finite and the first below the second")]
     Rectangle {
@@ -106,6 +126,21 @@ pub enum SparseError {
         eigenvalues: usize,
         /// The eigenvalues allowed: their vectors take memory.
         most: usize,
+    },
+    /// Two counts of the eigenvalues in a rectangle that contradict each other.
+    #[error(
+        "{listed} eigenvalues were found with {} < Re lambda < {} and {} < Im lambda < {} rad/s, but the argument principle counts \
+         {counted}: neither is to be trusted", re[0], re[1], im[0], im[1]
+    )]
+    CountsDiffer {
+        /// How many were found.
+        listed: usize,
+        /// How many zeros det Q has there.
+        counted: usize,
+        /// Re lambda of the rectangle that was counted, rad/s.
+        re: [f64; 2],
+        /// Im lambda of it.
+        im: [f64; 2],
     },
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]

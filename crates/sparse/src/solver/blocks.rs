@@ -32,8 +32,13 @@ pub(super) fn dot(a: &[Complex<f64>], b: &[Complex<f64>]) -> Complex<f64> {
 
 /// A fixed block without structure, the same on every machine: the fractional parts of a quadratic sequence.
 pub(super) fn starting_block(rows: usize, columns: usize) -> Mat<Complex<f64>> {
+    another_block(rows, columns, 0)
+}
+
+/// The same, another one for each `number` of columns that there were before.
+pub(super) fn another_block(rows: usize, columns: usize, number: usize) -> Mat<Complex<f64>> {
     Mat::from_fn(rows, columns, |i, j| {
-        let k = (i * columns + j + 1) as f64;
+        let k = (i * columns + j + 1 + 7919 * number) as f64;
         Complex::from(unpatterned(k) * 2.0 - 1.0 + unpatterned((k % 97.0) * (k % 89.0)) - 0.5)
     })
 }

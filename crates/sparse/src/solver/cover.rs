@@ -1,28 +1,22 @@
 //! All eigenvalues of a rectangle: discs until they cover it.
 
-use faer::Mat;
-use nalgebra::DVector;
 use num_complex::Complex;
 
+use super::certified::certified_in;
 use super::disc::Problem;
-use super::pencil::Pencil;
-use super::products::Side;
+use super::polish::Polished;
 use super::reach::{least_reach, reach};
-use super::types::{Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
+use super::scaling::Scaled;
+use super::settle::settled;
+use super::types::{Count, Counters, Disc, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
-/// Distance of the same eigenvalue found twice, relative.
-const FOUND_TWICE: f64 = 1e-9;
-/// Part of a unit vector outside the span of others below which it is none of its own.
-const INDEPENDENT: f64 = 1e-4;
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
 const THINNEST: f64 = 0.1;
 /// Shifts after which the size of a rectangle is estimated, and by how many times it has to be too large then; chosen, because
 /// eigenvalues are not spread evenly.
 const ESTIMATED: usize = 10;
 const ESTIMATE_MARGIN: f64 = 4.0;
-/// Part of |lambda| below which an imaginary part is rounding where the vector is real.
-const REAL: f64 = 1e-6;
 
 /// All eigenvalues in `rectangle`, its border included, with their vectors.
 ///
@@ -41,6 +35,25 @@ pub fn eigenpairs_in(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Found, SparseError> {
     rectangle.check()?;
+    if system.order() <= options.certified
+        && let Some(found) = certified_in(system, rectangle)?
+    {
+        return Ok(found);
+    }
+    let scaled = Scaled::new(system);
+    if !scaled.is_uneven() {
+        return search(system, rectangle, options, progress);
+    }
+    let found = search(&scaled.system, &rectangle.times(1.0 / scaled.gamma), options, progress)?;
+    Ok(scaled.in_given_units(found, system))
+}
+
+fn search(
+    system: &SparseSecondOrder,
+    rectangle: &Rectangle,
+    options: &Options,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Found, SparseError> {
     let problem = Problem::new(system)?;
     let mut search = Search {
         problem: &problem,
@@ -48,20 +61,26 @@ pub fn eigenpairs_in(
         counters: Counters::default(),
         tried: 0,
         discs: Vec::new(),
-        pairs: Vec::new(),
+        found: Vec::new(),
     };
     let upper = upper_part(rectangle);
     let reach = if rectangle.reach() > least_reach(system) { reach(system)? } else { None };
-    if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper)) {
+    if let Some(part) = reach.map_or(Some(upper), |reach| reach.within(&upper, problem.pencil.blur(Complex::default())))
+    {
         if reach.is_some_and(|reach| reach.is_within(&upper)) {
             search.check_whole(2 * system.order() + system.states.len())?;
         }
         search.cover(part, progress)?;
     }
-    let Search { counters, discs, pairs, .. } = search;
-    let mut pairs = both_halves(&problem.pencil, without_duplicates(pairs), rectangle);
+    let Search { mut counters, discs, found, .. } = search;
+    let mut pairs = settled(&problem, found, &mut counters)?;
+    pairs.retain_mut(|pair| {
+        let reach = if pair.bound.is_finite() { pair.bound } else { problem.pencil.blur(pair.lambda) };
+        pair.on_border = rectangle.border_distance(pair.lambda) <= reach;
+        rectangle.contains(pair.lambda, reach)
+    });
     pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
-    Ok(Found { pairs, discs, reach, counters })
+    Ok(Found { pairs, discs, reach, is_certified: false, count: Count::SecondBlock, counters })
 }
 
 /// What has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
@@ -85,7 +104,7 @@ struct Search<'a> {
     tried: usize,
     discs: Vec<Disc>,
     /// With the number of the disc that found them.
-    pairs: Vec<(usize, Eigenpair)>,
+    found: Vec<(usize, Polished)>,
 }
 
 impl Search<'_> {
@@ -96,18 +115,18 @@ impl Search<'_> {
             self.check_size(covered / area(&whole))?;
             self.tried += 1;
             let (disc, candidates) = self.problem.near_centre(&target, self.options, &mut self.counters)?;
-            let (done, rest) = split(&target, &disc);
+            let margin = self.problem.margin(&target);
+            let (done, rest) = split(&target, &disc, margin);
             left.extend(rest);
             let Some(done) = done else { continue };
-            let margin = 1e-7 * whole.reach();
             let here = candidates.into_iter().filter(|c| done.contains(c.lambda, margin)).collect();
             let tolerances = [self.options.tolerance, self.options.left_tolerance];
-            let pairs = self.problem.polish(here, tolerances, &mut self.counters)?;
+            let polished = self.problem.polished(here, tolerances, &mut self.counters)?;
             let number = self.discs.len();
-            self.pairs.extend(pairs.into_iter().map(|pair| (number, pair)));
+            self.found.extend(polished.into_iter().map(|polished| (number, polished)));
             self.discs.push(disc);
             covered += area(&done);
-            progress(Progress { covered: covered / area(&whole), found: self.pairs.len(), shifts: self.discs.len() });
+            progress(Progress { covered: covered / area(&whole), found: self.found.len(), shifts: self.discs.len() });
         }
         Ok(())
     }
@@ -129,7 +148,7 @@ impl Search<'_> {
 
     /// Refuses a rectangle that needs more shifts or holds more eigenvalues than allowed, or will by what is known of it.
     fn check_size(&self, covered: f64) -> Result<(), SparseError> {
-        let (shifts, found, most_shifts) = (self.tried, self.pairs.len(), self.options.shifts);
+        let (shifts, found, most_shifts) = (self.tried, self.found.len(), self.options.shifts);
         let most_pairs = self.most_pairs();
         let margin = if shifts < ESTIMATED { f64::INFINITY } else { ESTIMATE_MARGIN };
         let will_exceed = |so_far: usize, most: usize| so_far as f64 > margin * covered * most as f64;
@@ -144,10 +163,10 @@ impl Search<'_> {
     }
 }
 
-/// The part of a target that a disc covers, all of it or a strip across the longer side, and what is left.
-fn split(target: &Rectangle, disc: &Disc) -> (Option<Rectangle>, Vec<Rectangle>) {
+/// The part of a target that a disc covers with a margin around it, all of it or a strip across the longer side, and what is left.
+fn split(target: &Rectangle, disc: &Disc, margin: f64) -> (Option<Rectangle>, Vec<Rectangle>) {
     let offset = (disc.centre - target.centre()).norm();
-    let radius = disc.radius - offset;
+    let radius = disc.radius - offset - 2.0 * margin;
     if radius >= target.half_diagonal() {
         return (Some(*target), Vec::new());
     }
@@ -164,64 +183,4 @@ fn split(target: &Rectangle, disc: &Disc) -> (Option<Rectangle>, Vec<Rectangle>)
     }
     let (low, high) = (middle - half, middle + half);
     (Some(with([low, high])), vec![with([high, to]), with([from, low])])
-}
-
-/// Pairs that two discs found are kept once.
-fn without_duplicates(found: Vec<(usize, Eigenpair)>) -> Vec<Eigenpair> {
-    let mut kept: Vec<(usize, Eigenpair)> = Vec::with_capacity(found.len());
-    for (disc, pair) in found {
-        let near = |other: &(usize, Eigenpair)| {
-            let reach = (FOUND_TWICE * pair.lambda.norm()).max(pair.bound()).max(other.1.bound());
-            other.0 != disc && (other.1.lambda - pair.lambda).norm() <= reach
-        };
-        let mut outside = pair.right.clone();
-        let mut basis: Vec<DVector<Complex<f64>>> = Vec::new();
-        for (_, other) in kept.iter().filter(|other| near(other)) {
-            let mut direction = other.right.clone();
-            basis.iter().for_each(|b| direction -= b * b.dotc(&direction));
-            if direction.norm() > INDEPENDENT {
-                let direction = direction.normalize();
-                outside -= &direction * direction.dotc(&outside);
-                basis.push(direction);
-            }
-        }
-        if outside.norm() > INDEPENDENT {
-            kept.push((disc, pair));
-        }
-    }
-    kept.into_iter().map(|(_, pair)| pair).collect()
-}
-
-/// The pairs of the upper half plane and their conjugates, those of the rectangle.
-fn both_halves(pencil: &Pencil, upper: Vec<Eigenpair>, rectangle: &Rectangle) -> Vec<Eigenpair> {
-    let mut all = Vec::with_capacity(upper.len());
-    for pair in upper {
-        if is_real(&pair) {
-            let real = |v: &DVector<Complex<f64>>| v.map(|z| Complex::from(z.re));
-            let (lambda, right, left) = (Complex::from(pair.lambda.re), real(&pair.right), real(&pair.left));
-            let (right, left) = (right.normalize(), left.normalize());
-            let parts = pencil.parts(Side::Right, &Mat::from_fn(right.len(), 1, |i, _| right[i]));
-            let backward_error = parts[0].sum(&pencil.weights(lambda)).norm() / pencil.size(lambda);
-            all.push(Eigenpair { lambda, right, left, backward_error, ..pair });
-        } else if pair.lambda.im >= 0.0 {
-            let (right, left) = (pair.right.conjugate(), pair.left.conjugate());
-            all.push(Eigenpair { lambda: pair.lambda.conj(), right, left, ..pair.clone() });
-            all.push(pair);
-        }
-    }
-    let mut inside = Vec::with_capacity(all.len());
-    for mut pair in all {
-        let bound = if pair.bound().is_finite() { pair.bound() } else { 0.0 };
-        pair.on_border = rectangle.border_distance(pair.lambda) <= bound;
-        if rectangle.contains(pair.lambda, bound) {
-            inside.push(pair);
-        }
-    }
-    inside
-}
-
-/// A vector that is its own conjugate belongs to a real eigenvalue; the phase is fixed, the largest entry real.
-fn is_real(pair: &Eigenpair) -> bool {
-    let imaginary = pair.right.iter().map(|z| z.im * z.im).sum::<f64>().sqrt();
-    pair.lambda.im.abs() <= REAL * pair.lambda.norm() && imaginary <= REAL
 }

@@ -4,9 +4,10 @@ use faer::Mat;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::blocks::starting_block;
+use super::blocks::{another_block, starting_block};
 use super::errors::{blocks_until, errors};
 use super::factor::{Factor, Symbolic};
+use super::groups::groups;
 use super::krylov::Krylov;
 use super::left::left_vectors;
 use super::pencil::Pencil;
@@ -30,6 +31,12 @@ const FIRST_LOOK: usize = 40;
 /// rule. Chosen.
 const HIDDEN: usize = 20;
 const OF_MISSING: f64 = 0.75;
+/// Columns of the block by which another one is checked, and steps that both then make together.
+const CHECKED_BY: usize = 2;
+const CHECK_STEPS: usize = 3;
+/// How many times more columns a space may have where blocks come back full, and such blocks the same of the larger of theirs and this.
+const GROWN: usize = 4;
+const WIDEST: usize = 16;
 /// How often another shift is tried where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
 /// The matrices, and the elimination order of their pattern.
@@ -94,9 +101,11 @@ impl Problem {
         let sigma = factor.shift();
         let needed = target.half_diagonal() + (sigma - target.centre()).norm();
         let scale = sigma.norm().max(needed);
-        let capacity = options.columns.max(2 * options.block);
-        let start = starting_block(self.extended_order(), options.block);
-        let mut krylov = Krylov::new(&factor, Side::Right, scale, &start, capacity)?;
+        let mut capacity = options.columns.max(2 * options.block);
+        let (most, widest) = (GROWN * capacity, GROWN * options.block.max(WIDEST));
+        let (mut width, mut is_checked) = (options.block, false);
+        let start = starting_block(self.extended_order(), width);
+        let mut krylov = Krylov::new(&factor, Side::Right, scale, &start, most, widest)?;
         let mut next = FIRST_LOOK;
         let (ritz, radius, wanted, right) = loop {
             krylov.step()?;
@@ -107,7 +116,7 @@ impl Problem {
             let ritz = Ritz::of(&krylov, sigma)?;
             let (mut radius, mut error) = (TRUSTED * known_within(&ritz, sigma, target), 0.0);
             if is_last || radius >= needed {
-                let mut inside = wanted(&ritz, sigma, radius, target);
+                let mut inside = self.wanted(&ritz, sigma, radius, target);
                 let judged = if is_last { inside.clone() } else { ritz.worst(&inside) };
                 let errors = errors(&krylov, &ritz, &judged);
                 for (&j, own) in judged.iter().zip(errors) {
@@ -117,6 +126,29 @@ impl Problem {
                     }
                 }
                 if is_last || radius >= needed {
+                    // A block that comes back full may have left copies of a multiple eigenvalue; one that does not is checked by another.
+                    let copies = self.largest_group(&ritz, sigma, radius);
+                    let more = if copies >= width {
+                        width
+                    } else if is_checked {
+                        0
+                    } else {
+                        CHECKED_BY
+                    };
+                    let columns = krylov.dimension() + krylov.pending();
+                    let fits = width + more <= widest && columns + (CHECK_STEPS + 2) * (width + more) <= most;
+                    if more > 0 && fits {
+                        krylov.widen(&another_block(self.extended_order(), more, width))?;
+                        (width, is_checked) = (width + more, true);
+                        let wider = krylov.pending();
+                        if wider > 0 {
+                            capacity = capacity.max(krylov.dimension() + (CHECK_STEPS + 1) * wider);
+                            next = krylov.dimension() + CHECK_STEPS * wider;
+                            continue;
+                        }
+                    } else if copies >= width {
+                        return Err(SparseError::Multiplicity { shift: sigma, copies });
+                    }
                     inside.retain(|&j| (ritz.lambdas[j] - sigma).norm() < radius);
                     let right = krylov.displacements(&ritz.vectors_of(&inside));
                     break (ritz, radius, inside, right);
@@ -124,15 +156,16 @@ impl Problem {
             }
             let columns = krylov.dimension();
             let missing = if error > 0.0 {
-                blocks_until(ENOUGH, error) * options.block
+                blocks_until(ENOUGH, error) * width
             } else {
                 (OF_MISSING * (needed / radius - 1.0) * (columns - HIDDEN.min(columns)) as f64) as usize
             };
-            next = columns + missing.clamp(options.block, columns.max(options.block));
+            next = columns + missing.clamp(width, columns.max(width));
         };
-        counters.solves += krylov.dimension() + options.block;
+        counters.solves += krylov.dimension() + width;
         let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
         let disc = Disc { centre: sigma, radius, eigenvalues: known, columns: krylov.dimension() };
+        let block = options.block.max(self.largest_group(&ritz, sigma, radius) + 1);
         drop(krylov);
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
@@ -140,7 +173,7 @@ impl Problem {
         } else if self.pencil.is_symmetric() {
             (0..lambdas.len()).map(|j| Some(right.col_as_slice(j).to_vec())).collect()
         } else {
-            left_vectors(&factor, scale, &lambdas, &right, disc.columns, options, counters)?
+            left_vectors(&factor, scale, &lambdas, &right, disc.columns, block, options, counters)?
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
         Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))
@@ -149,6 +182,24 @@ impl Problem {
     /// n + n + s.
     fn extended_order(&self) -> usize {
         2 * self.pencil.order() + self.pencil.states().len()
+    }
+
+    /// The Ritz values in the disc that are in the target or next to it: groups that its border cuts are wanted whole.
+    fn wanted(&self, ritz: &Ritz, sigma: Complex<f64>, radius: f64, target: &Rectangle) -> Vec<usize> {
+        let margin = self.margin(target);
+        let is_wanted = |lambda: Complex<f64>| (lambda - sigma).norm() < radius && target.contains(lambda, margin);
+        (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
+    }
+
+    /// How far outside a rectangle eigenvalues are found with those inside.
+    pub(crate) fn margin(&self, target: &Rectangle) -> f64 {
+        (1e-6 * target.half_diagonal()).max(4.0 * self.pencil.blur(Complex::from(target.reach())))
+    }
+
+    /// The most known Ritz values of the disc that rounding does not tell apart.
+    fn largest_group(&self, ritz: &Ritz, sigma: Complex<f64>, radius: f64) -> usize {
+        let known: Vec<_> = ritz.lambdas.iter().copied().filter(|lambda| (lambda - sigma).norm() < radius).collect();
+        groups(&known, |lambda| self.pencil.blur(lambda)).iter().map(Vec::len).max().unwrap_or(0)
     }
 
     /// Q at the centre of the target, or beside it where an eigenvalue sits there.
@@ -167,13 +218,6 @@ impl Problem {
         }
         Err(SparseError::Singular { shift: target.centre() })
     }
-}
-
-/// The Ritz values of the target that are in the disc.
-fn wanted(ritz: &Ritz, sigma: Complex<f64>, radius: f64, target: &Rectangle) -> Vec<usize> {
-    let margin = 1e-6 * (target.half_diagonal() + (sigma - target.centre()).norm());
-    let is_wanted = |lambda: Complex<f64>| (lambda - sigma).norm() < radius && target.contains(lambda, margin);
-    (0..ritz.lambdas.len()).filter(|&j| is_wanted(ritz.lambdas[j])).collect()
 }
 
 /// Distance from the shift to the nearest Ritz value that is not known, which in the target takes a smaller residual; infinite where

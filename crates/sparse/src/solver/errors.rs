@@ -14,7 +14,7 @@ pub(super) fn errors(krylov: &Krylov<'_>, ritz: &Ritz, some: &[usize]) -> Vec<f6
     let parts = pencil.parts(krylov.side(), &vectors);
     let error = |(j, (parts, &at)): (usize, (&Parts<'_>, &usize))| {
         let lambda = ritz.lambdas[at];
-        parts.sum(&pencil.weights(lambda)).norm() / (pencil.size(lambda) * length(vectors.col_as_slice(j)))
+        parts.sum(&pencil.weights(lambda)).norm() / (pencil.measure(lambda) * length(vectors.col_as_slice(j)))
     };
     parts.iter().zip(some).enumerate().map(error).collect()
 }

@@ -40,34 +40,52 @@ pub(crate) struct Krylov<'a> {
 }
 
 impl<'a> Krylov<'a> {
-    /// An iteration for at most `capacity` columns, started with the image of the block `start` of extended vectors: it has no
-    /// part in the null space of a singular M.
+    /// An iteration for at most `capacity` columns and blocks of `widest` in all, started with the image of the block `start` of extended
+    /// vectors: it has no part in the null space of a singular M.
     pub(crate) fn new(
         factor: &'a Factor<'a>,
         side: Side,
         scale: f64,
         start: &Block,
         capacity: usize,
+        widest: usize,
     ) -> Result<Self, SparseError> {
         let pencil = factor.pencil();
-        let (n, block) = (pencil.order(), start.ncols());
-        let (most, rank) = (capacity + block, capacity + 3 * block);
-        let u = start.subrows(0, n).to_owned();
-        let v = Mat::from_fn(n, block, |i, j| scale * start[(n + i, j)] + factor.shift() * start[(i, j)]);
-        let mut space = Orthogonal::new(n);
-        let before = space.append(u.clone());
+        let (most, rank) = (capacity + widest, capacity + 3 * widest);
+        let none = || Mat::zeros(pencil.order(), 0);
         let mut krylov = Self {
             factor,
             side,
             scale,
-            space,
+            space: Orthogonal::new(pencil.order()),
             vectors: Orthogonal::new(pencil.states().len() + 2 * rank),
-            pending: [u, v],
+            pending: [none(), none()],
             projected: Mat::zeros(most, capacity),
             multiplied: 0,
         };
-        krylov.extend(&before, start.subrows(2 * n, pencil.states().len()).to_owned())?;
+        krylov.widen(start)?;
         Ok(krylov)
+    }
+
+    /// Appends the image of another block of extended vectors; what is appended from then on is by so many columns wider.
+    ///
+    /// # Errors
+    /// A solution with Q(sigma) that is not accurate.
+    pub(crate) fn widen(&mut self, start: &Block) -> Result<(), SparseError> {
+        let (n, width, shift) = (self.pencil().order(), start.ncols(), self.factor.shift());
+        let states = self.pencil().states().len();
+        let u = start.subrows(0, n).to_owned();
+        let v = Mat::from_fn(n, width, |i, j| self.scale * start[(n + i, j)] + shift * start[(i, j)]);
+        let before = self.space.append(u.clone());
+        let earlier = std::mem::replace(&mut self.pending, [u, v]);
+        self.extend(&before, start.subrows(2 * n, states).to_owned())?;
+        let joined = |earlier: &Block, new: &Block| {
+            let count = earlier.ncols();
+            Mat::from_fn(n, count + new.ncols(), |i, j| if j < count { earlier[(i, j)] } else { new[(i, j - count)] })
+        };
+        let [u, v] = &self.pending;
+        self.pending = [joined(&earlier[0], u), joined(&earlier[1], v)];
+        Ok(())
     }
 
     pub(crate) fn pencil(&self) -> &Pencil {

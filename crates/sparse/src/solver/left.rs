@@ -27,18 +27,19 @@ const SAME_AS_RIGHT: f64 = 1e-5;
 type Block = Mat<Complex<f64>>;
 
 /// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right
-/// vectors, which they are where the matrices are symmetric.
+/// vectors, which they are where the matrices are symmetric. `block` is more than the multiplicity of any.
 pub(super) fn left_vectors(
     factor: &Factor<'_>,
     scale: f64,
     lambdas: &[Complex<f64>],
     right: &Block,
     columns: usize,
+    block: usize,
     options: &Options,
     counters: &mut Counters,
 ) -> Result<Vec<Option<Vec<Complex<f64>>>>, SparseError> {
     let (pencil, sigma) = (factor.pencil(), factor.shift());
-    let (n, block) = (pencil.order(), options.block);
+    let n = pencil.order();
     let mix = starting_block(lambdas.len(), block);
     let mut start: Block = Mat::zeros(2 * n + pencil.states().len(), block);
     for (j, &lambda) in lambdas.iter().enumerate() {
@@ -62,7 +63,7 @@ pub(super) fn left_vectors(
         }
     }
     let capacity = options.columns.max(2 * block);
-    let mut krylov = Krylov::new(factor, Side::Left, scale, &start, capacity)?;
+    let mut krylov = Krylov::new(factor, Side::Left, scale, &start, capacity, block)?;
     let mut next = (LEFT_LOOK * columns as f64) as usize;
     loop {
         krylov.step()?;

@@ -1,12 +1,15 @@
 //! Eigenvalues of large sparse systems.
 
+mod argument;
 mod blocks;
+mod certified;
 mod combinations;
 mod cover;
 mod disc;
 mod errors;
 mod factor;
 mod fronts;
+mod groups;
 mod krylov;
 mod lanes;
 mod left;
@@ -17,6 +20,8 @@ mod polish;
 mod products;
 mod reach;
 mod ritz;
+mod scaling;
+mod settle;
 mod substitution;
 mod types;
 
@@ -24,4 +29,4 @@ pub(crate) use blocks::PAR;
 pub use cover::eigenpairs_in;
 pub(crate) use disc::Problem;
 pub use near::eigenpair_near;
-pub use types::{Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};
+pub use types::{Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

@@ -26,6 +26,5 @@ pub fn eigenpair_near(
         return Err(SparseError::Option { option: "the number of entries of the shape", value, allowed });
     }
     let candidate = Candidate { lambda, right: shape.iter().copied().collect(), left: None };
-    let found = Problem::new(system)?.polish(vec![candidate], [tolerance; 2], &mut Counters::default())?;
-    found.into_iter().next().ok_or(SparseError::NotConverged { lambda, residual: f64::INFINITY })
+    Problem::new(system)?.polish(candidate, [tolerance; 2], &mut Counters::default())
 }

@@ -49,6 +49,10 @@ struct Norms {
     states: Vec<f64>,
 }
 
+/// Eigenvalues are told apart where they are farther apart than this part of their size, or so many roots of rounding errors; chosen.
+const TOLD_APART: f64 = 1e-7;
+const APART: f64 = 4.0;
+
 /// Vectors in columns.
 type Block = Mat<Complex<f64>>;
 
@@ -197,6 +201,33 @@ impl Pencil {
             |(state, norm): (&State, &f64)| (lambda / (lambda + state.decay)).norm().min(1.0 / f64::EPSILON) * norm;
         let states: f64 = self.states.iter().zip(&self.norms.states).map(state).sum();
         (l * self.norms.mass + self.norms.damping) * l + self.norms.stiffness + states
+    }
+
+    /// gamma, rad/s, at which |M|, or |C|, weighs as much as |K|.
+    fn natural(&self) -> f64 {
+        let Norms { mass, damping, stiffness, .. } = self.norms;
+        match (mass > 0.0, damping > 0.0, stiffness > 0.0) {
+            (true, _, true) => (stiffness / mass).sqrt(),
+            (true, true, false) => damping / mass,
+            (false, true, true) => stiffness / damping,
+            _ => 1.0,
+        }
+    }
+
+    /// How far rounding may move two eigenvalues apart that are one, rad/s: as the root of a rounding error where they have one vector.
+    pub(crate) fn blur(&self, lambda: Complex<f64>) -> f64 {
+        let size = self.size(Complex::from(lambda.norm().max(self.natural())));
+        let scales = [(size / self.norms.mass).sqrt(), size / self.norms.damping];
+        let scale = scales.into_iter().filter(|scale| scale.is_finite()).fold(f64::INFINITY, f64::min);
+        let scale = if scale.is_finite() { scale } else { 0.0 };
+        (APART * f64::EPSILON.sqrt() * scale).max(TOLD_APART * lambda.norm())
+    }
+
+    /// What a residual at lambda is a part of: [`size`](Self::size), or for an eigenvalue that rounding does not tell from zero that at
+    /// gamma. There K may vanish, and with it all that the computed eigenvalue could be compared with.
+    pub(crate) fn measure(&self, lambda: Complex<f64>) -> f64 {
+        let is_zero = lambda.norm() <= self.blur(lambda);
+        self.size(if is_zero { Complex::from(self.natural()) } else { lambda })
     }
 
     fn side(&self, side: Side) -> &Values {

@@ -1,5 +1,6 @@
 //! From Ritz values to eigenpairs: two-sided Rayleigh quotients, backward errors and condition numbers.
 
+use cea::Verdict;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -7,6 +8,7 @@ use num_complex::Complex;
 use super::blocks::length;
 use super::disc::{Candidate, Problem};
 use super::factor::Factor;
+use super::groups::groups;
 use super::pencil::Pencil;
 use super::products::{Parts, Side};
 use super::types::{Counters, Eigenpair};
@@ -29,23 +31,65 @@ const FARTHEST: f64 = 0.1;
 const ONE_GROUP: f64 = 1e-8;
 /// Smallest reciprocal condition of the couplings of a group whose left vectors can be paired with its right ones.
 const PAIRED: f64 = 1e-6;
+/// Factor on motion times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
+const FIRST_ORDER_SAFETY: f64 = 4.0;
+/// Largest backward error that is rounding, and tolerance of what is marginal, relative; the latter is that of `cea::certified`.
+pub(super) const ROUNDING_ONLY: f64 = 16.0 * f64::EPSILON;
+const LARGEST_MARGINAL_TOLERANCE: f64 = 1e-6;
 
 type Vector = DVector<Complex<f64>>;
 
+/// What a Ritz value became.
+pub(super) struct Polished {
+    /// The Ritz value.
+    pub(super) ritz: Complex<f64>,
+    pub(super) pair: Eigenpair,
+    /// Whether both vectors are as good as they are asked to be.
+    pub(super) is_good: bool,
+}
+
 impl Problem {
-    /// The eigenpairs that candidates stand for, each with a backward error of at most `tolerance`; that of the left vector is at
-    /// most `left_tolerance`, or what inverse iteration gives.
+    /// The eigenpair that a candidate stands for, with a backward error of at most `tolerance`; that of the left vector is at most
+    /// `left_tolerance`, or what inverse iteration gives.
     ///
     /// # Errors
     /// [`SparseError::NotConverged`] for a candidate that is none.
     pub(crate) fn polish(
         &self,
+        candidate: Candidate,
+        [tolerance, left_tolerance]: [f64; 2],
+        counters: &mut Counters,
+    ) -> Result<Eigenpair, SparseError> {
+        let lambda = candidate.lambda;
+        let found = self.polished(vec![candidate], [tolerance, left_tolerance], counters)?;
+        let residual = found.first().map_or(f64::INFINITY, |polished| polished.pair.backward_error);
+        match found.into_iter().next() {
+            Some(polished) if residual <= tolerance => Ok(polished.pair),
+            polished => {
+                let lambda = polished.map_or(lambda, |polished| polished.pair.lambda);
+                Err(SparseError::NotConverged { lambda, residual })
+            }
+        }
+    }
+
+    /// What becomes of candidates of one disc. One that does not converge keeps the backward error that it has.
+    ///
+    /// # Errors
+    /// A factorisation that does not fit into memory.
+    pub(super) fn polished(
+        &self,
         candidates: Vec<Candidate>,
         [tolerance, left_tolerance]: [f64; 2],
         counters: &mut Counters,
-    ) -> Result<Vec<Eigenpair>, SparseError> {
+    ) -> Result<Vec<Polished>, SparseError> {
         let pencil = &self.pencil;
-        let mut trials = Vec::with_capacity(candidates.len());
+        let lambdas: Vec<_> = candidates.iter().map(|candidate| candidate.lambda).collect();
+        let mut is_alone = vec![true; lambdas.len()];
+        let together = groups(&lambdas, |lambda| pencil.blur(lambda)).into_iter().filter(|group| group.len() > 1);
+        together.flatten().for_each(|i| is_alone[i] = false);
+        let mut is_alone = is_alone.into_iter();
+        let mut next_is_alone = || is_alone.next().unwrap_or(true);
+        let (mut trials, mut good) = (Vec::with_capacity(lambdas.len()), Vec::with_capacity(lambdas.len()));
         for some in candidates.chunks(TOGETHER) {
             let right: Vec<_> = some.iter().map(|c| unit(&c.right)).collect();
             let left: Vec<_> = some.iter().map(|c| unit(c.left.as_ref().unwrap_or(&c.right))).collect();
@@ -53,18 +97,27 @@ impl Problem {
             let [right_parts, left_parts] = parts;
             let vectors = right.into_iter().zip(left).zip(right_parts.iter().zip(&left_parts));
             for (candidate, ((x, y), (right, left))) in some.iter().zip(vectors) {
-                let trial = Trial::new(pencil, candidate.lambda, x, y, right);
-                let left_error = left.sum(&pencil.weights(trial.lambda)).norm() / pencil.size(trial.lambda);
-                let is_good = candidate.left.is_some() && trial.error <= tolerance && left_error <= left_tolerance;
-                trials.push(if is_good {
-                    trial
-                } else {
-                    self.by_inverse_iteration(candidate.lambda, trial.x, counters)?
-                });
+                let is_alone = next_is_alone();
+                let mut trial = Trial::new(pencil, candidate.lambda, x, y, right);
+                let left_error = left.sum(&pencil.weights(trial.lambda)).norm() / pencil.measure(trial.lambda);
+                let mut is_good = candidate.left.is_some() && trial.error <= tolerance && left_error <= left_tolerance;
+                // One vector of several that rounding does not tell apart would become any of their space.
+                if !is_good && is_alone {
+                    match self.by_inverse_iteration(candidate.lambda, trial.x.clone(), counters) {
+                        Ok(better) => trial = better,
+                        Err(SparseError::Solve { .. } | SparseError::Singular { .. }) => {}
+                        Err(other) => return Err(other),
+                    }
+                    is_good = trial.error <= tolerance;
+                }
+                trials.push(trial);
+                good.push(is_good);
             }
         }
         pair_groups(&mut trials);
-        trials.into_iter().map(|trial| trial.finish(pencil, tolerance)).collect()
+        let finished = trials.into_iter().map(|trial| trial.finish(pencil));
+        let all = finished.zip(good).zip(lambdas);
+        Ok(all.map(|((pair, is_good), ritz)| Polished { ritz, pair, is_good }).collect())
     }
 
     /// Both vectors by solving with Q next to the eigenvalue, and again next to what their quotient says it is, while that helps.
@@ -134,7 +187,7 @@ impl Trial {
 
     /// The eigenvalue by Rayleigh quotients, where they make the residual no larger.
     fn new(pencil: &Pencil, lambda: Complex<f64>, x: Vector, y: Vector, parts: &Parts<'_>) -> Self {
-        let error_of = |lambda: Complex<f64>, residual: &Vector| residual.norm() / pencil.size(lambda);
+        let error_of = |lambda: Complex<f64>, residual: &Vector| residual.norm() / pencil.measure(lambda);
         let mut residual = parts.sum(&pencil.weights(lambda));
         let (mut best, mut error) = (lambda, error_of(lambda, &residual));
         for _ in 0..STEPS {
@@ -159,19 +212,44 @@ impl Trial {
         Self { lambda: best, x, y, error, slope }
     }
 
-    fn finish(mut self, pencil: &Pencil, tolerance: f64) -> Result<Eigenpair, SparseError> {
-        if self.error.is_nan() || self.error > tolerance {
-            return Err(SparseError::NotConverged { lambda: self.lambda, residual: self.error });
-        }
+    fn finish(mut self, pencil: &Pencil) -> Eigenpair {
         let coupling = y_dot(&self.y, &self.slope).norm();
-        let condition = pencil.size(self.lambda) / (self.lambda.norm() * coupling);
+        let (lambda, size, backward_error) = (self.lambda, pencil.measure(self.lambda), self.error);
+        let condition = size / (lambda.norm() * coupling);
         cea::fix_phase(&mut self.x);
         let mut left = self.y.conjugate();
         cea::fix_phase(&mut left);
         let condition = if condition.is_nan() { f64::INFINITY } else { condition };
-        let (lambda, right, backward_error) = (self.lambda, self.x, self.error);
-        Ok(Eigenpair { lambda, right, left, backward_error, condition, on_border: false })
+        let (bound, verdict) = judged(lambda, size / coupling, backward_error);
+        Eigenpair { lambda, right: self.x, left, backward_error, condition, bound, verdict, on_border: false }
     }
+}
+
+/// The pair of an eigenvalue and its vectors, y the conjugate of the left one, as they are.
+pub(super) fn pair_of(pencil: &Pencil, lambda: Complex<f64>, x: &Vector, y: &Vector) -> Eigenpair {
+    let [x, y] = [x, y].map(|vector| unit(vector.as_slice()));
+    let x = [x];
+    let parts = pencil.parts(Side::Right, &columns(&x));
+    let [x] = x;
+    let error = parts[0].sum(&pencil.weights(lambda)).norm() / pencil.measure(lambda);
+    let slope = parts[0].sum(&pencil.slope_weights(lambda));
+    Trial { lambda, x, y, error, slope }.finish(pencil)
+}
+
+/// The first-order bound of an eigenvalue and the verdict by it, given by how much it moves when the matrices do, rad/s.
+pub(super) fn judged(lambda: Complex<f64>, motion: f64, backward_error: f64) -> (f64, Verdict) {
+    let (bound, tolerance) = (first_order(motion, backward_error), first_order(motion, 0.0));
+    let is_marginal = backward_error <= ROUNDING_ONLY
+        && lambda.re.abs() <= tolerance
+        && tolerance <= LARGEST_MARGINAL_TOLERANCE * lambda.norm();
+    (bound, if is_marginal { Verdict::Marginal { tolerance } } else { Verdict::of(lambda, bound) })
+}
+
+/// How far an eigenvalue may be from the exact one of these matrices or of any that round to them, to first order, given by how
+/// much it moves when the matrices do, rad/s.
+fn first_order(motion: f64, backward_error: f64) -> f64 {
+    let bound = FIRST_ORDER_SAFETY * motion * backward_error.max(0.5 * f64::EPSILON);
+    if bound.is_nan() { f64::INFINITY } else { bound }
 }
 
 /// Left vectors of nearly equal eigenvalues, turned so that each couples with its right vector alone.

@@ -94,9 +94,9 @@ fn real_reach(system: &SparseSecondOrder, scale: &[f64], tau: f64) -> Result<Opt
 }
 
 impl Reach {
-    /// The part of a rectangle in which eigenvalues can be; `None` where there is none.
-    pub(super) fn within(&self, rectangle: &Rectangle) -> Option<Rectangle> {
-        let side = |[from, to]: [f64; 2], most: f64| [from.max(-most), to.min(most)];
+    /// The part of a rectangle in which eigenvalues can be, moved by up to `blur`; `None` where there is none.
+    pub(super) fn within(&self, rectangle: &Rectangle, blur: f64) -> Option<Rectangle> {
+        let side = |[from, to]: [f64; 2], most: f64| [from.max(-most - blur), to.min(most + blur)];
         let part = Rectangle { re: side(rectangle.re, self.real), im: side(rectangle.im, self.modulus) };
         part.check().is_ok().then_some(part)
     }

@@ -1,5 +1,6 @@
 //! What is asked of the solver and what it answers.
 
+use cea::Verdict;
 use nalgebra::DVector;
 use num_complex::Complex;
 
@@ -44,6 +45,11 @@ impl Rectangle {
         if outside > 0.0 { outside } else { nearest(lambda.re, self.re).min(nearest(lambda.im, self.im)) }
     }
 
+    /// In another unit.
+    pub(super) fn times(&self, factor: f64) -> Self {
+        Self { re: self.re.map(|x| x * factor), im: self.im.map(|x| x * factor) }
+    }
+
     pub(super) fn centre(&self) -> Complex<f64> {
         let middle = |[from, to]: [f64; 2]| from + 0.5 * (to - from);
         Complex::new(middle(self.re), middle(self.im))
@@ -76,11 +82,22 @@ pub struct Options {
     pub shifts: usize,
     /// Most bytes of the vectors found; a rectangle that holds more is refused likewise.
     pub bytes: usize,
+    /// Most degrees of freedom of a system whose whole spectrum is certified, by dense matrices, and what is in the rectangle taken
+    /// from it: nothing is then searched. 0 for a search in any case.
+    pub certified: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-11, left_tolerance: 1e-9, block: 4, columns: 220, shifts: 2000, bytes: 2_000_000_000 }
+        Self {
+            tolerance: 1e-11,
+            left_tolerance: 1e-9,
+            block: 4,
+            columns: 220,
+            shifts: 2000,
+            bytes: 2_000_000_000,
+            certified: 300,
+        }
     }
 }
 
@@ -98,20 +115,13 @@ pub struct Eigenpair {
     /// `(|lambda|^2 |M| + |lambda| |C| + |K|) / (|lambda| |psi^H Q'(lambda) phi|)`, as
     /// [`cea::certified::CertifiedEigenvalue::condition`]. Infinite for lambda = 0 and where the vectors are orthogonal.
     pub condition: f64,
-    /// Whether the border of the rectangle is within [`bound`](Self::bound), so that it may be outside.
+    /// How far the eigenvalue may be from the exact one of these matrices or of any that round to them, rad/s: that of
+    /// `cea::certified` where the spectrum is certified ([`Options::certified`]), else to first order. Infinite where nothing is known.
+    pub bound: f64,
+    /// Whether the motion grows, as far as the bound tells.
+    pub verdict: Verdict,
+    /// Whether the border of the rectangle is within the bound, so that it may be outside.
     pub on_border: bool,
-}
-
-/// Factor on condition times backward error, a first-order estimate; that of `cea::certified`, docs/error-bounds.md.
-const FIRST_ORDER_SAFETY: f64 = 4.0;
-
-impl Eigenpair {
-    /// How far the eigenvalue may be from the exact one of these matrices or of any that round to them, to first order, rad/s.
-    /// Holds for simple eigenvalues; no bound of `cea::certified` stands behind it.
-    #[must_use]
-    pub fn bound(&self) -> f64 {
-        FIRST_ORDER_SAFETY * self.condition * self.backward_error.max(0.5 * f64::EPSILON) * self.lambda.norm()
-    }
 }
 
 /// A disc around a shift in which all eigenvalues are known, as far as its Krylov space shows.
@@ -137,8 +147,31 @@ pub struct Found {
     pub discs: Vec<Disc>,
     /// Where eigenvalues can be at all, where the rectangle is larger and M positive definite: what is beyond has no discs.
     pub reach: Option<Reach>,
+    /// Whether the pairs are of the whole certified spectrum ([`Options::certified`]), and not of a search.
+    pub is_certified: bool,
+    /// How the pairs were counted once more, without regard to how they were found.
+    pub count: Count,
     /// The work done.
     pub counters: Counters,
+}
+
+/// A second count of the eigenvalues, which agrees with the list; where it does not there is an error in place of a list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Count {
+    /// The argument principle: how often det Q turns about zero along the border of a rectangle. It is that asked for, moved
+    /// outwards where eigenvalues are next to its border, and no larger than the spectrum.
+    Argument {
+        /// Where det Q was evaluated around.
+        around: Rectangle,
+        /// Eigenvalues in there.
+        eigenvalues: usize,
+        /// Points of the border: a factorisation each.
+        points: usize,
+    },
+    /// A second block of vectors at every shift, which found nothing that the first had not.
+    SecondBlock,
+    /// None: next to the border Q is singular to rounding, wherever it was moved.
+    Unclear,
 }
 
 /// How far any eigenvalue of a system can be from zero and from the imaginary axis.

@@ -2,11 +2,10 @@
 
 use std::cell::Cell;
 
-use cea::Verdict;
 use formats::{Dof, Matrix};
 use montecarlo::{Bar, Progress};
 use nalgebra_sparse::CscMatrix;
-use sparse::{Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
@@ -101,16 +100,11 @@ fn announce(order: usize) {
     }
 }
 
-/// By the first-order bound.
-fn verdict(pair: &Eigenpair) -> Verdict {
-    Verdict::of(pair.lambda, pair.bound())
-}
-
 fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> String {
     let eigenvalue = |pair: &Eigenpair| {
         let shapes = if vectors { vectors_json(&pair.right, &pair.left) } else { String::new() };
-        let errors = [pair.backward_error, pair.condition, pair.bound()];
-        let known = finite_json(pair.lambda, errors, verdict(pair));
+        let errors = [pair.backward_error, pair.condition, pair.bound];
+        let known = finite_json(pair.lambda, errors, pair.verdict);
         format!("\n    {{{known}, \"on_border\": {}{shapes}}}", pair.on_border)
     };
     let side = |[from, to]: [f64; 2]| format!("[{}, {}]", number(from), number(to));
@@ -124,9 +118,19 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> Str
             disc.columns
         )
     });
+    let count = match found.count {
+        Count::Argument { around, eigenvalues, points } => format!(
+            "{{ \"by\": \"argument-principle\", \"re\": {}, \"im\": {}, \"eigenvalues\": {eigenvalues}, \"points\": {points} }}",
+            side(around.re),
+            side(around.im)
+        ),
+        Count::SecondBlock => "{ \"by\": \"second-block\" }".to_owned(),
+        Count::Unclear => "null".to_owned(),
+    };
     format!(
-        "{{\n  \"route\": \"sparse\",\n{first}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
-         \"discs\": [{discs}],\n    \"factorisations\": {}, \"solves\": {}\n  }}\n}}\n",
+        "{{\n  \"route\": \"{}\",\n{first}  \"eigenvalues\": [{}],\n  \"coverage\": {{\n    \"re\": {}, \"im\": {},\n    \
+         \"count\": {count},\n    \"discs\": [{discs}],\n    \"factorisations\": {}, \"solves\": {}\n  }}\n}}\n",
+        if found.is_certified { "certified" } else { "sparse" },
         list(&found.pairs, eigenvalue),
         side(rectangle.re),
         side(rectangle.im),
@@ -139,22 +143,41 @@ fn table(found: &Found, vectors: bool) -> String {
     let mut text = heading();
     for (i, pair) in found.pairs.iter().enumerate() {
         let border = if pair.on_border { ", on the border" } else { "" };
-        let said = format!("{}{border}", verdict(pair));
+        let said = format!("{}{border}", pair.verdict);
         text += &row(i + 1, pair.lambda, pair.backward_error, pair.condition, &said);
         if vectors {
             text += &vector_rows(&pair.right, &pair.left);
         }
     }
-    let count = |wanted: &str| found.pairs.iter().filter(|pair| verdict(pair).to_string() == wanted).count();
+    let count = |wanted: &str| found.pairs.iter().filter(|pair| pair.verdict.to_string() == wanted).count();
+    let again = match found.count {
+        Count::Argument { around, eigenvalues, points } => format!(
+            "counted again by the argument principle, {} < Re lambda < {} and {} < Im lambda < {}: {eigenvalues}, as listed, from {points} \
+             points",
+            around.re[0], around.re[1], around.im[0], around.im[1]
+        ),
+        Count::SecondBlock => "counted again by a second block of vectors at each disc: nothing new".to_owned(),
+        Count::Unclear => {
+            "not counted again: Q is singular to rounding next to the border, wherever it is moved".to_owned()
+        }
+    };
+    let how = if found.is_certified {
+        "all eigenvalues of the matrices certified, docs/error-bounds.md".to_owned()
+    } else {
+        format!(
+            "discs that cover it: {}, factorisations: {}, solutions: {}; verdicts by first-order bounds",
+            found.discs.len(),
+            found.counters.factorisations,
+            found.counters.solves
+        )
+    };
     text + &format!(
-        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} undecided\ndiscs that cover it: {}, factorisations: {}, solutions: \
-         {}\ndamping = -Re lambda / |lambda|; verdicts by first-order bounds, completeness: docs/large-problems.md\n",
+        "\n{} eigenvalues in the rectangle: {} unstable, {} stable, {} marginal, {} undecided\n{again}\n{how}\ndamping = -Re lambda / \
+         |lambda|; completeness: docs/large-problems.md\n",
         found.pairs.len(),
         count("unstable"),
         count("stable"),
-        count("undecided"),
-        found.discs.len(),
-        found.counters.factorisations,
-        found.counters.solves
+        count("marginal"),
+        count("undecided")
     )
 }

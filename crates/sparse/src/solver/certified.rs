@@ -1,0 +1,75 @@
+//! The eigenvalues in a rectangle of a system that is small enough for its whole spectrum.
+
+use cea::certified::{Certified, CertifiedEigenvalue, certify, solve};
+use cea::{CeaError, Workspace};
+use linsys::{Internal, SecondOrder};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+
+use super::argument::{Known, count};
+use super::pencil::Pencil;
+use super::scaling::Scaled;
+use super::types::{Counters, Eigenpair, Found, Rectangle};
+use crate::{SparseError, SparseSecondOrder};
+
+/// What the dense solver certifies of a system in a rectangle, counted once more by the argument principle; `None` where it does not
+/// find the spectrum: it is to be searched then.
+///
+/// # Errors
+/// Q singular at every lambda; another count than the list has.
+pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) -> Result<Option<Found>, SparseError> {
+    let dense = dense(system)?;
+    let mut work = Workspace::default();
+    let found = solve(&dense, &mut work).and_then(|spectrum| certify(&dense, &spectrum, &mut work));
+    let Certified { eigenvalues, .. } = match found {
+        Err(CeaError::NoConvergence { .. } | CeaError::Range { .. } | CeaError::NoEigenvector { .. }) => {
+            return Ok(None);
+        }
+        found => found?,
+    };
+    let scaled = Scaled::new(system);
+    let reach = |e: &CertifiedEigenvalue| reach(e.lambda, e.bound, scaled.gamma);
+    let known: Vec<_> = eigenvalues.iter().map(|e| Known { lambda: e.lambda, bound: reach(e) }).collect();
+    let count = count(&Pencil::new(&scaled.system), scaled.gamma, &known, rectangle)?;
+    let inside = eigenvalues.into_iter().filter(|e| rectangle.contains(e.lambda, reach(e)));
+    let n = system.order();
+    let pair = |e: CertifiedEigenvalue| {
+        let on_border = rectangle.border_distance(e.lambda) <= reach(&e);
+        let [right, left] = [e.right, e.left].map(|vector| shape(vector, n));
+        let CertifiedEigenvalue { lambda, backward_error, condition, bound, verdict, .. } = e;
+        Eigenpair { lambda, right, left, backward_error, condition, bound, verdict, on_border }
+    };
+    let mut pairs: Vec<_> = inside.map(pair).collect();
+    pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
+    Ok(Some(Found { pairs, discs: Vec::new(), reach: None, is_certified: true, count, counters: Counters::default() }))
+}
+
+/// How far from an eigenvalue its exact place may be: its bound, or where nothing encloses it what rounding moves a double one by.
+pub(super) fn reach(lambda: Complex<f64>, bound: f64, gamma: f64) -> f64 {
+    if bound.is_finite() { bound } else { f64::EPSILON.sqrt() * lambda.norm().max(gamma) }
+}
+
+/// The displacements of a vector that may have internal states too, unit 2-norm.
+fn shape(vector: DVector<Complex<f64>>, n: usize) -> DVector<Complex<f64>> {
+    if vector.len() == n {
+        return vector;
+    }
+    let mut shape = vector.rows(0, n).into_owned();
+    let norm = shape.norm();
+    if norm > 0.0 {
+        shape.unscale_mut(norm);
+    }
+    cea::fix_phase(&mut shape);
+    shape
+}
+
+fn dense(system: &SparseSecondOrder) -> Result<SecondOrder, SparseError> {
+    let mut internal = Internal::zeros(system.order(), system.states.len());
+    for (i, state) in system.states.iter().enumerate() {
+        internal.decay[i] = state.decay;
+        state.drive.iter().for_each(|&(dof, value)| internal.drive[(i, dof)] += value);
+        state.force.iter().for_each(|&(dof, value)| internal.force[(dof, i)] += value);
+    }
+    let [m, c, k] = [&system.m, &system.c, &system.k].map(DMatrix::from);
+    Ok(SecondOrder::with_internal(m, c, k, internal)?)
+}
