@@ -127,7 +127,7 @@ impl Problem {
                 }
                 if is_last || radius >= needed {
                     // A block that comes back full may have left copies of a multiple eigenvalue; one that does not is checked by another.
-                    let copies = self.largest_group(&ritz, sigma, radius);
+                    let copies = self.largest_group(&ritz, sigma, radius, target);
                     let more = if copies >= width {
                         width
                     } else if is_checked {
@@ -165,7 +165,7 @@ impl Problem {
         counters.solves += krylov.dimension() + width;
         let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
         let disc = Disc { centre: sigma, radius, eigenvalues: known, columns: krylov.dimension() };
-        let block = options.block.max(self.largest_group(&ritz, sigma, radius) + 1);
+        let block = options.block.max(self.largest_group(&ritz, sigma, radius, target) + 1);
         drop(krylov);
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
@@ -196,10 +196,10 @@ impl Problem {
         (1e-6 * target.half_diagonal()).max(4.0 * self.pencil.blur(Complex::from(target.reach())))
     }
 
-    /// The most known Ritz values of the disc that rounding does not tell apart.
-    fn largest_group(&self, ritz: &Ritz, sigma: Complex<f64>, radius: f64) -> usize {
-        let known: Vec<_> = ritz.lambdas.iter().copied().filter(|lambda| (lambda - sigma).norm() < radius).collect();
-        groups(&known, |lambda| self.pencil.blur(lambda)).iter().map(Vec::len).max().unwrap_or(0)
+    /// The most wanted Ritz values of the disc that rounding does not tell apart.
+    fn largest_group(&self, ritz: &Ritz, sigma: Complex<f64>, radius: f64, target: &Rectangle) -> usize {
+        let wanted: Vec<_> = self.wanted(ritz, sigma, radius, target).into_iter().map(|j| ritz.lambdas[j]).collect();
+        groups(&wanted, |lambda| self.pencil.blur(lambda)).iter().map(Vec::len).max().unwrap_or(0)
     }
 
     /// Q at the centre of the target, or beside it where an eigenvalue sits there.

@@ -25,10 +25,8 @@ const ILL: f64 = 1e5;
 const FOUND_TWICE: f64 = 1e-9;
 /// Part of a unit vector outside the span of others below which it is none of its own.
 const INDEPENDENT: f64 = 1e-4;
-/// Backward error up to which a pair of a projected problem is one of the whole, and up to which it may be where a disc found more;
-/// chosen.
-const CONVERGED: f64 = 1e-12;
-const NEARLY: f64 = 1e-9;
+/// Backward error up to which a pair of a projected problem is one of the whole; chosen.
+const CONVERGED: f64 = 1e-9;
 /// Vectors that are iterated with those of a group, steps, and distance of the shift from its mean, in units of what rounding does.
 const BESIDE_VECTORS: usize = 2;
 const STEPS: usize = 4;
@@ -106,7 +104,7 @@ fn real(problem: &Problem, member: &Polished) -> Option<Eigenpair> {
     let real = |v: &Vector| v.map(|z| Complex::from(z.re));
     let (right, left) = (real(&member.pair.right), real(&member.pair.left));
     let pair = pair_of(&problem.pencil, Complex::from(member.pair.lambda.re), &right, &left);
-    (member.is_good && pair.backward_error <= NEARLY).then_some(pair)
+    (member.is_good && pair.backward_error <= CONVERGED).then_some(pair)
 }
 
 /// The eigenpairs of a group, of which a disc found so many copies, from the space that its vectors span; `None` where nothing can be
@@ -152,7 +150,7 @@ fn in_space(
     let mut pairs = Vec::new();
     for e in certified.eigenvalues.iter().filter(|e| (e.lambda - mean).norm() <= 2.0 * spread + 8.0 * blur) {
         let pair = pair_of(pencil, e.lambda, &whole(&v, &e.right), &whole(&w, &e.left.conjugate()));
-        if pair.backward_error <= NEARLY {
+        if pair.backward_error <= CONVERGED {
             // The bound is of the projected problem, for rounding errors; what is left of the projection is counted to it.
             let more = (pair.backward_error / (0.5 * f64::EPSILON)).max(1.0);
             let bound = (e.bound * more).max(pair.bound.min(blur));
@@ -163,9 +161,9 @@ fn in_space(
             pairs.push(Eigenpair { bound, verdict, ..pair });
         }
     }
+    // A vector beside those of the space has a backward error too: as many are the group as a disc has copies.
     pairs.sort_by(|a, b| a.backward_error.total_cmp(&b.backward_error));
-    let converged = pairs.iter().filter(|pair| pair.backward_error <= CONVERGED).count();
-    pairs.truncate(converged.max(copies));
+    pairs.truncate(copies);
     Ok(Some(pairs))
 }
 

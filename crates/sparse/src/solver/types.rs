@@ -83,7 +83,7 @@ pub struct Options {
     /// Most bytes of the vectors found; a rectangle that holds more is refused likewise.
     pub bytes: usize,
     /// Most degrees of freedom of a system whose whole spectrum is certified, by dense matrices, and what is in the rectangle taken
-    /// from it: nothing is then searched. 0 for a search in any case.
+    /// from it: nothing is then searched. 0, the default, for a search in any case.
     pub certified: usize,
 }
 
@@ -96,7 +96,7 @@ impl Default for Options {
             columns: 220,
             shifts: 2000,
             bytes: 2_000_000_000,
-            certified: 300,
+            certified: 0,
         }
     }
 }

@@ -56,16 +56,33 @@ fn a_rectangle_holds_what_the_whole_spectrum_has_in_it() {
     for (found, expected) in found.iter().zip(&expected) {
         assert!((0..2).all(|part| (found[part] - expected[part]).abs() < 1e-9), "{found:?} {expected:?}");
     }
-    assert_eq!(inside["route"], "sparse");
+    assert_eq!(inside["route"], "certified");
     assert!(
         inside["eigenvalues"].as_array().unwrap().iter().all(|e| e["verdict"] == "stable" && e["on_border"] == false)
     );
     let coverage = &inside["coverage"];
     assert_eq!(coverage["im"], serde_json::json!([50.0, 150.0]));
-    assert!(
-        coverage["discs"][0]["eigenvalues"].as_u64() >= Some(found.len() as u64)
-            && coverage["solves"].as_u64().unwrap() > 0
-    );
+    assert_eq!(coverage["count"]["by"], "argument-principle");
+    assert!(coverage["count"]["eigenvalues"].as_u64() >= Some(found.len() as u64));
+}
+
+#[test]
+fn a_large_system_is_searched_and_every_disc_checked() {
+    let (folder, masses) = (tempfile::tempdir().unwrap(), 320);
+    let found = json(&chain(folder.path(), masses), &["--box=-1:0,50:60"]);
+    // Damping that is a millionth of the stiffness.
+    let frequency = |j: usize| {
+        let k = 4e4 * (std::f64::consts::PI * j as f64 / (2.0 * (masses + 1) as f64)).sin().powi(2);
+        (k - (0.5e-6 * k).powi(2)).sqrt()
+    };
+    let expected: Vec<f64> = (1..=masses).map(frequency).filter(|im| (50.0..60.0).contains(im)).collect();
+    let lambdas = lambdas(&found);
+    assert!(lambdas.len() == expected.len() && lambdas.len() > 5);
+    assert!(lambdas.iter().zip(&expected).all(|([_, im], expected)| (im - expected).abs() < 1e-9 * expected));
+    let coverage = &found["coverage"];
+    assert_eq!((&found["route"], &coverage["count"]["by"]), (&"sparse".into(), &"second-block".into()));
+    assert!(coverage["discs"][0]["eigenvalues"].as_u64() >= Some(lambdas.len() as u64));
+    assert!(coverage["solves"].as_u64().unwrap() > 0);
 }
 
 #[test]
@@ -87,7 +104,9 @@ fn the_table_says_what_covers_the_rectangle_and_marks_its_border() {
     let output = eig(&matrices, &[&format!("--box=-1:0,{}:250", first[1])]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
-        text.contains("20 eigenvalues in the rectangle: 0 unstable, 20 stable, 0 undecided\ndiscs that cover it: 1,"),
+        text.contains(
+            "20 eigenvalues in the rectangle: 0 unstable, 20 stable, 0 marginal, 0 undecided\ncounted again by the argument principle"
+        ),
         "{text}"
     );
     assert_eq!(text.matches("stable, on the border\n").count(), 1, "{text}");
@@ -156,7 +175,7 @@ fn matrices_that_no_rectangle_can_be_searched_for() {
     let other = write("other.mtx", "4 4 1\n1 1 1.0\n");
     refusal(&eig(&[k.clone(), c.clone(), other], &options), &["other.mtx", "stiffness", "4 x 4; allowed: 3 x 3"]);
     let zero = write("zero.mtx", "3 3 0\n");
-    refusal(&eig(&[zero.clone(), zero.clone(), zero], &options), &["singular at", "at every lambda"]);
+    refusal(&eig(&[zero.clone(), zero.clone(), zero], &options), &["singular", "for every lambda"]);
     let large = write("large.mtx", "1000000 1000000 1\n1 1 1.0\n");
     refusal(&eig(&[large.clone(), c.clone(), k.clone()], &options), &["large.mtx", "1000000 x 1000000", "at most"]);
     let text = folder.path().join("text");

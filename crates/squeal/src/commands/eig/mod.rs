@@ -29,8 +29,8 @@ pub use symmetry::SaidSymmetry;
 /// bound is certified up to rounding and holds for every problem that rounds to the given matrices; JSON has null where there
 /// is none, as for eigenvalues without a digit.
 ///
-/// With --box the eigenvalues in a rectangle are found, by sparse matrices, for thousands of degrees of freedom. Bounds are
-/// then to first order; docs/large-problems.md says how it is known that none is missing, and with what limits.
+/// With --box the eigenvalues in a rectangle are listed, of more than 300 degrees of freedom by sparse matrices, for thousands of
+/// them, and bounds are then to first order. They are counted twice; docs/large-problems.md says how, and with what limits.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EigArgs {
     /// M, a file of any format named above

@@ -17,6 +17,8 @@ use crate::output::{bytes_in_words, in_words, note};
 const LARGEST_FILE: u64 = 1_000_000_000;
 /// Most degrees of freedom; chosen, so that the memory is at most 4 GB by the formula below.
 const LARGEST_ORDER: usize = 40_000;
+/// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
+const CERTIFIED: usize = 300;
 /// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
 const LARGEST_BORDER: f64 = 1e12;
 /// Memory, bytes, of a Krylov basis by the degrees of freedom, and of sparse factors by their power 4/3, which is that of meshes
@@ -82,7 +84,8 @@ fn search(system: &SparseSecondOrder, rectangle: &Rectangle) -> Result<Found, Er
     let bar = Bar::of("% of the rectangle");
     let told = Cell::new(0_u64);
     bar.begin(HUNDRED as u64, 0);
-    let found = eigenpairs_in(system, rectangle, &Options::default(), &mut |progress| {
+    let options = Options { certified: CERTIFIED, ..Options::default() };
+    let found = eigenpairs_in(system, rectangle, &options, &mut |progress| {
         let covered = (progress.covered * HUNDRED) as u64;
         bar.advance(covered.saturating_sub(told.replace(covered)));
     });
