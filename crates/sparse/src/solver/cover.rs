@@ -20,14 +20,16 @@ const ESTIMATE_MARGIN: f64 = 4.0;
 
 /// All eigenvalues in `rectangle`, its border included, with their vectors.
 ///
-/// Where M is positive definite nothing is searched beyond the largest |lambda| and |Re lambda| that the norms of the matrices allow
-/// ([`Found::reach`]). Discs around shifts cover the rest. In each, all eigenvalues are known as far as a block Krylov space of the shifted and
-/// inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and multiple eigenvalues up to
-/// the size of a block. Every pair returned has a backward error of at most `options.tolerance`.
+/// A system of up to `options.certified` degrees of freedom is solved whole by `cea::certified`, and the list counted again by the
+/// argument principle. Of larger ones discs around shifts cover the rectangle, and where M is positive definite nothing beyond the
+/// largest |lambda| and |Re lambda| that the norms of the matrices allow ([`Found::reach`]). In each disc, all eigenvalues are known as far as
+/// a block Krylov space of the shifted and inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and
+/// a second block checks the first. A block that comes back full of copies of one eigenvalue is widened.
 ///
 /// # Errors
 /// A rectangle that is none, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
-/// refinement does not make accurate, a pair that does not converge, more shifts or eigenvalues than allowed.
+/// refinement does not make accurate, two counts that contradict each other, an eigenvalue that occurs too often, more shifts or
+/// eigenvalues than allowed.
 pub fn eigenpairs_in(
     system: &SparseSecondOrder,
     rectangle: &Rectangle,

@@ -165,7 +165,8 @@ impl Problem {
         counters.solves += krylov.dimension() + width;
         let known = ritz.lambdas.iter().filter(|&lambda| (lambda - sigma).norm() < radius).count();
         let disc = Disc { centre: sigma, radius, eigenvalues: known, columns: krylov.dimension() };
-        let block = options.block.max(self.largest_group(&ritz, sigma, radius, target) + 1);
+        let options =
+            Options { block: options.block.max(self.largest_group(&ritz, sigma, radius, target) + 1), ..*options };
         drop(krylov);
         let lambdas: Vec<_> = wanted.iter().map(|&j| ritz.lambdas[j]).collect();
         let left = if lambdas.is_empty() {
@@ -173,7 +174,7 @@ impl Problem {
         } else if self.pencil.is_symmetric() {
             (0..lambdas.len()).map(|j| Some(right.col_as_slice(j).to_vec())).collect()
         } else {
-            left_vectors(&factor, scale, &lambdas, &right, disc.columns, block, options, counters)?
+            left_vectors(&factor, scale, &lambdas, &right, disc.columns, &options, counters)?
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
         Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))

@@ -27,19 +27,19 @@ const SAME_AS_RIGHT: f64 = 1e-5;
 type Block = Mat<Complex<f64>>;
 
 /// Conjugates of left vectors: right ones of the transposed system, whose Krylov space starts with combinations of the right
-/// vectors, which they are where the matrices are symmetric. `block` is more than the multiplicity of any.
+/// vectors, which they are where the matrices are symmetric. The block of `options` is wider than any
+/// is multiple.
 pub(super) fn left_vectors(
     factor: &Factor<'_>,
     scale: f64,
     lambdas: &[Complex<f64>],
     right: &Block,
     columns: usize,
-    block: usize,
     options: &Options,
     counters: &mut Counters,
 ) -> Result<Vec<Option<Vec<Complex<f64>>>>, SparseError> {
     let (pencil, sigma) = (factor.pencil(), factor.shift());
-    let n = pencil.order();
+    let (n, block) = (pencil.order(), options.block);
     let mix = starting_block(lambdas.len(), block);
     let mut start: Block = Mat::zeros(2 * n + pencil.states().len(), block);
     for (j, &lambda) in lambdas.iter().enumerate() {
