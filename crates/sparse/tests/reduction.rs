@@ -361,3 +361,36 @@ fn a_mode_is_found_however_much_faster_than_the_rectangle_it_grows() {
         assert!(fastest > 2.0 * limit, "{limit} {by}: {fastest}");
     }
 }
+
+#[test]
+fn an_eigenvalue_is_found_from_a_poor_neighbour_where_stiff_parts_hide_its_residual() {
+    let system = plate();
+    // Constraints by penalty make all residuals small, relative to the matrices: from 1e3 to 1e9 times the springs.
+    for (draw, at) in draws(6).into_iter().enumerate() {
+        let mut at = at;
+        at.channels[0].lag = None;
+        let SparseSecondOrder { m, c, k, .. } = system.assemble(&at).unwrap();
+        let mut penalty = CooMatrix::new(N, N);
+        for row in 1..4 {
+            let pair = [(dof(row, 2, 0), 1.0), (dof(row + 6, 7, 0), -1.0)];
+            add(&mut penalty, &pair, &pair, 10_f64.powi(4 + i32::try_from(draw).unwrap()) * 400.0);
+        }
+        let k = &k + &CscMatrix::from(&penalty);
+        let dense = linsys::SecondOrder::new(DMatrix::from(&m), DMatrix::from(&c), DMatrix::from(&k)).unwrap();
+        let sparse = SparseSecondOrder::new(m, c, k).unwrap();
+        let mut work = Workspace::default();
+        let all = QrSolver.eigenvalues(&dense, &mut work).unwrap().eigenvalues;
+        let wanted: Vec<Complex<f64>> = all.iter().copied().filter(|l| (0.5..8.0).contains(&l.im)).collect();
+        let shapes = cea::right_vectors(&dense, &wanted, &mut work).unwrap();
+        for (number, (&lambda, shape)) in wanted.iter().zip(&shapes).enumerate() {
+            let apart = |other: &&Complex<f64>| (**other - lambda).norm() > 1e-9 * lambda.norm();
+            let gap = all.iter().filter(apart).map(|other| (other - lambda).norm()).fold(f64::INFINITY, f64::min);
+            let start = lambda + Complex::from_polar(0.1 * gap, number as f64);
+            let noise = |i: usize| Complex::new((17.0 * i as f64 + number as f64).sin(), (5.0 * i as f64).cos());
+            let shape = shape.normalize() + DVector::from_fn(N, |i, _| noise(i) * 1e-3);
+            let found = sparse::eigenpair_near(&sparse, start, &shape, 1e-13).unwrap();
+            assert!((found.lambda - lambda).norm() < 1e-3 * gap + 1e-7 * lambda.norm(), "{draw}: {lambda} {found:?}");
+            assert!(found.backward_error < 1e-15, "{draw}: {lambda} {:e}", found.backward_error);
+        }
+    }
+}

@@ -206,6 +206,16 @@ pub enum Error {
         /// The first of them.
         first: String,
     },
+    /// A reduced brake that is not the whole one.
+    #[error(
+        "{}: the reduced brake does not have the modes of the whole one, as summary.md says first; allowed: none missing, none more, no other \
+         verdict",
+        path.display()
+    )]
+    NotTheWholeBrake {
+        /// The folder with the results.
+        path: PathBuf,
+    },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {

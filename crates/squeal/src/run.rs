@@ -112,8 +112,7 @@ pub fn run_study_with<B: UncertainBrake>(
         pool.install(|| draw(&study, &results, stage))
     })?;
     seconds.report = start.elapsed().as_secs_f64();
-    let full_checks = pool.install(|| brake.full_checks(results.summary.samples))?;
-    let manifest = Manifest { stopped, full_checks, ..Manifest::new(&results, threads, seconds) };
+    let manifest = Manifest { stopped, ..Manifest::new(&results, threads, seconds) };
     folder.write("manifest.json", manifest.json().as_bytes())?;
     Ok(manifest)
 }

@@ -127,7 +127,7 @@ fn modes_of_the_whole_and_of_the_reduced_brake_are_those_of_scipy() {
 
 #[test]
 fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_under_their_names() {
-    let brake = FiniteElementBrake::new(two_arrangements(), &()).unwrap();
+    let brake = FiniteElementBrake::checked(two_arrangements(), &()).unwrap();
     assert_eq!((brake.sets.len(), brake.parts.len()), (1, 2));
     for part in &brake.parts {
         assert!(part.within.is_reached && part.within.basis.ncols() < brake.sets[0].basis.ncols() / 2);
@@ -139,7 +139,7 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
         let reference = &study.references()[scene];
         assert!(reference.modes.len() >= 12 && open(scene) <= 2, "{:?}", reference.names);
     }
-    let found = brake.full_checks(50).unwrap().unwrap();
+    let found = brake.full_checks().unwrap();
     assert!(found.samples == 4 && found.modes >= 32, "{found:?}");
     assert_eq!((found.missing, found.invented, found.other_verdicts), (0, 0, 0), "{found:?}");
     assert!(found.largest_distance < 1e-5, "{found:?}");
@@ -265,7 +265,7 @@ fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
     assert!(error.to_string().contains("contact.stiffness_factor = -"), "{error}");
 
     let Ok(CaseFile::FiniteElements(case)) = with("\"wear\"") else { panic!() };
-    let brake = FiniteElementBrake::new(*case, &()).unwrap();
+    let brake = FiniteElementBrake::checked(*case, &()).unwrap();
     for scene in &brake.plan.scenes {
         let names: Vec<String> = brake.parameters(scene).into_iter().map(|parameter| parameter.name).collect();
         let place = |name: &str| names.iter().position(|known| known == name).unwrap();
@@ -279,7 +279,7 @@ fn a_drawn_contact_stiffness_is_that_of_all_patches_and_the_basis_holds_it() {
             assert!((&drawn.k - &same.k).norm() <= 1e-12 * drawn.k.norm());
         }
     }
-    let found = brake.full_checks(50).unwrap().unwrap();
+    let found = brake.full_checks().unwrap();
     assert!(found.samples == 4 && found.modes >= 4, "{found:?}");
     assert_eq!((found.missing, found.invented, found.other_verdicts), (0, 0, 0), "{found:?}");
 
@@ -318,5 +318,32 @@ fn a_mode_that_grows_faster_than_the_case_says_is_found_and_counts_all_the_same(
             }
             assert_eq!(whole.pairs.len(), usize::from(mu > 0.4), "{mu}");
         }
+    }
+}
+
+#[test]
+fn a_reduction_that_draws_do_not_confirm_is_trained_on_whatever_the_number_of_samples() {
+    let poor = |full_checks: u64| {
+        let text = two_arrangements()
+            .text
+            .replace("training = 6\nfull_checks = 4", &format!("training = 1\nfull_checks = {full_checks}"));
+        let text =
+            text.replace("[contact]", "[contact]\ndraws = \"each\"").replace("[500.0, 8000.0]", "[5700.0, 8000.0]");
+        match CaseFile::parse(&folder().join("poor.toml"), text).unwrap() {
+            CaseFile::FiniteElements(case) => *case,
+            other => panic!("{other:?}"),
+        }
+    };
+    let unchecked = FiniteElementBrake::checked(poor(0), &()).unwrap();
+    assert!(unchecked.full_checks().is_none());
+    let brake = FiniteElementBrake::checked(poor(8), &()).unwrap();
+    let found = brake.full_checks().unwrap();
+    assert!(found.trained_on > 0 && !found.has_failed(), "{found:?}");
+    let columns = |brake: &FiniteElementBrake| brake.parts.iter().map(|part| part.within.basis.ncols()).sum::<usize>();
+    assert!(columns(&brake) > columns(&unchecked));
+    // Again, and with another number of samples: the same to the last bit.
+    let again = FiniteElementBrake::checked(FiniteElementCase { samples: 7, ..poor(8) }, &()).unwrap();
+    for (one, other) in brake.parts.iter().zip(&again.parts) {
+        assert!(one.within.basis == other.within.basis);
     }
 }

@@ -6,6 +6,6 @@ mod labels;
 mod lattice;
 mod matrices;
 
-pub use finite_elements::{Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
+pub use finite_elements::{BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;

@@ -7,7 +7,7 @@ use cea::{
     EigenSolver, Mode, Modes, QrSolver, Threshold, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers,
     verdicts_beyond,
 };
-use linsys::OperatingPoint;
+use linsys::{OperatingPoint, SecondOrder};
 use nalgebra::DVectorView;
 use num_complex::Complex;
 use osc_model::Brake;
@@ -19,7 +19,7 @@ use super::eig::announce;
 use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
 use crate::Error;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
+use crate::brakes::{BESIDE, FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
 use crate::report::hertz;
 use crate::run::bar;
@@ -140,6 +140,7 @@ impl CeaArgs {
         };
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         let shapes = if self.modes { on_rows(&brake, scene, &at, &modes)? } else { Vec::new() };
+        let beside = growing_beside(&brake, reduced.system().assemble(&brake.full_point(scene, &at))?)?;
         if self.json {
             let list: Vec<Value> = rows
                 .enumerate()
@@ -165,6 +166,9 @@ impl CeaArgs {
             if self.modes {
                 all["dofs"] = (0..brake.case.dofs.len()).map(|row| brake.case.dof_name(row)).collect();
             }
+            if !beside.is_empty() {
+                all["growing_beside_hz"] = json!(beside);
+            }
             return Ok(format!("{all:#}\n"));
         }
         let mut text = format!(
@@ -178,6 +182,17 @@ impl CeaArgs {
             if let Some((shape, energy)) = shapes.get(place) {
                 text += &largest_and_work(shape, energy, &brake.case);
             }
+        }
+        let [_, fastest] = brake.case.reduction.growth;
+        for lambda in modes.lambdas.iter().filter(|lambda| lambda.re > fastest) {
+            let hz = hertz(frequency_hz(*lambda));
+            text += &format!(
+                "\n{hz} Hz grows faster than reduction.growth = {fastest}: its residual says what it is worth\n"
+            );
+        }
+        for &hz in &beside {
+            let hz = hertz(hz);
+            text += &format!("\n{hz} Hz grows too, next to the band, and is not listed: widen reduction.frequencies\n");
         }
         Ok(text
             + "\ndamping ratio: -Re / |lambda|, negative where a mode grows; residual: of the mode in the unreduced brake\n"
@@ -206,6 +221,17 @@ impl CeaArgs {
             }
         })
     }
+}
+
+/// The frequencies, Hz, of growing modes of a reduced system next to the band of its brake.
+fn growing_beside(brake: &FiniteElementBrake, system: SecondOrder) -> Result<Vec<f64>, Error> {
+    let [low, high] = brake.case.reduction.frequencies;
+    let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default())?;
+    let is_beside = |hz: f64| (low / BESIDE..low).contains(&hz) || hz > high && hz <= high * BESIDE;
+    let growing = spectrum.eigenvalues.into_iter().filter(|&lambda| brake.plan.threshold.margin(lambda) > 0.0);
+    let mut beside: Vec<f64> = growing.map(frequency_hz).filter(|&hz| is_beside(hz)).collect();
+    beside.sort_by(f64::total_cmp);
+    Ok(beside)
 }
 
 /// All modes of a brake at an operating point, ascending in frequency; with shapes and work where they are wanted.

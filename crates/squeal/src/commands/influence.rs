@@ -81,7 +81,7 @@ impl InfluenceArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
                 let case = self.scene.only_finite_elements(*case, range)?;
-                let brake = workers(self.threads)?.install(|| FiniteElementBrake::new(case, &bar("reductions")))?;
+                let brake = workers(self.threads)?.install(|| FiniteElementBrake::checked(case, &bar("reductions")))?;
                 self.influence(&brake)?
             }
         };

@@ -21,7 +21,7 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// How a command ends: an error is one line on standard error and exit code 2. A reader that has closed its end of standard
+/// How a command ends: an error is one line on standard error and exit code 2, or 1 where results are written that may be wrong. A reader that has closed its end of standard
 /// output, as `head` does, has what it wants.
 pub fn finish(result: Result<(), Error>) -> ExitCode {
     match result {
@@ -29,7 +29,7 @@ pub fn finish(result: Result<(), Error>) -> ExitCode {
         Err(Error::StandardOutput(source)) if source.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             note(&format!("error: {error}"));
-            ExitCode::from(2)
+            ExitCode::from(if matches!(error, Error::NotTheWholeBrake { .. }) { 1 } else { 2 })
         }
     }
 }

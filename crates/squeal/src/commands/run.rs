@@ -96,7 +96,7 @@ impl RunArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 announce_bases(&case);
-                let brake = workers(self.threads)?.install(|| FiniteElementBrake::new(*case, &bar("reductions")))?;
+                let brake = workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &bar("reductions")))?;
                 let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
@@ -132,6 +132,7 @@ impl RunArgs {
         }
         announced(brake.plan());
         let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
+        let mut doubts = String::new();
         let mut most_failed = None;
         let (until_half_width, keeps_samples) = (self.until_half_width, self.keep_samples);
         let options = RunOptions { threads: self.threads, until_half_width, keeps_samples };
@@ -146,12 +147,14 @@ impl RunArgs {
             // Last: it shows the tables.
             write_page(results, &(more.geometry)(), dir)?;
             most_failed = self.most_failed(results);
+            doubts = results.doubts().iter().map(|doubt| format!("WARNING: {doubt}\n")).collect();
             summary = match results.panels().len() {
                 0..=SUMMARISED_PANELS => results.text()?,
                 _ => results.in_short(),
             };
             Ok(())
         })?;
+        write!(out, "{doubts}").map_err(Error::StandardOutput)?;
         if !scorecard.is_empty() {
             writeln!(out, "{}", claims_markdown(&scorecard)).map_err(Error::StandardOutput)?;
         }
@@ -168,16 +171,21 @@ impl RunArgs {
             printable(&self.out.display().to_string())
         )
         .map_err(Error::StandardOutput)?;
-        most_failed.map_or(Ok(()), Err)
+        match (most_failed, manifest.full_checks) {
+            (Some(failed), _) => Err(failed),
+            (None, Some(checks)) if checks.has_failed() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
+            (None, _) => Ok(()),
+        }
     }
 }
 
-/// What samples against the whole brake found, in a line.
+/// What draws against the whole brake found, in a line.
 fn checks_in_words(found: &FullChecks) -> String {
-    let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance } = *found;
+    let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance, trained_on, .. } = *found;
+    let trained = if trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };
     format!(
-        "{samples} samples with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
-         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}\n"
+        "{samples} draws with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
+         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}{trained}\n"
     )
 }
 

@@ -104,7 +104,7 @@ pub struct Manifest {
     /// The largest of them, relative to `|lambda|^2 |M| + |lambda| |C| + |K|`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_residual: Option<f64>,
-    /// Of a reduced brake: some samples against the whole one.
+    /// Of a reduced brake: some draws against the whole one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_checks: Option<FullChecks>,
     /// What was noticed on the way: estimates that were rejected, and why.
@@ -144,7 +144,7 @@ impl Manifest {
             largest_residual: plan
                 .band
                 .map(|_| summary.tally.scenes.iter().map(|tally| tally.largest_residual).fold(0.0, f64::max)),
-            full_checks: None,
+            full_checks: results.full_checks,
             notes: results.notes(),
             stopped: None,
             seconds,

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "case-files")]
 mod claims;
+mod doubts;
 mod estimates;
 mod findings;
 #[cfg(feature = "figures")]

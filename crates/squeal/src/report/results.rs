@@ -7,7 +7,8 @@ use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summar
 
 use crate::Error;
 use crate::study::{
-    Comparison, ComparisonKind, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally, UncertainBrake,
+    Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
+    UncertainBrake,
 };
 
 /// A value with its 95 % interval.
@@ -52,6 +53,8 @@ pub struct Results<'a> {
     pub summary: Summary<StudyTally>,
     /// How modes are named in the report.
     pub labels: ModeNaming,
+    /// Of a reduced brake: some draws against the whole one.
+    pub full_checks: Option<FullChecks>,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     /// What was noticed beside the counts, for the manifest.
@@ -74,8 +77,9 @@ impl<'a> Results<'a> {
         let (plan, origins) = (study.plan(), study.origin_references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
-        let (labels, notes) = (plan.mode_labels, Mutex::default());
-        Self { labels, plan, origins, references, summary, panels, comparisons, notes }
+        let (labels, full_checks) = (plan.mode_labels, study.brake().full_checks());
+        let notes = Mutex::default();
+        Self { labels, plan, origins, references, summary, full_checks, panels, comparisons, notes }
     }
 
     /// The same counts with modes named in another way.

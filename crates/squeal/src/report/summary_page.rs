@@ -19,10 +19,11 @@ pub(super) fn write_summary(
     dir: &Path,
 ) -> Result<(), Error> {
     let labels = &results.plan().labels;
+    let doubts: String = results.doubts().iter().map(|doubt| format!("**WARNING: {doubt}**\n\n")).collect();
     let warned: String =
         warnings(results).into_iter().map(|warning| format!("**{}.**\n\n", printable(&warning))).collect();
     let mut text = format!(
-        "# {}\n\n{warned}{} samples of each arrangement, law and speed range. The occurrence of a mode is the part of the samples in \
+        "# {}\n\n{doubts}{warned}{} samples of each arrangement, law and speed range. The occurrence of a mode is the part of the samples in \
          which it is unstable; of a panel (one law, number in contact and speed range) the median over its arrangements. In \
          parentheses are 95 % intervals; samples in which an unstable mode may be this one or another, and those that failed, widen \
          them upwards. Divergence is instability without oscillation: a real eigenvalue that grows.\n",

@@ -44,10 +44,10 @@ pub struct ModeResidual {
     pub is_above: bool,
 }
 
-/// What samples of a reduced brake are in the whole one: the modes in the band, whether they grow or not.
+/// What draws of a reduced brake are in the whole one: the modes in the band, whether they grow or not.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FullChecks {
-    /// Samples of a scene whose whole brake was solved.
+    /// Draws of a scene whose whole brake was solved.
     pub samples: u64,
     /// Its modes.
     pub modes: u64,
@@ -55,10 +55,48 @@ pub struct FullChecks {
     pub missing: u64,
     /// Modes that only the reduced brake has.
     pub invented: u64,
-    /// Modes on the other side of the threshold.
+    /// Modes that surely grow in the whole brake and do not count in the reduced one, or count there and do not grow.
     pub other_verdicts: u64,
+    /// Modes of the reduced brake with a residual above the one asked for.
+    pub residuals_above: u64,
+    /// Draws in which a mode of the whole brake grows next to the band, where it does not count.
+    pub growing_beside: u64,
+    /// The lowest and the highest frequency of these, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside_hz: Option<[f64; 2]>,
     /// The largest distance of an eigenvalue from that of the reduced brake, relative to its size.
     pub largest_distance: f64,
+    /// How often the reduction was trained on because such draws did not agree.
+    pub trained_on: u64,
+}
+
+impl FullChecks {
+    /// Whether the reduced brake has other modes or verdicts than the whole one.
+    pub fn has_failed(&self) -> bool {
+        self.missing + self.invented + self.other_verdicts > 0
+    }
+
+    /// Draws beside others.
+    #[must_use]
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            modes: self.modes + other.modes,
+            missing: self.missing + other.missing,
+            invented: self.invented + other.invented,
+            other_verdicts: self.other_verdicts + other.other_verdicts,
+            residuals_above: self.residuals_above + other.residuals_above,
+            growing_beside: self.growing_beside + other.growing_beside,
+            beside_hz: self.beside_hz.into_iter().chain(other.beside_hz).reduce(wider),
+            largest_distance: self.largest_distance.max(other.largest_distance),
+            trained_on: self.trained_on.max(other.trained_on),
+        }
+    }
+}
+
+/// A range that holds two.
+pub(crate) fn wider([low, high]: [f64; 2], [other_low, other_high]: [f64; 2]) -> [f64; 2] {
+    [low.min(other_low), high.max(other_high)]
 }
 
 /// A mode at a point where a brake knows its modes.
@@ -286,12 +324,9 @@ pub trait UncertainBrake: Sync {
         None
     }
 
-    /// Some of the first `samples` samples of a reduced brake against the whole one; `None` of a brake that is none.
-    ///
-    /// # Errors
-    /// A sample whose whole brake cannot be solved.
-    fn full_checks(&self, _samples: u64) -> Result<Option<FullChecks>, Error> {
-        Ok(None)
+    /// What draws against the brake that this one is a reduction of have shown; `None` of one that was not checked.
+    fn full_checks(&self) -> Option<FullChecks> {
+        None
     }
 
     /// The symmetries of the brake with a set of constraints, all contacts closed, the identity first; its plan has with each

@@ -12,7 +12,7 @@ mod swept;
 mod whole;
 
 pub use points::frictionless;
-pub use reduce::{Bases, Part, ReducedSet};
+pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
 use cea::Mode;
 use linsys::{OperatingPoint, SecondOrder};
@@ -24,6 +24,7 @@ use tracking::{OwnedPath, clear_likeness};
 
 use self::friction_path::FrictionalPath;
 use self::parameters::SceneOf;
+use self::reduce::Trained;
 use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
@@ -64,6 +65,8 @@ pub struct FiniteElementBrake {
     of_configurations: Vec<usize>,
     /// The closed patches of each configuration of the plan, from 0; none without a contact.
     closed: Vec<Vec<usize>>,
+    /// Draws against the whole brake, where it was checked.
+    full_checks: Option<FullChecks>,
 }
 
 /// One draw of all that is uncertain.
@@ -91,7 +94,7 @@ impl FiniteElementBrake {
     /// As [`FiniteElementBrake::new`]; a parameter or a range that the scene does not have, or for which it has no operating point.
     pub fn for_sweep(case: FiniteElementCase, over: &[Over], progress: &dyn Progress) -> Result<Self, Error> {
         let swept = swept::points(&case, over)?;
-        Self::with_points(case, Bases::OfEach, &swept, progress)
+        Self::with_points(case, Bases::OfEach, &swept, &[], progress)
     }
 
     /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`UncertainBrake::places`].
@@ -99,25 +102,26 @@ impl FiniteElementBrake {
     /// # Errors
     /// As [`FiniteElementBrake::new`].
     pub fn on(case: FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<Self, Error> {
-        Self::with_points(case, bases, &[], progress)
+        Self::with_points(case, bases, &[], &[], progress)
     }
 
-    /// With points of the first configuration at which the modes shall be held too.
+    /// With points of the first configuration at which the modes shall be held in the place of draws, or further ones.
     fn with_points(
         case: FiniteElementCase,
         bases: Bases,
         swept: &[OperatingPoint],
+        trained: &[Trained],
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let reduce::AllBases { sets, parts, of_origins, of_configurations } =
-            reduce::all_bases(&case, bases, swept, progress)?;
+            reduce::all_bases(&case, bases, (swept, trained), progress)?;
         let part = |at: usize| &parts[at].reduced;
         let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
         let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
         let (plan, closed) = layout::plan(&case, &of_origins_parts, &of_configurations_parts)?;
         let naming_systems =
             sets.iter().map(|set| bridge::naming_system(&case, &set.reduced)).collect::<Result<_, Error>>()?;
-        Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed })
+        Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed, full_checks: None })
     }
 
     /// Memory and processor time of the bases of a case, roughly, before any of them is made: as many columns are taken for each as those of
@@ -343,9 +347,8 @@ impl UncertainBrake for FiniteElementBrake {
         Some(Box::new(FrictionalPath { path, brake: &self.plan.brake(scene).system, from: from.clone() }))
     }
 
-    fn full_checks(&self, samples: u64) -> Result<Option<FullChecks>, Error> {
-        let count = self.case.reduction.full_checks;
-        if count == 0 { Ok(None) } else { full_checks::full_checks(self, count, samples).map(Some) }
+    fn full_checks(&self) -> Option<FullChecks> {
+        self.full_checks
     }
 
     fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {

@@ -25,6 +25,8 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 const SEARCHED: f64 = 0.25;
 /// How many times as fast as the fastest mode of the reduced brake the modes of the whole one may grow that are looked for; chosen.
 const BEYOND: f64 = 1.5;
+/// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
+pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
 const MOST_SOLUTIONS: usize = 60;
 /// Part of the residual asked for that responses to forces in the contacts may have. Modes have three times theirs, as measured with
@@ -109,11 +111,22 @@ struct Asked {
     arrangements: Vec<Closed>,
 }
 
-/// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept` too.
+/// A point of the whole brake that a reduction is trained on beside its own draws.
+#[derive(Debug, Clone)]
+pub(super) struct Trained {
+    /// The set of constraints.
+    pub set: usize,
+    /// The closed patches, from 0.
+    pub closed: Closed,
+    pub at: OperatingPoint,
+}
+
+/// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
+/// those of all at their further points.
 pub(super) fn all_bases(
     case: &FiniteElementCase,
     bases: Bases,
-    swept: &[OperatingPoint],
+    (swept, trained): (&[OperatingPoint], &[Trained]),
     progress: &dyn Progress,
 ) -> Result<AllBases, Error> {
     let arrangements = arrangements(case);
@@ -142,14 +155,18 @@ pub(super) fn all_bases(
     }
     progress.begin((case.constraints.len() + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
-    for set in &case.constraints {
-        sets.push(reduced_set(case, &set.fixed, swept)?);
+    for (at, set) in case.constraints.iter().enumerate() {
+        let own: Vec<OperatingPoint> =
+            trained.iter().filter(|point| point.set == at).map(|point| point.at.clone()).collect();
+        sets.push(reduced_set(case, &set.fixed, swept, &own)?);
         progress.advance(1);
     }
     let first = of_configurations[0];
     let part = |(at, asked): (usize, &Asked)| {
         let swept = if at == first { swept } else { &[] };
-        let found = part(case, &sets[asked.set], asked, swept);
+        let is_own = |point: &&Trained| point.set == asked.set && asked.arrangements.contains(&point.closed);
+        let own: Vec<OperatingPoint> = trained.iter().filter(is_own).map(|point| point.at.clone()).collect();
+        let found = part(case, &sets[asked.set], asked, (swept, &own));
         progress.advance(1);
         found
     };
@@ -187,7 +204,25 @@ pub(super) fn whole_modes(
     system: &SparseSecondOrder,
     reduced: &[Complex<f64>],
 ) -> Result<Vec<Complex<f64>>, Error> {
-    let mut rectangle = rectangle(case);
+    modes_in(system, rectangle(case), reduced)
+}
+
+/// As [`whole_modes`], with those that are next to the band.
+pub(super) fn modes_beside(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let rectangle = rectangle(case);
+    let [low, high] = rectangle.im;
+    modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
+}
+
+fn modes_in(
+    system: &SparseSecondOrder,
+    mut rectangle: Rectangle,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
     let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
     rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
     let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
@@ -196,7 +231,12 @@ pub(super) fn whole_modes(
 
 /// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
 /// contact, of modes at training points.
-fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoint]) -> Result<ReducedSet, Error> {
+fn reduced_set(
+    case: &FiniteElementCase,
+    fixed: &[usize],
+    swept: &[OperatingPoint],
+    trained: &[OperatingPoint],
+) -> Result<ReducedSet, Error> {
     let dofs = DofMap::new(case.dofs.len(), fixed)?;
     let system = case.system.on(&dofs)?;
     let all = all_patches(case);
@@ -204,11 +244,12 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoin
     let tolerance = case.reduction.residual;
     let basis = match &case.contact {
         Some(_) => {
-            let mut points = vec![at_median];
+            let mut points = vec![at_median.clone()];
             if !case.parameters.is_empty() {
                 let training = training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES, swept)?;
                 let step = training.len().div_ceil(MOST_STRUCTURES);
                 points.extend(training.into_iter().step_by(step));
+                points.extend(trained.iter().map(|point| all_closed(case, &at_median, point)));
             }
             let goal = ResponseGoal {
                 frequencies: rectangle(case).im,
@@ -218,7 +259,8 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoin
             response_basis(&system, &points, &goal)?.basis
         }
         None => {
-            let training = training(case, &[all], case.reduction.training as u64, swept)?;
+            let mut training = training(case, &[all], case.reduction.training as u64, swept)?;
+            training.extend_from_slice(trained);
             let points = std::slice::from_ref(&at_median);
             let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
             let options =
@@ -228,6 +270,17 @@ fn reduced_set(case: &FiniteElementCase, fixed: &[usize], swept: &[OperatingPoin
     };
     let reduced = system.project(&basis)?;
     Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared: compared(&[], Vec::new()) })
+}
+
+/// A point with all patches closed, as stiff as they are where they are closed: at least those of the medians.
+fn all_closed(case: &FiniteElementCase, medians: &OperatingPoint, at: &OperatingPoint) -> OperatingPoint {
+    let patches = all_patches(case).len();
+    let first = at.coefficients.len() - patches;
+    let factor = at.coefficients[first..].iter().copied().find(|&factor| factor != 0.0);
+    let mut coefficients = at.coefficients.clone();
+    let closed = coefficients[first..].iter_mut().zip(&medians.coefficients[first..]);
+    closed.for_each(|(own, median)| *own = factor.unwrap_or(*median));
+    OperatingPoint { coefficients, channels: at.channels.clone() }
 }
 
 /// The modes of the whole brake at the point where those of a part were found first.
@@ -243,10 +296,16 @@ fn modes_at_medians(
 }
 
 /// A part on the fewest directions that hold it.
-fn part(case: &FiniteElementCase, set: &ReducedSet, asked: &Asked, swept: &[OperatingPoint]) -> Result<Part, Error> {
+fn part(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    asked: &Asked,
+    (swept, trained): (&[OperatingPoint], &[OperatingPoint]),
+) -> Result<Part, Error> {
     let first = &asked.arrangements[0];
     let at_median = of_brake(case, first, &naming_point(case, first)?);
-    let training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
+    let mut training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
+    training.extend_from_slice(trained);
     let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
     let options = Options {
         tolerance: WITHIN * case.reduction.residual,

@@ -12,7 +12,9 @@ use crate::study::ModeLabel;
 pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
     let sets = results.plan().labels.constraints.len();
     let findings = (0..sets).map(|set| SetFindings::new(results, set)).collect::<Result<Vec<_>, Error>>()?;
-    let mut text = String::from("<h3>Which modes squeal</h3>\n<ul class=\"lead\">\n");
+    let doubt = |doubt: String| format!("<p class=\"doubt\">Warning: {}</p>\n", escaped(&doubt));
+    let mut text: String = results.doubts().into_iter().map(doubt).collect();
+    text += "<h3>Which modes squeal</h3>\n<ul class=\"lead\">\n";
     for warning in warnings(results) {
         text += &format!("<li><strong>{}.</strong></li>\n", escaped(&warning));
     }
