@@ -96,7 +96,8 @@ impl RunArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 announce_bases(&case);
-                let brake = workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &bar("reductions")))?;
+                let brake =
+                    workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &bar("reductions")))?;
                 let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
