@@ -154,3 +154,29 @@ where
     }
     table.into_inner().map_err(|error| error.into_error().into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_holds_no_formula_and_all_its_numbers() {
+        let names = ["=cmd|' /C calc'!A0", "+1+1", "-2+3", "@SUM(A1)", "\t=1", "a=b", "-", ""];
+        let numbers = ["-1.5e-3", "+2", "-inf", "NaN", "0", "-0"];
+        let bytes = csv_bytes(&names, [names.to_vec(), [&numbers[..], &["x", "y"]].concat()]).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!(rows[0], "'=cmd|' /C calc'!A0,'+1+1,'-2+3,'@SUM(A1),'\t=1,a=b,-,");
+        assert_eq!(rows[1], rows[0]);
+        assert_eq!(rows[2], "-1.5e-3,+2,-inf,NaN,0,-0,x,y");
+    }
+
+    #[test]
+    fn characters_that_move_others_are_seen() {
+        let moving = ('\u{202a}'..='\u{202e}').chain('\u{2066}'..='\u{2069}').chain(['\u{2028}', '\u{2029}']);
+        for c in moving {
+            assert!(moves_others(c) && printable(&format!("a{c}b")).is_ascii(), "{:x}", u32::from(c));
+        }
+        assert_eq!(printable("µ, é, 摩擦"), "µ, é, 摩擦");
+    }
+}

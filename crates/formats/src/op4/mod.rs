@@ -37,10 +37,13 @@ struct Open {
 
 impl Open {
     fn new([columns, rows, form, kind]: [i64; 4], name: String, limits: &Limits) -> Result<Self, Problem> {
-        let size = |what, found: i64| order(what, usize::try_from(found).unwrap_or(0), limits.order);
+        let size = |what, found: i64| match usize::try_from(found) {
+            Ok(found) => order(what, found, limits.order),
+            Err(_) => Err(Problem::field(what, found, format!("1 to {}", limits.order))),
+        };
         let bigmat = rows < 0 || rows.unsigned_abs() >= LONG_HEADERS;
         let (columns, rows) =
-            (size("number of columns", columns)?, size("number of rows", rows.checked_abs().unwrap_or(0))?);
+            (size("number of columns", columns)?, size("number of rows", rows.checked_abs().unwrap_or(rows))?);
         let (words, complex) = match kind {
             1 => (1, false),
             2 => (2, false),

@@ -241,6 +241,15 @@ pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseEr
     let line = text[..at].matches('\n').count() + 1;
     let source = text.lines().nth(line - 1).unwrap_or_default();
     let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
+    let message = error.message();
+    // What no whole number of 64 bits is: the parser says of it only that it expected something else.
+    if let Some((_, rest)) = message.split_once("integer `").filter(|_| message.contains("128")) {
+        let number: String = rest.chars().take_while(|&c| c != '`').collect();
+        let message = format!(
+            "{source}: the whole number {number} is too large; allowed: -9223372036854775808 to 9223372036854775807, or a number with a point"
+        );
+        return CaseError::Syntax { path: path.to_owned(), line, message };
+    }
     let in_words = |message: String, (rust, word): &(&str, &str)| message.replace(rust, word);
     let message = PARSER_WORDS.iter().fold(error.message().replace('\n', " "), in_words);
     let message = without_struct_name(message);

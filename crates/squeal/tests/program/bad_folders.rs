@@ -102,6 +102,37 @@ fn a_checkpoint_cut_or_altered_anywhere_is_not_continued() {
     assert_same(&tables, &results(&out));
 }
 
+#[test]
+fn estimates_cut_or_altered_anywhere_are_not_continued() {
+    let place = Place::new();
+    let (out, options) = (place.path("out"), ["--half-width", "0.1"]);
+    run(&place.path("brake.toml"), &out, &options);
+    let estimates = out.join("estimates.json");
+    let whole = std::fs::read(&estimates).unwrap();
+    let tables = results(&out);
+    let line = whole.iter().position(|&byte| byte == b'\n').unwrap();
+    let digits: Vec<usize> = (line..whole.len()).filter(|&at| whole[at].is_ascii_digit()).collect();
+    let altered = |at: usize, byte: u8| {
+        let mut bytes = whole.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    let mut damaged: Vec<Vec<u8>> = [0, 1, line, whole.len() / 2, whole.len() - 1].map(|length| whole[..length].to_vec()).to_vec();
+    damaged.extend([0, line / 2, line - 1, line, line + 1, whole.len() - 1].map(|at| altered(at, whole[at] ^ 1)));
+    damaged.extend((0..6).map(|part| digits[part * (digits.len() - 1) / 5]).map(|at| altered(at, b'0' + (whole[at] - b'0' + 1) % 10)));
+    damaged.push([&whole[..], b" "].concat());
+    // What an older program wrote: the same without a first line.
+    damaged.push(whole[line + 1..].to_vec());
+    for bytes in damaged {
+        std::fs::write(&estimates, &bytes).unwrap();
+        refusal(&place.attempt(&out, &options), &["estimates.json", "damaged", "delete them to estimate anew"]);
+        assert_eq!(std::fs::read(&estimates).unwrap(), bytes, "what is left may still be of use");
+    }
+    std::fs::remove_file(&estimates).unwrap();
+    run(&place.path("brake.toml"), &out, &options);
+    assert_same(&tables, &results(&out));
+}
+
 /// The soft limit on the size of a file, in the shell's 512-byte or 1024-byte units, stands for a full disk; the signal
 /// that goes with it is ignored, so that writing fails as it does there.
 #[cfg(unix)]

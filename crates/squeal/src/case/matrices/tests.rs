@@ -114,6 +114,25 @@ fn a_study_is_told_by_what_is_computed_from() {
 }
 
 #[test]
+fn names_that_move_what_is_read_are_refused() {
+    for c in ['\u{202a}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{2028}', '\u{2029}', '\u{7}'] {
+        for name in [format!("{c}spin"), format!("sp{c}in"), format!("spin{c}")] {
+            let escaped: String = name.chars().map(|c| format!("\\u{:04x}", u32::from(c))).collect();
+            let refused = parse(&PAD.replace("\"spin\"", &format!("\"{escaped}\""))).unwrap_err().to_string();
+            assert!(refused.contains("marks of direction") && !refused.contains(c), "{refused}");
+        }
+    }
+}
+
+#[test]
+fn a_whole_number_beyond_64_bits_is_named() {
+    for number in ["99999999999999999999999", "-99999999999999999999999", "9223372036854775808"] {
+        let refused = parse(&PAD.replace("to = 0.6", &format!("to = {number}"))).unwrap_err().to_string();
+        assert!(refused.contains(&format!("the whole number {number} is too large")), "{refused}");
+    }
+}
+
+#[test]
 fn faults_are_named_in_one_line() {
     for (from, to, expected) in [
         (
