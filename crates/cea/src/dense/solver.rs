@@ -64,9 +64,11 @@ fn whole(system: &SecondOrder, spectrum: Spectrum) -> Result<Spectrum, CeaError>
     if found != expected {
         return Err(CeaError::SpectrumLength { found, expected });
     }
-    let real = spectrum.eigenvalues.partition_point(|lambda| lambda.im == 0.0);
-    let is_pair = |pair: &[Complex<f64>]| matches!(pair, [a, b] if *a == b.conj() && a.im < b.im);
-    let unpaired = spectrum.eigenvalues[real..].chunks(2).find(|pair| !is_pair(pair)).and_then(|pair| pair.first());
+    // Equal ones stand together, those below the axis first: each list by itself, in the same order.
+    let all = || spectrum.eigenvalues.iter();
+    let mut below = all().filter(|lambda| lambda.im < 0.0);
+    let above = all().filter(|lambda| lambda.im > 0.0).find(|lambda| below.next().map(Complex::conj) != Some(**lambda));
+    let unpaired = above.or_else(|| below.next());
     let is_sorted = |pair: &[Complex<f64>]| by_frequency(&pair[0], &pair[1]).is_le();
     let unsorted = spectrum.eigenvalues.windows(2).find(|pair| !is_sorted(pair)).map(|pair| &pair[1]);
     let infinite = spectrum.eigenvalues.iter().find(|lambda| !lambda.is_finite());

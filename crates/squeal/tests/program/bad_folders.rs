@@ -117,9 +117,14 @@ fn estimates_cut_or_altered_anywhere_are_not_continued() {
         bytes[at] = byte;
         bytes
     };
-    let mut damaged: Vec<Vec<u8>> = [0, 1, line, whole.len() / 2, whole.len() - 1].map(|length| whole[..length].to_vec()).to_vec();
+    let mut damaged: Vec<Vec<u8>> =
+        [0, 1, line, whole.len() / 2, whole.len() - 1].map(|length| whole[..length].to_vec()).to_vec();
     damaged.extend([0, line / 2, line - 1, line, line + 1, whole.len() - 1].map(|at| altered(at, whole[at] ^ 1)));
-    damaged.extend((0..6).map(|part| digits[part * (digits.len() - 1) / 5]).map(|at| altered(at, b'0' + (whole[at] - b'0' + 1) % 10)));
+    damaged.extend(
+        (0..6)
+            .map(|part| digits[part * (digits.len() - 1) / 5])
+            .map(|at| altered(at, b'0' + (whole[at] - b'0' + 1) % 10)),
+    );
     damaged.push([&whole[..], b" "].concat());
     // What an older program wrote: the same without a first line.
     damaged.push(whole[line + 1..].to_vec());
