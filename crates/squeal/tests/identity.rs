@@ -199,7 +199,7 @@ fn a_checkpoint_of_another_screening_is_refused_by_what_differs() {
             assert!(refused(screened(&other, &options)).contains(said.split(" and ").next().unwrap()), "{said}");
         }
     }
-    let sizes = Sizes { dashpot: Some(0.2), ..options.sizes.clone() };
+    let sizes = Sizes { dashpot: Some(0.2), ..options.sizes };
     let line = refused(screened(&SlidingMass::right(), &ScreenOptions { sizes, ..options.clone() }));
     assert!(line.contains("other changes"), "{line}");
     screened(&SlidingMass::right(), &options).unwrap();

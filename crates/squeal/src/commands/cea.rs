@@ -45,6 +45,9 @@ pub struct CeaArgs {
     pub json: bool,
 }
 
+/// The shape of a mode over all degrees of freedom, and its work.
+type ShapeAndWork = (Vec<Complex<f64>>, ModeWork);
+
 /// One mode of the table.
 struct Row {
     lambda: Complex<f64>,
@@ -52,7 +55,7 @@ struct Row {
     /// In words.
     verdict: &'static str,
     /// Over all degrees of freedom, with the work on each body.
-    shape: Option<(Vec<Complex<f64>>, ModeWork)>,
+    shape: Option<ShapeAndWork>,
 }
 
 /// A real eigenvalue of the structure, or one of an internal state that grows.
@@ -363,7 +366,7 @@ fn on_rows(
     scene: &Scene,
     at: &OperatingPoint,
     modes: &ReducedModes,
-) -> Result<Vec<(Vec<Complex<f64>>, ModeWork)>, Error> {
+) -> Result<Vec<ShapeAndWork>, Error> {
     let (part, of) = (brake.part(scene), brake.plan.brake(scene));
     let mass = of.system.assemble(at)?.m;
     let dofs = &brake.sets[part.set].dofs;

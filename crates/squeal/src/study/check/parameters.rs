@@ -62,7 +62,7 @@ struct Idle {
 /// What came of the values that were tried for a parameter.
 enum Moved {
     /// At this value the system is another.
-    To(f64, SecondOrder),
+    To(f64, Box<SecondOrder>),
     /// No value is allowed but the median.
     Refused,
     /// At none of these.
@@ -98,7 +98,7 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
                 } else {
                     allowed
                         .find(|(_, system)| *system != unchanged)
-                        .map_or(Moved::Nowhere(values.clone()), |(value, system)| Moved::To(value, system))
+                        .map_or(Moved::Nowhere(values.clone()), |(value, system)| Moved::To(value, Box::new(system)))
                 });
             }
         }
@@ -132,7 +132,7 @@ impl<'a, B: UncertainBrake> Changed<'a, B> {
         }
         let values: Vec<(usize, f64)> = moved.iter().map(|&(place, value, _)| (place, value)).collect();
         if let ([_, _, ..], Ok(all)) = (&moved[..], self.brake.system_with(self.scene, &values))
-            && let Some(&(place, ..)) = moved.iter().find(|(_, _, alone)| **alone == all)
+            && let Some(&(place, ..)) = moved.iter().find(|(_, _, alone)| ***alone == all)
         {
             let (scene, parameter) = (self.brake.plan().describe(self.scene), self.parameters[place].name.clone());
             return Err(Contradiction::LostValues { scene, parameter }.into());

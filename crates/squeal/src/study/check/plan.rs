@@ -83,11 +83,11 @@ fn places(at: usize, scene: &Scene, plan: &Plan) -> Result<(), Contradiction> {
 
 /// Whether each arrangement has one scene of a set of constraints, law and speed range.
 fn scenes_once(scenes: &[Scene]) -> Result<(), Contradiction> {
-    // By all but the speed, of which a scene without one stands for every range.
-    let mut known: BTreeMap<(usize, usize, usize, usize), Vec<(Option<usize>, usize)>> = BTreeMap::new();
+    // Of each arrangement its scenes, by speed range; one without a range stands for every one.
+    let mut known: BTreeMap<[usize; 4], Vec<(Option<usize>, usize)>> = BTreeMap::new();
     for (second, Scene { key, members, .. }) in scenes.iter().enumerate() {
         for &member in members {
-            let same = known.entry((key.constraints, key.law, key.panel, member)).or_default();
+            let same = known.entry([key.constraints, key.law, key.panel, member]).or_default();
             let meets = |speed: Option<usize>| speed.is_none() || key.speed.is_none() || speed == key.speed;
             if let Some(&(_, first)) = same.iter().find(|(speed, _)| meets(*speed)) {
                 return Err(Contradiction::SceneTwice { first, second, member });
