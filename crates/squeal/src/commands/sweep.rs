@@ -15,7 +15,6 @@ use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
-use crate::identity::Written;
 use crate::output::printable;
 use crate::report::{Geometry, write_sweep_page};
 use crate::run::{bar, workers};
@@ -88,8 +87,7 @@ impl SweepArgs {
     fn sweep<'a, B: UncertainBrake>(&self, brake: &B, geometry: &dyn Fn() -> Geometry<'a>) -> Result<String, Error> {
         let (plan, start) = (brake.plan(), Instant::now());
         let named: Vec<String> = self.over.iter().map(ToString::to_string).collect();
-        let over = |to: &mut Written| to.list(&named, |to, over| to.text(over));
-        let identity = of_study(brake).part("sweep", over).into_line();
+        let identity = of_study(brake).given("sweep", named.join(",")).into_line();
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }

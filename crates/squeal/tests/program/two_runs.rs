@@ -43,7 +43,7 @@ fn the_second_of_two_is_told_who_is_first() {
         let expected = if seed == "7" {
             format!("another run (process {}, started a second ago) is writing there", first.id())
         } else {
-            "seed 7 format".into()
+            "seed 7, not seed 8".into()
         };
         let line = refusal(&second, &["out"]);
         assert!(line.contains(&expected) || line.contains(" s ago) is writing there"), "{line}");
@@ -64,7 +64,7 @@ fn a_folder_made_anew_belongs_to_the_new_run_alone() {
     std::fs::remove_dir_all(&out).unwrap();
     run(&case, &out, &["--seed", "8"]);
     // The old one finds the checkpoint of the other at its next own, after five seconds.
-    refusal(&old.wait_with_output().unwrap(), &["checkpoint", "belongs to another run", "seed 8"]);
+    refusal(&old.wait_with_output().unwrap(), &["checkpoint", "belongs to another run", "seed=8"]);
     assert_same(&results(&clean), &results(&out));
 }
 
