@@ -185,7 +185,7 @@ fn sweep_all(seeds: std::ops::Range<u64>, places: usize) -> usize {
         let study = Study::new(&brake, &QrSolver).unwrap();
         let parameter = &brake.parameters(&brake.plan.scenes[0])[0];
         let found = sweep(&study, 0, &over("p", 0.0, 2.0 * parameter.median), &QrSolver, &());
-        let found = found.unwrap_or_else(|error| panic!("{seed} {kind:?}: {error}"));
+        let found = found.map_err(|error| format!("{seed} {kind:?}: {error}")).unwrap();
         let longest = longest_contradiction(&brake, &found, places);
         assert!(longest <= 1.0 / found.steps as f64, "{seed} {kind:?}: contradicted over {longest} of the range");
         whole += usize::from(longest < 0.0);
@@ -237,7 +237,8 @@ fn find_islands(seeds: std::ops::Range<u64>) {
         let brake = MatricesBrake::new(written(&text)).unwrap();
         let study = Study::new(&brake, &QrSolver).unwrap();
         let found = sweep(&study, 0, &over("p", 0.0, 1.0), &QrSolver, &()).unwrap();
-        let [first, last] = &found.onsets[..] else { panic!("{seed} {width} {damping}: {:?}", found.onsets) };
+        assert_eq!(found.onsets.len(), 2, "{seed} {width} {damping}: {:?}", found.onsets);
+        let [first, last] = [&found.onsets[0], &found.onsets[1]];
         assert!((first.at - from).abs() < 1e-9 && first.starts, "{seed} {width} {damping}: {first:?} {from}");
         assert!((last.at - to).abs() < 1e-9 && !last.starts, "{seed} {width} {damping}: {last:?} {to}");
     }
