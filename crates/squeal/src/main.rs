@@ -13,7 +13,8 @@ use squeal::commands::{CeaArgs, CheckArgs, EigArgs, InfluenceArgs, RunArgs, Scre
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done; 1 done, but of a reduced brake that does not have the modes of the whole one; 2 an error, said in one line on standard error: a command line or file that cannot be \
+    after_help = "Exit codes: 0 done; 1 done, but of a reduced brake that does not have the modes of the whole one; 2 an error, \
+                  said in one line on standard error: a command line or file that cannot be \
                   used, a folder that cannot be written, or a study of which more than half failed."
 )]
 struct Cli {
