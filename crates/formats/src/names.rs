@@ -41,7 +41,11 @@ pub(crate) fn kind_of(name: &str) -> Option<Kind> {
 /// Whether a name is one of structural damping, which is neither a viscous damping nor a stiffness.
 pub(crate) fn is_structural(name: &str) -> bool {
     let plain = plain(name);
-    ["STRUCT", "HYST", "SDAMP", "DMPS"].iter().any(|word| plain.contains(word)) || plain.starts_with("K4")
+    // A word may begin so, as that of viscous damping does not.
+    let mut words = name.split(|letter: char| !letter.is_ascii_alphanumeric()).map(str::to_uppercase);
+    ["STRUCT", "HYST"].iter().any(|part| plain.contains(part))
+        || words.any(|word| word.starts_with("SDAMP") || word.starts_with("DMPS"))
+        || plain.starts_with("K4")
 }
 
 /// The letters and digits of the last part of a name, as capitals.

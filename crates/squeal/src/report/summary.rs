@@ -42,7 +42,9 @@ impl<'a> Results<'a> {
                 let Estimate { value, lower, upper } = self.median(of)?;
                 Ok(format!("  {what}: unstable in {value:.4} of the samples (95 %: {lower:.4} to {upper:.4})\n"))
             };
-            if !others.is_empty() {
+            // What no single mode says: instability without a mode's name, or under a name that is open.
+            let is_open = |of: &ArrangementOccurrence| of.proportion.ambiguous() > of.failed;
+            if !others.is_empty() || modes.values().flatten().any(is_open) {
                 text += &line("anything".into(), &self.any_occurrence(panel))?;
             }
             for (name, of_mode) in &modes {
