@@ -162,8 +162,10 @@ fn modes_that_a_stiff_internal_state_moves_are_those_of_the_whole_spectrum() {
     for at in training {
         let (followed, all) = (reduced.modes(&at).unwrap(), reduced.modes_by_spectrum(&at).unwrap());
         assert!(matches!(followed.route, Route::Followed { .. }), "{:?}", followed.route);
-        assert_eq!(followed.lambdas.len(), all.lambdas.len());
-        for (one, other) in followed.lambdas.iter().zip(&all.lambdas) {
+        // Eigenvalues that the states themselves bring are not followed; here one grows faster than the rectangle reaches.
+        let all: Vec<_> = all.lambdas.iter().filter(|lambda| RECTANGLE.contains(**lambda, 0.0)).collect();
+        assert_eq!(followed.lambdas.len(), all.len(), "{:?} {all:?}", followed.lambdas);
+        for (one, other) in followed.lambdas.iter().zip(all) {
             assert!((one - other).norm() < 1e-8 * one.norm(), "{one} {other}");
         }
     }

@@ -75,10 +75,13 @@ fn what_only_other_laws_depend_on_may_be_left_out() {
     let before = &before[..before.find("[[speeds]]").unwrap()];
     let after = &rest[rest.find("[reduction]").unwrap()..];
     let written = format!("{before}[friction]\n{mu}\n{after}");
-    let refused = parse(written.clone()).unwrap_err();
+    let across = written.replace("load = 468.0", "load = 468.0\nlateral = \"vector\"");
+    let refused = parse(across).unwrap_err();
     assert!(refused.contains("speeds = missing; allowed: a range of speed"), "{refused}");
-    let case = parse(written.replace("load = 468.0", "load = 468.0\nlateral = \"none\"")).unwrap();
-    assert_eq!(case.contact.unwrap().friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
+    // Without a speed nothing is said of friction across the sliding, and there is none.
+    let contact = parse(written).unwrap().contact.unwrap();
+    assert!(!contact.is_lateral);
+    assert_eq!(contact.friction.mu, parse(text()).unwrap().contact.unwrap().friction.mu);
 }
 
 #[test]

