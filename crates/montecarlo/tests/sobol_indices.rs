@@ -151,9 +151,12 @@ impl Rare {
     }
 }
 
+/// An output as a function of one number.
+type Output = fn(f64) -> f64;
+
 /// Rare outputs of several kinds: which input decides, and how the output is distributed where it is not zero.
 fn rare_outputs(parts: &[[f64; 3]]) -> Vec<Rare> {
-    let kinds: [(fn(f64) -> f64, [f64; 2]); 3] =
+    let kinds: [(Output, [f64; 2]); 3] =
         [(|_| 1.0, [1.0, 1.0]), (|u| u, [0.5, 1.0 / 3.0]), (|u| u * u, [1.0 / 3.0, 0.2])];
     parts.iter().flat_map(|&q| kinds.map(|(of, means)| Rare { q, of, means })).collect()
 }

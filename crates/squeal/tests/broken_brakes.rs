@@ -1,6 +1,7 @@
 //! Brakes of a user's own type that forget or contradict something are refused when a study is made, each by its fault.
 
-#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+#![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
+#![allow(clippy::type_complexity)] // Tables of faults, each a function in the place of the right one.
 
 mod common;
 

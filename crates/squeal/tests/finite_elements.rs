@@ -34,13 +34,15 @@ fn nine_with(lateral: &str) -> FiniteElementCase {
     }
 }
 
-/// The case with all patches in contact and without the first and the last, under two laws.
+/// The case with all patches in contact and without the first and the last, under two laws, without friction across the sliding: with it some
+/// modes lose their names when patches open.
 fn two_arrangements() -> FiniteElementCase {
     let text = std::fs::read_to_string(folder().join("disc-pad.toml")).unwrap();
     let contact = text.lines().find(|line| line.starts_with("in_contact")).unwrap();
     let text = text.replace(contact, "arrangements = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [2, 3, 4, 5, 6, 7, 8]]");
     let full_checks = text.lines().find(|line| line.starts_with("full_checks")).unwrap();
     let text = text.replace(full_checks, "training = 16\nfull_checks = 4");
+    let text = text.replace("load = 468.0", "lateral = \"none\"\nload = 468.0");
     let laws = text.lines().find(|line| line.starts_with("laws")).unwrap();
     let text = text.replace(laws, "laws = [\"amontons-coulomb\", \"lugre\"]");
     let held = text.find("[[constraints]]\nname = \"ends").unwrap();
@@ -216,7 +218,10 @@ fn onsets_of_a_sweep_are_those_of_the_whole_brake() {
     // The whole brake, solved by another route, has a growing mode there on one side only, and near.
     let scene = &brake.plan.scenes[0];
     let growing = |mu: f64| {
-        let at = brake.operating_point(scene, &brake.with_parameter(scene, mu).unwrap()).unwrap();
+        // All that Amontons-Coulomb friction does, along the sliding and across it, is proportional to mu.
+        let mut at = brake.operating_point(scene, &brake.median()).unwrap();
+        let by = mu / 0.5;
+        at.channels.iter_mut().for_each(|gain| (gain.mu, gain.slope) = (by * gain.mu, by * gain.slope));
         let whole = brake.sets[0].system.assemble(&brake.full_point(scene, &at)).unwrap();
         let rectangle = sparse::Rectangle { re: [-1e-2, 1e-2], im: [0.999 * onset.omega, 1.001 * onset.omega] };
         let found = sparse::eigenpairs_in(&whole, &rectangle, &sparse::Options::default(), &mut |_| {}).unwrap();

@@ -25,9 +25,10 @@ fn written(folder: &Path, name: &str, matrix: &DMatrix<f64>) -> Vec<String> {
     npy.extend(header.bytes().chain(numbers.iter().copied()));
     let mut mat: Vec<u8> = [0, n as i32, n as i32, 0, 2].into_iter().flat_map(i32::to_le_bytes).collect();
     mat.extend(b"A\0".iter().chain(&numbers));
-    let mut dmig = format!("DMIG,KAAX,0,{},2,0,,,{n}\n", if matrix == &matrix.transpose() { 6 } else { 1 });
+    let of_set = if name == "M" { "MAAX" } else { "KAAX" };
+    let mut dmig = format!("DMIG,{of_set},0,{},2,0,,,{n}\n", if matrix == &matrix.transpose() { 6 } else { 1 });
     for (i, j) in entries().filter(|(i, j)| i >= j || matrix != &matrix.transpose()) {
-        writeln!(dmig, "DMIG,KAAX,{},1,,{},1,{:e}", j + 1, i + 1, matrix[(i, j)]).unwrap();
+        writeln!(dmig, "DMIG,{of_set},{},1,,{},1,{:e}", j + 1, i + 1, matrix[(i, j)]).unwrap();
     }
     let files: [(&str, Vec<u8>); 6] = [
         ("mtx", (market + &plain).into_bytes()),

@@ -82,7 +82,8 @@ fn modes_beyond_a_threshold_are_those_of_whole_spectra() {
 fn an_empty_table_is_the_bare_sign() {
     let (plain, empty) = (LatticeBrake::new(common::case("two-by-two.toml", &[])).unwrap(), brake("", &[]));
     assert_eq!(plain.plan.identity, empty.plan.identity);
-    assert_ne!(plain.plan.identity, brake("growth_above = 1.0", &[]).plan.identity);
+    assert_eq!(plain.plan.threshold, empty.plan.threshold);
+    assert_ne!(plain.plan.threshold, brake("growth_above = 1.0", &[]).plan.threshold);
     let samples = draws(&plain, 8);
     assert_eq!(outcomes(&plain, &samples), outcomes(&empty, &samples));
 }

@@ -143,7 +143,7 @@ impl CeaArgs {
         };
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         let shapes = if self.modes { on_rows(&brake, scene, &at, &modes)? } else { Vec::new() };
-        let beside = growing_beside(&brake, reduced.system().assemble(&brake.full_point(scene, &at))?)?;
+        let beside = growing_beside(&brake, scene, reduced.system().assemble(&brake.full_point(scene, &at))?)?;
         if self.json {
             let list: Vec<Value> = rows
                 .enumerate()
@@ -226,12 +226,14 @@ impl CeaArgs {
     }
 }
 
-/// The frequencies, Hz, of growing modes of a reduced system next to the band of its brake.
-fn growing_beside(brake: &FiniteElementBrake, system: SecondOrder) -> Result<Vec<f64>, Error> {
+/// The frequencies, Hz, of modes of a reduced system in a scene that surely grow, next to the band of its brake.
+fn growing_beside(brake: &FiniteElementBrake, scene: &Scene, system: SecondOrder) -> Result<Vec<f64>, Error> {
     let [low, high] = brake.case.reduction.frequencies;
     let spectrum = QrSolver.eigenvalues(&system, &mut Workspace::default())?;
     let is_beside = |hz: f64| (low / BESIDE..low).contains(&hz) || hz > high && hz <= high * BESIDE;
-    let growing = spectrum.eigenvalues.into_iter().filter(|&lambda| brake.plan.threshold.margin(lambda) > 0.0);
+    let error = brake.relative_error(scene);
+    let grows = |lambda: &Complex<f64>| brake.plan.threshold.margin(*lambda) > error * lambda.norm();
+    let growing = spectrum.eigenvalues.into_iter().filter(grows);
     let mut beside: Vec<f64> = growing.map(frequency_hz).filter(|&hz| is_beside(hz)).collect();
     beside.sort_by(f64::total_cmp);
     Ok(beside)

@@ -88,15 +88,15 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let counted: Vec<Complex<f64>> = sampled.iter().filter(counts).map(|mode| mode.lambda).collect();
     let beyond = |error: f64| whole.iter().copied().filter(move |l| threshold.margin(*l) > error * l.norm());
     // Well beyond what is open, so that rounding makes no other verdict.
-    let surely: Vec<Complex<f64>> = beyond(2.0 * brake.relative_error(scene)).collect();
+    let error = 2.0 * brake.relative_error(scene);
+    let surely: Vec<Complex<f64>> = beyond(error).collect();
     let growing: Vec<Complex<f64>> = beyond(0.0).collect();
     let verdicts = compared(&surely, counted);
     let not_counted = verdicts.missed.into_iter().filter(|&lambda| !has(&missed, lambda));
     let wrongly_counted = verdicts.left.into_iter().filter(|&lambda| !has(&growing, lambda) && !has(&left, lambda));
     let other: Vec<Complex<f64>> = not_counted.chain(wrongly_counted).collect();
-    let growing_beside =
-        beside.iter().filter(|&&lambda| threshold.margin(lambda) > 0.0).map(|&lambda| frequency_hz(lambda));
-    let growing_beside: Vec<f64> = growing_beside.collect();
+    let surely_grows = |lambda: &&Complex<f64>| threshold.margin(**lambda) > error * lambda.norm();
+    let growing_beside: Vec<f64> = beside.iter().filter(surely_grows).map(|&lambda| frequency_hz(lambda)).collect();
     let found = FullChecks {
         samples: 1,
         modes: whole.len() as u64,

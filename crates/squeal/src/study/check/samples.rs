@@ -126,14 +126,23 @@ fn single_parameter<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), E
         let (one, other) = ("with_parameter() at the median".into(), "median()".into());
         return Err(Contradiction::Differ { scene: described(), one, other, what, found, expected }.into());
     }
+    // Of a case file it is known which parameters its formulas hold; these may oscillate, so that no search finds a draw on the curve.
+    if brake.plan().source_file.is_some() {
+        return Ok(());
+    }
     let curve = Curve::new(brake, scene, distribution);
     let drawn = (0..DRAWS).filter_map(|index| {
         let sample = brake.draw(&mut stream(brake.plan().seed, index)).ok()?;
         let point = brake.operating_point(scene, &sample).ok()?;
-        Some(numbers(system, &point).into_iter().map(|(_, number)| number).collect())
+        // The value of the one input says where on the curve a draw is.
+        let same = brake.input_values(scene, &sample).first().and_then(|&value| brake.with_parameter(scene, value));
+        let is_on_curve =
+            same.and_then(|same| brake.operating_point(scene, &same).ok()).is_some_and(|same| same == point);
+        let point = || numbers(system, &point).into_iter().map(|(_, number)| number).collect();
+        (!is_on_curve).then(|| (index, point()))
     });
-    let drawn: Vec<Vec<f64>> = drawn.collect();
-    match drawn.iter().position(|point| curve.distance(point, &drawn) > OFF_CURVE) {
+    let (draws, drawn): (Vec<u64>, Vec<Vec<f64>>) = drawn.unzip();
+    match drawn.iter().position(|point| curve.distance(point, &drawn) > OFF_CURVE).map(|place| draws[place]) {
         None => Ok(()),
         Some(at) => not_single(format!("draw {at} has an operating point that with_parameter() has at no value")),
     }
