@@ -29,6 +29,7 @@ impl ModeRange<'_> {
     }
 
     /// In how many samples it is unstable.
+    #[cfg(feature = "figures")]
     pub fn in_words(&self) -> &'static str {
         match (self.least.0.value >= 1.0, self.largest.value > 0.0) {
             (true, _) => "unstable in every sample",

@@ -30,6 +30,7 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
+#[cfg(feature = "case-files")]
 pub(crate) use brake::wider;
 pub use brake::{
     BandMode, Bridge, Direction, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
