@@ -1,6 +1,6 @@
 //! The answer in words: which modes squeal, how sure that is, what helps and by how much.
 
-use super::text::escaped;
+use super::text::{capitalised, escaped};
 use crate::Error;
 use crate::report::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use crate::report::results::Estimate;
@@ -58,8 +58,12 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
             format!("in every panel most of the draws squeal with {all}. In some panels they do with {some}")
         }
     };
-    let anything = found.anything_in_words(with_limits).map_or(String::new(), |words| format!(" {words}."));
-    format!("<strong>{}</strong>: {words}.{anything}", set_in_words(results, set))
+    // What is unstable without a mode's name stands before what modes with names do.
+    let words = match found.anything_in_words(with_limits) {
+        Some(anything) => format!("{anything}. {}", capitalised(&words)),
+        None => words,
+    };
+    format!("<strong>{}</strong>: {words}.", set_in_words(results, set))
 }
 
 /// What each set of constraints changes, the one with the largest least drop first.

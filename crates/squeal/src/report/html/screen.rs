@@ -10,7 +10,7 @@ use super::geometry::{BasisOf, Geometry, ModeOf};
 use super::page::Page;
 use super::shapes::{self, MovingMode, moving};
 use super::tables::with_rows;
-use super::text::{escaped, filled};
+use super::text::{capitalised, escaped, filled};
 use crate::figures::Figure;
 use crate::screen::{Screen, ScreenedSet};
 use crate::study::Plan;
@@ -114,9 +114,4 @@ fn answer(screen: &Screen) -> String {
     }
     text += "</ul>\n<p>Of each kind the one with the largest drop that was confirmed; limits at 95&nbsp;%.</p>\n";
     text + &format!("<pre tabindex=\"0\" aria-label=\"What the screening found\">{}</pre>\n", escaped(&screen.text()))
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -18,6 +18,12 @@ pub(super) fn escaped(text: &str) -> String {
     safe
 }
 
+/// The same text with a capital first letter, as a sentence begins.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// JSON that can stand in a script element: nothing in it ends the element or begins another, and no reader takes a character of a
 /// string for the end of a line. All that is replaced can only be inside a string.
 pub(super) fn json_in_script(value: &serde_json::Value) -> String {
