@@ -8,7 +8,7 @@ use crate::matrix::{Entry, Kind, Matrix};
 use crate::problem::Problem;
 use crate::symmetry::{Doubt, KnownBy, Pairs, Sides, Stored, mirrored};
 
-/// What a file says about the entries that it lists.
+/// The symmetry of the entries that a file lists, as it states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stated {
     /// All of them.
@@ -236,7 +236,7 @@ impl Builder {
     }
 }
 
-/// What a file holds: its matrices, and what was left out with the reason.
+/// The matrices of a file, and what was left out with the reason.
 #[derive(Default)]
 pub(crate) struct Found {
     pub matrices: Vec<Matrix>,

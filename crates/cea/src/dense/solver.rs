@@ -33,7 +33,7 @@ pub trait EigenSolver: Sync {
 }
 
 /// A solver whose spectra are checked: all 2 n + s eigenvalues, sorted by [`sort`](crate::sort), complex ones in exact conjugate pairs.
-/// What is missing would else count as stable.
+/// An eigenvalue that a solver left out would else count as stable.
 #[derive(Clone, Copy)]
 pub struct WholeSpectra<'a>(pub &'a dyn EigenSolver);
 

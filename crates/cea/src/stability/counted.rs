@@ -17,7 +17,7 @@ const ROUNDED_DATA: f64 = 32.0;
 /// eigenvalues Im lambda grows with the root of the distance, so that the place moves by the square of this.
 const STILL_REAL: f64 = 1e-7;
 
-/// Those with Im lambda >= 0 of all eigenvalues of a system, by whether they are beyond a threshold. The sign of Re lambda is read
+/// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s. The sign of Re lambda is read
 /// only where it is beyond what rounding may do: undamped modes, conservative gyroscopic ones and rigid motions are *on* the axis,
 /// though a solver gives their real parts some sign.
 ///
@@ -52,7 +52,7 @@ pub struct CountedSpectrum {
     pub marginal: Vec<Complex<f64>>,
     /// Not beyond it.
     pub below: Vec<Complex<f64>>,
-    /// How many of all have a bound that leaves their side open though they are not next to the threshold; they are counted by
+    /// Number of eigenvalues whose bound leaves their side open though they are not next to the threshold; they are counted by
     /// the side that they are computed on.
     pub open: usize,
 }
@@ -61,7 +61,7 @@ impl CountedSpectrum {
     /// Counts the eigenvalues of the spectrum of a system.
     ///
     /// # Errors
-    /// Those of the bound of a single eigenvalue, but that it has no vector: its side is open then.
+    /// Errors of the bound of a single eigenvalue, but that it has no vector: its side is open then.
     pub fn new(
         threshold: &Threshold,
         system: &SecondOrder,
@@ -123,7 +123,7 @@ impl CountedSpectrum {
     }
 }
 
-/// How near to the axis an eigenvalue next to it has to be in order to be on it, rad/s.
+/// Distance from the axis, rad/s, up to which an eigenvalue next to it is on it.
 fn tolerance(system: &SecondOrder, lambda: Complex<f64>, scale: f64, work: &mut Workspace) -> f64 {
     let rounding = Eigentriple::new(system, lambda, work).map_or(0.0, |triple| triple.rounding());
     (ON_AXIS * scale).max(ROUNDED_DATA * rounding)

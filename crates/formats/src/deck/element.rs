@@ -2,10 +2,10 @@
 
 use crate::mesh::CellKind;
 
-/// What is known of a type of elements.
+/// A type of elements: nodes and shape, as far as they are known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ElementType {
-    /// How many nodes an element lists, where that is known.
+    /// Number of nodes that an element lists, where that is known.
     pub nodes: Option<usize>,
     /// Whether it may list more, such as a node for the direction of a beam.
     pub may_have_more: bool,
