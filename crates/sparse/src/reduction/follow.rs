@@ -18,7 +18,7 @@ use num_complex::Complex;
 
 use super::anchor::{Anchor, NearModes};
 use super::far::Weights;
-use super::full::{is_wanted, outside};
+use super::full::outside;
 use super::mixing::{Mixing, Parts};
 use super::residual::reduced_residual;
 use super::{dense, split};
@@ -165,7 +165,8 @@ pub(super) fn follow(
     if !active.is_empty() {
         return Ok(Err(Doubt::NotConverged));
     }
-    let inside: Vec<usize> = (0..own.len()).filter(|&j| is_wanted(goal.rectangle, lambdas[j], 0.0)).collect();
+    let inside: Vec<usize> =
+        (0..own.len()).filter(|&j| goal.rectangle.contains_to_the_right(lambdas[j], 0.0)).collect();
     let of_second_order = |j: usize| if near.moved[own[j]].is_finite() { near.moved[own[j]] } else { 0.0 };
     let move_of = |j: usize| (lambdas[j] - near.lambdas[own[j]]).norm() + of_second_order(j);
     if inside.iter().any(|&j| move_of(j) > LARGEST_MOVE * goal.margin) {

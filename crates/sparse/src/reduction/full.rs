@@ -14,14 +14,9 @@ pub(super) fn solve(
     Ok((found.pairs, found.counters.factorisations as u64))
 }
 
-/// Whether a mode is wanted, or within a margin of where modes are: in the rectangle, or to its right. No mode grows too fast to be wanted;
-/// the upper limit of growth only says how far full problems are solved.
-pub(super) fn is_wanted(rectangle: &Rectangle, lambda: Complex<f64>, margin: f64) -> bool {
-    let [low, high] = rectangle.im;
-    lambda.re >= rectangle.re[0] - margin && lambda.im >= low - margin && lambda.im <= high + margin
-}
-
-/// The distance of a number from where modes are wanted, zero there.
+/// The distance of a number from where modes are wanted, zero there: in the rectangle, or to its right
+/// ([`Rectangle::contains_to_the_right`]). No mode grows too fast to be wanted; the upper limit of growth only says how far full problems
+/// are solved.
 pub(super) fn outside(rectangle: &Rectangle, lambda: Complex<f64>) -> f64 {
     let [low, high] = rectangle.im;
     (rectangle.re[0] - lambda.re).max(0.0).hypot((low - lambda.im).max(lambda.im - high).max(0.0))

@@ -8,7 +8,7 @@ use num_complex::Complex;
 use super::anchor::{Anchor, middle};
 use super::directions::Directions;
 use super::follow::{Doubt, Goal, comes_near, follow};
-use super::full::{self, largest};
+use super::full::largest;
 use super::residual::{Pairs, ResidualAt, ResidualForm, Truncation, reduced_residual};
 use super::{Options, split};
 use crate::{Rectangle, SparseAffineSystem, SparseError};
@@ -242,7 +242,7 @@ impl Reduced {
     ) -> Result<ReducedModes, SparseError> {
         let mut work = Workspace::default();
         let spectrum = QrSolver.eigenvalues(system, &mut work)?;
-        let is_meant = |lambda: &Complex<f64>| full::is_wanted(&self.rectangle, *lambda, 0.0) && is_wanted(*lambda);
+        let is_meant = |lambda: &Complex<f64>| self.rectangle.contains_to_the_right(*lambda, 0.0) && is_wanted(*lambda);
         let wanted: Vec<_> = spectrum.eigenvalues.into_iter().filter(is_meant).collect();
         let shapes = cea::right_vectors(system, &wanted, &mut work)?;
         let mut columns = split::zeros(system.order(), wanted.len());

@@ -11,7 +11,6 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use self::search::Search;
-use super::full::is_wanted;
 use super::shared::Smaller;
 use super::{Options, Wanted, dense};
 use crate::{SparseAffineSystem, SparseError};
@@ -52,7 +51,7 @@ pub fn within(
 ) -> Result<Within, SparseError> {
     let mut search = Search::new(system, reduced, wanted, options)?;
     (0..wanted.points.len()).try_for_each(|at| search.solve(at))?;
-    let in_rectangle = |lambda: &Complex<f64>| is_wanted(&wanted.rectangle, *lambda, 0.0);
+    let in_rectangle = |lambda: &Complex<f64>| wanted.rectangle.contains_to_the_right(*lambda, 0.0);
     search.first =
         search.known.first().map_or(&[][..], |known| &known.lambdas).iter().copied().filter(in_rectangle).collect();
     let training: Vec<usize> = (wanted.points.len()..search.points.len()).collect();

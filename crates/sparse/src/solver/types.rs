@@ -36,6 +36,12 @@ impl Rectangle {
         within(lambda.re, self.re) && within(lambda.im, self.im)
     }
 
+    /// Whether lambda is inside, or to the right of the rectangle, or within `margin` of where it would be.
+    #[must_use]
+    pub fn contains_to_the_right(&self, lambda: Complex<f64>, margin: f64) -> bool {
+        Self { re: [self.re[0], f64::INFINITY], im: self.im }.contains(lambda, margin)
+    }
+
     /// Distance of lambda from the border, inside or outside.
     #[must_use]
     pub fn border_distance(&self, lambda: Complex<f64>) -> f64 {

@@ -12,7 +12,6 @@ use super::ports::Ports;
 use super::refinement::{Approached, Refinement, Sample, Start};
 use super::shapes::Found;
 use crate::Rectangle;
-use crate::reduction::full;
 use crate::reduction::rows::{Rows, combined};
 
 /// From how many known samples, the nearest first, discs are tried; chosen.
@@ -93,7 +92,8 @@ impl Search<'_> {
         let mut distances: Vec<(f64, usize)> = distances.collect();
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));
         let is_wanted = |lambda: Complex<f64>, beyond: f64| {
-            lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond && full::is_wanted(self.rectangle, lambda, beyond)
+            lambda.re >= -part * lambda.norm_sqr().sqrt() - beyond
+                && self.rectangle.contains_to_the_right(lambda, beyond)
         };
         memory.nearest.clear();
         memory.nearest.extend(distances.iter().map(|(_, at)| *at));

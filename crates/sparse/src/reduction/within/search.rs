@@ -7,7 +7,7 @@ use num_complex::Complex;
 use super::eigen;
 use crate::reduction::basis::{ROUNDING, directions, fewest};
 use crate::reduction::compared::{Compared, compared};
-use crate::reduction::full::{is_wanted, largest, outside};
+use crate::reduction::full::{largest, outside};
 use crate::reduction::norms::{Norms, NormsAt};
 use crate::reduction::shared::{Friction, Smaller, Structures};
 use crate::reduction::{Options, Wanted, dense, split};
@@ -148,7 +148,7 @@ impl<'a> Search<'a> {
         self.solve(point)?;
         let before = self.missed.len();
         let found = self.known.last().map_or(&[][..], |known| &known.lambdas);
-        let found = found.iter().copied().filter(|&lambda| is_wanted(&self.wanted.rectangle, lambda, 0.0));
+        let found = found.iter().copied().filter(|&lambda| self.wanted.rectangle.contains_to_the_right(lambda, 0.0));
         let Compared { distance, missed, .. } = compared(&found.collect::<Vec<_>>(), held);
         self.missed.extend(missed);
         self.distance = self.distance.max(distance);
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
     /// The modes of the smaller system in the rectangle, with the largest of their residuals in the larger system.
     pub fn judged(&self, small: &mut Smaller, point: usize) -> Result<(Vec<Complex<f64>>, f64), SparseError> {
         let (lambdas, shapes) = self.modes(&self.small_system(small, point)?)?;
-        let is_wanted = |at: &usize| is_wanted(&self.wanted.rectangle, lambdas[*at], 0.0);
+        let is_wanted = |at: &usize| self.wanted.rectangle.contains_to_the_right(lambdas[*at], 0.0);
         let wanted: Vec<usize> = (0..lambdas.len()).filter(is_wanted).collect();
         let (lambdas, shapes): (Vec<_>, _) =
             (wanted.iter().map(|&at| lambdas[at]).collect(), small.basis() * split::selected(&shapes, &wanted));

@@ -4,7 +4,6 @@ use cea::frequency_hz;
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
-use sparse::Rectangle;
 use sparse::reduction::{Compared, compared};
 
 use super::reduce::{Trained, modes_beside, rectangle};
@@ -78,8 +77,8 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let all = modes_beside(&brake.case, &brake.sets[part.set].system.assemble(&at)?, &reduced)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
-        all.into_iter().partition(|&lambda| is_wanted(&wanted, lambda, 0.0));
-    let surely_wanted = |lambda: &&Complex<f64>| is_wanted(&wanted, **lambda, -AT_BORDER * lambda.norm());
+        all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));
+    let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
     let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
     let Compared { distance, missed, left, .. } = compared(&whole, reduced);
     // What samples count, which is found in another way.
@@ -116,9 +115,4 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
 /// Whether a mode is one of some.
 fn has(modes: &[Complex<f64>], lambda: Complex<f64>) -> bool {
     modes.iter().any(|other| (other - lambda).norm() <= AT_BORDER * lambda.norm())
-}
-
-/// Whether a mode is wanted, or within a margin of where modes are.
-fn is_wanted(wanted: &Rectangle, lambda: Complex<f64>, margin: f64) -> bool {
-    Rectangle { re: [wanted.re[0], f64::INFINITY], ..*wanted }.contains(lambda, margin)
 }
