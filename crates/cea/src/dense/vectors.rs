@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::null_vectors::{NullVector, by_factors, null_vectors};
+use crate::lanes::WIDEST_LANES;
 use crate::lu::{LEAST_PIVOT, Lu};
 use crate::{CeaError, Workspace};
 
@@ -70,24 +71,27 @@ pub fn right_vectors_of_all(
 ) -> Vec<Result<Vec<DVector<Complex<f64>>>, CeaError>> {
     let each: Vec<_> = of.iter().flat_map(|&(system, lambdas)| lambdas.iter().map(move |&l| (system, l))).collect();
     let mut alone = Vec::with_capacity(each.len());
-    for group in each.chunk_by(|a, b| a.0.order() == b.0.order()) {
-        let Some(n) = group.first().map(|(system, _)| system.order()) else { continue };
-        let matrices: Vec<_> = group.iter().map(|&(system, l)| regular_dynamic_stiffness(system, l)).collect();
-        let found = null_vectors(&matrices, &start(n, 0), &mut work.scratch);
-        alone.extend(matrices.into_iter().zip(found).zip(group));
-    }
-    let mut alone = alone.into_iter().map(|((q, found), &(system, lambda))| {
-        let size = size(system, lambda);
-        match found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE)))) {
-            Some(NullVector { mut vector, .. }) => {
-                work.counters.factorisations += 1;
-                work.counters.eigenvectors += 1;
-                fix_phase(&mut vector);
-                Ok(vector)
-            }
-            None => null_vector(&q, lambda, size, &[], work),
+    // No more matrices at a time than are solved together: they are large.
+    let lots = each.chunk_by(|a, b| a.0.order() == b.0.order()).flat_map(|group| group.chunks(WIDEST_LANES));
+    for lot in lots {
+        let matrices: Vec<_> = lot.iter().map(|&(system, l)| regular_dynamic_stiffness(system, l)).collect();
+        let found = null_vectors(&matrices, &start(matrices[0].nrows(), 0), &mut work.scratch);
+        for ((q, found), &(system, lambda)) in matrices.iter().zip(found).zip(lot) {
+            let size = size(system, lambda);
+            let converged =
+                found.filter(|found| has_converged(found.residuals.map(|r| r / size.max(f64::MIN_POSITIVE))));
+            alone.push(match converged {
+                Some(NullVector { mut vector, .. }) => {
+                    work.counters.factorisations += 1;
+                    work.counters.eigenvectors += 1;
+                    fix_phase(&mut vector);
+                    Ok(vector)
+                }
+                None => null_vector(q, lambda, size, &[], work),
+            });
         }
-    });
+    }
+    let mut alone = alone.into_iter();
     let found: Vec<Vec<_>> = of.iter().map(|(_, lambdas)| alone.by_ref().take(lambdas.len()).collect()).collect();
     let independent = |(&(system, lambdas), found): (&(&SecondOrder, &[Complex<f64>]), Vec<_>)| {
         let mut vectors = found.into_iter().collect::<Result<Vec<DVector<Complex<f64>>>, _>>()?;

@@ -8,10 +8,13 @@ use pulp::{Arch, Simd, WithSimd};
 pub(crate) use complex::{ComplexLanes, complex, conj_fma, fma, scale, square};
 pub(crate) use ops::{Ops, registers};
 
+/// Most systems that are solved together: the numbers of the widest registers (AVX-512).
+pub(crate) const WIDEST_LANES: usize = 8;
+
 /// How many of `systems` are solved on registers of eight lanes (AVX-512); the rest, four or fewer, are solved on four lanes
 /// (AVX2). An operation on eight lanes takes up to twice as long, whatever the number of lanes in use.
 pub(crate) fn wide_part(systems: usize) -> usize {
-    let left = systems % 8;
+    let left = systems % WIDEST_LANES;
     if left <= 4 { systems - left } else { systems }
 }
 

@@ -15,6 +15,15 @@ use crate::study::sector_modes::{SectorModes, SecularAnswer, UnstableSectorMode}
 use crate::study::secular_equations::growing_modes;
 use crate::study::{BandMode, KnownMode, ModeLabel, UncertainBrake};
 
+/// Memory, bytes, of the matrices of the samples of a block that are solved together; chosen: all of a block where they are small.
+const BYTES_TOGETHER: usize = 16_000_000;
+
+/// How many samples of a block are solved together by spectra: a multiple of the lanes of the solver, on which no result depends.
+fn samples_together(order: usize) -> usize {
+    let bytes = 3 * size_of::<f64>() * order * order;
+    (BYTES_TOGETHER / bytes.max(1)).next_multiple_of(8).max(8)
+}
+
 impl<B: UncertainBrake> Study<'_, B> {
     /// The outcomes at operating points of a scene of a brake that finds its modes itself.
     pub(super) fn band_samples(
@@ -75,19 +84,21 @@ impl<B: UncertainBrake> Study<'_, B> {
         }
         timed(&mut memory.spent.outcomes, || self.enter(scene, points, &growing, of_sectors, &mut outcomes));
 
-        let assembled = timed(&mut memory.spent.assembly, || self.assemble(scene, points, &open, systems));
-        // A sample whose matrices cannot be assembled takes no lane of the solver.
-        let (mut lanes, mut of_sectors) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
-        for (at, made) in open.into_iter().zip(assembled) {
-            match made {
-                Ok(()) => lanes.push(at),
-                Err(error) => outcomes[at] = Err(error),
+        for open in open.chunks(samples_together(self.plan().brake(&self.plan().scenes[scene]).system.order())) {
+            let assembled = timed(&mut memory.spent.assembly, || self.assemble(scene, points, open, systems));
+            // A sample whose matrices cannot be assembled takes no lane of the solver.
+            let (mut lanes, mut of_sectors) = (Vec::with_capacity(open.len()), Vec::with_capacity(solvers.len()));
+            for (&at, made) in open.iter().zip(assembled) {
+                match made {
+                    Ok(()) => lanes.push(at),
+                    Err(error) => outcomes[at] = Err(error),
+                }
             }
+            for (systems, solver) in systems.iter().zip(&solvers) {
+                of_sectors.push(solver.solve(&systems[..lanes.len()], memory));
+            }
+            timed(&mut memory.spent.outcomes, || self.enter(scene, points, &lanes, of_sectors, &mut outcomes));
         }
-        for (systems, solver) in systems.iter().zip(&solvers) {
-            of_sectors.push(solver.solve(&systems[..lanes.len()], memory));
-        }
-        timed(&mut memory.spent.outcomes, || self.enter(scene, points, &lanes, of_sectors, &mut outcomes));
         outcomes
     }
 
