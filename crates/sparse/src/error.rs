@@ -127,20 +127,20 @@ pub enum SparseError {
         /// The eigenvalues allowed: their vectors take memory.
         most: usize,
     },
-    /// Two counts of the eigenvalues in a rectangle that contradict each other.
+    /// Two counts of the eigenvalues in a circle that contradict each other.
     #[error(
-        "{listed} eigenvalues were found with {} < Re lambda < {} and {} < Im lambda < {} rad/s, but the argument principle counts \
-         {counted}: neither is to be trusted", re[0], re[1], im[0], im[1]
+        "{listed} eigenvalues were found within {radius} of {centre} rad/s, but the argument principle counts {counted}: neither is \
+         to be trusted"
     )]
     CountsDiffer {
         /// How many were found.
         listed: usize,
         /// How many zeros det Q has there.
         counted: usize,
-        /// Re lambda of the rectangle that was counted, rad/s.
-        re: [f64; 2],
-        /// Im lambda of it.
-        im: [f64; 2],
+        /// The centre of the circle, rad/s.
+        centre: Complex<f64>,
+        /// Its radius, rad/s.
+        radius: f64,
     },
     /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
     #[error("the {what} could not be computed")]
@@ -164,4 +164,22 @@ pub enum SparseError {
     /// An operating point that does not belong to the system, or a channel that acts on a degree of freedom that does not exist.
     #[error(transparent)]
     System(#[from] LinsysError),
+}
+
+impl SparseError {
+    /// The same where the unit of time is another: shifts and eigenvalues of a scaled system in rad/s.
+    pub(crate) fn times(self, gamma: f64) -> Self {
+        match self {
+            Self::CountsDiffer { listed, counted, centre, radius } => {
+                Self::CountsDiffer { listed, counted, centre: centre * gamma, radius: radius * gamma }
+            }
+            Self::Singular { shift } => Self::Singular { shift: shift * gamma },
+            Self::Solve { shift, residual } => Self::Solve { shift: shift * gamma, residual },
+            Self::Projected { shift, order } => Self::Projected { shift: shift * gamma, order },
+            Self::NotConverged { lambda, residual } => Self::NotConverged { lambda: lambda * gamma, residual },
+            Self::Multiplicity { shift, copies } => Self::Multiplicity { shift: shift * gamma, copies },
+            Self::GroupLost { lambda, found, settled } => Self::GroupLost { lambda: lambda * gamma, found, settled },
+            other => other,
+        }
+    }
 }

@@ -27,7 +27,7 @@ pub use nalgebra_sparse;
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{
-    Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpair_near, eigenpairs_in,
+    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpair_near, eigenpairs_in,
 };
 pub use system::{SparseSecondOrder, State};
 

@@ -3,6 +3,7 @@
 //!
 //! - `SQUEAL_DISK_BRAKE4669`: M, D1, DG, DR, D4, K1, KR, KGEO of BrakeSqueal 0.1 as Matrix Market files, gzipped, and the reference
 //!   eigenvalues `box_eigs_bs_w2pi.csv` and `box_eigs_bs_w4pi.csv`.
+//! - `SQUEAL_REFINED`: M, C and K of a refined brake as `M.npz`, `C.npz` and `K.npz`; it is searched and counted from 0.5 to 8 kHz.
 //! - `SQUEAL_CCX_BRAKE`: a disc and a pad of CalculiX, `brake.sti.gz`, `brake.mas.gz`, `brake.dof.gz`, its mesh `brake.inp`, the
 //!   contact `brake.pairs.csv`, the held nodes `brake.back.csv`, and the references `box_mu0.0.csv`, 0.3 and 0.5.
 
@@ -16,7 +17,7 @@ use cpu_time::ThreadTime;
 use formats::Dof;
 use num_complex::Complex;
 use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
-use sparse::{Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Count, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 
 fn folder(variable: &str) -> PathBuf {
     std::env::var(variable).unwrap_or_else(|_| panic!("{variable} names no folder")).into()
@@ -34,9 +35,14 @@ fn rows(path: &Path) -> Vec<Vec<String>> {
 
 /// The eigenvalues in the rectangle against those of a file; prints the largest distance and residual.
 fn compare(name: &str, system: &SparseSecondOrder, rectangle: &Rectangle, references: &Path) {
-    let start = ThreadTime::now();
-    let found = eigenpairs_in(system, rectangle, &Options::default(), &mut |_| ()).unwrap();
-    let seconds = start.elapsed().as_secs_f64();
+    let timed = |counted: usize| {
+        let start = ThreadTime::now();
+        let found = eigenpairs_in(system, rectangle, &Options { counted, ..Options::default() }, &mut |_| ()).unwrap();
+        (found, start.elapsed().as_secs_f64())
+    };
+    let (_, seconds) = timed(0);
+    let (found, with_count) = timed(usize::MAX);
+    let Count::Argument { points, .. } = found.count else { panic!("{name}: {:?}", found.count) };
     let mut left: Vec<_> = found.pairs.iter().filter(|pair| pair.lambda.im > 0.0).collect();
     let references = rows(references);
     assert_eq!(left.len(), references.len(), "{name}");
@@ -52,10 +58,11 @@ fn compare(name: &str, system: &SparseSecondOrder, rectangle: &Rectangle, refere
     }
     println!(
         "{name}: {} eigenvalues, largest distance {distance:.1e}, backward error {residual:.1e}, condition {condition:.1e}; \
-         {} discs, {} solutions, {seconds:.2} s",
+         {} discs, {} solutions, {seconds:.2} s; {points} points of the count, {:.2} s",
         references.len(),
         found.discs.len(),
-        found.counters.solves
+        found.counters.solves,
+        with_count - seconds
     );
     assert!(distance < 1e-8, "{name}");
 }
@@ -143,5 +150,26 @@ fn ccx_brake() {
     for mu in [0.0, 0.3, 0.5] {
         let system = SparseSecondOrder::new(m.clone(), c.clone(), &k + &springs + &friction * mu).unwrap();
         compare(&format!("ccx_brake, mu = {mu:.1}"), &system, &rectangle, &folder.join(format!("box_mu{mu:.1}.csv")));
+    }
+}
+
+#[test]
+#[ignore = "needs the matrices of a refined brake"]
+fn refined() {
+    let folder = folder("SQUEAL_REFINED");
+    let [m, c, k] = ["M", "C", "K"].map(|name| read(&folder.join(format!("{name}.npz"))).to_csc());
+    let system = SparseSecondOrder::new(m, c, k).unwrap();
+    let rectangle = Rectangle { re: [-1000.0, 2000.0], im: [500.0 * 2.0 * PI, 8000.0 * 2.0 * PI] };
+    for counted in [0, usize::MAX] {
+        let start = ThreadTime::now();
+        let found =
+            eigenpairs_in(&system, &rectangle, &Options { counted, ..Options::default() }, &mut |_| ()).unwrap();
+        let (seconds, order) = (start.elapsed().as_secs_f64(), system.order());
+        println!(
+            "{order} degrees of freedom, {} pairs, {} discs, {:?}: {seconds:.2} s",
+            found.pairs.len(),
+            found.discs.len(),
+            found.count
+        );
     }
 }

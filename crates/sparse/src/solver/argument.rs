@@ -1,36 +1,47 @@
-//! The argument principle: how many eigenvalues are in a rectangle, by the phase of det Q along its border.
+//! The argument principle: how many eigenvalues are in a circle, by the phase of det Q along it.
 //!
-//! `det Q(z) prod (z + a_i)` is a polynomial whose zeros are the eigenvalues. Divided by `prod (z - lambda_k)` over the eigenvalues
-//! that are known, it turns about zero as often as eigenvalues inside are not known, and it turns little on the way: its phase is
-//! constant where all are known.
+//! `det Q(z) prod (z + a_i)` is a polynomial whose zeros are the eigenvalues. Divided by `prod (z - lambda_k)` over what is known, it
+//! turns about zero as often as there are eigenvalues inside that are not known. What is known outside, however roughly, only makes the
+//! phase smoother, so that few points are enough; and so does `exp(-p(z))` of any polynomial p, which has no zeros. That of degree 3
+//! whose real part is nearest to `log |det Q ...|` along the circle stands for the thousands of eigenvalues far away: with damping
+//! proportional to stiffness half of all are crowded in one place.
+//!
+//! Along a circle an eigenvalue inside that is not known turns the phase by half of the angle at least, everywhere, and p takes of that
+//! only what varies slowly. Next to the circle whole turns of several may be overlooked between two points, but not the rest; along the
+//! sides of a slender rectangle they could all be.
 
 use std::f64::consts::{PI, TAU};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::{Mat, Spec};
+use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::blocks::PAR;
+use super::disc::Problem;
+use super::factor::Factor;
 use super::pencil::Pencil;
-use super::types::{Count, Rectangle};
+use super::types::{Circle, Count};
 use crate::SparseError;
+use crate::unpatterned::unpatterned;
 
-/// Points of a side between its corners to begin with.
-const BETWEEN: usize = 3;
+/// Points of a circle to begin with; chosen. Their distances differ by a factor of up to two, so that no number of eigenvalues at the
+/// centre turns the phase by whole turns between all of them.
+const FIRST_POINTS: usize = 10;
+/// Degree of the polynomial that stands for the logarithm of all far away; chosen: so few that nothing next to the circle is in it.
+const DEGREE: usize = 3;
 /// Change of the phase between two points, rad, above which one is looked at between them; chosen.
 const LARGEST_CHANGE: f64 = 0.8;
-/// Most points of one border.
+/// Most points of one circle.
 const MOST_POINTS: usize = 200;
-/// Borders that are tried one farther out than the other.
-const BORDERS: usize = 4;
-/// How far outwards a side is tried, as parts of the width across it.
-const OUTWARDS: [f64; 10] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
-/// Distance of a side from an eigenvalue: so many bounds of that, and this part of the width.
+/// Circles that are tried about one centre.
+const CIRCLES: usize = 4;
+/// Distance of a circle from an eigenvalue: so many bounds of that, and this part of the radius.
 const BOUNDS: f64 = 1e3;
 const CLEAR: f64 = 1e-6;
-/// The border goes no farther than so many times the largest eigenvalue from zero.
-const BEYOND: f64 = 2.0;
+/// Most degrees of freedom of a determinant by a dense matrix, where the sparse one has too small pivots; chosen: some tenths of a second.
+const DENSE: usize = 1000;
 
 /// An eigenvalue that is known, and how far it may be off, rad/s.
 #[derive(Debug, Clone, Copy)]
@@ -39,109 +50,131 @@ pub(super) struct Known {
     pub(super) bound: f64,
 }
 
-/// Counts the eigenvalues in a rectangle, given all that are known there and around it.
-///
-/// A pencil that is scaled has more digits than one that is not; `gamma` is the unit of its time, rad/s.
-///
-/// # Errors
-/// [`SparseError::CountsDiffer`] where det Q has more or fewer zeros than are known.
-pub(super) fn count(pencil: &Pencil, gamma: f64, known: &[Known], rectangle: &Rectangle) -> Result<Count, SparseError> {
-    let largest = known.iter().map(|k| k.lambda.norm()).fold(0.0, f64::max);
-    let end = BEYOND * if largest > 0.0 { largest } else { gamma };
-    let side = |[from, to]: [f64; 2]| [from.clamp(-end, end), to.clamp(-end, end)];
-    let asked = Rectangle { re: side(rectangle.re), im: side(rectangle.im) };
-    let (mut points, mut differing) = (0, None);
-    for border in 0..BORDERS {
-        let Some(around) = clear_of(known, &asked, border) else { continue };
-        let excess = Border { pencil, gamma, known, points: 0 }.excess(&around);
-        let Some((excess, own)) = excess else { continue };
-        points += own;
-        let listed = known.iter().filter(|k| around.contains(k.lambda, 0.0)).count();
-        if excess == 0 {
-            return Ok(Count::Argument { around, eigenvalues: listed, points });
-        }
-        let counted = (listed as i64 + excess).max(0) as usize;
-        // Rounding that turns the phase next to one border does not at two in the same way.
-        if differing == Some(excess) {
-            let Rectangle { re, im } = around;
-            return Err(SparseError::CountsDiffer { listed, counted, re, im });
-        }
-        differing = Some(excess);
-    }
-    Ok(Count::Unclear)
+/// Circles about one centre, of which the first that is clear of eigenvalues is counted along; rad/s.
+pub(super) struct Around<'a> {
+    pub(super) centre: Complex<f64>,
+    pub(super) radii: &'a [f64],
+    /// The eigenvalues that are known: all of those inside, and any number outside.
+    pub(super) known: &'a [Known],
+    /// Whether all copies of each are known: where not, more of them are no contradiction.
+    pub(super) is_all: bool,
 }
 
-/// The rectangle with its sides moved outwards until they are clear of eigenvalues, each to the place number `skipped` that is.
-/// `None` where it has no extent.
-fn clear_of(known: &[Known], asked: &Rectangle, skipped: usize) -> Option<Rectangle> {
-    let moved = |[from, to]: [f64; 2], part: fn(Complex<f64>) -> f64| {
-        let width = to - from;
-        let outwards = |start: f64, sign: f64| {
-            let places = OUTWARDS.iter().map(|t| start + sign * t * width);
-            let clearance = |place: f64| {
-                let own = |k: &Known| (part(k.lambda) - place).abs() - BOUNDS * k.bound;
-                known.iter().map(own).fold(f64::INFINITY, f64::min)
-            };
-            let best = places.clone().max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
-            places.filter(|&place| clearance(place) > CLEAR * width).nth(skipped).or(best).unwrap_or(start)
-        };
-        [outwards(from, -1.0), outwards(to, 1.0)]
-    };
-    let around = Rectangle { re: moved(asked.re, |l| l.re), im: moved(asked.im, |l| l.im) };
-    around.check().ok().map(|()| around)
-}
-
-struct Border<'a> {
-    pencil: &'a Pencil,
+/// Eigenvalues, counted along circles.
+pub(super) struct Counting<'a> {
+    problem: &'a Problem,
+    /// The unit of time of the problem, rad/s.
     gamma: f64,
-    known: &'a [Known],
+    /// Whether the matrices are small enough to be full.
+    is_dense: bool,
+    circles: Vec<Circle>,
     points: usize,
+    is_clear: bool,
 }
 
-impl Border<'_> {
-    /// How many more eigenvalues are inside than are known, and the points that it took; `None` where the phase jumps.
-    fn excess(mut self, around: &Rectangle) -> Option<(i64, usize)> {
-        let ([left, right], [low, high]) = (around.re, around.im);
-        let corners = [(left, low), (right, low), (right, high), (left, high)].map(|(re, im)| Complex::new(re, im));
-        let side = |from: Complex<f64>, to: Complex<f64>| {
-            (0..=BETWEEN).map(move |i| from + (to - from) * (i as f64 / (BETWEEN + 1) as f64))
-        };
-        let mut border: Vec<_> = (0..4).flat_map(|i| side(corners[i], corners[(i + 1) % 4])).collect();
-        border.push(corners[0]);
-        let mut phases = Vec::with_capacity(border.len());
-        for &z in &border[..border.len() - 1] {
-            phases.push(self.phase(z)?);
-        }
-        phases.push(phases[0]);
-        let mut turn = 0.0;
-        for (ends, phases) in border.windows(2).zip(phases.windows(2)) {
-            turn += self.change((ends[0], phases[0]), (ends[1], phases[1]))?;
-        }
-        Some(((turn / TAU).round() as i64, self.points))
+impl<'a> Counting<'a> {
+    pub(super) fn new(problem: &'a Problem, gamma: f64, is_dense: bool) -> Self {
+        Self { problem, gamma, is_dense, circles: Vec::new(), points: 0, is_clear: true }
     }
 
-    /// By how much the phase changes from one point of the border to another.
-    fn change(&mut self, from: (Complex<f64>, f64), to: (Complex<f64>, f64)) -> Option<f64> {
-        let change = wrapped(to.1 - from.1);
-        if change.abs() <= LARGEST_CHANGE {
-            return Some(change);
+    /// Counts along one of some circles.
+    ///
+    /// # Errors
+    /// [`SparseError::CountsDiffer`] where det Q has more or fewer zeros inside than are known.
+    pub(super) fn add(&mut self, around: &Around<'_>) -> Result<(), SparseError> {
+        let mut differing = None;
+        for tried in 0..CIRCLES {
+            let radius = around.clear_radius(tried);
+            let Some(excess) = self.excess(around, radius) else { continue };
+            let (centre, inside) = (around.centre, |known: &&Known| (known.lambda - around.centre).norm() < radius);
+            let eigenvalues = around.known.iter().filter(inside).count();
+            if excess == 0 {
+                self.circles.push(Circle { centre, radius, eigenvalues });
+                return Ok(());
+            }
+            // Rounding that turns the phase next to one circle does not at two in the same way.
+            if differing == Some(excess) && (around.is_all || excess < 0) {
+                let counted = (eigenvalues as i64 + excess).max(0) as usize;
+                return Err(SparseError::CountsDiffer { listed: eigenvalues, counted, centre, radius });
+            }
+            differing = Some(excess);
         }
-        let middle = 0.5 * (from.0 + to.0);
-        if self.points >= MOST_POINTS || middle == from.0 || middle == to.0 {
-            return None;
-        }
-        let between = (middle, self.phase(middle)?);
-        Some(self.change(from, between)? + self.change(between, to)?)
+        self.is_clear = false;
+        Ok(())
     }
 
-    /// The phase of det Q at z divided by that of the known factors; `None` where Q is singular.
-    fn phase(&mut self, z: Complex<f64>) -> Option<f64> {
+    /// What was counted.
+    pub(super) fn done(self) -> Count {
+        match self {
+            Self { is_clear: true, circles, points, .. } => Count::Argument { circles, points },
+            _ => Count::Unclear,
+        }
+    }
+
+    /// How many more eigenvalues are inside than are known; `None` where the phase jumps.
+    fn excess(&mut self, around: &Around<'_>, radius: f64) -> Option<i64> {
+        let at = |angle: f64| around.centre + Complex::from_polar(radius, angle);
+        let irregular = |i: usize| (i as f64 + unpatterned(i as f64) / 3.0) * TAU / FIRST_POINTS as f64;
+        let mut wanted: Vec<f64> = (0..FIRST_POINTS).map(irregular).collect();
+        let mut samples: Vec<(f64, Complex<f64>)> = Vec::new();
+        loop {
+            if samples.len() + wanted.len() > MOST_POINTS {
+                return None;
+            }
+            for angle in wanted {
+                samples.push((angle, self.logarithm(at(angle), around.known)?));
+            }
+            samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let phases = without_smooth(&samples)?;
+            let next = |i: usize| if i + 1 < phases.len() { i + 1 } else { 0 };
+            let changes: Vec<f64> = (0..phases.len()).map(|i| wrapped(phases[next(i)] - phases[i])).collect();
+            let between = |(i, change): (usize, &f64)| {
+                let to = samples[next(i)].0 + if next(i) == 0 { TAU } else { 0.0 };
+                (change.abs() > LARGEST_CHANGE).then_some(0.5 * (samples[i].0 + to))
+            };
+            wanted = changes.iter().enumerate().filter_map(between).collect();
+            if wanted.is_empty() {
+                return Some((changes.iter().sum::<f64>() / TAU).round() as i64);
+            }
+        }
+    }
+
+    /// The logarithm of det Q at z divided by the known factors, but for whole turns; `None` where Q is singular.
+    fn logarithm(&mut self, z: Complex<f64>, known: &[Known]) -> Option<Complex<f64>> {
         self.points += 1;
-        let sigma = z / self.gamma;
-        let states: f64 = self.pencil.states().iter().map(|state| (sigma + state.decay).arg()).sum();
-        let known: f64 = self.known.iter().map(|k| (z - k.lambda).arg()).sum();
-        let phase = determinant_phase(self.pencil, sigma)? + states - known;
-        phase.is_finite().then_some(phase)
+        let (sigma, pencil) = (z / self.gamma, &self.problem.pencil);
+        let states: Complex<f64> = pencil.states().iter().map(|state| (sigma + state.decay).ln()).sum();
+        let known: Complex<f64> = known.iter().map(|k| (z - k.lambda).ln()).sum();
+        let own = if self.is_dense { dense_logarithm(pencil, sigma) } else { sparse_logarithm(self.problem, sigma) };
+        Some(own? + states - known).filter(|logarithm| logarithm.is_finite())
+    }
+}
+
+/// The imaginary parts of logarithms along a circle, less those of the polynomial whose real parts are nearest to theirs.
+fn without_smooth(samples: &[(f64, Complex<f64>)]) -> Option<Vec<f64>> {
+    let mean = samples.iter().map(|(_, value)| value.re).sum::<f64>() / samples.len() as f64;
+    let column = |angle: f64, j: usize| match (j.div_ceil(2), j % 2) {
+        (0, _) => Complex::from(1.0),
+        (k, 1) => Complex::from_polar(1.0, k as f64 * angle),
+        (k, _) => Complex::from_polar(1.0, k as f64 * angle) * Complex::i(),
+    };
+    let a = DMatrix::from_fn(samples.len(), 2 * DEGREE + 1, |i, j| column(samples[i].0, j).re);
+    let b = DVector::from_fn(samples.len(), |i, _| samples[i].1.re - mean);
+    let coefficients = a.svd(true, true).solve(&b, f64::EPSILON).ok()?;
+    let smooth = |angle: f64| coefficients.iter().enumerate().map(|(j, c)| c * column(angle, j).im).sum::<f64>();
+    Some(samples.iter().map(|&(angle, value)| value.im - smooth(angle)).collect())
+}
+
+impl Around<'_> {
+    /// The radius, or of those that are clear of eigenvalues that number `skipped`, or that farthest from them.
+    fn clear_radius(&self, skipped: usize) -> f64 {
+        let clearance = |radius: f64| {
+            let own = |k: &Known| ((k.lambda - self.centre).norm() - radius).abs() - BOUNDS * k.bound;
+            self.known.iter().map(own).fold(f64::INFINITY, f64::min)
+        };
+        let clear = self.radii.iter().copied().filter(|&radius| clearance(radius) > CLEAR * radius);
+        let best = || self.radii.iter().copied().max_by(|a, b| clearance(*a).total_cmp(&clearance(*b)));
+        clear.clone().nth(skipped).or_else(best).unwrap_or(0.0)
     }
 }
 
@@ -150,8 +183,17 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// The phase of det Q(sigma), by LU of the full matrix; `None` where a pivot is zero.
-fn determinant_phase(pencil: &Pencil, sigma: Complex<f64>) -> Option<f64> {
+/// The logarithm of det Q(sigma), by its sparse factors; `None` where Q is singular, or needs pivots that these do not have.
+fn sparse_logarithm(problem: &Problem, sigma: Complex<f64>) -> Option<Complex<f64>> {
+    let factor = Factor::new(&problem.symbolic, &problem.pencil, sigma).ok()?;
+    factor.determinant().or_else(|| {
+        drop(factor);
+        (problem.pencil.order() <= DENSE).then(|| dense_logarithm(&problem.pencil, sigma))?
+    })
+}
+
+/// The logarithm of det Q(sigma), by LU of the full matrix; `None` where a pivot is zero.
+fn dense_logarithm(pencil: &Pencil, sigma: Complex<f64>) -> Option<Complex<f64>> {
     let n = pencil.order();
     let values = pencil.values(&pencil.weights(sigma));
     let (starts, rows) = pencil.pattern();
@@ -162,13 +204,12 @@ fn determinant_phase(pencil: &Pencil, sigma: Complex<f64>) -> Option<f64> {
     let (mut pivots, mut inverse) = (vec![0_usize; n], vec![0; n]);
     let mut buffer = MemBuffer::new(lu_in_place_scratch::<usize, Complex<f64>>(n, n, PAR, Spec::default()));
     lu_in_place(q.as_mut(), &mut pivots, &mut inverse, PAR, MemStack::new(&mut buffer), Spec::default());
-    let is_regular = (0..n).all(|i| q[(i, i)].is_finite() && q[(i, i)] != Complex::default());
-    let sign = if is_even(&pivots) { 0.0 } else { PI };
-    is_regular.then(|| sign + (0..n).map(|i| q[(i, i)].arg()).sum::<f64>())
+    let logarithm = sign(&pivots) + (0..n).map(|i| q[(i, i)].ln()).sum::<Complex<f64>>();
+    logarithm.is_finite().then_some(logarithm)
 }
 
-/// Whether a permutation is one of an even number of exchanges.
-fn is_even(permutation: &[usize]) -> bool {
+/// The logarithm of the sign of a permutation.
+pub(super) fn sign(permutation: &[usize]) -> Complex<f64> {
     let (mut is_seen, mut cycles) = (vec![false; permutation.len()], 0);
     for start in 0..permutation.len() {
         let mut at = start;
@@ -178,5 +219,34 @@ fn is_even(permutation: &[usize]) -> bool {
             at = permutation[at];
         }
     }
-    (permutation.len() - cycles).is_multiple_of(2)
+    Complex::new(0.0, if (permutation.len() - cycles).is_multiple_of(2) { 0.0 } else { PI })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use nalgebra::DMatrix;
+    use nalgebra_sparse::CscMatrix;
+
+    use super::*;
+    use crate::SparseSecondOrder;
+
+    /// A chain without any symmetry, and rows that all couple.
+    fn chain(n: usize) -> SparseSecondOrder {
+        let value = |i: usize, j: usize| unpatterned((1 + i * n + j) as f64) - 0.5;
+        let k = DMatrix::from_fn(n, n, |i, j| if i.abs_diff(j) < 4 || i.max(j) < 9 { value(i, j) } else { 0.0 });
+        let c = DMatrix::from_fn(n, n, |i, j| if i == j { 0.1 } else { 0.0 });
+        let [m, c, k] = [DMatrix::identity(n, n), c, k].map(|a| CscMatrix::from(&a));
+        SparseSecondOrder::new(m, c, k).unwrap()
+    }
+
+    #[test]
+    fn the_determinant_of_sparse_factors_is_that_of_the_full_matrix() {
+        let problem = Problem::new(&chain(60)).unwrap();
+        for sigma in [Complex::new(0.1, 0.3), Complex::new(-0.7, 1.1), Complex::new(0.4, -0.9)] {
+            let [sparse, dense] = [sparse_logarithm(&problem, sigma), dense_logarithm(&problem.pencil, sigma)];
+            let difference = sparse.unwrap() - dense.unwrap();
+            assert!(difference.re.abs() < 1e-9 && wrapped(difference.im).abs() < 1e-9, "{sigma}: {difference}");
+        }
+    }
 }

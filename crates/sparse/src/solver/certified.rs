@@ -6,11 +6,16 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::argument::{Known, count};
-use super::pencil::Pencil;
+use super::argument::{Around, Counting, Known};
+use super::disc::Problem;
 use super::scaling::Scaled;
 use super::types::{Counters, Eigenpair, Found, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
+
+/// How far outwards of the circle around the rectangle one is tried, as parts of its radius.
+const OUTWARDS: [f64; 10] = [0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0];
+/// A rectangle that goes farther from zero than so many times the largest eigenvalue is counted there.
+const BEYOND: f64 = 2.0;
 
 /// What the dense solver certifies of a system in a rectangle, counted once more by the argument principle; `None` where it does not
 /// find the spectrum: it is to be searched then.
@@ -30,7 +35,17 @@ pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) ->
     let scaled = Scaled::new(system);
     let reach = |e: &CertifiedEigenvalue| reach(e.lambda, e.bound, scaled.gamma);
     let known: Vec<_> = eigenvalues.iter().map(|e| Known { lambda: e.lambda, bound: reach(e) }).collect();
-    let count = count(&Pencil::new(&scaled.system), scaled.gamma, &known, rectangle)?;
+    let problem = Problem::new(&scaled.system)?;
+    let mut counting = Counting::new(&problem, scaled.gamma, true);
+    let largest = known.iter().map(|k| k.lambda.norm()).fold(0.0, f64::max);
+    let end = BEYOND * if largest > 0.0 { largest } else { scaled.gamma };
+    let (centre, radius) = match rectangle.reach() < end {
+        true => (rectangle.centre(), rectangle.half_diagonal()),
+        false => (Complex::default(), end),
+    };
+    let radii = OUTWARDS.map(|t| radius * (1.0 + t));
+    counting.add(&Around { centre, radii: &radii, known: &known, is_all: true })?;
+    let count = counting.done();
     let inside = eigenvalues.into_iter().filter(|e| rectangle.contains(e.lambda, reach(e)));
     let n = system.order();
     let pair = |e: CertifiedEigenvalue| {

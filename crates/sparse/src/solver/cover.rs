@@ -2,13 +2,15 @@
 
 use num_complex::Complex;
 
+use super::argument::{Around, Counting, Known};
 use super::certified::certified_in;
 use super::disc::Problem;
+use super::groups::groups;
 use super::polish::Polished;
 use super::reach::{least_reach, reach};
 use super::scaling::Scaled;
 use super::settle::settled;
-use super::types::{Count, Counters, Disc, Found, Options, Progress, Rectangle};
+use super::types::{Count, Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.
@@ -18,13 +20,22 @@ const THINNEST: f64 = 0.1;
 const ESTIMATED: usize = 10;
 const ESTIMATE_MARGIN: f64 = 4.0;
 
+/// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
+/// something unknown may be; chosen.
+const CIRCLES: usize = 9;
+const BEYOND: f64 = 1.02;
+const WIDEST: f64 = 1.5;
+/// Radii up to which Ritz values that are none of the list are divided out; chosen.
+const NEAR: f64 = 3.0;
+
 /// All eigenvalues in `rectangle`, its border included, with their vectors.
 ///
 /// A system of up to `options.certified` degrees of freedom is solved whole by `cea::certified`, and the list counted again by the
 /// argument principle. Of larger ones discs around shifts cover the rectangle, and where M is positive definite nothing beyond the
 /// largest |lambda| and |Re lambda| that the norms of the matrices allow ([`Found::reach`]). In each disc, all eigenvalues are known as far as
 /// a block Krylov space of the shifted and inverted problem shows: it holds every eigenvector that its starting block is not orthogonal to, and
-/// a second block checks the first. A block that comes back full of copies of one eigenvalue is widened.
+/// a second block checks the first. A block that comes back full of copies of one eigenvalue is widened. Up to `options.counted`
+/// degrees of freedom the list is counted again by the argument principle.
 ///
 /// # Errors
 /// A rectangle that is none, Q singular at all shifts tried, a factorisation that does not fit into memory, solutions that
@@ -46,8 +57,9 @@ pub fn eigenpairs_in(
     if !scaled.is_uneven() {
         return search(system, rectangle, options, progress);
     }
-    let found = search(&scaled.system, &rectangle.times(1.0 / scaled.gamma), options, progress)?;
-    Ok(scaled.in_given_units(found, system))
+    search(&scaled.system, &rectangle.times(1.0 / scaled.gamma), options, progress)
+        .map(|found| scaled.in_given_units(found, system))
+        .map_err(|error| error.times(scaled.gamma))
 }
 
 fn search(
@@ -63,6 +75,7 @@ fn search(
         counters: Counters::default(),
         tried: 0,
         discs: Vec::new(),
+        covered: Vec::new(),
         found: Vec::new(),
     };
     let upper = upper_part(rectangle);
@@ -74,15 +87,59 @@ fn search(
         }
         search.cover(part, progress)?;
     }
-    let Search { mut counters, discs, found, .. } = search;
+    let Search { mut counters, discs, covered, found, .. } = search;
     let mut pairs = settled(&problem, found, &mut counters)?;
+    let count = if system.order() <= options.counted {
+        counted(&problem, &upper, &pairs, &discs, &covered, options.block)?
+    } else {
+        Count::SecondBlock
+    };
     pairs.retain_mut(|pair| {
         let reach = if pair.bound.is_finite() { pair.bound } else { problem.pencil.blur(pair.lambda) };
         pair.on_border = rectangle.border_distance(pair.lambda) <= reach;
         rectangle.contains(pair.lambda, reach)
     });
     pairs.sort_by(|a, b| cea::by_frequency(&a.lambda, &b.lambda));
-    Ok(Found { pairs, discs, reach, is_certified: false, count: Count::SecondBlock, counters })
+    Ok(Found { pairs, discs, reach, is_certified: false, count, counters })
+}
+
+/// Counts the pairs again, in a circle about each disc: those of the list wherever they were searched, in both half planes, and beyond
+/// the Ritz values of the disc.
+///
+/// # Errors
+/// [`SparseError::CountsDiffer`].
+fn counted(
+    problem: &Problem,
+    upper: &Rectangle,
+    pairs: &[Eigenpair],
+    discs: &[Disc],
+    covered: &[Covered],
+    block: usize,
+) -> Result<Count, SparseError> {
+    let margin = covered.iter().map(|covered| covered.margin).fold(f64::INFINITY, f64::min);
+    let is_listed = |lambda: Complex<f64>| upper.contains(Complex::new(lambda.re, lambda.im.abs()), margin);
+    let blur = |lambda| problem.pencil.blur(lambda);
+    let own = |pair: &Eigenpair| {
+        let bound = if pair.bound.is_finite() { pair.bound } else { blur(pair.lambda) };
+        Known { lambda: pair.lambda, bound }
+    };
+    let listed: Vec<_> = pairs.iter().map(own).collect();
+    let mut counting = Counting::new(problem, 1.0, false);
+    for (disc, Covered { part, seen, .. }) in discs.iter().zip(covered) {
+        let is_beside =
+            |seen: &&Known| !is_listed(seen.lambda) && (seen.lambda - disc.centre).norm() < NEAR * disc.radius;
+        let beside: Vec<_> = seen.iter().filter(is_beside).copied().collect();
+        // A block may not show all copies of what is not asked for.
+        let places: Vec<_> = beside.iter().map(|known| known.lambda).collect();
+        let is_crowded = groups(&places, blur).iter().any(|group| group.len() >= block);
+        let known: Vec<_> = listed.iter().chain(&beside).copied().collect();
+        let [x, y] = [(part.re, disc.centre.re), (part.im, disc.centre.im)]
+            .map(|(side, c)| (side[0] - c).abs().max((side[1] - c).abs()));
+        let (least, most) = (x.hypot(y) + margin, (BEYOND * disc.radius).min(WIDEST * x.hypot(y)));
+        let radii: Vec<_> = (0..CIRCLES).map(|i| least + (most - least) * i as f64 / (CIRCLES - 1) as f64).collect();
+        counting.add(&Around { centre: disc.centre, radii: &radii, known: &known, is_all: !is_crowded })?;
+    }
+    Ok(counting.done())
 }
 
 /// What has to be searched with Im lambda >= 0, since eigenvalues of real matrices are real or come in conjugate pairs.
@@ -98,6 +155,14 @@ fn upper_part(rectangle: &Rectangle) -> Rectangle {
     Rectangle { re: rectangle.re, im }
 }
 
+/// What a disc covers of the rectangle, and how far around it pairs are listed.
+struct Covered {
+    part: Rectangle,
+    margin: f64,
+    /// All Ritz values.
+    seen: Vec<Known>,
+}
+
 struct Search<'a> {
     problem: &'a Problem,
     options: &'a Options,
@@ -105,6 +170,8 @@ struct Search<'a> {
     /// Shifts at which was searched, also those whose disc was too small to be of use.
     tried: usize,
     discs: Vec<Disc>,
+    /// Of each disc.
+    covered: Vec<Covered>,
     /// With the number of the disc that found them.
     found: Vec<(usize, Polished)>,
 }
@@ -116,7 +183,7 @@ impl Search<'_> {
         while let Some(target) = left.pop() {
             self.check_size(covered / area(&whole))?;
             self.tried += 1;
-            let (disc, candidates) = self.problem.near_centre(&target, self.options, &mut self.counters)?;
+            let (disc, candidates, seen) = self.problem.near_centre(&target, self.options, &mut self.counters)?;
             let margin = self.problem.margin(&target);
             let (done, rest) = split(&target, &disc, margin);
             left.extend(rest);
@@ -127,6 +194,7 @@ impl Search<'_> {
             let number = self.discs.len();
             self.found.extend(polished.into_iter().map(|polished| (number, polished)));
             self.discs.push(disc);
+            self.covered.push(Covered { part: done, margin, seen });
             covered += area(&done);
             progress(Progress { covered: covered / area(&whole), found: self.found.len(), shifts: self.discs.len() });
         }

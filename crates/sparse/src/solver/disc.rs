@@ -4,6 +4,7 @@ use faer::Mat;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::argument::Known;
 use super::blocks::{another_block, starting_block};
 use super::errors::{blocks_until, errors};
 use super::factor::{Factor, Symbolic};
@@ -90,13 +91,13 @@ impl Problem {
         }
     }
 
-    /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target.
-    pub(crate) fn near_centre(
+    /// The eigenvalues of `target` near its centre: those in the disc, which need not cover the target; and all Ritz values.
+    pub(super) fn near_centre(
         &self,
         target: &Rectangle,
         options: &Options,
         counters: &mut Counters,
-    ) -> Result<(Disc, Vec<Candidate>), SparseError> {
+    ) -> Result<(Disc, Vec<Candidate>, Vec<Known>), SparseError> {
         let factor = self.factor_near(target, counters)?;
         let sigma = factor.shift();
         let needed = target.half_diagonal() + (sigma - target.centre()).norm();
@@ -177,7 +178,12 @@ impl Problem {
             left_vectors(&factor, scale, &lambdas, &right, disc.columns, &options, counters)?
         };
         let candidate = |((lambda, left), j)| Candidate { lambda, right: right.col_as_slice(j).to_vec(), left };
-        Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect()))
+        let seen = |(&lambda, &residual): (&Complex<f64>, &f64)| {
+            let distance = (lambda - sigma).norm();
+            Known { lambda, bound: if distance < radius { residual * distance } else { 0.0 } }
+        };
+        let seen = ritz.lambdas.iter().zip(&ritz.residuals).map(seen).filter(|known| known.lambda.is_finite());
+        Ok((disc, lambdas.into_iter().zip(left).zip(0..).map(candidate).collect(), seen.collect()))
     }
 
     /// n + n + s.

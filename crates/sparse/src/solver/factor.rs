@@ -9,8 +9,9 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Spec};
 use num_complex::Complex;
 
+use super::argument::sign;
 use super::blocks::{PAR, length, starting_block};
-use super::fronts::{Elimination, Factors, factorised};
+use super::fronts::{Eliminated, Elimination, Factors, factorised};
 use super::lanes::compute;
 use super::pencil::Pencil;
 use super::products::Side;
@@ -103,6 +104,16 @@ impl<'a> Factor<'a> {
 
     pub(crate) fn pencil(&self) -> &Pencil {
         self.pencil
+    }
+
+    /// The logarithm of det Q(sigma), but for whole turns: rows and columns are in one order, so that exchanges of rows inside the
+    /// groups alone change its sign. `None` for factors with any pivots, which the library does not show, and where a pivot is zero.
+    pub(super) fn determinant(&self) -> Option<Complex<f64>> {
+        let Numeric::Symmetric(_, factors) = &self.numeric else { return None };
+        let of_group =
+            |group: &Eliminated| sign(&group.pivots) - group.inverses.iter().map(|d| d.ln()).sum::<Complex<f64>>();
+        let logarithm: Complex<f64> = factors.groups.iter().map(of_group).sum();
+        logarithm.is_finite().then_some(logarithm)
     }
 
     /// Whether a solution known beforehand is found again. A small residual says nothing of it where Q(sigma) is singular.

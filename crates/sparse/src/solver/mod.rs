@@ -29,4 +29,4 @@ pub(crate) use blocks::PAR;
 pub use cover::eigenpairs_in;
 pub(crate) use disc::Problem;
 pub use near::eigenpair_near;
-pub use types::{Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};
+pub use types::{Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

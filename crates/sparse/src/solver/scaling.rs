@@ -11,7 +11,7 @@ use num_complex::Complex;
 
 use super::pencil::Pencil;
 use super::polish::pair_of;
-use super::types::{Disc, Eigenpair, Found, Reach};
+use super::types::{Circle, Count, Disc, Eigenpair, Found, Reach};
 use crate::{SparseSecondOrder, State};
 
 /// Rounds of choosing gamma and equilibrating in turn, and sweeps of Ruiz's iteration in each; those of `cea::certified`.
@@ -89,11 +89,19 @@ impl Scaled {
             Eigenpair { bound, verdict, on_border: pair.on_border, ..own }
         };
         let disc = |disc: Disc| Disc { centre: disc.centre * gamma, radius: disc.radius * gamma, ..disc };
+        let circle = |circle: Circle| Circle { centre: circle.centre * gamma, radius: circle.radius * gamma, ..circle };
+        let count = match found.count {
+            Count::Argument { circles, points } => {
+                Count::Argument { circles: circles.into_iter().map(circle).collect(), points }
+            }
+            other => other,
+        };
         let reach = |reach: Reach| Reach { modulus: reach.modulus * gamma, real: reach.real * gamma };
         Found {
             pairs: found.pairs.into_iter().map(pair).collect(),
             discs: found.discs.into_iter().map(disc).collect(),
             reach: found.reach.map(reach),
+            count,
             ..found
         }
     }

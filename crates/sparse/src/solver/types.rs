@@ -91,6 +91,9 @@ pub struct Options {
     /// Most degrees of freedom of a system whose whole spectrum is certified, by dense matrices, and what is in the rectangle taken
     /// from it: nothing is then searched. 0, the default, for a search in any case.
     pub certified: usize,
+    /// Most degrees of freedom of a system whose list from a search is counted again by the argument principle, for the price of some
+    /// ten factorisations a disc. 0, the default, for a second block of vectors alone.
+    pub counted: usize,
 }
 
 impl Default for Options {
@@ -103,6 +106,7 @@ impl Default for Options {
             shifts: 2000,
             bytes: 2_000_000_000,
             certified: 0,
+            counted: 0,
         }
     }
 }
@@ -162,22 +166,30 @@ pub struct Found {
 }
 
 /// A second count of the eigenvalues, which agrees with the list; where it does not there is an error in place of a list.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Count {
-    /// The argument principle: how often det Q turns about zero along the border of a rectangle. It is that asked for, moved
-    /// outwards where eigenvalues are next to its border, and no larger than the spectrum.
+    /// The argument principle: how often det Q turns about zero along circles that together hold all that was searched.
     Argument {
-        /// Where det Q was evaluated around.
-        around: Rectangle,
-        /// Eigenvalues in there.
-        eigenvalues: usize,
-        /// Points of the border: a factorisation each.
+        /// The circles.
+        circles: Vec<Circle>,
+        /// Points of all circles: a factorisation each.
         points: usize,
     },
     /// A second block of vectors at every shift, which found nothing that the first had not.
     SecondBlock,
-    /// None: next to the border Q is singular to rounding, wherever it was moved.
+    /// None: Q is singular to rounding next to a circle, wherever it was moved, or has no factors whose determinant can be told.
     Unclear,
+}
+
+/// A circle along which det Q was evaluated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circle {
+    /// Its centre, rad/s.
+    pub centre: Complex<f64>,
+    /// Its radius, rad/s.
+    pub radius: f64,
+    /// Eigenvalues inside.
+    pub eigenvalues: usize,
 }
 
 /// How far any eigenvalue of a system can be from zero and from the imaginary axis.

@@ -51,6 +51,9 @@ pub struct EigArgs {
     /// Only the K of them with the largest Re lambda, that first
     #[arg(long, value_name = "K", requires = "rectangle", value_parser = clap::value_parser!(u32).range(1..))]
     pub rightmost: Option<u32>,
+    /// Count what is in the rectangle again, however long it takes
+    #[arg(long, requires = "rectangle")]
+    pub count: bool,
     /// Add the right and left eigenvectors, unit 2-norm
     #[arg(long)]
     pub vectors: bool,
@@ -94,6 +97,7 @@ mod tests {
             symmetry: Vec::new(),
             rectangle: None,
             rightmost: None,
+            count: false,
             vectors: true,
             json: true,
         }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use formats::{Dof, Matrix};
 use montecarlo::{Bar, Progress};
 use nalgebra_sparse::CscMatrix;
-use sparse::{Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Circle, Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
@@ -19,6 +19,9 @@ const LARGEST_FILE: u64 = 1_000_000_000;
 const LARGEST_ORDER: usize = 40_000;
 /// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
 const CERTIFIED: usize = 300;
+/// Most degrees of freedom of which what a search finds is counted again unless it is asked for; chosen, so that this takes about as
+/// long as the search.
+const COUNTED: usize = 10_000;
 /// Largest border of a rectangle, rad/s; chosen: far above any vibration, and its powers are finite.
 const LARGEST_BORDER: f64 = 1e12;
 /// Memory, bytes, of a Krylov basis by the degrees of freedom, and of sparse factors by their power 4/3, which is that of meshes
@@ -66,7 +69,7 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
     let c = damping.map_or_else(|| CscMatrix::zeros(order, order), sparse);
     let system = SparseSecondOrder::new(sparse(mass), c, sparse(stiffness))?;
     announce(order);
-    let mut found = search(&system, rectangle)?;
+    let mut found = search(&system, rectangle, args.count)?;
     if let Some(most) = args.rightmost {
         found.pairs.sort_by(|a, b| b.lambda.re.total_cmp(&a.lambda.re).then(b.lambda.im.total_cmp(&a.lambda.im)));
         found.pairs.truncate(most as usize);
@@ -80,11 +83,12 @@ pub(super) fn spectrum(args: &EigArgs, rectangle: &Rectangle) -> Result<String, 
 }
 
 /// The search, with its progress in hundredths of the rectangle.
-fn search(system: &SparseSecondOrder, rectangle: &Rectangle) -> Result<Found, Error> {
+fn search(system: &SparseSecondOrder, rectangle: &Rectangle, is_counted: bool) -> Result<Found, Error> {
     let bar = Bar::of("% of the rectangle");
     let told = Cell::new(0_u64);
     bar.begin(HUNDRED as u64, 0);
-    let options = Options { certified: CERTIFIED, ..Options::default() };
+    let counted = if is_counted { usize::MAX } else { COUNTED };
+    let options = Options { certified: CERTIFIED, counted, ..Options::default() };
     let found = eigenpairs_in(system, rectangle, &options, &mut |progress| {
         let covered = (progress.covered * HUNDRED) as u64;
         bar.advance(covered.saturating_sub(told.replace(covered)));
@@ -121,11 +125,19 @@ fn json(found: &Found, rectangle: &Rectangle, vectors: bool, first: &str) -> Str
             disc.columns
         )
     });
-    let count = match found.count {
-        Count::Argument { around, eigenvalues, points } => format!(
-            "{{ \"by\": \"argument-principle\", \"re\": {}, \"im\": {}, \"eigenvalues\": {eigenvalues}, \"points\": {points} }}",
-            side(around.re),
-            side(around.im)
+    let circle = |circle: &Circle| {
+        format!(
+            "{{ \"re\": {}, \"im\": {}, \"radius\": {}, \"eigenvalues\": {} }}",
+            number(circle.centre.re),
+            number(circle.centre.im),
+            number(circle.radius),
+            circle.eigenvalues
+        )
+    };
+    let count = match &found.count {
+        Count::Argument { circles, points } => format!(
+            "{{ \"by\": \"argument-principle\", \"points\": {points}, \"circles\": [{}] }}",
+            list(circles, circle)
         ),
         Count::SecondBlock => "{ \"by\": \"second-block\" }".to_owned(),
         Count::Unclear => "null".to_owned(),
@@ -153,15 +165,24 @@ fn table(found: &Found, vectors: bool) -> String {
         }
     }
     let count = |wanted: &str| found.pairs.iter().filter(|pair| pair.verdict.to_string() == wanted).count();
-    let again = match found.count {
-        Count::Argument { around, eigenvalues, points } => format!(
-            "counted again by the argument principle, {} < Re lambda < {} and {} < Im lambda < {}: {eigenvalues}, as listed, from {points} \
-             points",
-            around.re[0], around.re[1], around.im[0], around.im[1]
+    let again = match &found.count {
+        Count::Argument { circles, points } => {
+            let within = match &circles[..] {
+                [Circle { centre, radius, eigenvalues }] => {
+                    format!("within {radius:.6e} of {centre:.6e} rad/s: {eigenvalues}")
+                }
+                several => format!("within {} circles around it", several.len()),
+            };
+            format!("counted again by the argument principle, {within}, as listed, from {points} points")
+        }
+        Count::SecondBlock => format!(
+            "not counted again, which above {COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
+             vectors at each disc found nothing new"
         ),
-        Count::SecondBlock => "counted again by a second block of vectors at each disc: nothing new".to_owned(),
         Count::Unclear => {
-            "not counted again: Q is singular to rounding next to the border, wherever it is moved".to_owned()
+            "not counted again: Q is singular to rounding next to each circle that was tried, or its pivots are too \
+                           small"
+                .to_owned()
         }
     };
     let how = if found.is_certified {
