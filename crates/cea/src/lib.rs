@@ -72,7 +72,9 @@ pub use feedback::{
 };
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
-pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, sort};
+pub use spectrum::{
+    EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, real_count, sort,
+};
 pub use stability::{
     CountedSpectrum, StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond,
 };

@@ -30,6 +30,21 @@ pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
 /// above the rounding of a solver, far below the distance of modes that differ; chosen.
 pub const EQUAL_BUT_FOR_ROUNDING: f64 = 1e-10;
 
+/// Largest |Im lambda| / |lambda| of two real eigenvalues that rounding has made a pair; chosen: where a pair becomes two real
+/// eigenvalues Im lambda grows with the root of the distance, so that the place moves by the square of this.
+const STILL_REAL: f64 = 1e-7;
+
+/// How many real eigenvalues one with Im lambda >= 0 stands for: none where a mode oscillates, one where it is real, two where rounding has
+/// made two real ones a pair, as it does to equal parts that are overdamped or diverge, and to a mode where it loses its frequency.
+#[must_use]
+pub fn real_count(lambda: Complex<f64>) -> usize {
+    match lambda.im.abs() {
+        0.0 => 1,
+        im if im <= STILL_REAL * lambda.norm() => 2,
+        _ => 0,
+    }
+}
+
 /// The places of the eigenvalues of oscillating modes in the order of their frequency ranks: ascending in frequency; of equal
 /// frequencies, as two modes that flutter can have, the damped one first and the one of the largest growth last. Equal is what
 /// differs by 1e-10 of |lambda| or less, else the last bits of a solver would decide. Where both parts are equal, as for the double

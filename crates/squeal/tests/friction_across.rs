@@ -5,14 +5,15 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use cea::{EigenSolver, QrSolver, Workspace};
+use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use montecarlo::rand::{Rng, RngExt};
 use montecarlo::stream;
 use nalgebra::{Complex, DMatrix, DVector, Matrix3, Vector3};
 use squeal::brakes::FiniteElementBrake;
 use squeal::case::{CaseFile, FiniteElementCase};
-use squeal::study::{Scene, UncertainBrake};
+use squeal::report::Results;
+use squeal::study::{Scene, Study, UncertainBrake};
 
 /// Nodes 1, 2, ... with three degrees of freedom each: pairs (pad, disc) at one place, then nodes of the structure between.
 struct Structure {
@@ -391,4 +392,72 @@ fn many_random_brakes_are_those_assembled_by_hand() {
     println!(
         "{brakes} brakes: {matrices} matrices, {modes} modes, {growing} growing modes, none missing and none invented"
     );
+}
+
+/// Random brakes whose springs to ground are weaker and weaker, and below zero: some diverge, some are free to move.
+#[test]
+fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
+    let [mut found_in, mut free, mut quiet] = [0; 3];
+    for at in 0..10 {
+        let folder = tempfile::tempdir().unwrap();
+        let mut random = Random::new(&mut stream(41, at));
+        let weaker = [0.0, 1e4, 2e4, 2.5e4, 1e5][(at % 5) as usize];
+        let order = random.structure.stiffness.nrows();
+        random.structure.stiffness -= DMatrix::identity(order, order) * weaker;
+        random.structure.write(folder.path());
+        let brake = FiniteElementBrake::checked(case(folder.path(), random.text.clone()).unwrap(), &()).unwrap();
+        let mut has_any = false;
+        for scene in brake.plan.scenes.iter().filter(|scene| scene.key.law < 2) {
+            for n in 0..4 {
+                let sample = brake.draw(&mut stream(1, n)).unwrap();
+                let matrices = whole(&brake, scene, &sample);
+                let mut expected: Vec<f64> = spectrum(matrices.each_ref())
+                    .into_iter()
+                    .filter(|l| l.im == 0.0 && l.re > 1e-3)
+                    .map(|l| l.re)
+                    .collect();
+                expected.sort_by(f64::total_cmp);
+                let point = brake.full_point(scene, &brake.operating_point(scene, &sample).unwrap());
+                let Some(found) = brake.diverging(scene, &point).unwrap() else {
+                    assert_eq!(weaker, 2e4, "only a body that is free to move may leave it open");
+                    continue;
+                };
+                assert_eq!(found.len(), expected.len(), "{at} {weaker} {:?} {found:?} {expected:?}", scene.key);
+                for (found, expected) in found.iter().zip(&expected) {
+                    assert!((found - expected).abs() < 1e-8 * expected, "{at} {found} {expected}");
+                }
+                has_any |= !expected.is_empty();
+                found_in += usize::from(!expected.is_empty());
+                free += usize::from(weaker == 2e4);
+                quiet += usize::from(expected.is_empty());
+            }
+        }
+        let checks = brake.full_checks().unwrap();
+        assert_eq!(checks.diverging > 0, has_any, "{at} {checks:?}");
+        assert!(!has_any || checks.has_failed(), "{checks:?}");
+        let study = Study::new(&brake, &BatchSolver).unwrap();
+        let results = Results::sampled(&study).unwrap();
+        let said = results.doubts().join(" ");
+        assert_eq!(said.contains("DIVERGENCE, instability without oscillation"), has_any, "{at} {said}");
+        let is_open = checks.divergence_open > 0;
+        assert!(results.divergence_in_words().unwrap().contains("not in the samples") || has_any || is_open);
+        assert!(!is_open || said.contains("could not be told"), "{said}");
+    }
+    assert!(found_in >= 10 && free >= 8 && quiet >= 10, "{found_in} {free} {quiet}");
+}
+
+#[test]
+fn a_reduced_brake_that_is_not_checked_says_that_divergence_was_not_looked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let random = Random::new(&mut stream(41, 0));
+    random.structure.write(folder.path());
+    let text = random.text.replace("full_checks = 4", "full_checks = 0");
+    let brake = FiniteElementBrake::checked(case(folder.path(), text).unwrap(), &()).unwrap();
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let results = Results::sampled(&study).unwrap();
+    assert!(results.doubts().iter().any(|doubt| doubt.starts_with("DIVERGENCE was not looked for")));
+    let over = squeal::sweep::Over { name: "mu".into(), from: 0.1, to: 0.3 };
+    let found = squeal::sweep::sweep(&study, 0, &over, &QrSolver, &()).unwrap();
+    assert!(!found.counts_divergence);
+    assert!(squeal::sweep::Found::Branches(Box::new(found)).text().contains("divergence was NOT looked for"));
 }

@@ -210,6 +210,23 @@ fn what_lies_on_the_axis_is_neither_unstable_nor_a_failure() {
     }
 }
 
+/// Equal parts that are pushed off are pairs by rounding, of either sign of Im lambda: each diverges, and none is a mode that flutters.
+#[test]
+fn equal_parts_that_diverge_are_no_flutter() {
+    for seed in 0..40 {
+        let rng = &mut stream(53, seed);
+        let (equal, n) = (2 + (seed % 4) as usize, 3 + (seed % 4) as usize + (seed % 3) as usize);
+        let k = DMatrix::from_fn(n, n, |i, j| if i == j { if i < equal { -9.0 } else { 4.0 + i as f64 } } else { 0.0 });
+        let c = DMatrix::identity(n, n) * rng.random_range(0.01..0.5);
+        let system = mixed(&SecondOrder::new(DMatrix::identity(n, n), c, k).unwrap(), rng);
+        let mut none = system.clone();
+        [&mut none.m, &mut none.c, &mut none.k].into_iter().for_each(|a| *a *= 0.0);
+        let (text, tally, [any, divergence, unnamed]) = studied(&Family::new(system, none, [0.0, 1.0], 6, seed));
+        let hits = [any, divergence, unnamed].map(|of| of.proportion.hits());
+        assert_eq!((hits, tally.divergent), ([6, 6, 0], 6 * equal as u64), "{seed}: {text}");
+    }
+}
+
 #[test]
 fn undamped_flutter_begins_where_two_modes_meet() {
     let (eye, none) = (DMatrix::identity(2, 2), DMatrix::zeros(2, 2));

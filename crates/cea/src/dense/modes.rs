@@ -1,10 +1,12 @@
 //! Which eigenvalues are modes, and the two ways of numbering modes by frequency.
 
+use std::iter::repeat_n;
+
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, right_vector};
+use crate::{CeaError, Spectrum, StandardForm, Workspace, rank_order, real_count, right_vector};
 
 /// Largest distance of a real eigenvalue from minus the decay rate of an internal state, as a part of that rate, at which the
 /// eigenvalue is attributed to the state without its vector. Chosen; used only where there are as many real eigenvalues as states.
@@ -22,7 +24,8 @@ const LARGEST_SPREAD_OF_REAL: f64 = 1e-4;
 pub struct Modes {
     /// Oscillating modes: the eigenvalue with Im lambda > 0 of each pair, ascending in frequency as [`rank_order`] has it, rad/s.
     pub oscillatory: Vec<Complex<f64>>,
-    /// Real eigenvalues of the structure, ascending: overdamped modes (two each), or divergence where positive.
+    /// Real eigenvalues of the structure, ascending: overdamped modes (two each), or divergence where positive. Two that rounding has made
+    /// a pair, as [`real_count`] says, are among them.
     pub real: Vec<f64>,
     /// Eigenvalues of internal states; one or both of a complex pair.
     pub internal: Vec<Complex<f64>>,
@@ -39,14 +42,17 @@ impl Modes {
     pub fn classify(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
         let mut modes = Self::sorted(system, spectrum, work)?;
         modes.oscillatory = rank_order(&modes.oscillatory).into_iter().map(|at| modes.oscillatory[at]).collect();
+        modes.real.sort_by(f64::total_cmp);
         Ok(modes)
     }
 
     /// [`Modes::classify`], with the oscillating modes in the order of the spectrum.
     fn sorted(system: &SecondOrder, spectrum: &Spectrum, work: &mut Workspace) -> Result<Self, CeaError> {
+        let mut modes = Self { oscillatory: Vec::new(), real: Vec::new(), internal: Vec::new() };
+        let one_of_each = || spectrum.eigenvalues.iter().copied().filter(|l| l.im >= 0.0);
         if system.states() == 0 {
-            let (oscillatory, real) = (spectrum.oscillatory().collect(), spectrum.real().collect());
-            return Ok(Self { oscillatory, real, internal: Vec::new() });
+            one_of_each().for_each(|lambda| modes.enter(lambda));
+            return Ok(modes);
         }
         // Equal internal states make a multiple real eigenvalue, which rounding may split into complex pairs.
         let (near_real, far): (Vec<_>, Vec<_>) =
@@ -56,16 +62,21 @@ impl Modes {
             return Ok(Self { oscillatory, real: Vec::new(), internal: near_real });
         }
         let form = StandardForm::new(system)?;
-        let mut modes = Self { oscillatory: Vec::new(), real: Vec::new(), internal: Vec::new() };
-        for lambda in spectrum.eigenvalues.iter().copied().filter(|l| l.im >= 0.0) {
-            let is_internal = !is_oscillation(lambda) && is_internal(system, &form, lambda, work)?;
-            match (is_internal, lambda.im > 0.0) {
-                (true, _) => modes.internal.push(lambda),
-                (false, true) => modes.oscillatory.push(lambda),
-                (false, false) => modes.real.push(lambda.re),
+        for lambda in one_of_each() {
+            match !is_oscillation(lambda) && is_internal(system, &form, lambda, work)? {
+                true => modes.internal.push(lambda),
+                false => modes.enter(lambda),
             }
         }
         Ok(modes)
+    }
+
+    /// Enters an eigenvalue of the structure with Im lambda >= 0; two real ones that rounding has made a pair are real.
+    fn enter(&mut self, lambda: Complex<f64>) {
+        match real_count(lambda) {
+            0 => self.oscillatory.push(lambda),
+            count => self.real.extend(repeat_n(lambda.re, count)),
+        }
     }
 
     /// Number of modes: oscillating ones, and one for each two real eigenvalues.

@@ -1,25 +1,15 @@
 //! The eigenvalues of a spectrum as a stability analysis counts them, those on the axis told apart from both sides.
 
+use std::iter::repeat_n;
+
 use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Threshold;
-use super::screen::{Judge, NEAR_AXIS};
-use crate::{CeaError, Eigentriple, Spectrum, Verdict, Workspace};
+use super::screen::Judge;
+use crate::{CeaError, Spectrum, Verdict, Workspace, real_count};
 
-/// Distance from the axis, as a part of [`Spectrum::scale`], up to which an eigenvalue is on it: above what a projection and a
-/// solver leave of an undamped mode, and below any growth that a measurement could show; chosen.
-const ON_AXIS: f64 = 1e-12;
-/// Distance up to which an eigenvalue near the axis is on it, in units of [`Eigentriple::rounding`]; chosen: matrices of a body that is free
-/// to move are assembled with some roundings, which make its double zero a pair of either kind.
-const ROUNDED_DATA: f64 = 32.0;
-/// Largest |Im lambda| / |lambda| of two real eigenvalues that rounding has made a pair; chosen: where a pair becomes two real
-/// eigenvalues Im lambda grows with the root of the distance, so that the place moves by the square of this.
-const STILL_REAL: f64 = 1e-7;
-
-/// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s. The sign of Re lambda is read
-/// only where it is beyond what rounding may do: undamped modes, conservative gyroscopic ones and rigid motions are *on* the axis,
-/// though a solver gives their real parts some sign.
+/// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s: the rule of [`verdicts`](crate::verdicts).
 ///
 /// A flutter pair counts as one unstable mode and each real eigenvalue above zero as one. So a growing mode that loses its
 /// frequency becomes two diverging ones.
@@ -70,29 +60,18 @@ impl CountedSpectrum {
     ) -> Result<Self, CeaError> {
         let (mut counted, mut judge) = (Self::default(), Judge::new(system, spectrum));
         for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
-            let margin = threshold.margin(lambda);
-            let is_near = margin.abs() <= NEAR_AXIS * spectrum.scale;
-            let tolerance = if is_near { tolerance(system, lambda, spectrum.scale, work) } else { 0.0 };
-            let verdict = if margin.abs() <= tolerance {
-                Verdict::Marginal { tolerance }
-            } else if judge.is_clear(lambda, threshold) {
-                threshold.verdict(lambda, 0.0)
-            } else {
-                match judge.bounded(lambda, work) {
-                    Ok(judged) if threshold.is_axis() => judged.verdict,
-                    Ok(judged) => threshold.verdict(judged.lambda, judged.bound),
-                    Err(CeaError::NoEigenvector { .. }) => Verdict::Undecided { bound: f64::INFINITY },
-                    Err(other) => return Err(other),
-                }
+            let verdict = match judge.verdict(lambda, threshold, work) {
+                Err(CeaError::NoEigenvector { .. }) => Verdict::Undecided { bound: f64::INFINITY },
+                verdict => verdict?,
             };
             let is_beyond = match verdict {
                 Verdict::Unstable => Some(true),
                 Verdict::Stable => Some(false),
                 Verdict::Marginal { .. } => None,
-                Verdict::Undecided { .. } if is_near => None,
+                Verdict::Undecided { .. } if judge.is_near(lambda, threshold) => None,
                 Verdict::Undecided { .. } => {
                     counted.open += 1;
-                    Some(margin > 0.0)
+                    Some(threshold.margin(lambda) > 0.0)
                 }
             };
             counted.enter(lambda, is_beyond);
@@ -102,17 +81,13 @@ impl CountedSpectrum {
     }
 
     fn enter(&mut self, lambda: Complex<f64>, is_beyond: Option<bool>) {
-        let is_two = lambda.im > 0.0 && lambda.im <= STILL_REAL * lambda.norm();
-        let Some(is_beyond) = is_beyond else {
-            self.marginal.push(lambda);
-            return;
-        };
-        match (is_beyond, is_two) {
-            (true, false) if lambda.im > 0.0 => self.flutter.push(lambda),
-            (true, false) => self.divergence.push(lambda.re),
-            (true, true) => self.divergence.extend([lambda.re; 2]),
-            (false, false) => self.below.push(lambda),
-            (false, true) => self.below.extend([Complex::from(lambda.re); 2]),
+        let real = || repeat_n(lambda.re, real_count(lambda));
+        match (is_beyond, real_count(lambda)) {
+            (None, _) => self.marginal.push(lambda),
+            (Some(true), 0) => self.flutter.push(lambda),
+            (Some(true), _) => self.divergence.extend(real()),
+            (Some(false), 0) => self.below.push(lambda),
+            (Some(false), _) => self.below.extend(real().map(Complex::from)),
         }
     }
 
@@ -121,12 +96,6 @@ impl CountedSpectrum {
     pub fn unstable(&self) -> usize {
         self.flutter.len() + self.divergence.len()
     }
-}
-
-/// Distance from the axis, rad/s, up to which an eigenvalue next to it is on it.
-fn tolerance(system: &SecondOrder, lambda: Complex<f64>, scale: f64, work: &mut Workspace) -> f64 {
-    let rounding = Eigentriple::new(system, lambda, work).map_or(0.0, |triple| triple.rounding());
-    (ON_AXIS * scale).max(ROUNDED_DATA * rounding)
 }
 
 #[cfg(test)]

@@ -6,13 +6,19 @@ use num_complex::Complex;
 use super::Threshold;
 use super::coupling::Coupling;
 use crate::certified::{self, Certified, CertifiedEigenvalue, SingleCertifier};
-use crate::{CeaError, JudgedEigenvalue, Spectrum, Verdict, Workspace};
+use crate::{CeaError, Eigentriple, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
 /// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
 const SOLVER_ERROR: f64 = 1e-12;
 /// Real parts up to this part of the problem's scale are near the axis: two eigenvalues that meet in one vector move by the root
 /// of SOLVER_ERROR, and a simple one of condition 1e6 by as much.
-pub(super) const NEAR_AXIS: f64 = 1e-6;
+const NEAR_AXIS: f64 = 1e-6;
+/// Distance from the axis, as a part of [`Spectrum::scale`], up to which an eigenvalue is on it: above what a projection and a
+/// solver leave of an undamped mode, and below any growth that a measurement could show; chosen.
+const ON_AXIS: f64 = 1e-12;
+/// Distance up to which an eigenvalue near the axis is on it, in units of [`Eigentriple::rounding`]; chosen: matrices of a body that is free
+/// to move are assembled with some roundings, which make its double zero a pair of either kind.
+const ROUNDED_DATA: f64 = 32.0;
 /// No more eigenvalues than so many are expected to meet in one vector: that takes as many parameters less two.
 const MOST_COALESCING: usize = 4;
 
@@ -29,9 +35,13 @@ pub fn verdict(
     verdicts(system, &[lambda], spectrum, work).map(|verdicts| verdicts[0])
 }
 
-/// Whether the motions of some eigenvalues of `spectrum` grow.
+/// Whether the motions of some eigenvalues of `spectrum` grow: the one rule of studies, sweeps and maps.
 ///
-/// The sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
+/// *On the axis*, [`Verdict::Marginal`], is what is no farther from it than 1e-12 of [`Spectrum::scale`](crate::Spectrum::scale), or than
+/// 32 times [`Eigentriple::rounding`]: undamped modes, conservative gyroscopic ones and rigid motions, though a solver gives their
+/// real parts some sign.
+///
+/// Else the sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
 /// of [`Spectrum::scale`](crate::Spectrum::scale), and the product of the distances from i Im lambda to the m nearest eigenvalues, m = 3 and 4, is more than
 /// 1e-12 times the scale and the (m-1)-th power of what couples vibrations: with m eigenvalues that meet in one vector a
 /// perturbation of 1e-12 could otherwise put one on the axis. What couples them is at most the scale, and far less where the
@@ -65,27 +75,7 @@ pub fn verdicts_beyond(
     work: &mut Workspace,
 ) -> Result<Vec<Verdict>, CeaError> {
     let mut judge = Judge::new(system, spectrum);
-    let one = |&lambda: &Complex<f64>| {
-        if judge.is_clear(lambda, threshold) {
-            return Ok(threshold.verdict(lambda, 0.0));
-        }
-        let of = |judged: &JudgedEigenvalue| match threshold.is_axis() {
-            true => judged.verdict,
-            false => threshold.verdict(judged.lambda, judged.bound),
-        };
-        let bounded = judge.bounded(lambda, work);
-        match &bounded {
-            Ok(judged) if judged.bound.is_finite() && !matches!(of(judged), Verdict::Undecided { .. }) => {
-                Ok(of(judged))
-            }
-            // A multiple eigenvalue, as the zeros of a body that is free to move, or one that a single bound does not decide.
-            _ => match judge.with_all_others(lambda, work) {
-                Some(judged) => Ok(of(&judged)),
-                None => bounded.map(|judged| of(&judged)),
-            },
-        }
-    };
-    lambdas.iter().map(one).collect()
+    lambdas.iter().map(|&lambda| judge.verdict(lambda, threshold, work)).collect()
 }
 
 /// What is clear of the eigenvalues of one system, and the bounds of those that are not. What either takes is made ready when it
@@ -104,10 +94,55 @@ impl<'a> Judge<'a> {
         Self { system, spectrum, coupling: None, certifier: None, certified: None }
     }
 
+    /// Whether an eigenvalue is beyond a threshold: the rule of [`verdicts`].
+    pub(super) fn verdict(
+        &mut self,
+        lambda: Complex<f64>,
+        threshold: &Threshold,
+        work: &mut Workspace,
+    ) -> Result<Verdict, CeaError> {
+        if self.is_near(lambda, threshold) {
+            let tolerance = self.tolerance(lambda, work);
+            match threshold.margin(lambda).abs() <= tolerance {
+                true if threshold.is_axis() => return Ok(Verdict::Marginal { tolerance }),
+                true => return Ok(Verdict::Undecided { bound: tolerance }),
+                false => {}
+            }
+        } else if self.is_clear(lambda, threshold) {
+            return Ok(threshold.verdict(lambda, 0.0));
+        }
+        let of = |judged: &JudgedEigenvalue| match threshold.is_axis() {
+            true => judged.verdict,
+            false => threshold.verdict(judged.lambda, judged.bound),
+        };
+        let bounded = self.bounded(lambda, work);
+        match &bounded {
+            Ok(judged) if judged.bound.is_finite() && !matches!(of(judged), Verdict::Undecided { .. }) => {
+                Ok(of(judged))
+            }
+            // A multiple eigenvalue, as the zeros of a body that is free to move, or one that a single bound does not decide.
+            _ => match self.with_all_others(lambda, work) {
+                Some(judged) => Ok(of(&judged)),
+                None => bounded.map(|judged| of(&judged)),
+            },
+        }
+    }
+
+    /// Whether an eigenvalue is so near the threshold that a sign alone says nothing.
+    pub(super) fn is_near(&self, lambda: Complex<f64>, threshold: &Threshold) -> bool {
+        threshold.margin(lambda).abs() <= NEAR_AXIS * self.spectrum.scale
+    }
+
+    /// Distance from the axis, rad/s, up to which an eigenvalue next to it is on it.
+    fn tolerance(&self, lambda: Complex<f64>, work: &mut Workspace) -> f64 {
+        let rounding = Eigentriple::new(self.system, lambda, work).map_or(0.0, |triple| triple.rounding());
+        (ON_AXIS * self.spectrum.scale).max(ROUNDED_DATA * rounding)
+    }
+
     /// Whether it is beyond doubt on which side of the threshold an eigenvalue is.
     pub(crate) fn is_clear(&mut self, lambda: Complex<f64>, threshold: &Threshold) -> bool {
         let scale = self.spectrum.scale;
-        if threshold.margin(lambda).abs() <= NEAR_AXIS * scale {
+        if self.is_near(lambda, threshold) {
             return false;
         }
         let on_axis = threshold.nearest(lambda);
@@ -193,9 +228,9 @@ mod tests {
             let system = SecondOrder::new(dmatrix![1.0], dmatrix![c], dmatrix![1e8]).unwrap();
             verdicts(&system)[0]
         };
-        assert_eq!(with(1e-9), Verdict::Stable);
-        assert_eq!(with(-1e-9), Verdict::Unstable);
-        assert!(matches!(with(-1e-14), Verdict::Marginal { .. }));
+        assert_eq!(with(1e-7), Verdict::Stable);
+        assert_eq!(with(-1e-7), Verdict::Unstable);
+        assert!([-1e-9, -1e-14, 1e-9].into_iter().all(|c| matches!(with(c), Verdict::Marginal { .. })));
     }
 
     #[test]

@@ -144,6 +144,7 @@ impl CeaArgs {
         let whys = if self.why { whys(&brake, scene, Some(&modes.lambdas))? } else { Vec::new() };
         let shapes = if self.modes { on_rows(&brake, scene, &at, &modes)? } else { Vec::new() };
         let beside = growing_beside(&brake, scene, reduced.system().assemble(&brake.full_point(scene, &at))?)?;
+        let diverging = brake.diverging(scene, &brake.full_point(scene, &at))?;
         if self.json {
             let list: Vec<Value> = rows
                 .enumerate()
@@ -165,7 +166,7 @@ impl CeaArgs {
                     mode
                 })
                 .collect();
-            let mut all = json!({ "scene": heading, "modes": list });
+            let mut all = json!({ "scene": heading, "modes": list, "diverging": diverging });
             if self.modes {
                 all["dofs"] = (0..brake.case.dofs.len()).map(|row| brake.case.dof_name(row)).collect();
             }
@@ -175,8 +176,16 @@ impl CeaArgs {
             return Ok(format!("{all:#}\n"));
         }
         let mut text = format!(
-            "{heading}\n\n{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
-            "Hz", "growth 1/s", "damping ratio", "residual", "verdict"
+            "{heading}\n\n{}{:>12}  {:>14}  {:>14}  {:>9}  {:>9}\n",
+            match &diverging {
+                Some(diverging) => diverging_in_words(diverging),
+                None => "whether real eigenvalues of the whole brake diverge could not be told\n\n".to_owned(),
+            },
+            "Hz",
+            "growth 1/s",
+            "damping ratio",
+            "residual",
+            "verdict"
         );
         for (place, (lambda, residual)) in rows.enumerate() {
             let (hz, ratio) = (hertz(frequency_hz(*lambda)), damping_ratio(*lambda));
@@ -290,7 +299,8 @@ fn verdict_in_words(verdict: Verdict, lambda: Complex<f64>, threshold: &Threshol
 }
 
 fn table(rows: &[Row], real: &[RealRow], modes: &Modes, brake: &Brake) -> String {
-    let mut text = said_first(real);
+    let diverging = real.iter().filter(|row| row.verdict == "diverges").map(|row| row.growth);
+    let mut text = diverging_in_words(&diverging.collect::<Vec<_>>());
     text += &format!(
         "{:>4}  {:>7}  {:>12}  {:>14}  {:>14}  {:>10}\n",
         "rank", "of 2n", "Hz", "growth 1/s", "damping ratio", "verdict"
@@ -350,9 +360,8 @@ fn bodies(shape: &[Complex<f64>], energy: &ModeWork, brake: &Brake) -> String {
 }
 
 /// What the table of a brake that diverges begins with.
-fn said_first(real: &[RealRow]) -> String {
-    let diverging: Vec<&RealRow> = real.iter().filter(|row| row.verdict == "diverges").collect();
-    let greatest = diverging.iter().map(|row| row.growth).fold(0.0, f64::max);
+fn diverging_in_words(diverging: &[f64]) -> String {
+    let greatest = diverging.iter().copied().fold(0.0, f64::max);
     match diverging.len() {
         0 => String::new(),
         count => {

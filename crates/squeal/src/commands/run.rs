@@ -183,10 +183,15 @@ impl RunArgs {
 /// What draws against the whole brake found, in a line.
 fn checks_in_words(found: &FullChecks) -> String {
     let FullChecks { samples, modes, missing, invented, other_verdicts, largest_distance, trained_on, .. } = *found;
+    let divergence = match found.diverging {
+        0 if found.divergence_open > 0 => format!("whether {} diverge could not be told", found.divergence_open),
+        0 => "none diverges (samples are not looked at for that)".to_owned(),
+        diverging => format!("{diverging} DIVERGE, by up to {:.4} 1/s", found.divergence),
+    };
     let trained = if trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };
     format!(
         "{samples} draws with the whole brake: {modes} modes in the band, {missing} missing and {invented} invented by the reduced one, \
-         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}{trained}\n"
+         {other_verdicts} with another verdict, eigenvalues within {largest_distance:.1e}{trained}; {divergence}\n"
     )
 }
 

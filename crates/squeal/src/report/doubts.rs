@@ -26,7 +26,36 @@ impl Results<'_> {
                  counted. Widen reduction.frequencies."
             ));
         }
+        if let Some(words) = self.divergence_in_words().filter(|_| !self.is_without_divergence()) {
+            doubts.push(words);
+        }
         doubts
+    }
+
+    /// Whether no draw diverges that was looked at, and some were.
+    fn is_without_divergence(&self) -> bool {
+        self.full_checks.is_some_and(|checks| checks.samples > 0 && checks.diverging + checks.divergence_open == 0)
+    }
+
+    /// What is known of the divergence of a reduced brake, whose samples show none, in a sentence; `None` of another brake.
+    pub fn divergence_in_words(&self) -> Option<String> {
+        self.has_band_modes.then(|| match self.full_checks.filter(|checks| checks.samples > 0) {
+            None => "DIVERGENCE was not looked for: a reduced brake has the modes of its band alone, and no draw was solved with the whole \
+                     one (reduction.full_checks)."
+                .into(),
+            Some(FullChecks { samples, diverging: 0, divergence_open: open @ 1.., .. }) => format!(
+                "DIVERGENCE: whether real eigenvalues grow could not be told in {open} of {samples} draws of the whole brake, in the others \
+                 none does. Samples were not looked at."
+            ),
+            Some(FullChecks { samples, diverging: 0, .. }) => format!(
+                "Divergence (real eigenvalues that grow) was looked for in {samples} draws of the whole brake and not in the samples: there is \
+                 none."
+            ),
+            Some(FullChecks { samples, diverging, divergence, .. }) => format!(
+                "DIVERGENCE, instability without oscillation: in {diverging} of {samples} draws of the whole brake a real eigenvalue grows, \
+                 by up to {divergence:.4} 1/s. No sample counts it: what is said to be stable here may diverge."
+            ),
+        })
     }
 }
 

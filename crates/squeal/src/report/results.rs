@@ -55,6 +55,8 @@ pub struct Results<'a> {
     pub labels: ModeNaming,
     /// Of a reduced brake: some draws against the whole one.
     pub full_checks: Option<FullChecks>,
+    /// Whether the brake finds its modes itself, those of a band, and so shows no divergence.
+    pub(super) has_band_modes: bool,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     /// What was noticed beside the counts, for the manifest.
@@ -77,9 +79,10 @@ impl<'a> Results<'a> {
         let (plan, origins) = (study.plan(), study.origin_references());
         let panels = crate::study::panels(plan);
         let comparisons = crate::study::comparisons(plan, &panels);
-        let (labels, full_checks) = (plan.mode_labels, study.brake().full_checks());
+        let (labels, full_checks, has_band_modes) =
+            (plan.mode_labels, study.brake().full_checks(), study.brake().has_band_modes());
         let notes = Mutex::default();
-        Self { labels, plan, origins, references, summary, full_checks, panels, comparisons, notes }
+        Self { labels, plan, origins, references, summary, full_checks, has_band_modes, panels, comparisons, notes }
     }
 
     /// The same counts with modes named in another way.

@@ -99,9 +99,10 @@ fn squealing(results: &Results<'_>, constraints: usize, findings: &SetFindings<'
 fn open_questions(results: &Results<'_>) -> String {
     let OpenCounts { unstable_modes, ambiguous_modes, divergent, undecided, marginal, failures } =
         OpenCounts::new(results);
+    let divergence = results.divergence_in_words().unwrap_or_else(|| format!("{divergent} real eigenvalues diverge."));
     format!(
         "\n## What is left open\n\nOf {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, near a \
-         coalescence, or none. {divergent} real eigenvalues diverge. {undecided} verdicts are undecided and count as stable. {marginal} \
+         coalescence, or none. {divergence} {undecided} verdicts are undecided and count as stable. {marginal} \
          eigenvalues lie on the imaginary axis and neither grow nor decay. {failures} draws or evaluations failed.\n"
     )
 }

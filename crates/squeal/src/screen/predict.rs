@@ -1,6 +1,6 @@
 //! What changes do on a few draws in a few scenes: the prediction by which they are ranked.
 
-use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, verdicts_beyond};
+use cea::{BatchSolver, CeaError, EigenSolver, Spectrum, Verdict, Workspace, real_count, verdicts_beyond};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Progress, stream};
 use num_complex::Complex;
@@ -137,12 +137,13 @@ impl Probe<'_> {
                 let growing: Vec<Complex<f64>> = spectrum.eigenvalues.iter().copied().filter(may_count).collect();
                 let verdicts = verdicts_beyond(&plan.threshold, system, &growing, &spectrum, work)?;
                 for (lambda, _) in growing.iter().zip(verdicts).filter(|(_, verdict)| *verdict == Verdict::Unstable) {
-                    unstable += 1;
-                    growth += lambda.re;
+                    let count = real_count(*lambda).max(1);
+                    unstable += count;
+                    growth += count as f64 * lambda.re;
                 }
             }
         }
         let draws = self.points.len() as f64;
-        Ok(Prediction { unstable: f64::from(unstable) / draws, growth: growth / draws })
+        Ok(Prediction { unstable: unstable as f64 / draws, growth: growth / draws })
     }
 }

@@ -2,7 +2,7 @@
 //! to modes at known points near by, which are followed to the reference once for all samples; and followed there themselves only where
 //! that is in doubt too. So most samples need no matrices.
 
-use cea::{EigenSolver, Mode, Modes, Workspace};
+use cea::{EigenSolver, Mode, Modes, Workspace, real_count};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -47,9 +47,12 @@ impl<'a> BandNames<'a> {
         memory: &mut Memory,
     ) -> Result<SectorModes, Error> {
         let margin = |mode: &BandMode| self.plan.threshold.margin(mode.lambda);
-        let studied: Vec<BandMode> = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda)).collect();
+        let studied = found.into_iter().filter(|mode| self.plan.is_studied(mode.lambda));
+        let (real, studied): (Vec<BandMode>, Vec<BandMode>) = studied.partition(|mode| real_count(mode.lambda) > 0);
         let is_open = |mode: &&BandMode| margin(mode).abs() <= mode.bound || mode.bound.is_nan();
-        let undecided = studied.iter().filter(is_open).count() as u32;
+        let undecided_real = real.iter().filter(is_open).count() as u32;
+        let undecided = studied.iter().filter(is_open).count() as u32 + undecided_real;
+        let divergent = real.iter().filter(|mode| margin(mode) > mode.bound).map(|mode| mode.lambda.re).collect();
         let unstable: Vec<usize> = (0..studied.len()).filter(|&at| margin(&studied[at]) > studied[at].bound).collect();
         let mode = |&at: &usize| Mode::weighted(mass, studied[at].lambda, studied[at].shape.clone());
         let (modes, weighted): (Vec<Mode>, Vec<_>) = unstable.iter().map(mode).unzip();
@@ -66,8 +69,7 @@ impl<'a> BandNames<'a> {
         let unstable = unstable.collect();
         let oscillatory = studied.iter().map(|mode| mode.lambda).collect();
         let modes = Modes { oscillatory, real: Vec::new(), internal: Vec::new() };
-        let (divergent, undecided_real, marginal) = (Vec::new(), 0, 0);
-        Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal })
+        Ok(SectorModes { modes, unstable, divergent, undecided, undecided_real, marginal: 0 })
     }
 
     /// The names of some modes of a system, with M phi of each, of which some look like known ones.

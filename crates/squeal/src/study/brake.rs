@@ -64,6 +64,12 @@ pub struct FullChecks {
     /// The lowest and the highest frequency of these, Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_hz: Option<[f64; 2]>,
+    /// Draws in which a real eigenvalue of the whole brake grows: divergence, which no sample of a reduced brake shows.
+    pub diverging: u64,
+    /// The largest of these, 1/s.
+    pub divergence: f64,
+    /// Draws in which the search for these did not come to an end.
+    pub divergence_open: u64,
     /// The largest distance of an eigenvalue from that of the reduced brake, relative to its size.
     pub largest_distance: f64,
     /// How often the reduction was trained on because such draws did not agree.
@@ -73,6 +79,11 @@ pub struct FullChecks {
 impl FullChecks {
     /// Whether the reduced brake has other modes or verdicts than the whole one.
     pub fn has_failed(&self) -> bool {
+        self.has_other_modes() || self.diverging > 0
+    }
+
+    /// The same of modes alone, which a reduction that is trained on has.
+    pub(crate) fn has_other_modes(&self) -> bool {
         self.missing + self.invented + self.other_verdicts > 0
     }
 
@@ -87,6 +98,9 @@ impl FullChecks {
             other_verdicts: self.other_verdicts + other.other_verdicts,
             residuals_above: self.residuals_above + other.residuals_above,
             growing_beside: self.growing_beside + other.growing_beside,
+            diverging: self.diverging + other.diverging,
+            divergence: self.divergence.max(other.divergence),
+            divergence_open: self.divergence_open + other.divergence_open,
             beside_hz: self.beside_hz.into_iter().chain(other.beside_hz).reduce(wider),
             largest_distance: self.largest_distance.max(other.largest_distance),
             trained_on: self.trained_on.max(other.trained_on),

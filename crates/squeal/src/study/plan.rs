@@ -195,7 +195,8 @@ pub struct Plan {
     pub mode_labels: ModeNaming,
     /// How a tracked mode is known again.
     pub mode_identity: ModeIdentity,
-    /// The frequencies that are studied, rad/s: of a reduced brake those that it holds. `None` studies all modes.
+    /// The frequencies of modes that are studied, rad/s: of a reduced brake those that it holds. `None` studies all. What does not
+    /// oscillate is studied whatever they are.
     pub band: Option<[f64; 2]>,
     /// From where on a growing mode counts as unstable; the axis: every mode that grows.
     pub threshold: Threshold,
@@ -276,9 +277,9 @@ impl Plan {
         format!("{}, {}, {contacts}{speed}", self.labels.constraints[constraints], self.labels.laws[law].name)
     }
 
-    /// Whether a mode with this eigenvalue is studied.
+    /// Whether a mode with this eigenvalue, or a real eigenvalue, is studied.
     pub fn is_studied(&self, lambda: Complex<f64>) -> bool {
-        self.band.is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
+        lambda.im == 0.0 || self.band.is_none_or(|[from, to]| (from..=to).contains(&lambda.im))
     }
 
     /// Whether the reference modes have one with this eigenvalue: those that are studied, and neighbours that may become one.

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use cea::{Counters, EigenSolver, Threshold, WholeSpectra};
+use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, WholeSpectra};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
 use serde::Serialize;
 use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
+use super::changes::{Change, ChangeOf};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
 use crate::study::{Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
@@ -125,6 +126,11 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         })
     }
 
+    /// Whether divergence counts: of a reduced brake nothing is known that does not oscillate.
+    pub fn counts_divergence(&self) -> bool {
+        !self.study.brake().has_band_modes()
+    }
+
     fn scene(&self) -> &Scene {
         &self.study.plan().scenes[self.scene]
     }
@@ -198,6 +204,25 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     /// Whether modes of this frequency, rad/s, are studied.
     pub fn is_studied(&self, omega: f64) -> bool {
         self.family.study.plan().is_studied(Complex::new(0.0, omega))
+    }
+
+    /// [`Family::counts_divergence`].
+    pub fn counts_divergence(&self) -> bool {
+        self.family.counts_divergence()
+    }
+
+    /// Whether a change is of something that is studied.
+    pub fn counts(&self, change: &Change) -> bool {
+        match change.of {
+            ChangeOf::Flutter => self.is_studied(change.lambda.im),
+            ChangeOf::Divergence | ChangeOf::Exchange => self.counts_divergence(),
+        }
+    }
+
+    /// The unstable modes of a spectrum that are studied: pairs that flutter, and real eigenvalues that diverge.
+    pub fn counted(&self, spectrum: &CountedSpectrum) -> [usize; 2] {
+        let flutter = spectrum.flutter.iter().filter(|lambda| self.is_studied(lambda.im)).count();
+        [flutter, if self.counts_divergence() { spectrum.divergence.len() } else { 0 }]
     }
 
     /// The branches with modes that are studied.

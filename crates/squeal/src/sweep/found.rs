@@ -120,6 +120,7 @@ impl Found {
                 "parameter": sweep.parameter,
                 "unstable_at_start": sweep.unstable_at_start,
                 "diverging_at_start": sweep.diverging_at_start,
+                "divergence_looked_for": sweep.counts_divergence,
                 "marginal": sweep.marginal,
                 "steps_counted": sweep.steps,
                 "onsets": sweep.onsets,
@@ -140,6 +141,7 @@ impl Found {
                     "at": [map.parameters[0].at(region.at[0]), map.parameters[1].at(region.at[1])],
                 })).collect::<Vec<_>>(),
                 "grid": map.grid,
+                "divergence_looked_for": map.counts_divergence,
                 "unresolved": map.unresolved,
                 "checks": map.checks,
             }),
@@ -236,6 +238,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!(", of which {diverging}: real eigenvalues above {above}");
     }
     text += "\n";
+    text += not_looked_for(sweep.counts_divergence);
     for Marginal { from, to, modes } in &sweep.marginal {
         let (modes, on) =
             (count(*modes, "mode", "modes"), if sweep.threshold.is_axis() { "axis" } else { "threshold" });
@@ -285,6 +288,16 @@ fn branch_text(sweep: &Sweep) -> String {
     )
 }
 
+/// What stands first where divergence was not looked for.
+pub(crate) fn not_looked_for(counts_divergence: bool) -> &'static str {
+    match counts_divergence {
+        true => "",
+        false => {
+            "divergence was NOT looked for: a reduced brake has the modes of its band alone; squeal run and squeal cea look for it in the whole one\n"
+        }
+    }
+}
+
 /// The width of a column of names.
 fn widest<'a>(names: impl Iterator<Item = &'a String>) -> usize {
     names.map(|name| name.chars().count()).fold(8, usize::max)
@@ -293,7 +306,8 @@ fn widest<'a>(names: impl Iterator<Item = &'a String>) -> usize {
 fn map_text(map: &StabilityMap) -> String {
     let [x, y] = map.parameters.each_ref().map(|parameter| parameter.name.as_str());
     let width = widest(map.curves.iter().map(|curve| &curve.mode));
-    let mut text = format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
+    let mut text = not_looked_for(map.counts_divergence).to_owned();
+    text += &format!("{:>width$}  {:>6}  {:>22}  boundary\n", "mode", "points", "Hz");
     for BoundaryCurve { mode, ends, points } in &map.curves {
         let of = |value: fn(&super::BoundaryPoint) -> f64, pick: fn(f64, f64) -> f64, start: f64| {
             points.iter().map(value).fold(start, pick)

@@ -37,6 +37,8 @@ pub struct StabilityMap {
     pub grid: usize,
     /// Steps on lines of the grid in which a mode comes so near the axis that it is not known whether it crosses.
     pub unresolved: usize,
+    /// Whether divergence was looked for: of a reduced brake it is not.
+    pub counts_divergence: bool,
     /// Places at which a spectrum has the number of unstable modes that the curves say.
     pub checks: usize,
     /// The largest distance of the boundary from that of the brake that this one is a reduction of, as a part of the ranges, at the ends
@@ -62,8 +64,7 @@ impl StabilityMap {
     }
 }
 
-/// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence where frequencies from zero
-/// are studied.
+/// The stability map of a scene of a study over two parameters: of modes that oscillate, and of divergence, but for that of a reduced brake.
 ///
 /// # Errors
 /// Parameters or ranges that the scene does not have, a value that the brake refuses,
@@ -140,6 +141,7 @@ fn drawn<B: UncertainBrake>(family: &Family<'_, B>, found: Vec<PartMap>, grid: u
         rows,
         grid,
         unresolved,
+        counts_divergence: family.counts_divergence(),
         checks: 0,
         from_whole,
         evaluations,
@@ -147,14 +149,13 @@ fn drawn<B: UncertainBrake>(family: &Family<'_, B>, found: Vec<PartMap>, grid: u
     }
 }
 
-/// The number of unstable modes by spectra: pairs that flutter, and where frequencies from zero are studied real eigenvalues that diverge.
+/// The number of unstable modes by spectra.
 fn unstable<B: UncertainBrake>(parts: &[Part<'_, B>], at: &[f64; 2]) -> Result<usize, Error> {
     let of_part = |part: &Part<'_, B>| {
         let (system, mut work) = (part.system(at)?, Workspace::default());
         let spectrum = part.family.solver.eigenvalues(&system, &mut work)?;
         let counted = CountedSpectrum::new(&part.threshold(), &system, &spectrum, &mut work)?;
-        let flutter = counted.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
-        Ok(flutter + if part.is_studied(0.0) { counted.divergence.len() } else { 0 })
+        Ok(part.counted(&counted).iter().sum::<usize>())
     };
     parts.iter().map(of_part).sum()
 }

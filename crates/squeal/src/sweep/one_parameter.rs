@@ -55,6 +55,8 @@ pub struct Sweep {
     pub unstable_at_start: usize,
     /// Those of them that diverge.
     pub diverging_at_start: usize,
+    /// Whether divergence was looked for: of a reduced brake it is not.
+    pub counts_divergence: bool,
     /// Where modes are on the axis, and so neither grow nor decay: without damping, conservative gyroscopic, rigid motions.
     pub marginal: Vec<Marginal>,
     /// Equal steps of the range at which unstable modes were counted: changes that are farther apart than one of them are all found.
@@ -119,6 +121,7 @@ impl Sweep {
             coalescences: Vec::new(),
             unstable_at_start: 0,
             diverging_at_start: 0,
+            counts_divergence: true,
             marginal: Vec::new(),
             steps: usize::MAX,
             evaluations: Evaluations::default(),
@@ -141,6 +144,7 @@ impl Sweep {
         self.coalescences.extend(other.coalescences);
         self.unstable_at_start += other.unstable_at_start;
         self.diverging_at_start += other.diverging_at_start;
+        self.counts_divergence &= other.counts_divergence;
         self.marginal.extend(other.marginal);
         self.steps = self.steps.min(other.steps);
         self.evaluations += other.evaluations;
@@ -168,13 +172,9 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
     let named_at = *places.iter().min_by(nearest).unwrap_or(&0.0);
     let names = branch_names(&mut branches, &locus, part.reference, [median, named_at])?;
     let coalescences = coalescences(&mut branches, &locus, &names)?;
-    let is_kept = |change: &Change| match change.of {
-        ChangeOf::Flutter => part.is_studied(change.lambda.im),
-        ChangeOf::Divergence | ChangeOf::Exchange => part.is_studied(0.0),
-    };
     let mut evaluations = Evaluations::default();
     let mut found = Vec::new();
-    for change in changes.into_iter().filter(is_kept) {
+    for change in changes.into_iter().filter(|change| part.counts(change)) {
         let Change { at, error, lambda, of, starts, .. } = change;
         let omega = if of == ChangeOf::Flutter { lambda.im } else { 0.0 };
         let reduced = Onset { at, error, omega, destabilises: starts };
@@ -212,8 +212,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
     }
     evaluations += Evaluations::of(branches.counters());
     evaluations.spectra += spectra;
-    let flutter = start.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
-    let diverging_at_start = if part.is_studied(0.0) { start.divergence.len() } else { 0 };
+    let [flutter, diverging_at_start] = part.counted(&start);
     let named = |(branch, names): (tracking::Branch, &Names)| NamedBranch::new(parameter, branch, names);
     let in_values = |ambiguity: Ambiguity| Ambiguity {
         from: parameter.at(ambiguity.from),
@@ -228,6 +227,7 @@ fn of_part<B: UncertainBrake>(part: &Part<'_, B>, parameter: &SweptParameter) ->
         coalescences: coalescences.into_iter().map(|coalescence| coalescence.in_values(parameter)).collect(),
         unstable_at_start: flutter + diverging_at_start,
         diverging_at_start,
+        counts_divergence: part.counts_divergence(),
         marginal: marginal.into_iter().map(|range| range.in_values(parameter)).collect(),
         steps,
         evaluations,

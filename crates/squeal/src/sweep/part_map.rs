@@ -141,18 +141,11 @@ fn on_line<B: UncertainBrake>(part: &Part<'_, B>, line: GridLine) -> Result<OnLi
     let system = |along: f64| part.system(line.place(along).as_slice());
     let along = Along::new(&system, &part.family.solver, part.threshold());
     let Changes { found, unresolved, start, spectra, .. } = along.changes(STEPS)?;
-    let is_kept = |change: &Change| match change.of {
-        ChangeOf::Flutter => part.is_studied(change.lambda.im),
-        ChangeOf::Divergence | ChangeOf::Exchange => part.is_studied(0.0),
-    };
-    let met = found.into_iter().filter(is_kept).collect();
-    let flutter = start.flutter.iter().filter(|lambda| part.is_studied(lambda.im)).count();
-    let divergence = if part.is_studied(0.0) { start.divergence.len() } else { 0 };
     Ok(OnLine {
         line,
-        met,
+        met: found.into_iter().filter(|change| part.counts(change)).collect(),
         unresolved: unresolved.len(),
-        unstable_at_start: flutter + divergence,
+        unstable_at_start: part.counted(&start).iter().sum(),
         evaluations: Evaluations { spectra, ..Evaluations::default() },
     })
 }

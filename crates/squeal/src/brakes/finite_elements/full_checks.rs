@@ -52,12 +52,12 @@ impl FiniteElementBrake {
             progress.end();
             let none = FullChecks { trained_on: round, ..FullChecks::default() };
             let sum = all.iter().fold(none, |sum, one| sum.with(one.found));
-            let is_enough = round == MOST_ROUNDS || !(sum.has_failed() || sum.residuals_above > 0);
+            let is_enough = round == MOST_ROUNDS || !(sum.has_other_modes() || sum.residuals_above > 0);
             brake.full_checks = Some(sum);
             if is_enough {
                 break;
             }
-            let open = |one: &OneCheck| one.found.has_failed() || one.found.residuals_above > 0;
+            let open = |one: &OneCheck| one.found.has_other_modes() || one.found.residuals_above > 0;
             trained.extend(all.into_iter().filter(open).map(|one| one.at));
             let Self { case, full_checks, .. } = brake;
             brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
@@ -74,7 +74,9 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
     let point = brake.operating_point(scene, &sample)?;
     let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
     let reduced = part.reduced.modes(&at)?.lambdas;
-    let all = modes_beside(&brake.case, &brake.sets[part.set].system.assemble(&at)?, &reduced)?;
+    let system = brake.sets[part.set].system.assemble(&at)?;
+    let all = modes_beside(&brake.case, &system, &reduced)?;
+    let diverging = brake.diverging(scene, &at)?;
     let wanted = rectangle(&brake.case);
     let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
         all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));
@@ -105,6 +107,9 @@ fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error
         residuals_above: sampled.iter().filter(|mode| mode.residual.is_some_and(|residual| residual.is_above)).count()
             as u64,
         growing_beside: u64::from(!growing_beside.is_empty()),
+        diverging: u64::from(diverging.as_ref().is_some_and(|growing| !growing.is_empty())),
+        divergence: diverging.iter().flatten().copied().fold(0.0, f64::max),
+        divergence_open: u64::from(diverging.is_none()),
         beside_hz: growing_beside.iter().map(|&hz| [hz, hz]).reduce(wider),
         largest_distance: distance,
         trained_on: 0,

@@ -166,6 +166,16 @@ impl FiniteElementBrake {
         points::of_brake(&self.case, self.closed(scene), at)
     }
 
+    /// Real eigenvalues that grow of the whole brake of a scene, at an operating point of the brake: divergence, 1/s. `None` where a search
+    /// does not tell.
+    ///
+    /// # Errors
+    /// A point that the brake refuses.
+    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint) -> Result<Option<Vec<f64>>, Error> {
+        let system = self.sets[self.part(scene).set].system.assemble(at)?;
+        Ok(reduce::diverging(&self.case, &system, &self.plan.threshold))
+    }
+
     /// What the friction of a scene is drawn from; `None` without a contact.
     fn drawn(&self, scene: &Scene) -> Option<DrawnFriction<'_>> {
         let contact = self.case.contact.as_ref()?;

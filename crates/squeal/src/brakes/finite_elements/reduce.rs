@@ -1,7 +1,9 @@
 //! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
 
 use std::f64::consts::TAU;
+use std::iter::repeat_n;
 
+use cea::{Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::{Progress, stream};
 use nalgebra::DMatrix;
@@ -12,7 +14,7 @@ use sparse::reduction::{
     Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
     rungs, within,
 };
-use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
+use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
 
 use super::points::{
     State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
@@ -25,6 +27,14 @@ use crate::case::{FiniteElementCase, Law, ReductionGoal};
 const SEARCHED: f64 = 0.25;
 /// How many times as fast as the fastest mode of the reduced brake the modes of the whole one may grow that are looked for; chosen.
 const BEYOND: f64 = 1.5;
+/// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
+/// band; chosen: above what rounding makes of two equal ones.
+const REAL: f64 = 1e-6;
+/// The least of them that is looked for, as a part of the same; chosen.
+const SLOWEST: f64 = 1e-3;
+/// What a real eigenvalue has to be above for sure, in units of its bound; chosen, as studies have it next to the axis: the zeros of a body
+/// that is free to move are multiple, and rounding makes real ones of them.
+const ROUNDED_DATA: f64 = 32.0;
 /// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
@@ -216,6 +226,23 @@ pub(super) fn modes_beside(
     let rectangle = rectangle(case);
     let [low, high] = rectangle.im;
     modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
+}
+
+/// Real eigenvalues of a whole brake that surely are beyond a threshold, 1/s, ascending: divergence, whatever the band of the case. They are
+/// looked for from a thousandth of the lowest frequency of the band, as those of a body that is free to move are zero, to the highest. `None`
+/// where the search does not come to an end.
+pub(super) fn diverging(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    threshold: &Threshold,
+) -> Option<Vec<f64>> {
+    let [lowest, highest] = rectangle(case).im;
+    let from = threshold.growth_above().max(SLOWEST * lowest);
+    let axis = Rectangle { re: [from, from + highest], im: [0.0, REAL * lowest] };
+    let found = eigenpairs_in(system, &axis, &sparse::Options::default(), &mut |_| {}).ok()?;
+    let is_beyond = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound) == Verdict::Unstable;
+    let of = |pair: Eigenpair| repeat_n(pair.lambda.re, if is_beyond(&pair) { real_count(pair.lambda) } else { 0 });
+    Some(found.pairs.into_iter().flat_map(of).collect())
 }
 
 fn modes_in(

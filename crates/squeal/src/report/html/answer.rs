@@ -48,6 +48,9 @@ fn squealing(results: &Results<'_>, set: usize, found: &SetFindings<'_>) -> Stri
         format!("up to {} with {}", with_limits(&range.most.0), escaped(&place(results, range.most.1)))
     });
     let words = match (everywhere.as_str(), somewhere.as_str()) {
+        ("", "") if found.unstable.is_empty() && results.has_band_modes => {
+            "in no panel was any mode unstable".to_owned()
+        }
         ("", "") if found.unstable.is_empty() => {
             "in no panel was any mode unstable, nor was there divergence".to_owned()
         }
@@ -116,9 +119,12 @@ fn how_sure(results: &Results<'_>, findings: &[SetFindings<'_>]) -> String {
             100.0 * upper
         );
     }
+    let divergence = results.divergence_in_words().map(|words| escaped(&words));
+    let divergence = divergence
+        .unwrap_or_else(|| format!("{divergent} real eigenvalues grow: divergence, instability without oscillation."));
     text += &format!(
         "<li>Of {unstable_modes} unstable modes found, {ambiguous_modes} have a name that is open, where two modes met, or none. They widen the \
-         limits upwards.</li>\n<li>{divergent} real eigenvalues grow: divergence, instability without oscillation.</li>\n<li>{undecided} \
+         limits upwards.</li>\n<li>{divergence}</li>\n<li>{undecided} \
          verdicts are undecided and count as stable. {marginal} eigenvalues lie on the imaginary axis and neither grow nor decay. \
          {failures} draws or evaluations failed; they may be unstable, and widen the limits upwards.</li>\n<li>Unstable means that a small vibration grows. How loud it gets is not computed.</li>\n</ul>\n"
     );

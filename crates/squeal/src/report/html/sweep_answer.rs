@@ -1,8 +1,8 @@
 //! The answer of a sweep in words: which modes grow from where on, or how much of a map is stable.
 
-use super::text::escaped;
+use super::text::{capitalised, escaped};
 use crate::report::hertz;
-use crate::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named};
+use crate::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named, not_looked_for};
 
 /// Most modes that have a sentence of their own; the table below has all.
 const MOST_MODES: usize = 12;
@@ -13,7 +13,13 @@ pub(super) fn answer(found: &Found) -> String {
         Found::Branches(sweep) => of_branches(sweep),
         Found::Map(map) => of_map(map),
     };
-    let items: String = sentences.iter().map(|sentence| format!("<li>{}</li>\n", escaped(sentence))).collect();
+    let counts_divergence = match found {
+        Found::Branches(sweep) => sweep.counts_divergence,
+        Found::Map(map) => map.counts_divergence,
+    };
+    let note = (!counts_divergence).then(|| capitalised(not_looked_for(false).trim_end()));
+    let items: String =
+        note.iter().chain(&sentences).map(|sentence| format!("<li>{}</li>\n", escaped(sentence))).collect();
     format!("<ul class=\"lead\">\n{items}</ul>\n")
 }
 
