@@ -7,7 +7,10 @@ use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
 use squeal::commands::override_run;
 use squeal::output::{note, say, write};
-use squeal::report::{Claim, Geometry, Holds, Manifest, claims, claims_markdown, draw_paper, write_page};
+use squeal::report::{
+    Claim, Geometry, Holds, Judgement, Manifest, Subject, claims, claims_judged, claims_markdown, draw_paper,
+    write_page,
+};
 
 /// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
@@ -63,8 +66,11 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
         // An alternative that only renames modes needs no further run.
         for alternative in &case.alternatives {
             if let Alternative::ModeNaming(labels) = alternative {
-                let claims = claims(&results.labelled(*labels), &brake)?;
-                cards.push(card(alternative, claims));
+                let named = results.labelled(*labels);
+                cards.push(card(alternative, claims(&named, &brake)?));
+                let numbered = claims_judged(&named, &brake, Judgement::ByLimits, Subject::Numbered(*labels))?;
+                let choice = format!("{}, the modes with the paper's numbers", alternative.choice());
+                cards.push(Scorecard { choice, ..card(alternative, numbered) });
             }
         }
         Ok(())

@@ -93,7 +93,7 @@ pub fn run(args: &ReadingsArgs) -> Result<(), TaskError> {
     };
 
     let all = product();
-    let paper = product::mode_numbers(&path, &case)?;
+    let paper = product::paper_modes(&path, &case)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let workers = args.threads.map_or_else(cores, |threads| usize::try_from(threads).unwrap_or(usize::MAX));
     let coarse = |combination: &Combination| {
@@ -244,7 +244,7 @@ mod tests {
             limits: None,
             mode: None,
         };
-        let cards = vec![Card { naming: row::TRACKED.into(), claims: (0..12).map(cell).collect() }];
+        let cards = vec![Card { naming: row::TRACKED.into(), counting: None, claims: (0..12).map(cell).collect() }];
         Row { samples: 64, failures: 0, seconds: 1.0, refused: None, cards }
     }
 

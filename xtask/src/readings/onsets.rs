@@ -12,9 +12,10 @@ use squeal::case::{LatticeCase, Law};
 use squeal::montecarlo::Experiment as _;
 use squeal::nalgebra::{DMatrix, DVector};
 use squeal::study::{Scratch, Study};
+use squeal::work::ModeWork;
 use toml::Table;
 
-use super::product::{AXES, Combination, mode_numbers, product};
+use super::product::{AXES, COUNTINGS, Combination, PaperModes, paper_modes, product};
 use crate::error::TaskError;
 
 /// The largest coefficient tried.
@@ -27,11 +28,26 @@ const STRUCTURE: [usize; 5] = [0, 1, 2, 4, 5];
 /// The place of friction in y among the questions.
 const LATERAL: usize = 2;
 
+/// Where a mode becomes unstable.
+struct Onset {
+    /// The smallest friction coefficient, of those tried, at which it is.
+    mu: f64,
+    /// The oscillators, from 1, in the order of their net work on it there, the most first.
+    feeders: Vec<usize>,
+}
+
+impl Onset {
+    /// Whether the oscillators that the paper names feed it most.
+    fn is_fed_by(&self, oscillators: &[usize]) -> bool {
+        let (first, _) = self.feeders.split_at(oscillators.len().min(self.feeders.len()));
+        !oscillators.is_empty() && oscillators.iter().all(|named| first.contains(named))
+    }
+}
+
 /// Onsets of one structure.
 struct Onsets {
-    /// By constraint set: the smallest coefficient, of those tried, at which a mode is unstable, by its frequency rank at the
-    /// naming point.
-    of_sets: Vec<BTreeMap<usize, f64>>,
+    /// By constraint set: the onset of each mode, by its frequency rank at the naming point.
+    of_sets: Vec<BTreeMap<usize, Onset>>,
     /// Row and column shape of each mode without constraints, by rank from 1.
     patterns: Vec<String>,
 }
@@ -56,7 +72,8 @@ impl Onsets {
             for (&mu, outcome) in mus.iter().zip(outcomes) {
                 for mode in outcome?.unstable {
                     if let [name] = mode.names[..] {
-                        onsets.entry(usize::from(name.number())).or_insert(mu);
+                        let onset = || Onset { mu, feeders: feeders(mode.work.as_ref(), oscillators) };
+                        onsets.entry(usize::from(name.number())).or_insert_with(onset);
                     }
                 }
             }
@@ -67,6 +84,15 @@ impl Onsets {
         let patterns = modes.map(|mode| pattern(&brake.case, &dofs.expand(&mode.shape))).collect();
         Ok(Self { of_sets, patterns })
     }
+}
+
+/// The oscillators, from 1, in the order of their net work on a mode, the most first.
+fn feeders(work: Option<&ModeWork>, oscillators: usize) -> Vec<usize> {
+    // The plate comes last.
+    let net = work.map_or(Vec::new(), ModeWork::net);
+    let mut order: Vec<usize> = (0..net.len().min(oscillators)).collect();
+    order.sort_by(|&a, &b| net[b].total_cmp(&net[a]));
+    order.into_iter().map(|at| at + 1).collect()
 }
 
 /// The row shape and the column shape with most of a mode in it.
@@ -134,7 +160,7 @@ fn patterns(path: &Path, case: &Table) -> Result<String, TaskError> {
     // A pattern has three modes, of which friction couples two: the one that grows is the pattern's.
     let by_pattern = |onsets: &Onsets| -> BTreeMap<String, (usize, f64)> {
         let mut found: BTreeMap<String, (usize, f64)> = BTreeMap::new();
-        for (&rank, &mu) in &onsets.of_sets[0] {
+        for (&rank, &Onset { mu, .. }) in &onsets.of_sets[0] {
             let first = found.entry(onsets.patterns[rank - 1].clone()).or_insert((rank, mu));
             *first = if mu < first.1 { (rank, mu) } else { *first };
         }
@@ -162,53 +188,135 @@ fn patterns(path: &Path, case: &Table) -> Result<String, TaskError> {
 
 /// Every structure: which modes can be unstable at all, and whether the paper's are among them.
 fn structures(path: &Path, case: &Table) -> Result<String, TaskError> {
-    let paper = mode_numbers(path, case)?;
+    let paper = paper_modes(path, case)?;
+    let printed = Combination::own().case(path, case)?.paper.ok_or(TaskError::Toml("has no table [paper]".into()))?;
     let mut combinations = product();
     combinations.retain(|combination| (0..AXES.len()).all(|i| STRUCTURE.contains(&i) || combination.0[i] == 0));
     let mut text = format!(
         "Modes that are unstable at any mu up to {MOST_MU}, in steps of {COARSE_STEP}: frequency rank and onset, by onset. Last \
-         columns: which of the paper's numbers ({}, {} and {}, of 30, 26 and 24 degrees of freedom) are among them, counted \
-         as frequency ranks and among all eigenvalues.\n\n\
-         | structure | free | corners held | six held | as ranks | among all |\n| --- | --- | --- | --- | --- | --- |\n",
-        paper[0], paper[1], paper[2]
+         columns: which of the paper's numbers ({}, of {} modes) are among them if modes are counted in this way; with a star \
+         where the oscillators that the paper names do most net work on that mode at its onset.\n\n\
+         | structure | free | corners held | six held |",
+        in_words(&paper.numbers.map(|number| number.to_string())),
+        in_words(&paper.modes.map(|modes| modes.to_string())),
     );
-    let (mut highest, mut quiet, mut with_all) = ([0; 3], [0; 3], [0; 2]);
+    COUNTINGS.iter().for_each(|counting| text += &format!(" {} |", counting.word()));
+    text += "\n| --- | --- | --- | --- |";
+    text += &" --- |".repeat(COUNTINGS.len());
+    let mut found = Agreement::default();
     for combination in &combinations {
         let onsets = Onsets::new(combination.case(path, case)?, COARSE_STEP)?;
-        let _ = write!(text, "| {} |", combination.describe());
-        for (place, of_set) in onsets.of_sets.iter().enumerate() {
+        let _ = write!(text, "\n| {} |", combination.describe());
+        for of_set in &onsets.of_sets {
             let mut list: Vec<_> = of_set.iter().collect();
-            list.sort_by(|a, b| a.1.total_cmp(b.1));
-            let list: Vec<String> = list.iter().map(|(rank, mu)| format!("{rank} {mu:.2}")).collect();
+            list.sort_by(|a, b| a.1.mu.total_cmp(&b.1.mu));
+            let list: Vec<String> = list.iter().map(|(rank, onset)| format!("{rank} {:.2}", onset.mu)).collect();
             let _ = write!(text, " {} |", or_none(list.join(", ")));
-            highest[place] = of_set.keys().copied().max().unwrap_or(0).max(highest[place]);
-            quiet[place] += usize::from(of_set.is_empty());
         }
-        for (counted, rank) in [|number: usize| number, |number: usize| number.div_ceil(2)].into_iter().enumerate() {
-            let agree =
-                paper.iter().zip(&onsets.of_sets).filter(|(number, of_set)| of_set.contains_key(&rank(**number)));
-            let list: Vec<String> = agree.map(|(number, _)| number.to_string()).collect();
-            with_all[counted] += usize::from(list.len() == paper.len());
-            let _ = write!(text, " {} |", or_none(list.join(" ")));
-        }
-        text += "\n";
+        let words = found.add(&onsets, &paper, [&printed.corners, &printed.after_corners_dominant, &[]]);
+        words.into_iter().for_each(|words| text += &format!(" {} |", or_none(words)));
     }
-    let _ = writeln!(
-        text,
-        "\nOf {} structures {} have all three numbers as frequency ranks, {} among all eigenvalues. The highest rank of an \
-         unstable mode is {} free, {} with the corners held and {} with six held. No mode is ever unstable in {} structures \
-         free, in {} with the corners held and in {} with six held.",
-        combinations.len(),
-        with_all[0],
-        with_all[1],
-        highest[0],
-        highest[1],
-        highest[2],
-        quiet[0],
-        quiet[1],
-        quiet[2]
-    );
-    Ok(text)
+    Ok(text + "\n\n" + &found.in_words(combinations.len(), &paper))
+}
+
+/// How often the paper's numbers are among the modes that can be unstable.
+#[derive(Default)]
+struct Agreement {
+    /// By constraint set: the highest frequency rank of any, and structures without any.
+    highest: [usize; 3],
+    quiet: [usize; 3],
+    /// By constraint set: structures in which a mode is fed by the oscillators that the paper names for the number of the set.
+    described: [usize; 3],
+    /// How many such modes there are, over all structures.
+    fed_modes: [usize; 3],
+    /// By way of counting and set: structures in which the number is one of a mode that is unstable, and of one that is fed so.
+    unstable: [[usize; 3]; COUNTINGS.len()],
+    fed: [[usize; 3]; COUNTINGS.len()],
+    /// By way of counting: structures in which all numbers are, and in which those whose oscillators are named are of modes fed so.
+    all: [usize; COUNTINGS.len()],
+    all_fed: [usize; COUNTINGS.len()],
+    /// What `all`, and `all_fed`, would be on average if each number were drawn among the modes of its set.
+    by_chance: f64,
+    fed_by_chance: f64,
+}
+
+impl Agreement {
+    /// Adds a structure; `named` are the oscillators that the paper names by set. The numbers that it has, by way of counting.
+    fn add(&mut self, onsets: &Onsets, paper: &PaperModes, named: [&[usize]; 3]) -> [String; COUNTINGS.len()] {
+        let is_fed = |set: usize, rank: usize| onsets.of_sets[set].get(&rank).is_some_and(|o| o.is_fed_by(named[set]));
+        let fed: [usize; 3] =
+            std::array::from_fn(|set| onsets.of_sets[set].keys().filter(|&&rank| is_fed(set, rank)).count());
+        for set in 0..3 {
+            let of_set = &onsets.of_sets[set];
+            self.highest[set] = self.highest[set].max(of_set.keys().copied().max().unwrap_or(0));
+            self.quiet[set] += usize::from(of_set.is_empty());
+            self.described[set] += usize::from(fed[set] > 0);
+            self.fed_modes[set] += fed[set];
+        }
+        let part = |set: usize, of: usize| of as f64 / paper.modes[set] as f64;
+        self.by_chance += (0..3).map(|set| part(set, onsets.of_sets[set].len())).product::<f64>();
+        self.fed_by_chance +=
+            (0..3).filter(|&set| !named[set].is_empty()).map(|set| part(set, fed[set])).product::<f64>();
+        std::array::from_fn(|at| {
+            let ranks = paper.ranks(COUNTINGS[at]);
+            let has = |set: usize| onsets.of_sets[set].contains_key(&ranks[set]);
+            for set in 0..3 {
+                self.unstable[at][set] += usize::from(has(set));
+                self.fed[at][set] += usize::from(is_fed(set, ranks[set]));
+            }
+            self.all[at] += usize::from((0..3).all(has));
+            self.all_fed[at] +=
+                usize::from((0..3).filter(|&set| !named[set].is_empty()).all(|set| is_fed(set, ranks[set])));
+            let star = |set: usize| if is_fed(set, ranks[set]) { "*" } else { "" };
+            let words = (0..3).filter(|&set| has(set)).map(|set| format!("{}{}", paper.numbers[set], star(set)));
+            words.collect::<Vec<_>>().join(" ")
+        })
+    }
+
+    fn in_words(&self, structures: usize, paper: &PaperModes) -> String {
+        let [free, corners, _] = paper.numbers;
+        let mut text = format!(
+            "The highest rank of an unstable mode is {} free, {} with the corners held and {} with six held. No mode is ever \
+             unstable in {} of {structures} structures free, in {} with the corners held and in {} with six held. In {} \
+             structures a mode is fed most by the corners when free, in {} one by the oscillators that the paper names when the \
+             corners are held.\n\n\
+             Structures with the paper's numbers. \"By chance\" is how many there would be on average if each number were drawn \
+             among the modes of its set.\n\n| counted |",
+            self.highest[0],
+            self.highest[1],
+            self.highest[2],
+            self.quiet[0],
+            self.quiet[1],
+            self.quiet[2],
+            self.described[0],
+            self.described[1]
+        );
+        paper.numbers.iter().for_each(|number| text += &format!(" {number} |"));
+        let _ = write!(
+            text,
+            " all three | {free}* | {corners}* | both* |\n| --- | --- | --- | --- | --- | --- | --- | --- |"
+        );
+        for (at, counting) in COUNTINGS.iter().enumerate() {
+            let ([a, b, c], [d, e, _]) = (self.unstable[at], self.fed[at]);
+            let (all, both) = (self.all[at], self.all_fed[at]);
+            let _ = write!(text, "\n| {} | {a} | {b} | {c} | {all} | {d} | {e} | {both} |", counting.word());
+        }
+        let part = |set: usize| self.fed_modes[set] as f64 / paper.modes[set] as f64;
+        let _ = writeln!(
+            text,
+            "\n| by chance, each | | | | {:.2} | {:.2} | {:.2} | {:.2} |",
+            self.by_chance,
+            part(0),
+            part(1),
+            self.fed_by_chance
+        );
+        text
+    }
+}
+
+fn in_words(parts: &[String; 3]) -> String {
+    let [a, b, c] = parts;
+    format!("{a}, {b} and {c}")
 }
 
 fn or_none(text: String) -> String {
@@ -233,9 +341,10 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/paper.toml");
         let case = Combination::own().case(&path, &super::super::product::read_tables(&path).unwrap()).unwrap();
         let onsets = Onsets::new(case, 0.02).unwrap();
-        let (rank, mu) = onsets.of_sets[0].iter().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+        let (rank, onset) = onsets.of_sets[0].iter().min_by(|a, b| a.1.mu.total_cmp(&b.1.mu)).unwrap();
         assert_eq!((*rank, onsets.patterns[*rank - 1].as_str()), (16, "X3 Y2"));
         // It is 0.324 in steps of 0.001.
-        assert!((mu - 0.34).abs() < 1e-9);
+        assert!((onset.mu - 0.34).abs() < 1e-9);
+        assert!(onset.is_fed_by(&[1, 3, 7, 9]) && !onset.is_fed_by(&[4, 6]), "{:?}", onset.feeders);
     }
 }

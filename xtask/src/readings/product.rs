@@ -4,6 +4,7 @@ use std::path::Path;
 
 use squeal::Error;
 use squeal::case::{CaseError, LatticeCase};
+use squeal::study::{ModeLabel, ModeNaming};
 use toml::{Table, Value};
 
 use crate::error::TaskError;
@@ -219,13 +220,38 @@ pub fn read_tables(path: &Path) -> Result<Table, TaskError> {
     toml::from_str(&text).map_err(|error| TaskError::Toml(error.to_string()))
 }
 
-/// The paper's numbers of the modes without constraints, with the corners held and with six held.
+/// The ways in which the paper may count modes: ranks and places among all eigenvalues, from the lowest frequency and from the highest.
+pub const COUNTINGS: [ModeNaming; 4] = [ModeNaming::Rank, ModeNaming::Pair, ModeNaming::RankDown, ModeNaming::PairDown];
+
+/// The modes that the paper numbers: without constraints, with the corners held and with six held.
+#[derive(Debug, Clone, Copy)]
+pub struct PaperModes {
+    /// Its numbers.
+    pub numbers: [ModeLabel; 3],
+    /// How many modes there are.
+    pub modes: [usize; 3],
+}
+
+impl PaperModes {
+    /// Their frequency ranks if modes are counted in a way.
+    pub fn ranks(&self, counting: ModeNaming) -> [usize; 3] {
+        std::array::from_fn(|set| counting.rank(self.numbers[set], self.modes[set]))
+    }
+}
+
+/// The modes that the paper numbers.
 ///
 /// # Errors
 /// A case without a table of what the paper prints.
-pub fn mode_numbers(path: &Path, case: &Table) -> Result<[usize; 3], TaskError> {
-    let paper = Combination::own().case(path, case)?.paper.ok_or(TaskError::Toml("has no table [paper]".into()))?;
-    Ok([paper.mode, paper.after_corners_mode, paper.after_six_mode].map(|mode| usize::from(mode.number())))
+pub fn paper_modes(path: &Path, case: &Table) -> Result<PaperModes, TaskError> {
+    let case = Combination::own().case(path, case)?;
+    let paper = case.paper.ok_or(TaskError::Toml("has no table [paper]".into()))?;
+    let dofs = 3 * (case.lattice.grid.oscillators() + 1);
+    let held = |set: usize| case.constraints.get(set).map_or(0, |set| set.fixed.len());
+    Ok(PaperModes {
+        numbers: [paper.mode, paper.after_corners_mode, paper.after_six_mode],
+        modes: std::array::from_fn(|set| dofs - held(set)),
+    })
 }
 
 /// Puts a value, given as TOML, in a field of nested tables.

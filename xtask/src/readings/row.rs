@@ -2,12 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 use squeal::Error;
-use squeal::report::Claim;
+use squeal::report::{Claim, Subject};
 
 /// How modes are named that are known by continuation.
 pub const TRACKED: &str = "tracked";
 /// How modes are named that are known by likeness.
 pub const BY_MAC: &str = "MAC";
+
+/// How modes are named by their frequency rank in each sample.
+pub const BY_RANK: &str = "rank";
 
 /// A study of one combination, with a scorecard for each way of naming its modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,8 +30,10 @@ pub struct Row {
 /// The scorecard under one way of naming modes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Card {
-    /// How modes are named.
+    /// How modes are known.
     pub naming: String,
+    /// How modes are counted where the paper's numbers say which ones C4 to C6, C8 and C10 are about; `None` where the claims do.
+    pub counting: Option<String>,
     /// One for each claim.
     pub claims: Vec<Cell>,
 }
@@ -71,7 +76,7 @@ impl Row {
 
 impl Card {
     /// The claims as they are judged by their values, and by their limits if these were asked for.
-    pub fn new(naming: &str, by_value: &[Claim], by_limits: Option<&[Claim]>) -> Self {
+    pub fn new(naming: &str, subject: Subject, by_value: &[Claim], by_limits: Option<&[Claim]>) -> Self {
         let cell = |(at, by_value): (usize, &Claim)| {
             let by_limits = by_limits.map(|claims| &claims[at]);
             Cell {
@@ -83,7 +88,11 @@ impl Card {
                 mode: by_value.mode,
             }
         };
-        Self { naming: naming.into(), claims: by_value.iter().enumerate().map(cell).collect() }
+        let counting = match subject {
+            Subject::Found => None,
+            Subject::Numbered(counting) => Some(counting.word().into()),
+        };
+        Self { naming: naming.into(), counting, claims: by_value.iter().enumerate().map(cell).collect() }
     }
 
     /// Claims with this verdict by the limits.
@@ -94,6 +103,12 @@ impl Card {
     /// Claims that hold by the values, without C12, which is the number of draws.
     pub fn held_by_value(&self) -> usize {
         self.claims.iter().filter(|cell| cell.holds_by_value()).count()
+    }
+
+    /// Whether some claims all hold by the values.
+    pub fn holds_by_value(&self, ids: &[&str]) -> bool {
+        let holds = |id: &&str| self.claims.iter().any(|cell| cell.id == *id && cell.by_value == "yes");
+        ids.iter().all(holds)
     }
 
     /// Frequency rank of the mode that a claim is about.

@@ -6,11 +6,12 @@ use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
 use squeal::montecarlo::{self, Sampling, Summary};
-use squeal::report::{Judgement, Results, claims_judged};
+use squeal::report::{Judgement, Results, Subject, claims_judged};
 use squeal::study::{ModeIdentity, ModeNaming, Study, StudyOptions, StudyTally, TwiceNamedTally, UncertainBrake as _};
 
 use super::family::Family;
-use super::row::{BY_MAC, Card, Row, TRACKED};
+use super::product::COUNTINGS;
+use super::row::{BY_MAC, BY_RANK, Card, Row, TRACKED};
 
 /// How much is asked of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,20 +85,23 @@ fn rows(family: &Family, stage: Stage) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (brake, laws) in family.members() {
         let by_plan = by_plan.of_laws(laws);
-        let card = |naming: &str, results: &Results<'_>| -> Result<Card, Error> {
-            let by_value = claims_judged(results, brake, Judgement::ByValues)?;
-            let by_limits = match stage {
-                Stage::Coarse | Stage::Second => None,
-                Stage::Full => Some(claims_judged(results, brake, Judgement::ByLimits)?),
-            };
-            Ok(Card::new(naming, &by_value, by_limits.as_deref()))
+        let by_rank = by_plan.labelled(ModeNaming::Rank);
+        let named = match &by_likeness {
+            Some(by_likeness) => vec![(TRACKED, by_plan), (BY_MAC, by_likeness.of_laws(laws)), (BY_RANK, by_rank)],
+            None => vec![(BY_MAC, by_plan), (BY_RANK, by_rank)],
         };
-        let mut cards = match &by_likeness {
-            Some(by_likeness) => vec![card(TRACKED, &by_plan)?, card(BY_MAC, &by_likeness.of_laws(laws))?],
-            None => vec![card(BY_MAC, &by_plan)?],
-        };
-        cards.push(card("rank", &by_plan.labelled(ModeNaming::Rank))?);
-        cards.push(card("pair", &by_plan.labelled(ModeNaming::Pair))?);
+        let mut cards = Vec::new();
+        for subject in std::iter::once(Subject::Found).chain(COUNTINGS.map(Subject::Numbered)) {
+            for (naming, results) in &named {
+                let claims = |judgement| claims_judged(results, brake, judgement, subject);
+                let by_value = claims(Judgement::ByValues)?;
+                let by_limits = match stage {
+                    Stage::Coarse | Stage::Second => None,
+                    Stage::Full => Some(claims(Judgement::ByLimits)?),
+                };
+                cards.push(Card::new(naming, subject, &by_value, by_limits.as_deref()));
+            }
+        }
         let of_member = plan.scenes.iter().zip(failures.by_scene()).filter(|(scene, _)| laws.contains(&scene.key.law));
         let failed = failures.draws() + of_member.map(|(_, failed)| failed).sum::<u64>();
         rows.push(Row { samples, failures: failed, seconds: 0.0, refused: None, cards });
@@ -157,7 +161,7 @@ mod tests {
         let both = run_together(vec![case.clone()], Stage::Coarse).remove(0);
         case.readings.identity = ModeIdentity::Mac;
         let by_likeness = run_together(vec![case], Stage::Coarse).remove(0);
-        assert_eq!((both.cards.len(), by_likeness.cards.len()), (4, 3));
+        assert_eq!((both.cards.len(), by_likeness.cards.len()), (15, 10));
         assert_eq!(claims(&both, BY_MAC), claims(&by_likeness, BY_MAC));
         assert_ne!(claims(&both, TRACKED), claims(&both, BY_MAC));
     }

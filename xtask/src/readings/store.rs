@@ -10,7 +10,7 @@ use super::run::{Stage, run_together};
 use crate::error::TaskError;
 
 /// Changes when rows of an older program are no longer right.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// The rows that a folder holds, one file for each group of combinations that were run together.
 pub struct Store {
@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(store.known(&cases), None);
         let rows = store.rows(cases.clone(), Stage::Coarse).unwrap();
         let [row] = &rows[..] else { panic!("{} rows", rows.len()) };
-        assert_eq!((row.samples, row.refused.as_deref(), row.cards.len()), (8, None, 4));
+        assert_eq!((row.samples, row.refused.as_deref(), row.cards.len()), (8, None, 15));
         assert_eq!(Store::new(folder.path()).unwrap().known(&cases), Some(rows.clone()));
 
         assert_eq!(store.known(&[LatticeCase { samples: 9, ..case.clone() }]), None);

@@ -6,12 +6,14 @@ use std::path::Path;
 
 use squeal::output::write_csv;
 
-use super::product::{AXES, Combination};
+use super::product::{AXES, COUNTINGS, Combination, PaperModes};
 use super::row::{BY_MAC, Card, Row, TRACKED};
 use crate::error::TaskError;
 
 /// The claims whose modes the paper numbers.
 const NUMBERED: [&str; 3] = ["C4", "C8", "C10"];
+/// The claims about these modes.
+const OF_NUMBERED: [&str; 5] = ["C4", "C5", "C6", "C8", "C10"];
 /// Rows of the coarse product in the digest.
 const SHOWN: usize = 20;
 
@@ -45,6 +47,16 @@ impl<'a> Entry<'a> {
         self.card.map_or("", |card| &card.naming)
     }
 
+    fn counting(&self) -> Option<&str> {
+        self.card.and_then(|card| card.counting.as_deref())
+    }
+
+    /// How modes are known, and how the paper's numbers are counted where they say which modes are meant.
+    fn names(&self) -> String {
+        let counted = self.counting().map(|counting| format!(", numbers by {counting}"));
+        self.naming().to_owned() + &counted.unwrap_or_default()
+    }
+
     /// In how many answers it departs from the paper's words.
     fn departures(&self) -> usize {
         self.combination.departures() + usize::from(self.card.is_some_and(|card| card.naming != TRACKED))
@@ -59,12 +71,17 @@ impl<'a> Entry<'a> {
         self.ranks().map(|rank| rank.map_or("-".into(), |rank| rank.to_string()))
     }
 
-    /// How many of the paper's mode numbers it has: counted as frequency ranks, and among all eigenvalues.
-    fn numbers(&self, paper: [usize; 3]) -> [usize; 2] {
-        let agree = |rank: fn(usize) -> usize| {
-            self.ranks().iter().zip(paper).filter(|(found, number)| **found == Some(rank(*number))).count()
-        };
-        [agree(|number| number), agree(|number| number.div_ceil(2))]
+    /// How many of the paper's mode numbers it has, by each way of counting.
+    fn numbers(&self, paper: &PaperModes) -> [usize; COUNTINGS.len()] {
+        COUNTINGS.map(|counting| {
+            let theirs = paper.ranks(counting);
+            self.ranks().iter().zip(theirs).filter(|(found, rank)| **found == Some(*rank)).count()
+        })
+    }
+
+    /// Whether the modes are those that the claims describe, whatever their numbers.
+    fn is_found(&self) -> bool {
+        self.card.is_some_and(|card| card.counting.is_none())
     }
 }
 
@@ -78,8 +95,8 @@ pub struct Stages<'a> {
     pub full: &'a [Entry<'a>],
     /// How many combinations there are.
     pub product: usize,
-    /// The paper's mode numbers of C4, C8 and C10.
-    pub paper: [usize; 3],
+    /// The modes of C4, C8 and C10 that the paper numbers.
+    pub paper: PaperModes,
 }
 
 /// Writes everything, one scorecard a line.
@@ -87,13 +104,14 @@ pub struct Stages<'a> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), TaskError> {
-    let &Stages { coarse, second, full, paper, .. } = stages;
+    let Stages { coarse, second, full, paper, .. } = stages;
     let mut header: Vec<String> = AXES.iter().map(|axis| axis.name.to_string()).collect();
-    header.extend(["R7 naming", "departures", "samples", "failures", "refused"].map(String::from));
+    header.extend(["R7 naming", "R7 counting", "departures", "samples", "failures", "refused"].map(String::from));
     header.extend(["held", "not held", "held by value"].map(String::from));
-    header.extend(["mode C4", "mode C8", "mode C10", "numbers by rank", "numbers by pair"].map(String::from));
+    header.extend(["mode C4", "mode C8", "mode C10"].map(String::from));
+    header.extend(COUNTINGS.map(|counting| format!("numbers by {}", counting.word())));
     let claims =
-        full.iter().chain(second).chain(coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
+        full.iter().chain(*second).chain(*coarse).find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     for cell in claims {
         header.extend(["holds", "by value", "value", "lower", "upper"].map(|column| format!("{} {column}", cell.id)));
     }
@@ -101,7 +119,8 @@ pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), TaskError> {
     let row = |entry: &Entry<'_>| {
         let mut row: Vec<String> = entry.combination.labels().map(String::from).to_vec();
         let refused = entry.row.refused.clone().unwrap_or_default();
-        row.extend([entry.naming().to_owned(), entry.departures().to_string()]);
+        row.extend([entry.naming(), entry.counting().unwrap_or_default()].map(String::from));
+        row.push(entry.departures().to_string());
         row.extend([entry.row.samples.to_string(), entry.row.failures.to_string(), refused]);
         let not_held = entry.card.map_or(0, |card| card.count("no"));
         row.extend([entry.held(), not_held, entry.held_by_value()].map(|n| n.to_string()));
@@ -121,12 +140,12 @@ pub fn write_all(path: &Path, stages: &Stages<'_>) -> Result<(), TaskError> {
         row
     };
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    Ok(write_csv(path, &header, full.iter().chain(second).chain(coarse).map(row))?)
+    Ok(write_csv(path, &header, full.iter().chain(*second).chain(*coarse).map(row))?)
 }
 
 /// The rule, the combinations with all draws, and a digest of the others.
 pub fn markdown(stages: &Stages<'_>) -> String {
-    let &Stages { coarse, second, full, product, paper } = stages;
+    let &Stages { coarse, second, full, product, ref paper } = stages;
     let mut text = String::from(HEAD);
     text += &verdict(full);
     text += "\n## With all draws\n\n";
@@ -171,9 +190,9 @@ fn best<'a>(entries: &[Entry<'a>]) -> Vec<Entry<'a>> {
 
 /// How many scorecards hold how many claims, by the way modes are named.
 fn counts(coarse: &[Entry<'_>]) -> String {
-    let mut by_naming: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    let mut by_naming: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for entry in coarse.iter().filter(|entry| entry.card.is_some()) {
-        by_naming.entry(entry.naming()).or_default().push(entry.held_by_value());
+        by_naming.entry(entry.names()).or_default().push(entry.held_by_value());
     }
     let most = by_naming.values().flatten().max().copied().unwrap_or(0);
     let numbers: Vec<String> = (0..=most).map(|held| held.to_string()).collect();
@@ -206,7 +225,10 @@ Rules, written before the run (docs/readings.md):
   draws, in all arrangements and with continuation too: the best first, the fewest departures from the text first among
   equals, up to a number. Of these, in the same way, those that hold as many as the better of the two less one get all draws.
 - Modes: the frequency ranks of the mode of C4 (the paper's 29, of 30 degrees of freedom), of C8 (26, of 26) and of C10
-  (18, of 24). Numbers agree if the rank is the number, or if the rank's pair of all eigenvalues has it: 15, 13 and 9.
+  (18, of 24). Numbers agree if the mode has the paper's number when modes are counted by rank, in pairs among all
+  eigenvalues, or as either from the highest frequency down (rank-down, pair-down).
+- A scorecard with \"numbers by\" judges C4 to C6, C8 and C10 of the mode that has the paper's number if modes are counted so,
+  the others as ever. A number departs from nothing that the paper says; among equals the scorecard that has it goes first.
 
 ";
 
@@ -219,31 +241,31 @@ fn verdict(full: &[Entry<'_>]) -> String {
             .max()
     };
     let (literal, own) = (of(Combination::literal()).unwrap_or(0), of(Combination::own()).unwrap_or(0));
-    let rank = |entry: &&Entry<'_>| (entry.held(), std::cmp::Reverse(entry.departures()));
+    let rank = |entry: &&Entry<'_>| (entry.held(), std::cmp::Reverse(entry.departures()), !entry.is_found());
     let Some(best) = full.iter().max_by_key(rank) else { return String::new() };
     let stands = if best.held() > literal {
-        format!("the rule chooses: {}, modes {}, with {}", best.combination.describe(), best.naming(), best.held())
+        format!("the rule chooses: {}, modes {}, with {}", best.combination.describe(), best.names(), best.held())
     } else {
         "the literal text stands".into()
     };
     format!("The literal text holds {literal} claims, the case's own {own}; {stands}.\n")
 }
 
-fn rows(entries: &[Entry<'_>], paper: [usize; 3], verdict: impl Fn(&super::row::Cell) -> &String) -> String {
+fn rows(entries: &[Entry<'_>], paper: &PaperModes, verdict: impl Fn(&super::row::Cell) -> &String) -> String {
     let mut text = String::from("| reading, where it departs from the case | R7 | departures |");
     let claims = entries.iter().find_map(|entry| entry.card).map_or(&[][..], |card| &card.claims);
     claims.iter().for_each(|cell| text += &format!(" {} |", cell.id));
     text += " held | modes | numbers |\n| --- | --- | --- |";
     text += &" --- |".repeat(claims.len() + 3);
     for entry in entries {
-        let _ = write!(text, "\n| {} | {} | {} |", entry.combination.describe(), entry.naming(), entry.departures());
+        let _ = write!(text, "\n| {} | {} | {} |", entry.combination.describe(), entry.names(), entry.departures());
         for cell in entry.card.iter().flat_map(|card| &card.claims) {
             let value = cell.value.map_or(String::new(), |value| format!(" ({value:.3})"));
             text += &format!(" {}{value} |", verdict(cell));
         }
         let held = entry.card.map_or(0, |card| card.claims.iter().filter(|cell| verdict(cell) == "yes").count());
-        let [by_rank, by_pair] = entry.numbers(paper);
-        let _ = write!(text, " {held} | {} | {by_rank}, {by_pair} |", entry.modes().join(" "));
+        let numbers = entry.numbers(paper).map(|count| count.to_string()).join(", ");
+        let _ = write!(text, " {held} | {} | {numbers} |", entry.modes().join(" "));
     }
     text + "\n"
 }
@@ -256,7 +278,8 @@ fn tried(coarse: &[Entry<'_>]) -> String {
     );
     for (i, axis) in AXES.iter().enumerate() {
         for (answer, choice) in axis.choices.iter().enumerate() {
-            let with = coarse.iter().filter(|entry| entry.combination.0[i] == answer && entry.naming() == BY_MAC);
+            let by_mac = coarse.iter().filter(|entry| entry.naming() == BY_MAC && entry.is_found());
+            let with = by_mac.filter(|entry| entry.combination.0[i] == answer);
             let held: Vec<usize> = with.map(Entry::held_by_value).collect();
             if let Some(most) = held.iter().max() {
                 let mean = held.iter().sum::<usize>() as f64 / held.len() as f64;
@@ -273,7 +296,8 @@ fn discrimination(coarse: &[Entry<'_>]) -> String {
         "\n## Which claims tell readings apart\n\nParts of the combinations, under names by MAC, by value.\n\n\
          | claim | yes | no |\n| --- | --- | --- |\n",
     );
-    let cards: Vec<&Card> = coarse.iter().filter(|entry| entry.naming() == BY_MAC).filter_map(|e| e.card).collect();
+    let cards: Vec<&Card> =
+        coarse.iter().filter(|e| e.naming() == BY_MAC && e.is_found()).filter_map(|e| e.card).collect();
     let mut counts: BTreeMap<usize, (String, [usize; 2])> = BTreeMap::new();
     for card in &cards {
         for (place, cell) in card.claims.iter().enumerate() {
@@ -289,16 +313,34 @@ fn discrimination(coarse: &[Entry<'_>]) -> String {
     text
 }
 
-/// How many scorecards have the paper's mode numbers.
-fn mode_numbers(coarse: &[Entry<'_>], paper: [usize; 3]) -> String {
-    let mut text = String::from(
-        "\n## The paper's mode numbers\n\nScorecards by how many of 29, 26 and 18 they have.\n\n\
+/// How many scorecards have the paper's mode numbers, and how many hold what the paper says of the modes with these numbers.
+fn mode_numbers(coarse: &[Entry<'_>], paper: &PaperModes) -> String {
+    let numbers = paper.numbers.map(|number| number.to_string()).join(", ");
+    let mut text = format!(
+        "\n## The paper's mode numbers\n\nScorecards whose modes are found by the claims, by how many of {numbers} they have.\n\n\
          | counted | none | one | two | three |\n| --- | --- | --- | --- | --- |\n",
     );
-    for (place, counted) in ["as frequency ranks", "among all eigenvalues"].into_iter().enumerate() {
+    for (place, counting) in COUNTINGS.iter().enumerate() {
         let mut counts = [0; 4];
-        coarse.iter().filter(|entry| entry.card.is_some()).for_each(|entry| counts[entry.numbers(paper)[place]] += 1);
-        let _ = writeln!(text, "| {counted} | {} |", counts.map(|n| n.to_string()).join(" | "));
+        coarse.iter().filter(|entry| entry.is_found()).for_each(|entry| counts[entry.numbers(paper)[place]] += 1);
+        let _ = writeln!(text, "| {} | {} |", counting.word(), counts.map(|n| n.to_string()).join(" | "));
+    }
+    let _ = writeln!(
+        text,
+        "\nScorecards in which a claim holds by value of the mode that has the paper's number.\n\n\
+         | modes | scorecards | {} | C5 and C6 | all |\n| --- | --- |{}",
+        OF_NUMBERED.join(" | "),
+        " --- |".repeat(OF_NUMBERED.len() + 2)
+    );
+    let mut by_names: BTreeMap<String, Vec<&Card>> = BTreeMap::new();
+    for entry in coarse.iter().filter(|entry| entry.counting().is_some()) {
+        by_names.entry(entry.names()).or_default().extend(entry.card);
+    }
+    for (names, cards) in by_names {
+        let holding = |ids: &[&str]| cards.iter().filter(|card| card.holds_by_value(ids)).count().to_string();
+        let each: Vec<String> = OF_NUMBERED.iter().map(|id| holding(&[id])).collect();
+        let (both, all) = (holding(&["C5", "C6"]), holding(&OF_NUMBERED));
+        let _ = writeln!(text, "| {names} | {} | {} | {both} | {all} |", cards.len(), each.join(" | "));
     }
     text
 }

@@ -46,7 +46,7 @@ impl Alternative {
             Self::Lateral(Lateral::Coupled { sign }) => format!("friction in y coupled, sign {:+}", sign.value()),
             Self::Lateral(Lateral::Vector) => "friction along the relative velocity".into(),
             Self::Draws(draws) => format!("draws {draws:?}").to_lowercase(),
-            Self::ModeNaming(labels) => format!("labels {labels:?}").to_lowercase(),
+            Self::ModeNaming(labels) => format!("labels {}", labels.word()),
             Self::Preload(Preload::PerContact(force)) => format!("{force} N per contact"),
             Self::Preload(Preload::Clamp(force)) => format!("{force} N shared by the contacts"),
             Self::Preload(Preload::Equilibrium(force)) => format!("{force} N on each, loads from equilibrium"),

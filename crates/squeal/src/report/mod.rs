@@ -31,7 +31,7 @@ pub(crate) use html::{write_screen_page, write_sweep_page};
 pub use manifest::{Manifest, Source, Stopped, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]
-pub use paper::{Judgement, claims, claims_judged};
+pub use paper::{Judgement, Subject, claims, claims_judged};
 #[cfg(all(feature = "case-files", feature = "figures"))]
 pub use paper_pictures::draw_paper;
 #[cfg(feature = "figures")]

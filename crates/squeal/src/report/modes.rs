@@ -21,7 +21,7 @@ impl<'a> Results<'a> {
             // Equal modes share their names: each takes one of them, it does not matter which.
             let before = names[..at].iter().filter(|other| **other == names[at]).count();
             let name = names[at].get(before).or(names[at].first())?;
-            Some((self.name(*name), &modes[at]))
+            Some((self.name(constraints, *name), &modes[at]))
         };
         (0..modes.len()).filter_map(name).collect()
     }

@@ -136,6 +136,14 @@ fn mode_note(results: &Results<'_>, constraints: usize) -> String {
                 labels.named_at
             )
         }
+        ModeNaming::RankDown => format!(
+            "a mode has the number of its frequency rank in its own sample, counted from the highest down; beside it the frequency {}",
+            labels.named_at
+        ),
+        ModeNaming::PairDown => format!(
+            "a mode has its place among all 2n eigenvalues of its own sample, counted from the highest down; beside it the frequency {}",
+            labels.named_at
+        ),
     };
     match labels.constraints.len() {
         1 => format!("Names: {rank}."),

@@ -8,7 +8,7 @@ use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summar
 use crate::Error;
 use crate::study::{
     Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
-    UncertainBrake,
+    UncertainBrake, origin_of_set,
 };
 
 /// A value with its 95 % interval.
@@ -156,9 +156,10 @@ impl<'a> Results<'a> {
     /// [`other_occurrences`](Self::other_occurrences).
     pub fn occurrences(&self, panel: &Panel) -> BTreeMap<ModeLabel, Vec<ArrangementOccurrence>> {
         let seen = panel.scenes.iter().flat_map(|&scene| self.counts(scene).proportions());
-        let mut names: BTreeSet<ModeLabel> = seen.map(|(&name, _)| self.name(name)).collect();
+        let set = panel.key.constraints;
+        let mut names: BTreeSet<ModeLabel> = seen.map(|(&rank, _)| self.name(set, rank)).collect();
         let open = panel.scenes.iter().filter(|&&scene| self.counts(scene).unlabelled() > 0);
-        names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|name| self.name(name)));
+        names.extend(open.flat_map(|&scene| self.references[scene].all_names()).map(|rank| self.name(set, rank)));
         names.into_iter().map(|name| (name, self.occurrences_of(panel, name))).collect()
     }
 
@@ -226,7 +227,11 @@ impl<'a> Results<'a> {
             // A frequency rank is a name that every mode has.
             ModeLabel::UNNAMED if self.labels != ModeNaming::Tracked => Proportion::of_counts(0, 0, tally.solved),
             ModeLabel::UNNAMED => tally.unnamed(),
-            name => self.counts(scene).proportion(&self.key(name)),
+            name if self.labels == ModeNaming::Tracked => self.counts(scene).proportion(&name),
+            name => {
+                let rank = self.rank_of(self.plan.scenes[scene].key.constraints, name);
+                self.counts(scene).proportion(&ModeLabel::of_rank(rank))
+            }
         }
     }
 
@@ -235,17 +240,20 @@ impl<'a> Results<'a> {
         if self.labels == ModeNaming::Tracked { &tally.tracked } else { &tally.ranked }
     }
 
-    pub(super) fn name(&self, key: ModeLabel) -> ModeLabel {
-        if self.labels == ModeNaming::Pair && key.is_mode() { ModeLabel::new(2 * key.number() - 1) } else { key }
+    /// The name of the mode of a frequency rank under a set of constraints.
+    pub(super) fn name(&self, constraints: usize, rank: ModeLabel) -> ModeLabel {
+        self.labels.name(rank, self.modes_under(constraints))
     }
 
-    fn key(&self, name: ModeLabel) -> ModeLabel {
-        if self.labels == ModeNaming::Pair && name.is_mode() { ModeLabel::new(name.number().div_ceil(2)) } else { name }
+    /// The frequency rank of a mode of a set of constraints, whichever way it is named.
+    pub fn rank_of(&self, constraints: usize, name: ModeLabel) -> usize {
+        self.labels.rank(name, self.modes_under(constraints))
     }
 
-    /// The frequency rank behind a mode's name, whichever way it is named.
-    pub fn rank_of(&self, name: ModeLabel) -> usize {
-        usize::from(self.key(name).number())
+    /// Number of modes under a set of constraints, an overdamped one counted once.
+    pub(super) fn modes_under(&self, constraints: usize) -> usize {
+        let origin = origin_of_set(self.plan, constraints);
+        origin.map_or(0, |origin| self.plan.origins[origin].brake.dofs.free().len())
     }
 
     /// The tracked name, under which a scene's net work is kept, of a mode named as the report names it; `None` where the
@@ -254,7 +262,7 @@ impl<'a> Results<'a> {
         if self.labels == ModeNaming::Tracked {
             return Some(name);
         }
-        let place = self.rank_of(name).checked_sub(1)?;
+        let place = self.rank_of(self.plan.scenes[scene].key.constraints, name).checked_sub(1)?;
         match self.references[scene].names.get(place)?.as_slice() {
             &[only] => Some(only),
             _ => None,

@@ -89,6 +89,8 @@ pub(crate) fn naming(to: &mut Written, labels: ModeNaming, identity: ModeIdentit
         ModeNaming::Tracked => 0,
         ModeNaming::Rank => 1,
         ModeNaming::Pair => 2,
+        ModeNaming::RankDown => 3,
+        ModeNaming::PairDown => 4,
     });
     to.count(match identity {
         ModeIdentity::Continuation => 0,

@@ -151,6 +151,53 @@ pub enum ModeNaming {
     Rank,
     /// By place among all 2 n eigenvalues in its own sample: rank r is named 2 r - 1.
     Pair,
+    /// By frequency rank in its own sample from the highest frequency down.
+    RankDown,
+    /// By place among all 2 n eigenvalues in its own sample from the highest frequency down.
+    PairDown,
+}
+
+impl ModeNaming {
+    /// Its word in a case file.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Tracked => "tracked",
+            Self::Rank => "rank",
+            Self::Pair => "pair",
+            Self::RankDown => "rank-down",
+            Self::PairDown => "pair-down",
+        }
+    }
+
+    /// The name of the mode of a frequency rank, of a brake with so many modes.
+    pub(crate) fn name(self, rank: ModeLabel, modes: usize) -> ModeLabel {
+        let counted = |rank: usize| match self {
+            Self::Pair | Self::PairDown => (2 * rank).saturating_sub(1),
+            Self::Tracked | Self::Rank | Self::RankDown => rank,
+        };
+        if rank.is_mode() { ModeLabel::of_rank(counted(self.turned(rank.number().into(), modes))) } else { rank }
+    }
+
+    /// The frequency rank of the mode that has a name or, among all 2 n eigenvalues, either of its two numbers; 0 where there is no
+    /// such mode.
+    #[must_use]
+    pub fn rank(self, name: ModeLabel, modes: usize) -> usize {
+        let number = usize::from(name.number());
+        let counted = match self {
+            Self::Pair | Self::PairDown => number.div_ceil(2),
+            Self::Tracked | Self::Rank | Self::RankDown => number,
+        };
+        self.turned(counted, modes)
+    }
+
+    /// A rank counted from the end that names are counted from, or the other way round.
+    fn turned(self, rank: usize, modes: usize) -> usize {
+        match self {
+            Self::Tracked | Self::Rank | Self::Pair => rank,
+            Self::RankDown | Self::PairDown => (modes + 1).saturating_sub(rank),
+        }
+    }
 }
 
 /// How a mode that is named by its shape is known again in another configuration and in a sample.

@@ -32,6 +32,8 @@ pub(super) fn of_study(results: &Results<'_>) -> String {
         (ModeNaming::Tracked, ModeIdentity::Mac) => format!("by frequency rank {}, then by MAC", plan.labels.named_at),
         (ModeNaming::Rank, _) => "by frequency rank in each sample".into(),
         (ModeNaming::Pair, _) => "by place among all eigenvalues in each sample".into(),
+        (ModeNaming::RankDown, _) => "by frequency rank in each sample, from the highest down".into(),
+        (ModeNaming::PairDown, _) => "by place among all eigenvalues in each sample, from the highest down".into(),
     };
     let arrangements: Vec<String> =
         manifest.arrangements.iter().map(|(number, count)| format!("{count} with {number} in contact")).collect();

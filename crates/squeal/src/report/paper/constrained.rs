@@ -2,8 +2,11 @@
 
 use super::super::claims::{Claim, Holds};
 use super::super::results::{ArrangementOccurrence, Estimate, Results};
+use super::Subject;
 use super::limits::{Judgement, Limits, above, all, below, largest, least, mean};
-use super::modes::{brake_oscillators, medians, number_of_occurrences, title_in, unstable_modes, work_dominance};
+use super::modes::{
+    brake_oscillators, medians, number_of_occurrences, numbered, title_in, unstable_modes, work_dominance,
+};
 use super::panels::{all_positive, differences};
 use super::scenes::{CORNERS_HELD, SIX_HELD, full_contact, law_name, number_in_contact, speed_name};
 use crate::Error;
@@ -41,7 +44,12 @@ pub(super) fn corners_reduce(results: &Results<'_>, judgement: Judgement) -> Cla
 }
 
 /// C8: with the corners held one mode is left, and which oscillators do its work.
-pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
+pub(super) fn after_corners(
+    results: &Results<'_>,
+    paper: &Paper,
+    judgement: Judgement,
+    subject: Subject,
+) -> Result<Claim, Error> {
     let statement = "after it one mode has a high probability, and oscillators 4 and 6 dominate its net work";
     let claim = Claim::new(
         "C8",
@@ -60,13 +68,24 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Jud
     let mut order: Vec<(ModeLabel, Estimate)> =
         medians.iter().map(|(&mode, of_panels)| (mode, mean(of_panels))).collect();
     order.sort_by(|a, b| b.1.value.total_cmp(&a.1.value));
-    let Some(&(name, ours)) = order.first() else { return Ok(claim.none("no mode is unstable")) };
+    let at = match subject {
+        Subject::Found => 0,
+        Subject::Numbered(counting) => {
+            let theirs = numbered(results, CORNERS_HELD, paper.after_corners_mode, counting);
+            order.iter().position(|(name, _)| *name == theirs).unwrap_or(order.len())
+        }
+    };
+    if at >= order.len() {
+        return Ok(claim.none("no such mode is unstable"));
+    }
+    let (name, ours) = order.remove(at);
     let margins = work_dominance(results, CORNERS_HELD, name, &paper.after_corners_dominant, &limits)?;
     let dominates = match margins.is_empty() {
         true => Holds::NotDetermined,
         false => above(least(margins.iter().map(|(_, margin)| *margin)), 0.0),
     };
-    let others_are_low = below(largest(order[1..].iter().map(|(_, e)| *e)), 0.5);
+    let others_are_low = below(largest(order.iter().map(|(_, e)| *e)), 0.5);
+    order.insert(at, (name, ours));
     let any_is_high = above(largest(order.iter().map(|(_, e)| *e)), 0.5);
     let holds = match any_is_high {
         Holds::No => Holds::No,
@@ -89,7 +108,7 @@ pub(super) fn after_corners(results: &Results<'_>, paper: &Paper, judgement: Jud
         high.join(", "),
         dominates.sign()
     );
-    Ok(claim.ours(ours, holds, detail).about(results.rank_of(name)))
+    Ok(claim.ours(ours, holds, detail).about(results.rank_of(CORNERS_HELD, name)))
 }
 
 /// C9: with six constraints and six in contact nothing is unstable.
@@ -118,7 +137,12 @@ pub(super) fn none_at_six(results: &Results<'_>, judgement: Judgement) -> Claim 
 }
 
 /// C10: with six constraints and more in contact one mode is unstable under all laws, but never often.
-pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgement) -> Result<Claim, Error> {
+pub(super) fn after_six(
+    results: &Results<'_>,
+    paper: &Paper,
+    judgement: Judgement,
+    subject: Subject,
+) -> Result<Claim, Error> {
     let statement = "six constraints, more in contact: one mode is unstable for all laws, and the largest median \
                      occurrence stays below the bound";
     let said = format!(
@@ -137,8 +161,16 @@ pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgeme
         return Ok(claim.none("no mode is ever unstable"));
     };
     let median = largest(all_medians.map(|(_, _, e)| e));
-    let everywhere = modes.iter().map(|&mode| (mode, unstable_everywhere(results, &panels, mode, &limits)));
-    let everywhere: Vec<(ModeLabel, Estimate)> = everywhere.collect();
+    let is_meant = |mode: ModeLabel| match subject {
+        Subject::Found => true,
+        Subject::Numbered(counting) => mode == numbered(results, SIX_HELD, paper.after_six_mode, counting),
+    };
+    let meant = modes.iter().copied().filter(|&mode| is_meant(mode));
+    let everywhere: Vec<(ModeLabel, Estimate)> =
+        meant.map(|mode| (mode, unstable_everywhere(results, &panels, mode, &limits))).collect();
+    if everywhere.is_empty() {
+        return Ok(claim.none("no such mode is ever unstable"));
+    }
     let of_best = everywhere.iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
     let &(best, _) = of_best.unwrap_or(&(of, highest));
     let reached = largest(everywhere.iter().map(|(_, e)| *e));
@@ -160,8 +192,12 @@ pub(super) fn after_six(results: &Results<'_>, paper: &Paper, judgement: Judgeme
         reached.upper,
         title_in(results, SIX_HELD, best),
     );
-    let (ours, mode) = if is_everywhere == Holds::Yes { (median, of) } else { (reached, best) };
-    Ok(claim.ours(ours, holds, detail).about(results.rank_of(mode)))
+    let (ours, mode) = match (is_everywhere, subject) {
+        (Holds::Yes, Subject::Found) => (median, of),
+        (Holds::Yes, Subject::Numbered(_)) => (median, best),
+        _ => (reached, best),
+    };
+    Ok(claim.ours(ours, holds, detail).about(results.rank_of(SIX_HELD, mode)))
 }
 
 /// The least, over the laws and the numbers in contact, of the largest occurrence of a mode in any arrangement and speed range.

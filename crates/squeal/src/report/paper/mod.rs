@@ -12,6 +12,7 @@ use super::claims::Claim;
 use super::results::Results;
 use crate::Error;
 use crate::brakes::LatticeBrake;
+use crate::study::ModeNaming;
 use constrained::{after_corners, after_six, corners_reduce, none_at_six};
 pub use limits::Judgement;
 pub(super) use modes::most_robust;
@@ -24,32 +25,46 @@ pub(super) use scenes::UNCONSTRAINED;
 #[cfg(feature = "figures")]
 pub(super) use scenes::{CORNERS_HELD, SIX_HELD};
 
+/// Which modes the claims C4 to C6, C8 and C10 are about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject {
+    /// Those that the study finds where the paper does: the most robustly unstable one, and what is left with oscillators held.
+    Found,
+    /// Those that have the paper's numbers when modes are counted in some way.
+    Numbered(ModeNaming),
+}
+
 /// The scorecard of a study of the paper's case, judged by limits; empty for a case without a `[paper]` table.
 ///
 /// # Errors
 /// Those of statistics without data.
 pub fn claims(results: &Results<'_>, brake: &LatticeBrake) -> Result<Vec<Claim>, Error> {
-    claims_judged(results, brake, Judgement::ByLimits)
+    claims_judged(results, brake, Judgement::ByLimits, Subject::Found)
 }
 
-/// [`claims`], judged as asked.
+/// [`claims`], judged as asked, of the modes that are asked for.
 ///
 /// # Errors
 /// As [`claims`].
-pub fn claims_judged(results: &Results<'_>, brake: &LatticeBrake, judgement: Judgement) -> Result<Vec<Claim>, Error> {
+pub fn claims_judged(
+    results: &Results<'_>,
+    brake: &LatticeBrake,
+    judgement: Judgement,
+    subject: Subject,
+) -> Result<Vec<Claim>, Error> {
     let Some(paper) = &brake.case.paper else { return Ok(Vec::new()) };
     let robust = most_robust(results, UNCONSTRAINED, judgement)?;
     Ok(vec![
         contact_number(results, judgement),
         laws(results, judgement),
         speeds(results, judgement),
-        robust_mode(results, paper, &robust),
-        robust_shape(results, paper, &robust),
-        robust_work(results, paper, &robust, judgement)?,
+        robust_mode(results, paper, &robust, subject),
+        robust_shape(results, paper, &robust, subject),
+        robust_work(results, paper, &robust, judgement, subject)?,
         corners_reduce(results, judgement),
-        after_corners(results, paper, judgement)?,
+        after_corners(results, paper, judgement, subject)?,
         none_at_six(results, judgement),
-        after_six(results, paper, judgement)?,
+        after_six(results, paper, judgement, subject)?,
         natural_frequencies(results, paper),
         counted(results, paper),
     ])

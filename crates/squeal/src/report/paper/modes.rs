@@ -57,18 +57,36 @@ pub(in super::super) fn title(results: &Results<'_>, name: ModeLabel) -> String 
 
 /// The label of a mode of a set of constraints, with its place among all 2 n eigenvalues.
 pub(in super::super) fn title_in(results: &Results<'_>, constraints: usize, name: ModeLabel) -> String {
-    let (first, second) = cea::pair_numbers(results.rank_of(name));
+    let (first, second) = cea::pair_numbers(results.rank_of(constraints, name));
     let label = results.mode_label(constraints, name);
     match results.labels {
         ModeNaming::Tracked => format!("tracked mode {label} ({first}/{second} of all eigenvalues)"),
         ModeNaming::Rank => format!("rank {label} ({first}/{second} of all eigenvalues)"),
         ModeNaming::Pair => format!("mode {label}"),
+        ModeNaming::RankDown => format!("rank {label} from the top ({first}/{second} of all eigenvalues)"),
+        ModeNaming::PairDown => format!("mode {label} from the top ({first}/{second} of all eigenvalues)"),
     }
 }
 
-/// The mode that bears the paper's number, which counts all 2 n eigenvalues.
+/// The mode without constraints that bears the paper's number: counted as modes are named where they are from the top, and among
+/// all 2 n eigenvalues otherwise.
 pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> ModeLabel {
-    if results.labels == ModeNaming::Pair { paper.mode } else { ModeLabel::new(paper.mode.number().div_ceil(2)) }
+    let counting = match results.labels {
+        ModeNaming::Tracked | ModeNaming::Rank | ModeNaming::Pair => ModeNaming::Pair,
+        from_the_top => from_the_top,
+    };
+    numbered(results, UNCONSTRAINED, paper.mode, counting)
+}
+
+/// The mode of a set of constraints that has a number when modes are counted in some way.
+pub(super) fn numbered(
+    results: &Results<'_>,
+    constraints: usize,
+    number: ModeLabel,
+    counting: ModeNaming,
+) -> ModeLabel {
+    let rank = counting.rank(number, results.modes_under(constraints));
+    results.name(constraints, ModeLabel::of_rank(rank))
 }
 
 /// Amplitudes of a mode shape, over all degrees of freedom of the lattice.
@@ -80,7 +98,7 @@ pub(in super::super) fn shape(
 ) -> Option<Vec<Complex<f64>>> {
     let at = match results.labels {
         ModeNaming::Tracked => reference.names.iter().position(|names| *names == [name])?,
-        ModeNaming::Rank | ModeNaming::Pair => results.rank_of(name).checked_sub(1)?,
+        _ => results.rank_of(scene.key.constraints, name).checked_sub(1)?,
     };
     let mode = reference.modes.get(at)?;
     Some(results.plan().brake(scene).dofs.expand(&mode.shape).iter().copied().collect())

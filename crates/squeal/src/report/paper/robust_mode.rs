@@ -2,37 +2,50 @@
 
 use super::super::claims::{Claim, Holds};
 use super::super::results::{Estimate, Results};
+use super::Subject;
 use super::limits::{Judgement, above, agreed, all, below, largest, least};
-use super::modes::{brake_oscillators, paper_mode, shape, title, work_dominance};
+use super::modes::{brake_oscillators, numbered, paper_mode, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
 use crate::study::{ModeLabel, Reference, Scene};
 
+/// What is said where the mode of a claim is not among the unstable ones.
+const NEVER: &str = "no such mode is ever unstable";
+
 /// Modes with the smallest median occurrence of each over all panels, largest value first.
 type Robust<'a> = &'a [(ModeLabel, Estimate)];
 
-/// The modes that may be the most robust one: the one with the largest value, and all whose limits reach its own.
-fn candidates(robust: Robust<'_>) -> Vec<ModeLabel> {
+/// The modes that the claims may be about: of those that the study finds the most robust one and all whose limits reach its own;
+/// otherwise the one with the paper's number, if it ever is unstable.
+fn candidates(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Vec<ModeLabel> {
+    if let Subject::Numbered(counting) = subject {
+        let theirs = numbered(results, UNCONSTRAINED, paper.mode, counting);
+        return robust.iter().map(|(name, _)| *name).filter(|name| *name == theirs).collect();
+    }
     let Some((_, first)) = robust.first() else { return Vec::new() };
     let others = robust[1..].iter().filter(|(_, other)| other.upper > first.lower);
     std::iter::once(&robust[0]).chain(others).map(|(name, _)| *name).collect()
 }
 
 /// C4: one mode is unstable most often in every panel.
-pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'_>) -> Claim {
+pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Claim {
     let statement = "one mode is consistently the most robustly unstable, whatever the contacts, law and speed";
     let claim = Claim::new("C4", statement, format!("mode {}", paper.mode));
-    let Some(&(name, first)) = robust.first() else { return claim.none("no mode is ever unstable") };
-    let second = largest(robust[1..].iter().map(|(_, e)| *e));
+    let Some(&name) = candidates(results, paper, robust, subject).first() else { return claim.none(NEVER) };
+    let (of_it, others): (Vec<_>, Vec<_>) = robust.iter().copied().partition(|(other, _)| *other == name);
+    let Some(&(_, first)) = of_it.first() else { return claim.none(NEVER) };
+    let second = largest(others.iter().map(|(_, e)| *e));
     let runner_up =
-        robust.get(1).map_or("none".into(), |&(name, e)| format!("{} at {:.3}", title(results, name), e.value));
+        others.first().map_or("none".into(), |&(name, e)| format!("{} at {:.3}", title(results, name), e.value));
     // Consistently high: in more than half of the samples in every panel, and more so than any other mode.
     let any_is_high = above(largest(robust.iter().map(|(_, e)| *e)), 0.5);
     let is_apart = match below(second, first.lower) {
         Holds::Yes => Holds::Yes,
         _ => Holds::NotDetermined,
     };
+    // A mode that is picked by its number may surely be less robust than another.
+    let is_apart = if above(second, first.upper) == Holds::Yes { Holds::No } else { is_apart };
     let holds = if any_is_high == Holds::No { Holds::No } else { all([above(first, 0.5), is_apart]) };
     let theirs = paper_mode(results, paper);
     let of_theirs = robust.iter().find(|(name, _)| *name == theirs).map_or(0.0, |(_, e)| e.value);
@@ -42,7 +55,7 @@ pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'
         title(results, name),
         title(results, theirs)
     );
-    claim.ours(first, holds, detail).about(results.rank_of(name))
+    claim.ours(first, holds, detail).about(results.rank_of(UNCONSTRAINED, name))
 }
 
 /// Smallest of some amplitudes over the largest of the others.
@@ -53,7 +66,7 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 }
 
 /// C5: the corners dominate its shape.
-pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<'_>) -> Claim {
+pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Claim {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
     let ratios = |name: ModeLabel| -> Option<Vec<(String, f64)>> {
@@ -65,8 +78,8 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<
         full_contact(results, UNCONSTRAINED).map(ratio).collect()
     };
     let least = |ratios: &[(String, f64)]| ratios.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
-    let candidates = candidates(robust);
-    let Some(&name) = candidates.first() else { return claim.none("no mode is ever unstable") };
+    let candidates = candidates(results, paper, robust, subject);
+    let Some(&name) = candidates.first() else { return claim.none(NEVER) };
     let Some(ours) = ratios(name) else {
         return claim.undetermined("the mode has no sure name at median parameters");
     };
@@ -85,7 +98,7 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<
         title(results, theirs),
         others(results, &candidates)
     );
-    claim.exactly(value, holds, detail).about(results.rank_of(name))
+    claim.exactly(value, holds, detail).about(results.rank_of(UNCONSTRAINED, name))
 }
 
 /// C6: the corners dominate its net work.
@@ -94,10 +107,11 @@ pub(super) fn robust_work(
     paper: &Paper,
     robust: Robust<'_>,
     judgement: Judgement,
+    subject: Subject,
 ) -> Result<Claim, Error> {
     let claim = Claim::new("C6", "in its net work the four corners contribute most, whatever the law", "corners above");
-    let candidates = candidates(robust);
-    let Some(&name) = candidates.first() else { return Ok(claim.none("no mode is ever unstable")) };
+    let candidates = candidates(results, paper, robust, subject);
+    let Some(&name) = candidates.first() else { return Ok(claim.none(NEVER)) };
     let theirs = paper_mode(results, paper);
     let scenes = full_contact(results, UNCONSTRAINED).count();
     let oscillators = brake_oscillators(results, UNCONSTRAINED);
@@ -124,7 +138,7 @@ pub(super) fn robust_work(
         title(results, theirs),
         others(results, &candidates)
     );
-    Ok(claim.ours(smallest(ours), holds, detail).about(results.rank_of(name)))
+    Ok(claim.ours(smallest(ours), holds, detail).about(results.rank_of(UNCONSTRAINED, name)))
 }
 
 /// The candidates but the first, in words.
