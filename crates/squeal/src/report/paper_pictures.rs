@@ -7,7 +7,7 @@ use osc_model::Lean;
 use rayon::prelude::*;
 
 use super::Results;
-use super::paper::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_mode, shape, title};
+use super::paper::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_modes, shape, title};
 use super::pictures::{occurrence, set_heading};
 use crate::Error;
 use crate::brakes::LatticeBrake;
@@ -19,7 +19,8 @@ use crate::figures::{
 use crate::study::{ModeLabel, Scene};
 
 /// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for
-/// the most robust mode, and as `fig07-paper-number` for the one that bears the paper's number, if it ever is unstable.
+/// the most robust mode, and as `fig07-paper-number` and `fig07-paper-number-down` for those that bear the paper's number from the lowest
+/// frequency and from the highest, if they ever are unstable.
 ///
 /// # Errors
 /// Those of the figures.
@@ -51,8 +52,9 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
         }
     }
     let robust = most_robust(results, UNCONSTRAINED, Judgement::ByValues)?.first().map(|&(name, _)| name);
-    let theirs = case.paper.as_ref().map(|paper| paper_mode(results, paper));
-    for (name, stem) in [(robust, "fig07"), (theirs, "fig07-paper-number")] {
+    let theirs = case.paper.as_ref().map(|paper| paper_modes(results, paper));
+    let [up, down] = [0, 1].map(|end| theirs.map(|modes| modes[end]));
+    for (name, stem) in [(robust, "fig07"), (up, "fig07-paper-number"), (down, "fig07-paper-number-down")] {
         if let Some(figure) = name.and_then(|name| mode_work(results, brake, UNCONSTRAINED, name).transpose()) {
             figures.push((mode_and_work(&figure?)?, stem));
         }

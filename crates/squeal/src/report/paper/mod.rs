@@ -17,7 +17,7 @@ use constrained::{after_corners, after_six, corners_reduce, none_at_six};
 pub use limits::Judgement;
 pub(super) use modes::most_robust;
 #[cfg(feature = "figures")]
-pub(super) use modes::{paper_mode, shape, title};
+pub(super) use modes::{paper_modes, shape, title};
 use panels::{contact_number, laws, speeds};
 use printed::{counted, natural_frequencies};
 use robust_mode::{robust_mode, robust_shape, robust_work};
@@ -58,8 +58,8 @@ pub fn claims_judged(
         contact_number(results, judgement),
         laws(results, judgement),
         speeds(results, judgement),
-        robust_mode(results, paper, &robust, subject),
-        robust_shape(results, paper, &robust, subject),
+        robust_mode(results, paper, &robust, subject)?,
+        robust_shape(results, paper, &robust, subject)?,
         robust_work(results, paper, &robust, judgement, subject)?,
         corners_reduce(results, judgement),
         after_corners(results, paper, judgement, subject)?,

@@ -68,14 +68,24 @@ pub(in super::super) fn title_in(results: &Results<'_>, constraints: usize, name
     }
 }
 
-/// The mode without constraints that bears the paper's number: counted as modes are named where they are from the top, and among
-/// all 2 n eigenvalues otherwise.
-pub(in super::super) fn paper_mode(results: &Results<'_>, paper: &Paper) -> ModeLabel {
-    let counting = match results.labels {
-        ModeNaming::Tracked | ModeNaming::Rank | ModeNaming::Pair => ModeNaming::Pair,
-        from_the_top => from_the_top,
-    };
-    numbered(results, UNCONSTRAINED, paper.mode, counting)
+/// The modes without constraints that bear the paper's number among all 2 n eigenvalues, counted from the lowest frequency and from the
+/// highest.
+pub(in super::super) fn paper_modes(results: &Results<'_>, paper: &Paper) -> [ModeLabel; 2] {
+    [ModeNaming::Pair, ModeNaming::PairDown].map(|counting| numbered(results, UNCONSTRAINED, paper.mode, counting))
+}
+
+/// The paper's number counted from both ends, and what the mode that has it has, in words.
+///
+/// # Errors
+/// Those of what it has.
+pub(super) fn of_paper_modes(
+    results: &Results<'_>,
+    paper: &Paper,
+    has: impl Fn(ModeLabel) -> Result<String, Error>,
+) -> Result<String, Error> {
+    let [up, down] = paper_modes(results, paper);
+    let words = |name| Ok::<_, Error>(format!("{} with {}", title(results, name), has(name)?));
+    Ok(format!("the paper's number is {} from the lowest frequency, {} from the highest", words(up)?, words(down)?))
 }
 
 /// The mode of a set of constraints that has a number when modes are counted in some way.

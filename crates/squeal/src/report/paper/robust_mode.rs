@@ -4,7 +4,7 @@ use super::super::claims::{Claim, Holds};
 use super::super::results::{Estimate, Results};
 use super::Subject;
 use super::limits::{Judgement, above, agreed, all, below, largest, least};
-use super::modes::{brake_oscillators, numbered, paper_mode, shape, title, work_dominance};
+use super::modes::{brake_oscillators, numbered, of_paper_modes, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::case::Paper;
@@ -29,12 +29,17 @@ fn candidates(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject:
 }
 
 /// C4: one mode is unstable most often in every panel.
-pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Claim {
+pub(super) fn robust_mode(
+    results: &Results<'_>,
+    paper: &Paper,
+    robust: Robust<'_>,
+    subject: Subject,
+) -> Result<Claim, Error> {
     let statement = "one mode is consistently the most robustly unstable, whatever the contacts, law and speed";
     let claim = Claim::new("C4", statement, format!("mode {}", paper.mode));
-    let Some(&name) = candidates(results, paper, robust, subject).first() else { return claim.none(NEVER) };
+    let Some(&name) = candidates(results, paper, robust, subject).first() else { return Ok(claim.none(NEVER)) };
     let (of_it, others): (Vec<_>, Vec<_>) = robust.iter().copied().partition(|(other, _)| *other == name);
-    let Some(&(_, first)) = of_it.first() else { return claim.none(NEVER) };
+    let Some(&(_, first)) = of_it.first() else { return Ok(claim.none(NEVER)) };
     let second = largest(others.iter().map(|(_, e)| *e));
     let runner_up =
         others.first().map_or("none".into(), |&(name, e)| format!("{} at {:.3}", title(results, name), e.value));
@@ -47,15 +52,16 @@ pub(super) fn robust_mode(results: &Results<'_>, paper: &Paper, robust: Robust<'
     // A mode that is picked by its number may surely be less robust than another.
     let is_apart = if above(second, first.upper) == Holds::Yes { Holds::No } else { is_apart };
     let holds = if any_is_high == Holds::No { Holds::No } else { all([above(first, 0.5), is_apart]) };
-    let theirs = paper_mode(results, paper);
-    let of_theirs = robust.iter().find(|(name, _)| *name == theirs).map_or(0.0, |(_, e)| e.value);
+    let of_theirs = of_paper_modes(results, paper, |mode| {
+        let found = robust.iter().find(|(name, _)| *name == mode);
+        Ok(found.map_or("0".into(), |(_, e)| format!("{:.3}", e.value)))
+    })?;
     let detail = format!(
         "smallest median occurrence over all panels of {}; runner-up {runner_up}; must exceed 0.5 and the runner-up; \
-         the paper's number, {}, has {of_theirs:.3}",
+         {of_theirs}",
         title(results, name),
-        title(results, theirs)
     );
-    claim.ours(first, holds, detail).about(results.rank_of(UNCONSTRAINED, name))
+    Ok(claim.ours(first, holds, detail).about(results.rank_of(UNCONSTRAINED, name)))
 }
 
 /// Smallest of some amplitudes over the largest of the others.
@@ -66,7 +72,12 @@ fn dominance(values: &[f64], dominant: impl Fn(usize) -> bool) -> f64 {
 }
 
 /// C5: the corners dominate its shape.
-pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<'_>, subject: Subject) -> Claim {
+pub(super) fn robust_shape(
+    results: &Results<'_>,
+    paper: &Paper,
+    robust: Robust<'_>,
+    subject: Subject,
+) -> Result<Claim, Error> {
     let claim = Claim::new("C5", "in its shape the four corners in x dominate", "each corner above the rest");
     let is_corner_x = |dof: usize| dof.is_multiple_of(3) && paper.corners.contains(&(dof / 3 + 1));
     let ratios = |name: ModeLabel| -> Option<Vec<(String, f64)>> {
@@ -79,26 +90,26 @@ pub(super) fn robust_shape(results: &Results<'_>, paper: &Paper, robust: Robust<
     };
     let least = |ratios: &[(String, f64)]| ratios.iter().map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
     let candidates = candidates(results, paper, robust, subject);
-    let Some(&name) = candidates.first() else { return claim.none(NEVER) };
+    let Some(&name) = candidates.first() else { return Ok(claim.none(NEVER)) };
     let Some(ours) = ratios(name) else {
-        return claim.undetermined("the mode has no sure name at median parameters");
+        return Ok(claim.undetermined("the mode has no sure name at median parameters"));
     };
     let verdict =
         |&name: &ModeLabel| ratios(name).map_or(Holds::NotDetermined, |ratios| Holds::from(least(&ratios) > 1.0));
     let holds = agreed(&candidates.iter().map(verdict).collect::<Vec<_>>());
-    let theirs = paper_mode(results, paper);
-    let of_theirs = ratios(theirs).map_or("no sure name".into(), |ratios| format!("{:.3}", least(&ratios)));
+    let of_theirs = of_paper_modes(results, paper, |mode| {
+        Ok(ratios(mode).map_or("no sure name".into(), |ratios| format!("{:.3}", least(&ratios))))
+    })?;
     let list: Vec<String> = ours.iter().map(|(law, ratio)| format!("{law} {ratio:.3}")).collect();
     let value = least(&ours);
     let detail = format!(
         "{}: smallest corner amplitude in x over the largest other component, every oscillator in contact, median \
-         parameters, least over laws and speeds; {}; {} has {of_theirs}{}",
+         parameters, least over laws and speeds; {}; {of_theirs}{}",
         title(results, name),
         list.join("; "),
-        title(results, theirs),
         others(results, &candidates)
     );
-    claim.exactly(value, holds, detail).about(results.rank_of(UNCONSTRAINED, name))
+    Ok(claim.exactly(value, holds, detail).about(results.rank_of(UNCONSTRAINED, name)))
 }
 
 /// C6: the corners dominate its net work.
@@ -112,7 +123,6 @@ pub(super) fn robust_work(
     let claim = Claim::new("C6", "in its net work the four corners contribute most, whatever the law", "corners above");
     let candidates = candidates(results, paper, robust, subject);
     let Some(&name) = candidates.first() else { return Ok(claim.none(NEVER)) };
-    let theirs = paper_mode(results, paper);
     let scenes = full_contact(results, UNCONSTRAINED).count();
     let oscillators = brake_oscillators(results, UNCONSTRAINED);
     let limits = judgement.of(candidates.len() * scenes * oscillators);
@@ -127,15 +137,16 @@ pub(super) fn robust_work(
         false => above(smallest(margins), 0.0),
     };
     let holds = agreed(&of_each.iter().map(verdict).collect::<Vec<_>>());
-    let of_theirs = margins(theirs)?;
-    let of_theirs = if of_theirs.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&of_theirs).value) };
+    let of_theirs = of_paper_modes(results, paper, |mode| {
+        let margins = margins(mode)?;
+        Ok(if margins.is_empty() { "none".into() } else { format!("{:+.3}", smallest(&margins).value) })
+    })?;
     let list: Vec<String> = ours.iter().map(|(law, margin)| format!("{law} {:+.3}", margin.value)).collect();
     let detail = format!(
         "{}: smallest median net work of a corner less the largest of another oscillator, in units of the largest, \
-         least over laws and speeds; {}; {} has {of_theirs}{}",
+         least over laws and speeds; {}; {of_theirs}{}",
         title(results, name),
         list.join("; "),
-        title(results, theirs),
         others(results, &candidates)
     );
     Ok(claim.ours(smallest(ours), holds, detail).about(results.rank_of(UNCONSTRAINED, name)))
