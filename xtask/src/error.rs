@@ -18,9 +18,15 @@ pub enum TaskError {
     /// The Python process stopped answering.
     #[error("python3 stopped answering: {0}")]
     Python(std::io::Error),
-    /// This program could not be started again with other features or one thread of OpenBLAS.
-    #[error("the task cannot be started again: {0}")]
+    /// A process could not be started, or a file of the task not be read.
+    #[error("a process or a file of the task: {0}")]
     Start(std::io::Error),
+    /// Two commits that could not be compared.
+    #[error("{0}")]
+    Same(String),
+    /// Two commits of which commands differ.
+    #[error("{0} of the commands differ")]
+    Differ(usize),
     /// The paper's case as tables.
     #[error("cases/paper.toml: {0}")]
     Toml(String),

@@ -1,4 +1,4 @@
-//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy` and `bench`.
+//! The tasks of this project: `cargo xtask reproduce`, `readings`, `accuracy`, `bench` and `same`.
 
 mod accuracy;
 mod again;
@@ -6,6 +6,7 @@ mod bench;
 mod error;
 mod readings;
 mod reproduce;
+mod same;
 
 use std::process::ExitCode;
 
@@ -24,6 +25,7 @@ enum Task {
     Bench(bench::BenchArgs),
     Readings(readings::ReadingsArgs),
     Reproduce(reproduce::ReproduceArgs),
+    Same(same::SameArgs),
 }
 
 fn main() -> ExitCode {
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::run(args).map_err(Into::into),
         Task::Readings(args) => readings::run(args).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
+        Task::Same(args) => same::run(args).map_err(Into::into),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
