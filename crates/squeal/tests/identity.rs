@@ -11,7 +11,7 @@ use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Te
 use montecarlo::{Distribution, StreamRng};
 use nalgebra::dmatrix;
 use osc_model::{Body, Brake};
-use squeal::case::{CaseFile, LatticeCase, MatricesCase};
+use squeal::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Plan, Scene, UncertainBrake};
 use squeal::{Error, RunOptions, run_study, run_study_with};
@@ -235,6 +235,11 @@ fn identities_of_cases_are_frozen() {
         let CaseFile::Matrices(case) = CaseFile::read(&text(name).0).unwrap() else { panic!("{name}") };
         assert_eq!(case.identity(), identity);
     }
+    let CaseFile::FiniteElements(case) = CaseFile::read(&text("disc-pad/disc-pad.toml").0).unwrap() else { panic!() };
+    assert_eq!(
+        case.identity(),
+        "GOLDEN"
+    );
 }
 
 /// The keys of the parts in which two identities differ.
@@ -321,5 +326,34 @@ fn every_field_of_a_case_is_in_its_part() {
     ] {
         assert!(disc.contains(from), "{from}");
         assert_eq!(differing(&of_disc(disc.clone()), &of_disc(disc.replacen(from, to, 1))), parts, "{to}");
+    }
+}
+
+#[test]
+fn every_field_of_a_finite_element_case_is_in_its_part() {
+    let (path, mesh) = text("disc-pad/disc-pad.toml");
+    let of_mesh = |text: String| FiniteElementCase::parse(&path, text).unwrap().identity();
+    let before = of_mesh(mesh.clone());
+    for (from, to, parts) in [
+        ("mass = 100.0", "mass = 101.0", vec!["terms"]),
+        ("name = \"caliper\"", "name = \"holder\"", vec!["terms"]),
+        ("[1.08e8, 1.08e8, 2.16e7]", "[1.08e8, 1.08e8, 2.17e7]", vec!["terms"]),
+        ("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.0, -1.0]", vec!["contact"]),
+        ("stiffness = 4.05e8", "stiffness = 4.06e8", vec!["terms"]),
+        ("load = 468.0", "load = 469.0", vec!["contact"]),
+        ("load = 468.0", "load = 468.0\nlateral = \"none\"", vec!["contact"]),
+        ("in_contact = [9, 8]", "in_contact = [9]", vec!["contact"]),
+        ("fixed = [\"BACKENDS.z\"]", "fixed = [\"BACKENDS.x\"]", vec!["constraints"]),
+        ("to = 1.0 ", "to = 1.1 ", vec!["contact"]),
+        ("mean = 0.50", "mean = 0.51", vec!["contact"]),
+        ("\"amontons-coulomb\", \"velocity-dependent\"", "\"amontons-coulomb\"", vec!["contact"]),
+        ("[500.0, 8000.0]", "[500.0, 8001.0]", vec!["reduction"]),
+        ("[-500.0, 3000.0]", "[-501.0, 3000.0]", vec!["reduction"]),
+        ("residual = 1e-8", "residual = 1e-7", vec!["reduction"]),
+        ("full_checks = 100", "full_checks = 99", vec!["reduction"]),
+        ("seed = 1", "seed = 2", vec![]),
+    ] {
+        assert!(mesh.contains(from), "{from}");
+        assert_eq!(differing(&before, &of_mesh(mesh.replacen(from, to, 1))), parts, "{to}");
     }
 }
