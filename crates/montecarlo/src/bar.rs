@@ -1,18 +1,33 @@
-//! A progress bar on a terminal; with the feature `progress`.
+//! A progress bar on a terminal, lines in a log; with the feature `progress`.
 
-use std::io::IsTerminal;
-use std::sync::OnceLock;
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::log_lines::LogLines;
 use crate::progress::Progress;
 
-/// A progress bar on standard error with counts and the time left; silent when standard error is not a terminal.
+/// How often it is looked whether a line is due; chosen.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Progress on standard error: a bar with counts and the time left where that is a terminal, elsewhere a line whenever nothing was
+/// said for ten seconds.
 #[derive(Debug)]
 pub struct Bar {
     /// What is counted.
     what: &'static str,
     bar: OnceLock<ProgressBar>,
+    log: Mutex<Option<Log>>,
+}
+
+/// The lines of a log; what looks after them ends with it.
+#[derive(Debug)]
+struct Log {
+    lines: Arc<Mutex<LogLines>>,
+    _until_dropped: Sender<()>,
 }
 
 impl Default for Bar {
@@ -25,19 +40,44 @@ impl Bar {
     /// A bar for things that are called so, in the plural.
     #[must_use]
     pub const fn of(what: &'static str) -> Self {
-        Self { what, bar: OnceLock::new() }
+        Self { what, bar: OnceLock::new(), log: Mutex::new(None) }
+    }
+
+    fn set_log(&self, log: Option<Log>) {
+        *self.log.lock().unwrap_or_else(PoisonError::into_inner) = log;
+    }
+}
+
+impl Log {
+    /// Lines on standard error until it is dropped, also where one step takes long. Nobody has to read them.
+    fn begin(lines: LogLines) -> Self {
+        let (sender, receiver) = channel();
+        let lines = Arc::new(Mutex::new(lines));
+        let (of_thread, start) = (Arc::clone(&lines), Instant::now());
+        std::thread::spawn(move || {
+            while receiver.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                let line = of_thread.lock().unwrap_or_else(PoisonError::into_inner).tick(start.elapsed());
+                if let Some(line) = line {
+                    let _ = writeln!(std::io::stderr(), "{line}");
+                }
+            }
+        });
+        Self { lines, _until_dropped: sender }
     }
 }
 
 impl Progress for Bar {
     fn begin(&self, total: u64, done: u64) {
-        let target =
-            if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        if !std::io::stderr().is_terminal() {
+            let lines = LogLines { what: self.what, total, before: done, done, told: Duration::ZERO };
+            return self.set_log(Some(Log::begin(lines)));
+        }
         let template = format!("{{bar:30}} {{human_pos}} of {{human_len}} {} in {{elapsed}}, {{eta}} left", self.what);
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let target = ProgressDrawTarget::stderr();
         let bar = self.bar.get_or_init(|| ProgressBar::with_draw_target(None, target).with_style(style));
         // What takes long at its first step must not look as if nothing had begun.
-        bar.enable_steady_tick(std::time::Duration::from_millis(500));
+        bar.enable_steady_tick(LOOK);
         bar.set_length(total);
         bar.set_position(done);
         // The estimate of the time left must not include the evaluations of an earlier run.
@@ -48,11 +88,15 @@ impl Progress for Bar {
         if let Some(bar) = self.bar.get() {
             bar.inc(evaluations);
         }
+        if let Some(log) = &*self.log.lock().unwrap_or_else(PoisonError::into_inner) {
+            log.lines.lock().unwrap_or_else(PoisonError::into_inner).done += evaluations;
+        }
     }
 
     fn end(&self) {
         if let Some(bar) = self.bar.get() {
             bar.abandon();
         }
+        self.set_log(None);
     }
 }

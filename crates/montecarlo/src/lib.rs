@@ -70,6 +70,8 @@ mod gaussian_copula;
 mod integer_mean;
 mod interim_looks;
 mod label_tally;
+#[cfg(feature = "progress")]
+mod log_lines;
 mod merge;
 mod progress;
 mod proportion;

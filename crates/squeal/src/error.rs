@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use crate::output::bytes_in_words;
-
 /// What can go wrong between a brake and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
@@ -75,23 +73,19 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
-    /// A study that would take more memory than is allowed.
+    /// What would take more memory than there is.
     #[error(
-        "{study}: {scenes} scenes of {order} degrees of freedom take roughly {}; allowed: {}, with fewer arrangements, laws, \
-         speed ranges or constraint sets, or a smaller brake",
-        bytes_in_words(*bytes), bytes_in_words(*most)
+        "{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or --memory where there is more"
     )]
     TooLarge {
-        /// The case file, or the name of the study.
-        study: String,
-        /// Its scenes.
-        scenes: usize,
-        /// Its degrees of freedom.
-        order: usize,
-        /// What it would take.
-        bytes: f64,
-        /// What is allowed.
-        most: f64,
+        /// What would take it.
+        what: String,
+        /// How much, in words.
+        needed: String,
+        /// What there is, in words.
+        budget: String,
+        /// What would fit.
+        fits: String,
     },
     /// A brake whose arrangements have bases of their own, where one basis is needed.
     #[error(

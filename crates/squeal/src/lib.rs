@@ -89,6 +89,7 @@ mod identity;
 pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;
+pub mod memory;
 pub mod output;
 pub mod report;
 mod run;

@@ -25,7 +25,7 @@ pub(crate) fn bar(of: &'static str) -> montecarlo::Bar {
 pub(crate) fn bar(_: &'static str) {}
 
 /// What is counted while a study is prepared.
-const PREPARED: &str = "steps of preparation";
+pub(crate) const PREPARED: &str = "steps of preparation";
 /// What is counted while it is sampled.
 const EVALUATED: &str = "evaluations";
 
@@ -106,7 +106,7 @@ pub fn run_study_with<B: UncertainBrake>(
 
     let start = Instant::now();
     let results = Results::new(&study, summary);
-    let reasons = pool.install(|| reasons(&study));
+    let reasons = pool.install(|| reasons(&study, &bar("scenes asked why")));
     folder.publish(|stage| {
         write_tables(&results, &reasons, stage)?;
         pool.install(|| draw(&study, &results, stage))

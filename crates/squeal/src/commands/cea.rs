@@ -16,10 +16,12 @@ use sparse::reduction::ReducedModes;
 use work::ModeWork;
 
 use super::eig::announce;
+use super::options::MemoryArgs;
 use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
+use super::sized;
 use crate::Error;
-use crate::brakes::{BESIDE, FiniteElementBrake, LatticeBrake, LatticeSample, MatricesBrake, lattice, sliding};
+use crate::brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
 use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
 use crate::report::hertz;
 use crate::run::bar;
@@ -43,6 +45,9 @@ pub struct CeaArgs {
     /// JSON for machines: eigenvalues in rad/s
     #[arg(long)]
     pub json: bool,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 /// The shape of a mode over all degrees of freedom, and its work.
@@ -93,8 +98,11 @@ impl CeaArgs {
         let threshold = case.threshold;
         let counts = counts_from(&threshold);
         let heading = format!("{law} friction at {speed:.4} m/s, in contact: {contacts}; median parameters{counts}");
-        let whys =
-            if self.why { first_scene(&LatticeBrake::new(self.scene.only_lattice(case, None)?)?)? } else { Vec::new() };
+        let whys = if self.why {
+            first_scene(&sized::lattice(self.scene.only_lattice(case, None)?, self.memory)?)?
+        } else {
+            Vec::new()
+        };
         self.text(lattice.brake(), &lattice.operating_point(&state)?, &threshold, &heading, &scene, &whys)
     }
 
@@ -112,8 +120,11 @@ impl CeaArgs {
             case.parameters.iter().zip(&medians).map(|(p, &value)| (p.name.clone(), json!(value))).collect();
         let scene = json!({ "constraints": set.name, "parameters": named });
         let (brake, at) = (case.brake(set)?, case.operating_point(&medians)?);
-        let whys =
-            if self.why { first_scene(&MatricesBrake::new(self.scene.only_matrices(case)?)?)? } else { Vec::new() };
+        let whys = if self.why {
+            first_scene(&sized::matrices(self.scene.only_matrices(case)?, self.memory)?)?
+        } else {
+            Vec::new()
+        };
         self.text(&brake, &at, &threshold, &heading, &scene, &whys)
     }
 
@@ -122,6 +133,7 @@ impl CeaArgs {
         let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let constraints = chosen("--constraints", self.scene.constraints.as_deref(), &names)?;
+        sized::bases(&case, self.memory)?;
         let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
         let is_meant = |scene: &&Scene| scene.key.constraints == constraints;
         let Some(scene) = brake.plan.scenes.iter().find(is_meant) else {

@@ -6,16 +6,16 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::options::{check_threads, override_run, threads, whole_number};
-use super::results_folder;
+use super::options::{MemoryArgs, check_threads, override_run, threads, whole_number};
 use super::scene::{SceneArgs, chosen};
+use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::brakes::FiniteElementBrake;
 use crate::case::{CaseFile, SpeedRange};
 use crate::folder::RunFolder;
 use crate::influence::{influence, write_influences};
 use crate::output::{printable, write};
-use crate::run::{bar, workers};
+use crate::run::{PREPARED, bar, workers};
 use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 
@@ -51,6 +51,9 @@ pub struct InfluenceArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 impl InfluenceArgs {
@@ -70,17 +73,18 @@ impl InfluenceArgs {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let range = self.range(&case.speeds)?;
-                self.influence(&LatticeBrake::new(self.scene.only_lattice(*case, range)?)?)?
+                self.influence(&sized::lattice(self.scene.only_lattice(*case, range)?, self.memory)?)?
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.range(&[])?;
-                self.influence(&MatricesBrake::new(self.scene.only_matrices(*case)?)?)?
+                self.influence(&sized::matrices(self.scene.only_matrices(*case)?, self.memory)?)?
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
                 let case = self.scene.only_finite_elements(*case, range)?;
+                sized::bases(&case, self.memory)?;
                 let brake = workers(self.threads)?.install(|| FiniteElementBrake::checked(case, &bar("reductions")))?;
                 self.influence(&brake)?
             }
@@ -109,7 +113,7 @@ impl InfluenceArgs {
         }
         let solver = cea::BatchSolver;
         let found = workers(self.threads)?.install(|| {
-            let study = Study::new(brake, &solver)?;
+            let study = Study::with_progress(brake, &solver, &bar(PREPARED))?;
             influence(&study, 0, draws, self.total, &bar("evaluations"))
         })?;
         let seconds = start.elapsed().as_secs_f64();

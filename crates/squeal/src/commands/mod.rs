@@ -13,13 +13,14 @@ mod results_folder;
 mod run;
 mod scene;
 mod screen;
+mod sized;
 mod sweep;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
 pub use influence::InfluenceArgs;
-pub use options::{override_run, threads, whole_number};
+pub use options::{MemoryArgs, override_run, threads, whole_number};
 pub use refuse::{finish, refuse};
 pub use run::RunArgs;
 pub use scene::SceneArgs;

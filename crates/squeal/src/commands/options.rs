@@ -1,7 +1,7 @@
 //! Options that several commands share.
 
-use crate::Error;
 use crate::case::LatticeCase;
+use crate::{Error, memory};
 
 /// More worker threads than any machine has cores for.
 const MOST_THREADS: usize = 1024;
@@ -28,6 +28,22 @@ pub fn threads(text: &str) -> Result<usize, String> {
 /// What is allowed.
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "allowed: a number".to_owned())
+}
+
+/// How much memory a command may take.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct MemoryArgs {
+    /// Memory that may be taken, as 512M or 8G; what takes more is refused [default: what the machine has]
+    #[arg(long, value_name = "SIZE", allow_negative_numbers = true, value_parser = memory::size)]
+    pub memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    /// Bytes.
+    #[must_use]
+    pub fn budget(self) -> u64 {
+        self.memory.unwrap_or_else(memory::of_machine)
+    }
 }
 
 /// Refuses a number of threads that is out of range.

@@ -3,11 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::check::{announce_bases, announced};
 use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
-use super::options::{number, override_run, threads, whole_number};
+use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use super::sized;
+use crate::brakes::FiniteElementBrake;
 use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
 use crate::influence::write_kept_samples;
 use crate::output::printable;
@@ -49,6 +49,9 @@ pub struct RunArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 /// What a kind of brake has beside its study.
@@ -71,7 +74,7 @@ impl RunArgs {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let case_half_width = case.half_width;
-                let brake = LatticeBrake::new(*case)?;
+                let brake = sized::lattice(*case, self.memory)?;
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
                 let more = More {
@@ -84,7 +87,7 @@ impl RunArgs {
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
-                let brake = MatricesBrake::new(*case)?;
+                let brake = sized::matrices(*case, self.memory)?;
                 let more = More {
                     claims: &|_| Ok(Vec::new()),
                     files: &|_, _| Ok(()),
@@ -95,7 +98,7 @@ impl RunArgs {
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
-                announce_bases(&case);
+                sized::bases(&case, self.memory)?;
                 let brake =
                     workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &bar("reductions")))?;
                 let files = |results: &Results<'_>, dir: &Path| {
@@ -131,7 +134,6 @@ impl RunArgs {
                 return Err(Error::Option { option, value, allowed });
             }
         }
-        announced(brake.plan());
         let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
         let mut doubts = String::new();
         let mut most_failed = None;

@@ -7,16 +7,16 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::mesh_shapes::mesh_geometry;
-use super::options::{number, override_run, threads, whole_number};
-use super::results_folder;
+use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::scene::chosen;
+use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::{Bases, FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::brakes::{Bases, FiniteElementBrake};
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
 use crate::report::{Geometry, write_screen_page};
-use crate::run::{bar, workers};
+use crate::run::{PREPARED, bar, workers};
 use crate::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use crate::study::UncertainBrake;
 use crate::study::identity::of_study;
@@ -78,6 +78,9 @@ pub struct ScreenArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 impl ScreenArgs {
@@ -89,18 +92,19 @@ impl ScreenArgs {
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let brake = LatticeBrake::new(*case)?;
+                let brake = sized::lattice(*case, self.memory)?;
                 let grid = brake.case.lattice.grid;
                 self.screen(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
-                let brake = MatricesBrake::new(*case)?;
+                let brake = sized::matrices(*case, self.memory)?;
                 self.screen(&brake, &|| Geometry::bodies(brake.plan()))?
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
+                sized::bases(&case, self.memory)?;
                 let on = || FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"));
                 let brake = workers(self.threads)?.install(on)?;
                 self.screen(&brake, &|| mesh_geometry(&brake))?
@@ -170,7 +174,7 @@ impl ScreenArgs {
             samples: plan.samples,
             threads: self.threads,
             checkpoint: self.out.as_ref().map(|dir| dir.join("checkpoint.json")),
-            preparation: &bar("steps of preparation"),
+            preparation: &bar(PREPARED),
             evaluation: &bar("evaluations"),
         };
         let screen = confirm(brake, ranking, &options, &how)?;

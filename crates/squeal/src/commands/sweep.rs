@@ -8,16 +8,16 @@ use cea::QrSolver;
 use serde_json::json;
 
 use super::mesh_shapes::mesh_geometry;
-use super::options::{check_threads, threads};
-use super::results_folder;
+use super::options::{MemoryArgs, check_threads, threads};
 use super::scene::{SceneArgs, counts_from};
+use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use crate::brakes::FiniteElementBrake;
 use crate::case::CaseFile;
 use crate::folder::RunFolder;
 use crate::output::printable;
 use crate::report::{Geometry, write_sweep_page};
-use crate::run::{bar, workers};
+use crate::run::{PREPARED, bar, workers};
 use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 use crate::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
@@ -44,6 +44,9 @@ pub struct SweepArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = threads)]
     pub threads: Option<usize>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 /// `NAME=FROM:TO`.
@@ -65,16 +68,17 @@ impl SweepArgs {
         check_threads(self.threads)?;
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(case) => {
-                let brake = LatticeBrake::new(self.scene.only_lattice(*case, None)?)?;
+                let brake = sized::lattice(self.scene.only_lattice(*case, None)?, self.memory)?;
                 let grid = brake.case.lattice.grid;
                 self.sweep(&brake, &|| Geometry::lattice(grid.rows(), grid.columns()))?
             }
             CaseFile::Matrices(case) => {
-                let brake = MatricesBrake::new(self.scene.only_matrices(*case)?)?;
+                let brake = sized::matrices(self.scene.only_matrices(*case)?, self.memory)?;
                 self.sweep(&brake, &|| Geometry::bodies(brake.plan()))?
             }
             CaseFile::FiniteElements(case) => {
                 let case = self.scene.only_finite_elements(*case, None)?;
+                sized::bases(&case, self.memory)?;
                 let for_sweep = || FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"));
                 let brake = workers(self.threads)?.install(for_sweep)?;
                 self.sweep(&brake, &|| mesh_geometry(&brake))?
@@ -93,7 +97,7 @@ impl SweepArgs {
         }
         let pool = workers(self.threads)?;
         let (found, modes) = pool.install(|| -> Result<(Found, Vec<BoundaryMode>), Error> {
-            let study = Study::new(brake, &QrSolver)?;
+            let study = Study::with_progress(brake, &QrSolver, &bar(PREPARED))?;
             let found = match &self.over[..] {
                 [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &bar("sectors"))?.into()),
                 [a, b] => {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cea::{Workspace, frequency_hz};
+use montecarlo::Progress;
 use rayon::prelude::*;
 
 use super::summary::hertz;
@@ -27,11 +28,17 @@ pub struct SceneReasons {
 /// Why modes grow in each scene whose net work is wanted, those with all contacts closed for instance.
 ///
 /// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
-pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>) -> Vec<SceneReasons> {
+pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress) -> Vec<SceneReasons> {
     let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
-    let of_scene =
-        |&scene: &usize| SceneReasons { scene, modes: of_scene(study, scene).map_err(|error| error.to_string()) };
-    scenes.par_iter().map(of_scene).collect()
+    progress.begin(scenes.len() as u64, 0);
+    let of_scene = |&scene: &usize| {
+        let modes = of_scene(study, scene).map_err(|error| error.to_string());
+        progress.advance(1);
+        SceneReasons { scene, modes }
+    };
+    let all = scenes.par_iter().map(of_scene).collect();
+    progress.end();
+    all
 }
 
 fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {

@@ -1,10 +1,10 @@
 //! What a study takes, roughly, before anything of it is computed.
 
 use super::Plan;
-use crate::Error;
+use crate::{Error, memory};
 
-/// Memory of the matrices and modes that a study keeps and those under way, and processor time until its first sample, each
-/// within a factor of five or so.
+/// Memory of a study from its preparation to its report, within a factor of two or so, and processor time until its first sample, within
+/// a factor of five or so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Degrees of freedom, the most of any configuration.
@@ -17,14 +17,15 @@ pub struct Cost {
     pub seconds: f64,
 }
 
-/// Bytes for each entry of a matrix of the order of the brake: by scene, by configuration, and under way. Fitted to the peak memory
-/// of `squeal check` (GNU time) for a symmetric lattice of 10 x 10 with 2 scenes, 120 MB, one of 3 x 4 with 6 in contact and 504
-/// scenes, 150 MB, and of `cargo xtask reproduce` with its 1,392 scenes of 3 x 3, 170 MB.
-const BYTES_BY_SCENE: f64 = 120.0;
+/// Bytes for each entry of a matrix of the order of the brake. By scene: its system and modes at the medians, whole and by sectors, and what is
+/// counted of it. By configuration: its terms. Under way: systems, spectra and continuations of the samples that are solved together, on two
+/// threads, and what the report computes. Fitted to the peak memory of `squeal run` (GNU time) for lattices of 2 x 2 to 10 x 10 with and
+/// without symmetry, two scenes each, 28 to 396 MB, and for `cases/paper.toml` with its 675 scenes, 164 MB with 8 samples.
+const BYTES_BY_SCENE: f64 = 220.0;
 const BYTES_BY_CONFIGURATION: f64 = 130.0;
-const BYTES_UNDER_WAY: f64 = 1000.0;
+const BYTES_UNDER_WAY: f64 = 3300.0;
 /// What the program takes in any case, bytes. Measured.
-const BYTES_ALWAYS: f64 = 2e7;
+const BYTES_ALWAYS: f64 = 2.6e7;
 /// Processor time for each scene, s, by the cube of the order. Measured with the same on an AMD EPYC (Zen 4): 4e-8, 6e-7 and 9e-8.
 const SECONDS_BY_SCENE: f64 = 2e-7;
 
@@ -35,9 +36,6 @@ const BYTES_BY_BASIS: f64 = 2300.0;
 const SECONDS_BY_BASIS: f64 = 3e-6;
 
 impl Cost {
-    /// The most memory that a study may take; chosen, what a small machine has.
-    pub const MOST_BYTES: f64 = 4e9;
-
     /// That of so many scenes and configurations of an order.
     pub fn new(order: usize, configurations: usize, scenes: usize) -> Self {
         let (size, configurations, count) = (order as f64, configurations as f64, scenes as f64);
@@ -60,15 +58,24 @@ impl Cost {
         Self { order, scenes: 0, bytes, seconds }
     }
 
-    /// Refuses a study that would take too much memory.
+    /// Refuses what takes more memory than there is, of which `study` is the case file or the name.
     ///
     /// # Errors
     /// [`Error::TooLarge`].
-    pub fn check(&self, study: &str) -> Result<(), Error> {
+    pub fn check(&self, study: &str, budget: u64) -> Result<(), Error> {
         let Self { order, scenes, bytes, .. } = *self;
-        if bytes <= Self::MOST_BYTES {
-            return Ok(());
-        }
-        Err(Error::TooLarge { study: study.to_owned(), scenes, order, bytes, most: Self::MOST_BYTES })
+        let what = match scenes {
+            0 => format!("{study}: bases for {order} degrees of freedom"),
+            _ => format!("{study}: {scenes} scenes of {order} degrees of freedom"),
+        };
+        let share = (budget as f64 - BYTES_ALWAYS).max(0.0) / (bytes - BYTES_ALWAYS);
+        let fits = || match scenes {
+            0 => format!("{:.0} % of its arrangements", (100.0 * share).floor()),
+            _ => format!(
+                "{:.0} degrees of freedom with as many scenes, or fewer arrangements, laws, speed ranges or constraint sets",
+                (order as f64 * share.sqrt()).floor()
+            ),
+        };
+        memory::check(&what, bytes, budget, fits)
     }
 }

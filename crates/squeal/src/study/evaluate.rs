@@ -9,7 +9,6 @@ use work::ModeWork;
 
 use super::certificate::{Certificate, certificates};
 use super::check::check;
-use super::cost::Cost;
 use super::known_names::KnownNames;
 use super::memory::{Scratch, timed};
 use super::reference::{Bridges, Reference, References, SectoredReference, references};
@@ -100,8 +99,8 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     /// secular equations and their anchors.
     ///
     /// # Errors
-    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver; a study that would take more memory
-    /// than [`Cost::MOST_BYTES`].
+    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver. What it takes is not asked here: see
+    /// [`Cost::check`](super::Cost::check).
     pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
         Self::with_progress(brake, solver, &())
     }
@@ -135,7 +134,6 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     ) -> Result<Self, Error> {
         check(brake)?;
         let (plan, solver) = (brake.plan(), WholeSpectra(solver));
-        Cost::of(plan).check(&plan.source())?;
         let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
         let median = brake.median();
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);

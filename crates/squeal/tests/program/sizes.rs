@@ -9,7 +9,7 @@ fn refused(text: &str, expected: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("brake.toml");
     std::fs::write(&case, text).unwrap();
-    refusal(&squeal().arg("check").arg(&case).output().unwrap(), expected);
+    refusal(&squeal().args(["check", "--memory", "4G"]).arg(&case).output().unwrap(), expected);
 }
 
 /// Every command that reads a file, on this one.
@@ -60,10 +60,30 @@ fn studies_that_take_too_much_memory() {
         let text = replaced(&text, "columns = 2", &format!("columns = {columns}"));
         replaced(&text, "in_contact = [4, 3]", &format!("in_contact = [{contacts}]"))
     };
-    let limit = "allowed: 4.0 GB, with fewer arrangements";
+    let limit = "and 4.0 GB are there; what would fit: ";
     refused(&lattice("25", "40", "1000"), &["brake.toml", "the lattice is 25 x 40", "allowed: 1 to 200 oscillators"]);
     refused(&lattice("1", "200", "1"), &["brake.toml", "scenes of 603 degrees of freedom", limit]);
     refused(&lattice("3", "6", "9"), &["brake.toml", "scenes of 57 degrees of freedom", limit]);
+}
+
+#[test]
+fn every_command_goes_by_the_memory_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("brake.toml");
+    std::fs::write(&case, SMALL).unwrap();
+    let out = folder.path().join("out");
+    let with = |arguments: &[&str], memory: &str| {
+        squeal().args(arguments).args(["--memory", memory]).arg(&case).output().unwrap()
+    };
+    let run = ["run", "--out", out.to_str().unwrap()];
+    for arguments in
+        [&["check"][..], &run, &["cea", "--why"], &["screen"], &["influence"], &["sweep", "--over", "mu=0.1:0.5"]]
+    {
+        let expected = ["brake.toml", "take roughly", "and 1.0 MB are there; what would fit: ", "--memory"];
+        refusal(&with(arguments, "1M"), &expected);
+        refusal(&with(arguments, "much"), &["--memory", "allowed: a number of bytes"]);
+    }
+    assert!(!out.exists() && with(&["check"], "1T").status.success());
 }
 
 #[test]
@@ -73,7 +93,7 @@ fn check_states_memory_and_time() {
     std::fs::write(&case, SMALL).unwrap();
     let output = squeal().arg("check").arg(&case).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("  memory        roughly 20 MB\n") && text.contains("  time          roughly "), "{text}");
+    assert!(text.contains("  memory        roughly 30 MB\n") && text.contains("  time          roughly "), "{text}");
 }
 
 #[test]

@@ -41,6 +41,15 @@ pub struct LatticeBrake {
 }
 
 impl LatticeBrake {
+    /// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
+    /// most.
+    pub fn least_cost(case: &LatticeCase) -> Cost {
+        let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
+        let configurations = case.constraints.len() * arrangements.div_ceil(Reversal::ALL.len());
+        let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
+        Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
+    }
+
     /// Lays out the scenes of a case.
     ///
     /// Arrangements of one symmetry class share a scene: with one draw for all contacts their eigenvalues are equal, with a draw
@@ -48,9 +57,9 @@ impl LatticeBrake {
     /// speed has one scene for all speed ranges.
     ///
     /// # Errors
-    /// What the model refuses; [`Error::Median`] where median parameters have no operating point; [`Error::TooLarge`].
+    /// What the model refuses; [`Error::Median`] where median parameters have no operating point. What it takes is not asked here:
+    /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
-        least_cost(&case).check(&case.path.display().to_string())?;
         let plan = Plan {
             source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
             name: case.name.clone(),
@@ -321,15 +330,6 @@ fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<Operati
     let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
     let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
     point.map_err(|source| Error::Median { study: case.path.display().to_string(), source: Box::new(source) })
-}
-
-/// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
-/// most.
-fn least_cost(case: &LatticeCase) -> Cost {
-    let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
-    let configurations = case.constraints.len() * arrangements.div_ceil(Reversal::ALL.len());
-    let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
-    Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
 }
 
 fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {

@@ -6,18 +6,17 @@ mod names;
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::options::{override_run, whole_number};
+use super::options::{MemoryArgs, override_run, whole_number};
+use super::sized;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
 use crate::case::{CaseFile, FiniteElementCase, TakenMatrix};
-use crate::output::{bytes_in_words, in_words, note, printable};
+use crate::output::{bytes_in_words, in_words, printable};
 use crate::run::bar;
-use crate::study::{Cost, Plan, UncertainBrake};
+use crate::study::{Cost, UncertainBrake};
 use crate::{Error, estimate};
 
 /// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
 const LONGEST_PREPARATION: f64 = 300.0;
-/// From how many seconds of it on the preparation is announced; chosen.
-const ANNOUNCED: f64 = 5.0;
 
 /// Check a case and say what its study would compute, and roughly how long that takes.
 #[derive(Debug, clap::Args)]
@@ -27,6 +26,9 @@ pub struct CheckArgs {
     /// Samples per scene, instead of the case's
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
     pub samples: Option<u64>,
+    /// Memory that may be taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 impl CheckArgs {
@@ -38,18 +40,18 @@ impl CheckArgs {
         let text = match CaseFile::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                self.lattice(&LatticeBrake::new(*case)?)?
+                self.lattice(&sized::lattice(*case, self.memory)?)?
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
-                self.matrices(&MatricesBrake::new(*case)?)?
+                self.matrices(&sized::matrices(*case, self.memory)?)?
             }
             CaseFile::FiniteElements(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
                 // Said first, because a reduction of an unsound model may fail or take long; that the case is valid is not known before.
                 let model = self.model(&case)?;
                 out.write_all(model.as_bytes()).map_err(Error::StandardOutput)?;
-                finite_elements(*case)? + &format!("\n{}: valid\n", self.file())
+                finite_elements(*case, self.memory)? + &format!("\n{}: valid\n", self.file())
             }
         };
         out.write_all(text.as_bytes()).map_err(Error::StandardOutput)
@@ -124,9 +126,9 @@ impl CheckArgs {
 }
 
 /// What the reduction of a finite element brake took, and its study takes.
-fn finite_elements(case: FiniteElementCase) -> Result<String, Error> {
+fn finite_elements(case: FiniteElementCase, memory: MemoryArgs) -> Result<String, Error> {
     let reduction = case.reduction;
-    announce_bases(&case);
+    sized::bases(&case, memory)?;
     let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
     let plan = &brake.plan;
     let mut text = String::new();
@@ -183,7 +185,7 @@ fn listed(items: impl Iterator<Item = String>) -> String {
 /// What the study takes: memory and preparation by their rates, the time in all by some samples, unless the preparation alone
 /// takes too long for a check.
 fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Error> {
-    let cost = announced(brake.plan());
+    let cost = Cost::of(brake.plan());
     let seconds = match cost.seconds {
         long if long > LONGEST_PREPARATION => {
             format!("more than {}: not measured, its preparation alone takes that", in_words(long))
@@ -191,27 +193,4 @@ fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Err
         _ => format!("roughly {} on this machine", in_words(estimate(brake)?.as_secs_f64())),
     };
     Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases))) + &line("time", &seconds))
-}
-
-/// Says which nodes of the contact count as held, and what the bases of a case take, where that is more than some seconds.
-pub(super) fn announce_bases(case: &FiniteElementCase) {
-    for missing in case.missing_rows.iter().filter(|missing| missing.field.starts_with("contact.")) {
-        note(&missing.to_string());
-    }
-    let cost = FiniteElementBrake::expected_cost(case);
-    if cost.seconds > ANNOUNCED {
-        let (time, memory) = (in_words(cost.seconds), bytes_in_words(cost.bytes));
-        note(&format!("bases for {} degrees of freedom: roughly {time} of processor time, {memory}", cost.order));
-    }
-}
-
-/// What a study takes, which is said at once where its preparation takes more than some seconds.
-pub(super) fn announced(plan: &Plan) -> Cost {
-    let cost = Cost::of(plan);
-    if cost.seconds > ANNOUNCED {
-        let (scenes, order, time) = (cost.scenes, cost.order, in_words(cost.seconds));
-        let memory = bytes_in_words(cost.bytes);
-        note(&format!("{scenes} scenes of {order} degrees of freedom: roughly {time} to prepare them, {memory}"));
-    }
-    cost
 }
