@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 use sparse::Rectangle;
 
+use super::options::MemoryArgs;
 use crate::Error;
 pub(super) use dense::announce;
 pub use symmetry::SaidSymmetry;
@@ -30,7 +31,8 @@ pub use symmetry::SaidSymmetry;
 /// is none, as for eigenvalues without a digit.
 ///
 /// With --box the eigenvalues in a rectangle are listed, of more than 300 degrees of freedom by sparse matrices, for thousands of
-/// them, and bounds are then to first order. They are counted twice; docs/large-problems.md says how, and with what limits.
+/// them, and bounds are then to first order. Up to 10,000 degrees of freedom, and above with --count, they are counted a second time in
+/// another way; docs/large-problems.md says how, and with what limits.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EigArgs {
     /// M, a file of any format named above
@@ -54,6 +56,9 @@ pub struct EigArgs {
     /// Count what is in the rectangle again, however long it takes
     #[arg(long, requires = "rectangle")]
     pub count: bool,
+    /// Memory that may be taken with --box
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Add the right and left eigenvectors, unit 2-norm
     #[arg(long)]
     pub vectors: bool,
@@ -98,6 +103,7 @@ mod tests {
             rectangle: None,
             rightmost: None,
             count: false,
+            memory: MemoryArgs::default(),
             vectors: true,
             json: true,
         }
