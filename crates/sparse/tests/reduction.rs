@@ -336,6 +336,36 @@ fn a_smaller_basis_within_holds_one_arrangement_with_the_residual_asked_for() {
     }
 }
 
+/// Residuals as loose as no basis at all has, one draw, and bands with one mode in them: the modes of the given point are held all the same.
+#[test]
+fn a_loose_residual_leaves_no_basis_without_the_modes_of_its_points() {
+    let (system, large) = (plate_with_a_spring(), dense(&plate_with_a_spring()));
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-9, most_columns: 200 };
+    let point = contact(1.0, 0.3, 0.0, 0.0);
+    let responses = response_basis(&system, std::slice::from_ref(&point), &goal).unwrap();
+    let larger = system.project(&responses.basis).unwrap();
+    let all = truth(&large, &point);
+    let bands = [RECTANGLE.im, [all[0].im - 0.01, all[0].im + 0.01], [all[3].im - 0.01, all[5].im + 0.01]];
+    for (tolerance, band) in [0.9, 0.1, 1e-2, 1e-3, 1e-4].into_iter().flat_map(|t| bands.map(|band| (t, band))) {
+        let rectangle = Rectangle { im: band, ..RECTANGLE };
+        let training = std::slice::from_ref(&point);
+        let wanted = Wanted { rectangle, points: training, training };
+        let options = Options { tolerance, ..Options::default() };
+        let found = within(&system, &larger, &wanted, &options).unwrap();
+        let small = Reduced::new(&system, &responses.basis * &found.basis, rectangle, &[], &options).unwrap();
+        let built = Reduction::build(&system, &wanted, &options).unwrap().reduced;
+        let is_inside = |lambda: &Complex<f64>| rectangle.contains(*lambda, 0.0);
+        for (reduced, held) in [(&small, found.first.as_slice()), (&built, &all)] {
+            assert!(reduced.basis().ncols() > 0);
+            let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&point).unwrap(), &mut Workspace::default());
+            let spectrum = spectrum.unwrap().eigenvalues;
+            for lambda in held.iter().copied().filter(is_inside) {
+                assert!(distance(lambda, &spectrum) < 0.1, "{tolerance:e} {band:?} {lambda} {spectrum:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_mode_is_found_however_much_faster_than_the_rectangle_it_grows() {
     let (system, large) = (plate(), dense(&plate()));

@@ -238,7 +238,8 @@ fn identities_of_cases_are_frozen() {
     let CaseFile::FiniteElements(case) = CaseFile::read(&text("disc-pad/disc-pad.toml").0).unwrap() else { panic!() };
     assert_eq!(
         case.identity(),
-        "GOLDEN"
+        "\"Disc and pad\" version=2 parameters:af5570f5a181 dofs:43fd596d285c terms:d9add5032716 contact:6cf8eeb34770 \
+         constraints:75505db62254 reduction:c533c212df1b correlation:af5570f5a181"
     );
 }
 
@@ -336,7 +337,6 @@ fn every_field_of_a_finite_element_case_is_in_its_part() {
     let before = of_mesh(mesh.clone());
     for (from, to, parts) in [
         ("mass = 100.0", "mass = 101.0", vec!["terms"]),
-        ("name = \"caliper\"", "name = \"holder\"", vec!["terms"]),
         ("[1.08e8, 1.08e8, 2.16e7]", "[1.08e8, 1.08e8, 2.17e7]", vec!["terms"]),
         ("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.0, -1.0]", vec!["contact"]),
         ("stiffness = 4.05e8", "stiffness = 4.06e8", vec!["terms"]),

@@ -59,6 +59,9 @@ pub(super) fn directions(
     Ok(vectors)
 }
 
+/// The part of a mode's length that a basis may miss of it, whatever residual is asked for; chosen. Where stiff parts make all residuals small, one
+/// that is not small says that a basis without any columns holds every mode.
+pub(super) const MOST_MISSING: f64 = 0.1;
 /// Singular values of vectors of unit length up to which a direction is rounding; the vectors have about ten digits.
 pub(super) const ROUNDING: f64 = 1e-11;
 
@@ -89,8 +92,8 @@ pub(super) fn projected_residual(
             state.force.iter().for_each(|&(dof, value)| residual[dof] -= pull * value);
         }
         let norm = split::norm_squared(&x, at).sqrt();
-        // A mode orthogonal to the basis has no residual at all: the worst there is.
-        largest = largest.max(if norm > 0.0 { residual.norm() / (size(lambda) * norm) } else { 1.0 });
+        let is_held = norm.powi(2) >= (1.0 - MOST_MISSING.powi(2)) * mode.right.norm_squared();
+        largest = largest.max(if is_held { residual.norm() / (size(lambda) * norm) } else { f64::INFINITY });
     }
     largest
 }

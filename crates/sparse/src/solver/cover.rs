@@ -19,6 +19,8 @@ const THINNEST: f64 = 0.1;
 /// eigenvalues are not spread evenly.
 const ESTIMATED: usize = 10;
 const ESTIMATE_MARGIN: f64 = 4.0;
+/// How many times as wide the blocks are of a second search, where the count contradicts the first; chosen.
+const WIDER: usize = 4;
 
 /// Circles about a disc that may be counted along, from around what it covers to so many times its radius, which is 0.95 of where
 /// something unknown may be; chosen.
@@ -53,6 +55,22 @@ pub fn eigenpairs_in(
     {
         return Ok(found);
     }
+    match scaled_search(system, rectangle, options, progress) {
+        // Most lists that are contradicted lack copies of an eigenvalue that has more of them than a block holds.
+        Err(SparseError::CountsDiffer { .. }) => {
+            scaled_search(system, rectangle, &Options { block: WIDER * options.block, ..*options }, progress)
+        }
+        found => found,
+    }
+}
+
+/// A search in the units in which the matrices are even.
+fn scaled_search(
+    system: &SparseSecondOrder,
+    rectangle: &Rectangle,
+    options: &Options,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Found, SparseError> {
     let scaled = Scaled::new(system);
     if !scaled.is_uneven() {
         return search(system, rectangle, options, progress);

@@ -13,6 +13,7 @@ mod how_sure;
 mod instability;
 mod memory;
 mod names;
+mod predicted;
 mod rectangle;
 mod report_page;
 mod same_bytes;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::eigen;
-use crate::reduction::basis::{ROUNDING, directions, fewest};
+use crate::reduction::basis::{MOST_MISSING, ROUNDING, directions, fewest};
 use crate::reduction::compared::{Compared, compared};
 use crate::reduction::full::{largest, outside};
 use crate::reduction::norms::{Norms, NormsAt};
@@ -185,11 +185,17 @@ impl<'a> Search<'a> {
         Ok(Smaller::new(basis, self.reduced))
     }
 
-    /// The largest residual of the known modes' parts in a basis.
+    /// The largest residual of the known modes' parts in a basis, infinite where too little of one is in it.
     fn projection_error(&self, basis: &DMatrix<f64>) -> f64 {
         let transposed = basis.transpose();
         let of_point = |known: &Known| {
             let missing = &known.shapes - basis * (&transposed * &known.shapes);
+            let lost = |at: usize| {
+                split::norm_squared(&missing, at) > MOST_MISSING.powi(2) * split::norm_squared(&known.shapes, at)
+            };
+            if (0..known.lambdas.len()).any(lost) {
+                return f64::INFINITY;
+            }
             let residual = self.residual(known.point, &known.lambdas, &missing);
             largest_residual(&self.points[known.point].norms, &known.lambdas, &residual, &known.shapes)
         };

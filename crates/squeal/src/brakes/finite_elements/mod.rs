@@ -14,7 +14,9 @@ mod whole;
 pub use points::frictionless;
 pub use reduce::{BESIDE, Bases, Part, ReducedSet};
 
-use cea::Mode;
+use std::f64::consts::TAU;
+
+use cea::{EigenSolver as _, Mode, QrSolver, Workspace};
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
@@ -166,14 +168,24 @@ impl FiniteElementBrake {
         points::of_brake(&self.case, self.closed(scene), at)
     }
 
-    /// Real eigenvalues that grow of the whole brake of a scene, at an operating point of the brake: divergence, 1/s. `None` where a search
-    /// does not tell.
+    /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake up to the end of
+    /// the band, and what grows faster than it oscillates beyond that in the reduced one, which says that it does and not how fast. `None`
+    /// where a search does not tell.
     ///
     /// # Errors
     /// A point that the brake refuses.
     pub fn diverging(&self, scene: &Scene, at: &OperatingPoint) -> Result<Option<Vec<f64>>, Error> {
-        let system = self.sets[self.part(scene).set].system.assemble(at)?;
-        Ok(reduce::diverging(&self.case, &system, &self.plan.threshold))
+        let part = self.part(scene);
+        let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
+        let reduced = part.reduced.system().assemble(at)?;
+        let spectrum = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?;
+        let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
+        let is_fast =
+            |lambda: &Complex<f64>| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.norm() > TAU * highest;
+        let grows = |lambda: &Complex<f64>| self.plan.threshold.margin(*lambda) > error * lambda.norm();
+        let fast = spectrum.eigenvalues.into_iter().filter(is_fast).filter(grows).map(|lambda| lambda.re);
+        let fast: Vec<f64> = fast.collect();
+        Ok(if fast.is_empty() { whole } else { Some(whole.into_iter().flatten().chain(fast).collect()) })
     }
 
     /// What the friction of a scene is drawn from; `None` without a contact.
