@@ -339,7 +339,7 @@ fn every_field_of_a_finite_element_case_is_in_its_part() {
         ("mass = 100.0", "mass = 101.0", vec!["terms"]),
         ("[1.08e8, 1.08e8, 2.16e7]", "[1.08e8, 1.08e8, 2.17e7]", vec!["terms"]),
         ("axis = [0.0, 0.0, 1.0]", "axis = [0.0, 0.0, -1.0]", vec!["contact"]),
-        ("stiffness = 4.05e8", "stiffness = 4.06e8", vec!["terms"]),
+        ("stiffness = 4.05e8", "stiffness = 4.06e8", vec!["terms", "contact"]),
         ("load = 468.0", "load = 469.0", vec!["contact"]),
         ("load = 468.0", "load = 468.0\nlateral = \"none\"", vec!["contact"]),
         ("in_contact = [9, 8]", "in_contact = [9]", vec!["contact"]),

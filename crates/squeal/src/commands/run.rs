@@ -188,7 +188,7 @@ fn checks_in_words(found: &FullChecks) -> String {
     let divergence = match found.diverging {
         0 if found.divergence_open > 0 => format!("whether {} diverge could not be told", found.divergence_open),
         0 => "none diverges (samples are not looked at for that)".to_owned(),
-        diverging => format!("{diverging} DIVERGE, by up to {:.4} 1/s", found.divergence),
+        diverging => format!("{diverging} DIVERGE, by up to {:.1e} 1/s or so", found.divergence),
     };
     let trained = if trained_on == 0 { String::new() } else { format!(", after training on {trained_on} times") };
     format!(

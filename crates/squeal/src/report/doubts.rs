@@ -53,7 +53,7 @@ impl Results<'_> {
             ),
             Some(FullChecks { samples, diverging, divergence, .. }) => format!(
                 "DIVERGENCE, instability without oscillation: in {diverging} of {samples} draws something grows faster than it oscillates, by up \
-                 to {divergence:.4} 1/s, as single pairs of nodes do where the curve of friction falls more steeply than contact damping \
+                 to {divergence:.1e} 1/s or so, as single pairs of nodes do where the curve of friction falls more steeply than contact damping \
                  holds. No sample counts it: what is said to be stable here may diverge."
             ),
         })
