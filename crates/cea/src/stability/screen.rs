@@ -219,7 +219,8 @@ mod tests {
             _ => 0.0,
         });
         let system = SecondOrder::new(DMatrix::identity(12, 12) * 0.37, DMatrix::zeros(12, 12), k).unwrap();
-        assert!(verdicts(&system).iter().all(|v| matches!(v, Verdict::Marginal { tolerance } if *tolerance < 1e-7)));
+        let found = verdicts(&system);
+        assert!(found.iter().all(|v| matches!(v, Verdict::Marginal { tolerance } if *tolerance < 1e-6)), "{found:?}");
     }
 
     #[test]
