@@ -246,12 +246,12 @@ impl Agreement {
         let is_fed = |set: usize, rank: usize| onsets.of_sets[set].get(&rank).is_some_and(|o| o.is_fed_by(named[set]));
         let fed: [usize; 3] =
             std::array::from_fn(|set| onsets.of_sets[set].keys().filter(|&&rank| is_fed(set, rank)).count());
-        for set in 0..3 {
+        for (set, fed) in fed.into_iter().enumerate() {
             let of_set = &onsets.of_sets[set];
             self.highest[set] = self.highest[set].max(of_set.keys().copied().max().unwrap_or(0));
             self.quiet[set] += usize::from(of_set.is_empty());
-            self.described[set] += usize::from(fed[set] > 0);
-            self.fed_modes[set] += fed[set];
+            self.described[set] += usize::from(fed > 0);
+            self.fed_modes[set] += fed;
         }
         let part = |set: usize, of: usize| of as f64 / paper.modes[set] as f64;
         self.by_chance += (0..3).map(|set| part(set, onsets.of_sets[set].len())).product::<f64>();
@@ -260,9 +260,9 @@ impl Agreement {
         std::array::from_fn(|at| {
             let ranks = paper.ranks(COUNTINGS[at]);
             let has = |set: usize| onsets.of_sets[set].contains_key(&ranks[set]);
-            for set in 0..3 {
+            for (set, &rank) in ranks.iter().enumerate() {
                 self.unstable[at][set] += usize::from(has(set));
-                self.fed[at][set] += usize::from(is_fed(set, ranks[set]));
+                self.fed[at][set] += usize::from(is_fed(set, rank));
             }
             self.all[at] += usize::from((0..3).all(has));
             self.all_fed[at] +=

@@ -35,6 +35,7 @@ pub use coalescence::Coalescence;
 pub use divergence::{DIVERGENCE, EXCHANGE, named};
 pub use family::Evaluations;
 pub use found::Found;
+#[cfg(feature = "figures")]
 pub(crate) use found::not_looked_for;
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
