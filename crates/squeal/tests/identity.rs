@@ -344,7 +344,7 @@ fn every_field_of_a_finite_element_case_is_in_its_part() {
         ("load = 468.0", "load = 468.0\nlateral = \"none\"", vec!["contact"]),
         ("in_contact = [9, 8]", "in_contact = [9]", vec!["contact"]),
         ("fixed = [\"BACKENDS.z\"]", "fixed = [\"BACKENDS.x\"]", vec!["constraints"]),
-        ("to = 1.0 ", "to = 1.1 ", vec!["contact"]),
+        ("from = 0.1 ", "from = 0.2 ", vec!["contact"]),
         ("mean = 0.50", "mean = 0.51", vec!["contact"]),
         ("\"amontons-coulomb\", \"velocity-dependent\"", "\"amontons-coulomb\"", vec!["contact"]),
         ("[500.0, 8000.0]", "[500.0, 8001.0]", vec!["reduction"]),
