@@ -239,7 +239,8 @@ const paper = async (page, folder, pictures) => {
   assert.deepEqual(wide, [], 'cut by the paper');
   const tall = await page.value("[...document.querySelectorAll('figure, #shape-view')].map(figure => figure.getBoundingClientRect().height)");
   assert.ok(tall.every(height => height < 1000), `figures of ${tall} pixels`);
-  const colours = await page.value("['p', 'td', 'th'].map(name => getComputedStyle(document.querySelector(`main ${name}`)).color)");
+  // What stands first because results may be wrong is red there too.
+  const colours = await page.value("['p:not(.doubt)', 'td', 'th'].map(name => getComputedStyle(document.querySelector(`main ${name}`)).color)");
   assert.deepEqual([...new Set(colours)], ['rgb(0, 0, 0)']);
   await page.printed(false);
   const pdf = await page.pdf();
