@@ -34,7 +34,7 @@ pub const EQUAL_BUT_FOR_ROUNDING: f64 = 1e-10;
 /// eigenvalues Im lambda grows with the root of the distance, so that the place moves by the square of this.
 const STILL_REAL: f64 = 1e-7;
 
-/// How many real eigenvalues one with Im lambda >= 0 stands for: none where a mode oscillates, one where it is real, two where rounding has
+/// Number of real eigenvalues that one with Im lambda >= 0 stands for: none where a mode oscillates, one where it is real, two where rounding has
 /// made two real ones a pair, as it does to equal parts that are overdamped or diverge, and to a mode where it loses its frequency.
 #[must_use]
 pub fn real_count(lambda: Complex<f64>) -> usize {

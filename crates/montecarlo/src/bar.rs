@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use crate::log_lines::LogLines;
 use crate::progress::Progress;
 
-/// How often it is looked whether a line is due; chosen.
+/// Time between two looks whether a line is due; chosen.
 const LOOK: Duration = Duration::from_millis(500);
 
 /// Progress on standard error: a bar with counts and the time left where that is a terminal, elsewhere a line whenever nothing was

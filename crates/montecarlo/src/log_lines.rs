@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-/// How long there may be silence; chosen: after that a program looks as if it hung.
+/// Longest silence; chosen: after that a program looks as if it hung.
 pub(crate) const LONGEST_SILENCE: Duration = Duration::from_secs(10);
 
-/// How far a work is, and when this was last said. Instants are times since its beginning.
+/// Progress of a work, and when it was last said. Instants are times since its beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LogLines {
     /// What is counted.

@@ -121,29 +121,23 @@ fn series(results: &Results<'_>, has_speed: bool, laws: usize) -> Vec<Occurrence
 /// What the names of the modes mean.
 fn mode_note(results: &Results<'_>, constraints: usize) -> String {
     let labels = &results.plan().labels;
-    let rank = match results.labels {
-        ModeNaming::Tracked => format!(
+    let counted = match results.labels {
+        ModeNaming::Tracked => None,
+        ModeNaming::Rank => Some("the number of its frequency rank in its own sample"),
+        ModeNaming::Pair => Some("its place among all 2n eigenvalues of its own sample"),
+        ModeNaming::RankDown => {
+            Some("the number of its frequency rank in its own sample, counted from the highest down")
+        }
+        ModeNaming::PairDown => {
+            Some("its place among all 2n eigenvalues of its own sample, counted from the highest down")
+        }
+    };
+    let rank = match counted {
+        None => format!(
             "a mode has the number of its frequency rank {}, where it has the frequency beside it, and is followed by its shape",
             labels.named_at
         ),
-        ModeNaming::Rank => format!(
-            "a mode has the number of its frequency rank in its own sample; beside it the frequency {}",
-            labels.named_at
-        ),
-        ModeNaming::Pair => {
-            format!(
-                "a mode has its place among all 2n eigenvalues of its own sample; beside it the frequency {}",
-                labels.named_at
-            )
-        }
-        ModeNaming::RankDown => format!(
-            "a mode has the number of its frequency rank in its own sample, counted from the highest down; beside it the frequency {}",
-            labels.named_at
-        ),
-        ModeNaming::PairDown => format!(
-            "a mode has its place among all 2n eigenvalues of its own sample, counted from the highest down; beside it the frequency {}",
-            labels.named_at
-        ),
+        Some(counted) => format!("a mode has {counted}; beside it the frequency {}", labels.named_at),
     };
     match labels.constraints.len() {
         1 => format!("Names: {rank}."),
