@@ -6,9 +6,12 @@ pub enum TaskError {
     /// An error of a reference, an estimator or a problem.
     #[error(transparent)]
     Validation(#[from] validation::ValidationError),
-    /// An error of the study or of writing a file.
+    /// An error of the study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] squeal::output::OutputError),
     /// An error of the Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] squeal::montecarlo::MonteCarloError),

@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            squeal::output::note(&format!("error: {error}"));
+            squeal::terminal::note(&format!("error: {error}"));
             ExitCode::from(2)
         }
     }

@@ -6,11 +6,12 @@ use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
 use squeal::commands::override_run;
-use squeal::output::{note, say, write};
+use squeal::output::write;
 use squeal::report::{
     Claim, Geometry, Holds, Judgement, Manifest, Subject, claims, claims_judged, claims_markdown, draw_paper,
     write_page,
 };
+use squeal::terminal::{note, say};
 
 /// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
@@ -105,7 +106,7 @@ fn card(alternative: &Alternative, claims: Vec<Claim>) -> Scorecard {
 
 fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
     write(&dir.join("claims.md"), claims_markdown(claims).as_bytes())?;
-    write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())
+    Ok(write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())?)
 }
 
 fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use squeal::output::{make_folder, note, say, write};
+use squeal::output::{make_folder, write};
+use squeal::terminal::{note, say};
 
 use crate::error::TaskError;
 

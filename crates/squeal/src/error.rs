@@ -56,7 +56,7 @@ pub enum Error {
     /// A figure.
     #[cfg(feature = "figures")]
     #[error(transparent)]
-    Figure(#[from] crate::figures::FigureError),
+    Figure(#[from] figures::FigureError),
     /// A brake whose own median parameters have no modes to name the others after.
     #[error("{study}: friction at median parameters: {source}")]
     Median {
@@ -174,13 +174,8 @@ pub enum Error {
         path: PathBuf,
     },
     /// A file or folder that cannot be written.
-    #[error("{}: cannot be written: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
     /// Standard output that cannot be written.
     #[error("standard output: cannot be written: {0}")]
     StandardOutput(std::io::Error),

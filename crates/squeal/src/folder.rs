@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::Error;
-use crate::output::{in_words, make_folder, write};
+use crate::output::{OutputError, in_words, make_folder, write};
 
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";
@@ -38,7 +38,7 @@ impl RunFolder {
     pub(crate) fn take(path: &Path, identity: &str) -> Result<Self, Error> {
         make_folder(path)?;
         let lock_path = path.join(LOCK);
-        let failed = |source| Error::Write { path: lock_path.clone(), source };
+        let failed = |source| OutputError::Write { path: lock_path.clone(), source };
         let mut lock = open_lock(&lock_path).map_err(failed)?;
         try_lock(path, &lock)?;
         let since_epoch = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -64,7 +64,7 @@ impl RunFolder {
     /// Writes a file, if the folder is still this run's.
     pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         self.check_ours()?;
-        write(&self.path.join(name), contents)
+        Ok(write(&self.path.join(name), contents)?)
     }
 
     /// Publishes the files that `make` writes into the folder it is given: when it has succeeded, one after the other,
@@ -79,7 +79,7 @@ impl RunFolder {
         for entry in entries {
             self.check_ours()?;
             let to = self.path.join(entry.file_name());
-            fs::rename(entry.path(), &to).map_err(|source| Error::Write { path: to, source })?;
+            fs::rename(entry.path(), &to).map_err(|source| OutputError::Write { path: to, source })?;
         }
         Ok(())
     }
@@ -99,7 +99,7 @@ impl Stage {
         };
         match removed {
             Ok(()) => Ok(Self { path }),
-            Err(source) => Err(Error::Write { path, source }),
+            Err(source) => Err(OutputError::Write { path, source }.into()),
         }
     }
 }
@@ -126,7 +126,7 @@ fn try_lock(path: &Path, lock: &File) -> Result<(), Error> {
         Err(TryLockError::WouldBlock) => Err(Error::InUse { path: path.to_owned(), by: owner_in_words(path) }),
         // A file system without locks protects from nothing, but holds results as well as others.
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => Ok(()),
-        Err(TryLockError::Error(source)) => Err(Error::Write { path: path.join(LOCK), source }),
+        Err(TryLockError::Error(source)) => Err(OutputError::Write { path: path.join(LOCK), source }.into()),
     }
 }
 

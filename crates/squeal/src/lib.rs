@@ -79,8 +79,6 @@ pub mod case;
 pub mod commands;
 mod error;
 pub mod estimators;
-#[cfg(feature = "figures")]
-pub mod figures;
 mod fingerprint;
 mod folder;
 #[cfg(feature = "case-files")]
@@ -90,18 +88,20 @@ pub mod influence;
 #[cfg(feature = "case-files")]
 mod input;
 pub mod memory;
-pub mod output;
 pub mod report;
 mod run;
 pub mod screen;
 pub mod study;
 pub mod sweep;
+pub mod terminal;
 pub mod why;
 
 pub use error::Error;
+#[cfg(feature = "figures")]
+pub use figures;
 pub use fingerprint::fingerprint;
 pub use run::{DrawResults, RunOptions, estimate, run_study, run_study_with};
-pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, tracking, work};
+pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(all(doctest, feature = "case-files"))]

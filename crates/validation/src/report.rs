@@ -35,7 +35,7 @@ impl AccuracyReport {
         make_folder(folder)?;
         let path = folder.join("accuracy.json");
         let json = serde_json::to_vec_pretty(self)
-            .map_err(|error| squeal::Error::Write { path: path.clone(), source: error.into() })?;
+            .map_err(|error| squeal::output::OutputError::Write { path: path.clone(), source: error.into() })?;
         write(&path, &json)?;
         write(&folder.join("accuracy.md"), self.markdown().as_bytes())?;
         loglog(&self.routes_figure())?.save(folder, "accuracy")?;

@@ -17,7 +17,8 @@ use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
 use squeal::commands::override_run;
-use squeal::output::{make_folder, note, say, write};
+use squeal::output::{make_folder, write};
+use squeal::terminal::{note, say};
 
 use crate::again::run_again;
 use crate::error::TaskError;

@@ -19,8 +19,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use squeal::case::LatticeCase;
-use squeal::output::{make_folder, note, say, write};
+use squeal::output::{make_folder, write};
 use squeal::study::ModeIdentity;
+use squeal::terminal::{note, say};
 use toml::Table;
 
 use crate::error::TaskError;

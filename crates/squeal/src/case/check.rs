@@ -7,7 +7,8 @@ use osc_model::OscModelError;
 use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
-use crate::output::{moves_others, note};
+use crate::output::moves_others;
+use crate::terminal::note;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.

@@ -7,7 +7,7 @@ use num_complex::Complex;
 
 use crate::Error;
 use crate::brakes::FiniteElementBrake;
-use crate::output::write;
+use crate::output::{OutputError, write};
 use crate::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
 
 /// How a page shows modes on the mesh of the case, if it names one.
@@ -51,7 +51,7 @@ pub(super) fn write_mesh_shapes(brake: &FiniteElementBrake, results: &Results<'_
         });
         let shapes = shapes.collect::<Result<Vec<_>, Error>>()?;
         let mut text = Vec::new();
-        let failed = |source| Error::Write { path: path.clone(), source: std::io::Error::other(source) };
+        let failed = |source| OutputError::Write { path: path.clone(), source: std::io::Error::other(source) };
         write_vtu(&mut text, mesh, &shapes).map_err(failed)?;
         write(&path, &text)?;
     }

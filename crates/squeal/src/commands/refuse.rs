@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 
 use crate::Error;
-use crate::output::note;
+use crate::terminal::note;
 
 /// Prints what clap says about a command line: help and version in full, anything wrong as one line on standard error
 /// with exit code 2, like every other error of the program.

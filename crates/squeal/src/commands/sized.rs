@@ -4,8 +4,9 @@ use super::options::MemoryArgs;
 use crate::Error;
 use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use crate::case::{FiniteElementCase, LatticeCase, MatricesCase};
-use crate::output::{bytes_in_words, in_words, note};
+use crate::output::{bytes_in_words, in_words};
 use crate::study::{Cost, Plan};
+use crate::terminal::note;
 
 /// From how many seconds of preparation on it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;

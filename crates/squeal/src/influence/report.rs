@@ -149,7 +149,7 @@ impl Influence {
 /// Writes `influence.csv`: the rows of some scenes.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Output`].
 pub fn write_influences<'a>(
     plan: &Plan,
     of_scenes: impl IntoIterator<Item = (&'a Scene, &'a Influence)>,
@@ -158,7 +158,7 @@ pub fn write_influences<'a>(
     let own = ["output", "input", "unit", "index", "value", "lower", "upper", "standard_error", "samples"];
     let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
     let rows = of_scenes.into_iter().flat_map(|(scene, influence)| influence.rows(plan, scene));
-    write_csv(&dir.join("influence.csv"), &header, rows)
+    Ok(write_csv(&dir.join("influence.csv"), &header, rows)?)
 }
 
 /// "83 % (80 to 86 %)".

@@ -18,7 +18,7 @@ use crate::study::{KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, Unce
 /// of what is drawn, empty where the scene does not depend on it. A sample whose draw failed has no row.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Output`].
 pub fn write_kept_samples<B: UncertainBrake>(
     brake: &B,
     summary: &Summary<StudyTally>,
@@ -53,7 +53,7 @@ pub fn write_kept_samples<B: UncertainBrake>(
     };
     let scene_columns = &SceneLabels::MODE_COLUMNS[..SceneLabels::MODE_COLUMNS.len() - 1];
     let header = [scene_columns, &["sample", "growth", "unstable"], &columns].concat();
-    write_csv(&dir.join("samples.csv"), &header, plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene))
+    Ok(write_csv(&dir.join("samples.csv"), &header, plan.scenes.iter().zip(kept).zip(&inputs).flat_map(of_scene))?)
 }
 
 /// The largest growth rate and the unstable modes of a sample.

@@ -13,7 +13,7 @@ use crate::Error;
 use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
 };
-use crate::output::{write, write_csv};
+use crate::output::{OutputError, write, write_csv};
 use crate::run::bar;
 use crate::study::identity::of_study;
 use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
@@ -102,13 +102,13 @@ impl Estimates {
     /// Keeps the state in a folder.
     fn keep(&self, kept_in: &Path) -> Result<(), Error> {
         let path = kept_in.join(STATE);
-        let failed = |error: serde_json::Error| Error::Write { path: path.clone(), source: error.into() };
+        let failed = |error: serde_json::Error| OutputError::Write { path: path.clone(), source: error.into() };
         let body = serde_json::to_vec(self).map_err(failed)?;
         // A state that cannot be read back, as with an infinite number, is estimated anew.
         if serde_json::from_slice::<Self>(&body).is_err() {
             return Ok(());
         }
-        write(&path, &[FORMAT.header(&body).as_bytes(), &body].concat())
+        Ok(write(&path, &[FORMAT.header(&body).as_bytes(), &body].concat())?)
     }
 
     /// What a folder holds, if it is of the same study and half width; else nothing. What is damaged is an error.
@@ -152,7 +152,7 @@ impl Estimates {
             }
         }
         let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-        write_csv(&dir.join("estimates.csv"), &header, rows)
+        Ok(write_csv(&dir.join("estimates.csv"), &header, rows)?)
     }
 
     /// What the estimates took, in some lines: how many scenes by which estimator, the half width reached, and all

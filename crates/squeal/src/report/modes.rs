@@ -75,7 +75,7 @@ pub(super) fn write_modes(results: &Results<'_>, dir: &Path) -> Result<(), Error
         write_csv(&dir.join(shape_file), &["mode", "dof", "re", "im"], shapes)?;
     }
     let header = ["constraints", "mode", "label", "frequency_hz", "growth_rate", "damping_ratio", "shape_file"];
-    write_csv(&dir.join("modes.csv"), &header, rows)
+    Ok(write_csv(&dir.join("modes.csv"), &header, rows)?)
 }
 
 /// Writes `links.csv`: which mode of a set of constraints is which of one that holds more.
@@ -108,7 +108,7 @@ pub(super) fn write_links(results: &Results<'_>, links: &[SetLinks], dir: &Path)
     }
     let header =
         ["from_constraints", "from_mode", "from_hz", "to_constraints", "to_mode", "to_hz", "mac", "continuation"];
-    write_csv(&dir.join("links.csv"), &header, rows)
+    Ok(write_csv(&dir.join("links.csv"), &header, rows)?)
 }
 
 #[cfg(test)]

@@ -121,7 +121,7 @@ pub(super) fn write_sensitivities(plan: &Plan, reasons: &[SceneReasons], dir: &P
             }
         }
     }
-    write_csv(&dir.join("sensitivities.csv"), &[&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)
+    Ok(write_csv(&dir.join("sensitivities.csv"), &[&SceneLabels::MODE_COLUMNS[..], &own].concat(), rows)?)
 }
 
 /// One line for each scene: its fastest growing mode, and which parameters change that growth by most.

@@ -50,7 +50,7 @@ pub(super) fn write_summary(
         }
     }
     text += &reasons_in_words(results.plan(), reasons);
-    write(&dir.join("summary.md"), text.as_bytes())
+    Ok(write(&dir.join("summary.md"), text.as_bytes())?)
 }
 
 /// The modes of a set of constraints that are ever unstable, the most robust first.

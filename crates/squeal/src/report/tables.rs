@@ -16,7 +16,7 @@ use crate::study::{ComparisonKind, Panel, SceneLabels, set_links};
 /// `family_work.csv`, `sensitivities.csv` and `failures.csv` into `dir`; `reasons` are those of [`reasons`](super::reasons()).
 ///
 /// # Errors
-/// [`Error::Write`]; those of following modes from one set of constraints to another.
+/// [`Error::Output`]; those of following modes from one set of constraints to another.
 pub fn write_tables(results: &Results<'_>, reasons: &[SceneReasons], dir: &Path) -> Result<(), Error> {
     let links = set_links(results.plan(), results.origins(), &cea::QrSolver)?;
     write_modes(results, dir)?;
@@ -54,7 +54,7 @@ fn write_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         }
     }
     let header = [&SceneLabels::MODE_COLUMNS[..], &own].concat();
-    write_csv(&dir.join("occurrence.csv"), &header, rows)
+    Ok(write_csv(&dir.join("occurrence.csv"), &header, rows)?)
 }
 
 fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -108,7 +108,7 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         ]);
         row
     });
-    write_csv(&dir.join("panels.csv"), &header, rows)
+    Ok(write_csv(&dir.join("panels.csv"), &header, rows)?)
 }
 
 /// Every comparison of two panels on the same draws: by how much the mean number of unstable modes differs.
@@ -141,7 +141,7 @@ fn write_differences(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         "lower",
         "upper",
     ];
-    write_csv(&dir.join("differences.csv"), &header, rows)
+    Ok(write_csv(&dir.join("differences.csv"), &header, rows)?)
 }
 
 fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -158,7 +158,7 @@ fn write_net_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             }
         }
     }
-    write_csv(&dir.join("net_work.csv"), &header, rows)
+    Ok(write_csv(&dir.join("net_work.csv"), &header, rows)?)
 }
 
 fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
@@ -188,7 +188,7 @@ fn write_family_work(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
             }
         }
     }
-    write_csv(&dir.join("family_work.csv"), &header, rows)
+    Ok(write_csv(&dir.join("family_work.csv"), &header, rows)?)
 }
 
 /// Count, lower quartile, median and upper quartile.
@@ -207,5 +207,5 @@ fn write_failures(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         let scene = scene.unwrap_or_else(|| "every scene: the draw failed".into());
         vec![failure.index.to_string(), scene, failure.message.clone()]
     });
-    write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)
+    Ok(write_csv(&dir.join("failures.csv"), &["sample", "scene", "error"], rows)?)
 }

@@ -93,7 +93,7 @@ impl Screen {
     /// Writes `screen.csv`, a row for each set, and `screen_differences.csv`, one for each pair of confirmed sets.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Output`].
     pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
         let header = [
             "kind",
@@ -137,7 +137,7 @@ impl Screen {
             }
         }
         let header = ["changes", "other_changes", "difference", "lower", "upper"];
-        write_csv(&dir.join("screen_differences.csv"), &header, rows)
+        Ok(write_csv(&dir.join("screen_differences.csv"), &header, rows)?)
     }
 
     /// By how much one confirmed set has more unstable modes than another.

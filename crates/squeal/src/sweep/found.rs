@@ -104,7 +104,7 @@ impl Found {
     /// Writes the tables into a folder: `branches.csv`, `onsets.csv` and `coalescences.csv`, or `boundary.csv` and `regions.csv`.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Output`].
     pub fn write_tables(&self, dir: &Path) -> Result<(), Error> {
         match self {
             Self::Branches(sweep) => branch_tables(sweep, dir),
@@ -197,7 +197,7 @@ fn branch_tables(sweep: &Sweep, dir: &Path) -> Result<(), Error> {
         found.modes.iter().cloned().chain(numbers.map(|number| number.to_string())).collect()
     };
     let header = ["mode", "other_mode", name, "distance", "error", "frequency_hz", "growth"];
-    write_csv(&dir.join("coalescences.csv"), &header, sweep.coalescences.iter().map(coalescence))
+    Ok(write_csv(&dir.join("coalescences.csv"), &header, sweep.coalescences.iter().map(coalescence))?)
 }
 
 fn map_tables(map: &StabilityMap, dir: &Path) -> Result<(), Error> {
@@ -213,7 +213,7 @@ fn map_tables(map: &StabilityMap, dir: &Path) -> Result<(), Error> {
         let at = [0, 1].map(|i| map.parameters[i].at(region.at[i]).to_string());
         [region.unstable.to_string(), region.share.to_string()].into_iter().chain(at).collect()
     });
-    write_csv(&dir.join("regions.csv"), &["unstable", "share", x, y], regions)
+    Ok(write_csv(&dir.join("regions.csv"), &["unstable", "share", x, y], regions)?)
 }
 
 /// How many of something, in words.

@@ -19,7 +19,7 @@ use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::read::parameter;
 use crate::case::validate::{distributions, friction_parameters, speed_ranges};
 use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
-use crate::output::note;
+use crate::terminal::note;
 
 /// Most samples that are solved with the whole brake too; chosen: hours.
 const MOST_FULL_CHECKS: u64 = 10_000;

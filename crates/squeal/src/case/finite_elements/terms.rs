@@ -15,7 +15,7 @@ use crate::case::matrices::formulas::Formulas;
 use crate::case::symmetry::wanted;
 use crate::case::{CaseError, Expression};
 use crate::held::{Held, held_rows};
-use crate::output::note;
+use crate::terminal::note;
 
 /// The mass, damping and stiffness matrix of a term, as far as it has them.
 pub(super) struct Parts {

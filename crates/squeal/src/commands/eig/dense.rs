@@ -11,7 +11,8 @@ use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::input::LARGEST_MATRIX;
-use crate::output::{bytes_in_words, in_words, note};
+use crate::output::{bytes_in_words, in_words};
+use crate::terminal::note;
 
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.
 const LARGEST_ORDER: usize = 1000;

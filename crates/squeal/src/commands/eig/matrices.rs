@@ -9,7 +9,7 @@ use super::symmetry::wanted;
 use crate::Error;
 use crate::held::{Held, held_rows};
 use crate::input::check_size;
-use crate::output::note;
+use crate::terminal::note;
 
 /// What may be read.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,8 @@ use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
-use crate::output::{bytes_in_words, in_words, note};
+use crate::output::{bytes_in_words, in_words};
+use crate::terminal::note;
 
 /// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
 const CERTIFIED: usize = 300;

@@ -54,6 +54,6 @@ impl Page {
 
     /// Writes the document.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        write(path, self.html().as_bytes())
+        Ok(write(path, self.html().as_bytes())?)
     }
 }

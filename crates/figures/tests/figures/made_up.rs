@@ -1,13 +1,13 @@
 //! Made-up data with the shapes that real studies have, and with harder ones.
 
-use num_complex::Complex64;
-use rand::rngs::Xoshiro256PlusPlus;
-use rand::{RngExt, SeedableRng};
-use squeal::figures::{
+use figures::{
     BodyInMode, LawMode, LogLogFigure, LogLogPanel, LogLogSeries, ModeWorkFigure, NetWork, Occurrence,
     OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
     OccurrencePanel, OccurrenceSeries,
 };
+use num_complex::Complex64;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::{RngExt, SeedableRng};
 
 /// Title, number in contact, arrangements, different systems.
 const CONTACTS: [(&str, usize, usize, usize); 4] = [

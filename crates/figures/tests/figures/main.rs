@@ -7,12 +7,12 @@ mod made_up;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use made_up::{arrangements, convergence, countermeasure, hard_occurrence, modes, one_law, shapes, value};
-use proptest::prelude::*;
-use squeal::figures::{
+use figures::{
     Figure, FigureError, LogLogFigure, ModeWorkFigure, ModelDiagram, Occurrence, OccurrenceBox, OccurrenceFigure,
     OccurrenceLaw, OccurrencePanel, OccurrenceSeries, loglog, mode_and_work, model_diagram, occurrence_boxes,
 };
+use made_up::{arrangements, convergence, countermeasure, hard_occurrence, modes, one_law, shapes, value};
+use proptest::prelude::*;
 
 fn pictures() -> PathBuf {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures");

@@ -1,22 +1,46 @@
-//! Writing files so that a reader finds the whole file or none.
+//! Files that are there whole or not at all, tables as CSV, and text that a terminal shows and does not obey.
+//!
+//! ```
+//! let folder = std::env::temp_dir().join(format!("output-{}", std::process::id()));
+//! output::make_folder(&folder)?;
+//! output::write_csv(&folder.join("modes.csv"), &["mode", "hertz"], [vec!["1".into(), "1015.952".into()]])?;
+//! assert_eq!(std::fs::read_to_string(folder.join("modes.csv"))?, "mode,hertz\n1,1015.952\n");
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::borrow::Cow;
 use std::fs;
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 
-use crate::Error;
+/// What can go wrong with a file of results.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
 
 /// Writes `contents` under a temporary name beside `path`, then renames it.
 ///
 /// # Errors
-/// [`Error::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
-pub fn write(path: &Path, contents: &[u8]) -> Result<(), Error> {
-    replace(path, contents).map_err(|source| Error::Write { path: path.to_owned(), source })
+/// [`OutputError::Write`]; what stood at `path` before then still stands there, and nothing is left beside it.
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
+    replace(path, contents).map_err(|source| OutputError::Write { path: path.to_owned(), source })
 }
 
 /// [`write`], with the bare error.
-pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
+///
+/// # Errors
+/// What the file system refuses.
+pub fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     let temporary = path.with_file_name(name);
@@ -38,26 +62,9 @@ pub(crate) fn replace(path: &Path, contents: &[u8]) -> io::Result<()> {
 /// Makes a folder and those above it.
 ///
 /// # Errors
-/// [`Error::Write`].
-pub fn make_folder(path: &Path) -> Result<(), Error> {
-    fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_owned(), source })
-}
-
-/// Says a line on standard error; nobody has to listen, so that a closed or full one is no error.
-pub fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "{}", printable(text));
-}
-
-/// Writes text to standard output, where a reader that has closed its end, as `head` does, has what it wants.
-///
-/// # Errors
-/// [`Error::StandardOutput`].
-pub fn say(text: &str) -> Result<(), Error> {
-    let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::StandardOutput(error)),
-        _ => Ok(()),
-    }
+/// [`OutputError::Write`].
+pub fn make_folder(path: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(path).map_err(|source| OutputError::Write { path: path.to_owned(), source })
 }
 
 /// Text as one line that a terminal shows and does not obey: control characters become escapes, line breaks spaces, and of a
@@ -92,7 +99,7 @@ pub fn printable(text: &str) -> String {
 }
 
 /// A time in words, to two digits at most: it is an estimate.
-pub(crate) fn in_words(seconds: f64) -> String {
+pub fn in_words(seconds: f64) -> String {
     match seconds {
         s if s < 1.5 => "a second".into(),
         s if s < 100.0 => format!("{s:.0} s"),
@@ -102,7 +109,7 @@ pub(crate) fn in_words(seconds: f64) -> String {
 }
 
 /// A size of memory in words, to two digits at most: it is an estimate.
-pub(crate) fn bytes_in_words(bytes: f64) -> String {
+pub fn bytes_in_words(bytes: f64) -> String {
     match bytes / 1e6 {
         megabytes if megabytes < 10.0 => "10 MB".into(),
         megabytes if megabytes < 1e3 => format!("{:.0} MB", (megabytes / 10.0).round() * 10.0),
@@ -113,10 +120,10 @@ pub(crate) fn bytes_in_words(bytes: f64) -> String {
 /// Writes a table as CSV.
 ///
 /// # Errors
-/// [`Error::Write`].
-pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Error> {
+/// [`OutputError::Write`].
+pub fn write_csv(path: &Path, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), OutputError> {
     let bytes =
-        csv_bytes(header, rows).map_err(|error| Error::Write { path: path.to_owned(), source: error.into() })?;
+        csv_bytes(header, rows).map_err(|error| OutputError::Write { path: path.to_owned(), source: error.into() })?;
     write(path, &bytes)
 }
 
@@ -132,12 +139,15 @@ fn harmless(cell: &[u8]) -> Cow<'_, [u8]> {
 
 /// Whether a character changes where others stand, or ends a line, without being seen: marks of the direction of writing, and separators of
 /// lines and paragraphs.
-pub(crate) fn moves_others(c: char) -> bool {
+pub fn moves_others(c: char) -> bool {
     matches!(c, '\u{061c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A table as CSV.
-pub(crate) fn csv_bytes<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
+///
+/// # Errors
+/// A table that cannot be encoded.
+pub fn csv_bytes<R>(header: &[&str], rows: impl IntoIterator<Item = R>) -> Result<Vec<u8>, csv::Error>
 where
     R: IntoIterator<Item: AsRef<[u8]>>,
 {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::canvas::Canvas;
 use super::error::FigureError;
 use super::{raster, vector};
-use crate::output::{csv_bytes, replace};
+use output::{csv_bytes, replace};
 
 /// The numbers of a figure, one observation per row.
 pub(super) struct Table {

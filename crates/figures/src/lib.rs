@@ -12,7 +12,7 @@
 //! shapes on a lattice), at three to five times the compile time.
 //!
 //! ```
-//! use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+//! use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 //!
 //! let series = LogLogSeries {
 //!     name: "plain Monte Carlo".into(),
@@ -28,7 +28,7 @@
 //! let figure = loglog(&data)?;
 //! assert!(figure.svg().contains("plain Monte Carlo"));
 //! // figure.save("figures".as_ref(), "time_error") writes time_error.svg, .png and .csv into the folder.
-//! # Ok::<(), squeal::figures::FigureError>(())
+//! # Ok::<(), figures::FigureError>(())
 //! ```
 
 mod axis;
