@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use squeal::case::LatticeCase;
-use squeal::terminal::say;
+use squeal_cli::terminal::say;
 use validation::{Effort, accuracy};
 
 use crate::again::run_again;

@@ -9,6 +9,9 @@ pub enum TaskError {
     /// An error of the study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
+    /// An option, or standard output.
+    #[error(transparent)]
+    Program(#[from] squeal_cli::Error),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] squeal::output::OutputError),

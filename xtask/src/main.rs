@@ -31,7 +31,7 @@ enum Task {
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => return squeal::commands::refuse(&error),
+        Err(error) => return squeal_cli::refuse(&error),
     };
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            squeal::terminal::note(&format!("error: {error}"));
+            squeal_cli::terminal::note(&format!("error: {error}"));
             ExitCode::from(2)
         }
     }

@@ -2,16 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use squeal::Error;
 use squeal::brakes::LatticeBrake;
 use squeal::case::{Alternative, LatticeCase};
-use squeal::commands::override_run;
 use squeal::output::write;
 use squeal::report::{
     Claim, Geometry, Holds, Judgement, Manifest, Subject, claims, claims_judged, claims_markdown, draw_paper,
     write_page,
 };
-use squeal::terminal::{note, say};
+use squeal::{RunOptions, run_study_with};
+use squeal_cli::bar::RunBars;
+use squeal_cli::override_run;
+use squeal_cli::terminal::{note, say};
+
+use crate::error::TaskError;
 
 /// Number of samples of a smoke run; chosen.
 const SMOKE_SAMPLES: u64 = 16;
@@ -47,9 +50,9 @@ struct Scorecard {
 }
 
 /// Runs the task.
-pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
+pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut case = LatticeCase::read(&root.join("cases/paper.toml"))?;
+    let mut case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(squeal::Error::from)?;
     let samples = args.samples.or(args.smoke.then_some(SMOKE_SAMPLES));
     override_run((&mut case.samples, &mut case.seed), samples, args.seed, args.threads)?;
     let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
@@ -57,7 +60,9 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
 
     let mut cards = Vec::new();
     let brake = LatticeBrake::new(case.clone())?;
-    let manifest = squeal::run_study(&brake, &out, args.threads, &mut |_, results, dir| {
+    let bars = RunBars::default();
+    let options = RunOptions { threads: args.threads, progress: bars.progress(), ..RunOptions::default() };
+    let manifest = run_study_with::<_, TaskError>(&brake, &out, options, &mut |_, results, dir| {
         draw_paper(results, &brake, dir)?;
         let own = claims(results, &brake)?;
         write_claims(&own, dir)?;
@@ -86,7 +91,9 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Error> {
             let dir = out.join("readings").join(format!("{}-{}", alternative.reading(), number + 1));
             let brake = LatticeBrake::new(case.with(alternative))?;
             let mut found = Vec::new();
-            let manifest = squeal::run_study(&brake, &dir, args.threads, &mut |_, results, dir| {
+            let bars = RunBars::default();
+            let options = RunOptions { progress: bars.progress(), ..options };
+            let manifest = run_study_with::<_, TaskError>(&brake, &dir, options, &mut |_, results, dir| {
                 found = claims(results, &brake)?;
                 write_claims(&found, dir)
             })?;
@@ -104,14 +111,14 @@ fn card(alternative: &Alternative, claims: Vec<Claim>) -> Scorecard {
     Scorecard { reading: alternative.reading().into(), choice: alternative.choice(), claims }
 }
 
-fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), Error> {
+fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), TaskError> {
     write(&dir.join("claims.md"), claims_markdown(claims).as_bytes())?;
     Ok(write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())?)
 }
 
-fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {
+fn report(manifest: &Manifest, out: &Path) -> Result<(), TaskError> {
     let seconds = manifest.seconds;
-    say(&format!(
+    Ok(say(&format!(
         "\n{} CEAs, {} solved, {} of them by a certificate of stability, {} failures; {:.1} s for reference modes, {:.1} s \
          for samples, {:.1} s for the report; results in {}\n",
         manifest.analyses,
@@ -122,7 +129,7 @@ fn report(manifest: &Manifest, out: &Path) -> Result<(), Error> {
         seconds.samples,
         seconds.report,
         out.display()
-    ))
+    ))?)
 }
 
 /// The table of the scorecards: a row for each choice of a reading, and a column for each claim with whether it holds.

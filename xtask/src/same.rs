@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use squeal::output::{make_folder, write};
-use squeal::terminal::{note, say};
+use squeal_cli::terminal::{note, say};
 
 use crate::error::TaskError;
 
@@ -172,7 +172,9 @@ impl Tree<'_> {
         let cargo = std::env::var_os("CARGO").unwrap_or("cargo".into());
         let target = self.out.join("target");
         let mut command = Command::new(cargo);
-        command.args(["build", "--release", "--locked", "--package", "squeal", "--package", "xtask"]);
+        // The program is a package of its own since it is apart from the library.
+        let package = if self.checkout().join("crates/cli").exists() { "squeal-cli" } else { "squeal" };
+        command.args(["build", "--release", "--locked", "--package", package, "--package", "xtask"]);
         command.current_dir(self.checkout()).env("CARGO_TARGET_DIR", &target);
         let status = command.status().map_err(TaskError::Start)?;
         if !status.success() {

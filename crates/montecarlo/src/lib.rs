@@ -38,7 +38,7 @@
 //! | --- | --- |
 //! | what is sampled, computed and kept? | [`Experiment`], [`Tally`], [`Merge`], [`Runs`] |
 //! | which samples are drawn, by how many threads? | [`Sampling`], [`stream`], [`StreamRng`] |
-//! | how is a run started, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] and its `Bar` |
+//! | how is a run started, continued, extended? | [`run()`], [`run_with`], [`Checkpoint`], [`Progress`] |
 //! | what is the result of a run? | [`Summary`], [`Failures`] |
 //! | how is a parameter distributed? | [`Distribution`], [`GaussianCopula`], [`redraw_until_at_least`] |
 //! | how often does an event occur? | [`Trial`], [`Proportion`], [`wilson`], [`clopper_pearson`], [`trials_for_half_width`] |
@@ -49,12 +49,10 @@
 //! | how uncertain is an estimate? | [`Confidence`], [`Interval`] |
 //!
 //! Random number generators appear in public signatures, so [`rand`] is re-exported: [`StreamRng`] does not implement the
-//! traits of another version of `rand`. The feature `progress`, on by default, adds the progress bar and its dependency.
+//! traits of another version of `rand`.
 
 pub use rand;
 
-#[cfg(feature = "progress")]
-mod bar;
 mod block;
 mod bounded_mean;
 mod box_statistics;
@@ -70,8 +68,6 @@ mod gaussian_copula;
 mod integer_mean;
 mod interim_looks;
 mod label_tally;
-#[cfg(feature = "progress")]
-mod log_lines;
 mod merge;
 mod progress;
 mod proportion;
@@ -85,8 +81,6 @@ mod sobol_index;
 mod stream;
 mod summary;
 
-#[cfg(feature = "progress")]
-pub use bar::Bar;
 pub use bounded_mean::{BoundedMean, Bounds};
 pub use box_statistics::{BoxStatistics, quantile};
 pub use checkpoint::Checkpoint;

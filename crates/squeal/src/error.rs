@@ -1,4 +1,4 @@
-//! Errors of the program, each one line for its user.
+//! Errors, each one line for its user.
 
 use std::path::PathBuf;
 
@@ -121,11 +121,11 @@ pub enum Error {
         /// Constraints, law, contacts and speed.
         scene: String,
     },
-    /// An option of the command line that does not fit the case.
-    #[error("{option} = {value}; allowed: {allowed}")]
-    Option {
-        /// The option.
-        option: &'static str,
+    /// An argument that does not fit the brake.
+    #[error("{argument} = {value}; allowed: {allowed}")]
+    Argument {
+        /// The argument.
+        argument: &'static str,
         /// What was given.
         value: String,
         /// What is allowed.
@@ -176,35 +176,6 @@ pub enum Error {
     /// A file or folder that cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),
-    /// Standard output that cannot be written.
-    #[error("standard output: cannot be written: {0}")]
-    StandardOutput(std::io::Error),
-    /// More than half of the evaluations of a study failed.
-    #[error(
-        "{}: {failed} of {evaluations} evaluations failed, so that its results are of the others; allowed: at most half; \
-         failures.csv says why, first: {first}",
-        path.display()
-    )]
-    MostFailed {
-        /// The folder with the results.
-        path: PathBuf,
-        /// How many failed.
-        failed: u64,
-        /// Of how many.
-        evaluations: u64,
-        /// The first of them.
-        first: String,
-    },
-    /// A reduced brake that is not the whole one.
-    #[error(
-        "{}: the reduced brake does not have the modes of the whole one, as summary.md says first; allowed: none missing, none more, no other \
-         verdict",
-        path.display()
-    )]
-    NotTheWholeBrake {
-        /// The folder with the results.
-        path: PathBuf,
-    },
     /// A file that cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -212,50 +183,5 @@ pub enum Error {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
-    },
-    /// A mode that does not fit the mesh.
-    #[cfg(feature = "case-files")]
-    #[error("mode on the mesh: {0}")]
-    OnMesh(#[from] formats::FormatsError),
-    /// A file that does not hold a matrix.
-    #[cfg(feature = "case-files")]
-    #[error("{}: {source}", path.display())]
-    Matrix {
-        /// The file.
-        path: PathBuf,
-        /// The line and what is wrong there.
-        source: Box<formats::FormatsError>,
-    },
-    /// A matrix of more degrees of freedom than are allowed.
-    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: at most {most} degrees of freedom{beyond}", path.display())]
-    MatrixTooLarge {
-        /// The file.
-        path: PathBuf,
-        /// mass, damping or stiffness.
-        name: &'static str,
-        /// Its rows.
-        rows: usize,
-        /// Its columns.
-        columns: usize,
-        /// The most rows that are allowed.
-        most: usize,
-        /// What is possible beyond that, beginning with a comma, or nothing.
-        beyond: &'static str,
-    },
-    /// A matrix that does not fit the others.
-    #[error("{}: the {name} matrix is {rows} x {columns}; allowed: {order} x {order}, {reason}", path.display())]
-    MatrixShape {
-        /// The file.
-        path: PathBuf,
-        /// mass, damping or stiffness.
-        name: &'static str,
-        /// Its rows.
-        rows: usize,
-        /// Its columns.
-        columns: usize,
-        /// What is expected.
-        order: usize,
-        /// Why.
-        reason: &'static str,
     },
 }

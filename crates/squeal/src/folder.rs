@@ -16,7 +16,7 @@ const LOCK: &str = "run.lock";
 const STAGE: &str = "results.partial";
 
 /// A folder in which this process alone works on one study, until it is dropped.
-pub(crate) struct RunFolder {
+pub struct RunFolder {
     path: PathBuf,
     identity: String,
     /// What this process wrote into the lock file.
@@ -26,7 +26,7 @@ pub(crate) struct RunFolder {
 
 impl RunFolder {
     /// Refuses a folder of another study or one in which a run works, before any work is done for it.
-    pub(crate) fn check(path: &Path, identity: &str) -> Result<(), Error> {
+    pub fn check(path: &Path, identity: &str) -> Result<(), Error> {
         holds_study(path, identity)?;
         match File::open(path.join(LOCK)) {
             Ok(file) => try_lock(path, &file).map(drop),
@@ -35,7 +35,7 @@ impl RunFolder {
     }
 
     /// Takes a folder, which is made if it is not there.
-    pub(crate) fn take(path: &Path, identity: &str) -> Result<Self, Error> {
+    pub fn take(path: &Path, identity: &str) -> Result<Self, Error> {
         make_folder(path)?;
         let lock_path = path.join(LOCK);
         let failed = |source| OutputError::Write { path: lock_path.clone(), source };
@@ -62,14 +62,17 @@ impl RunFolder {
     }
 
     /// Writes a file, if the folder is still this run's.
-    pub(crate) fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
+    pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         self.check_ours()?;
         Ok(write(&self.path.join(name), contents)?)
     }
 
     /// Publishes the files that `make` writes into the folder it is given: when it has succeeded, one after the other,
     /// each only if this folder is still this run's.
-    pub(crate) fn publish(&self, make: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// Those of `make`, [`Error::FolderLost`], and files that cannot be written.
+    pub fn publish<E: From<Error>>(&self, make: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
         self.check_ours()?;
         let stage = Stage::new(self.path.join(STAGE))?;
         make(&stage.path)?;
@@ -79,7 +82,7 @@ impl RunFolder {
         for entry in entries {
             self.check_ours()?;
             let to = self.path.join(entry.file_name());
-            fs::rename(entry.path(), &to).map_err(|source| OutputError::Write { path: to, source })?;
+            fs::rename(entry.path(), &to).map_err(|source| Error::from(OutputError::Write { path: to, source }))?;
         }
         Ok(())
     }

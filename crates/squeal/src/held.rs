@@ -19,12 +19,13 @@ const LEAST: f64 = 1e14;
 
 /// Rows that are huge and tied to others, so that they are not held but cannot be computed with either.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Tied {
-    /// The first of them, from 1, and its largest entry.
-    pub(crate) row: usize,
-    pub(crate) entry: f64,
+pub struct Tied {
+    /// The first of them, from 1.
+    pub row: usize,
+    /// Its largest entry.
+    pub entry: f64,
     /// The largest of all rows that are not huge.
-    pub(crate) others: f64,
+    pub others: f64,
 }
 
 impl fmt::Display for Tied {
@@ -42,7 +43,7 @@ impl fmt::Display for Tied {
 ///
 /// # Errors
 /// [`Tied`].
-pub(crate) fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<Vec<usize>, Tied> {
+pub fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> Result<Vec<usize>, Tied> {
     let mut largest = vec![[0.0_f64; 2]; order];
     for Entry { row, column, value } in entries {
         let (row, column, size) = (row as usize, column as usize, value.abs());
@@ -65,7 +66,7 @@ pub(crate) fn held_rows(order: usize, entries: impl Iterator<Item = Entry>) -> R
 }
 
 /// What is said of degrees of freedom that were taken out, by their names.
-pub(crate) struct Held<'a>(pub(crate) &'a [String]);
+pub struct Held<'a>(pub &'a [String]);
 
 impl fmt::Display for Held<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

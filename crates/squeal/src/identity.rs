@@ -17,7 +17,7 @@ const DIGITS: usize = 12;
 
 /// The line that tells a study from others.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Identity {
+pub struct Identity {
     line: String,
 }
 
@@ -65,7 +65,7 @@ fn quoted(name: &str) -> String {
 }
 
 /// Takes the values that a part is made of, one after the other.
-pub(crate) struct Written(Sha256);
+pub struct Written(Sha256);
 
 impl Written {
     /// A whole number: a count, a place, which of several choices.
@@ -138,7 +138,7 @@ impl<'a> Parts<'a> {
 }
 
 /// What a folder that holds `found` has that a study `wanted` does not, for a message that begins with "holds".
-pub(crate) fn difference(found: &str, wanted: &str) -> String {
+pub fn difference(found: &str, wanted: &str) -> String {
     let (Some(wanted), true) = (Parts::of(wanted), found.starts_with('"')) else { return found.to_owned() };
     let older = || format!("{found}, a study of another version of this program, which this version cannot continue");
     let Some(found_parts) = Parts::of(found).filter(|found| found.version == wanted.version) else { return older() };

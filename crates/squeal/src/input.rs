@@ -6,15 +6,15 @@ use std::path::Path;
 
 /// The largest case file, bytes. Chosen: its parser takes up to 75 times as much memory, 300 MB; matrices that large belong
 /// into files of their own.
-pub(crate) const LARGEST_CASE: u64 = 4_000_000;
+pub const LARGEST_CASE: u64 = 4_000_000;
 /// The largest file with a matrix, bytes. Chosen: enough for 1,600 x 1,600 numbers of 25 characters each.
-pub(crate) const LARGEST_MATRIX: u64 = 64_000_000;
+pub const LARGEST_MATRIX: u64 = 64_000_000;
 
 /// Most rows or columns of a matrix of a case that is full; chosen: 4096 x 4096 takes 128 MB.
-pub(crate) const LARGEST_ORDER: usize = 4096;
+pub const LARGEST_ORDER: usize = 4096;
 
 /// Refuses what is no regular file of at most so many bytes. Anything else could be without an end, or never begin.
-pub(crate) fn check_size(path: &Path, most: u64) -> io::Result<()> {
+pub fn check_size(path: &Path, most: u64) -> io::Result<()> {
     let found = std::fs::metadata(path)?;
     match found.is_file() {
         true if found.len() <= most => Ok(()),
@@ -28,7 +28,7 @@ fn of_at_most(most: u64, found: &str) -> io::Error {
 }
 
 /// The contents of a regular file of at most so many bytes, also where it grows meanwhile.
-pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     check_size(path, most)?;
     let mut bytes = Vec::new();
     File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -39,6 +39,6 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 }
 
 /// [`read`], of a file that must be text.
-pub(crate) fn read_text(path: &Path, most: u64) -> io::Result<String> {
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no UTF-8 text"))
 }

@@ -75,32 +75,29 @@
 pub mod brakes;
 #[cfg(feature = "case-files")]
 pub mod case;
-#[cfg(feature = "program")]
-pub mod commands;
 mod error;
 pub mod estimators;
 mod fingerprint;
-mod folder;
+pub mod folder;
 #[cfg(feature = "case-files")]
-mod held;
-mod identity;
+pub mod held;
+pub mod identity;
 pub mod influence;
 #[cfg(feature = "case-files")]
-mod input;
+pub mod input;
 pub mod memory;
 pub mod report;
 mod run;
 pub mod screen;
 pub mod study;
 pub mod sweep;
-pub mod terminal;
 pub mod why;
 
 pub use error::Error;
 #[cfg(feature = "figures")]
 pub use figures;
 pub use fingerprint::fingerprint;
-pub use run::{DrawResults, RunOptions, estimate, run_study, run_study_with};
+pub use run::{DrawResults, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, tracking, work};
 
 /// The README's example, compiled and run as a doctest.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use montecarlo::{Checkpoint, MonteCarloError, Summary, interim_looks, run_with};
+use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
 
 use crate::Error;
 use crate::folder::RunFolder;
@@ -16,22 +16,9 @@ const TALLY_VERSION: u32 = 7;
 /// Time between two checkpoints.
 const CHECKPOINT_EVERY: Duration = Duration::from_secs(5);
 
-/// Who is told how far some work has come: a bar on the terminal where the program is compiled, else nobody.
-#[cfg(feature = "program")]
-pub(crate) fn bar(of: &'static str) -> montecarlo::Bar {
-    montecarlo::Bar::of(of)
-}
-#[cfg(not(feature = "program"))]
-pub(crate) fn bar(_: &'static str) {}
-
-/// What is counted while a study is prepared.
-pub(crate) const PREPARED: &str = "steps of preparation";
-/// What is counted while it is sampled.
-const EVALUATED: &str = "evaluations";
-
 /// What adds figures and estimates to the tables of a finished study: it writes files into the folder that it is given, from
 /// which they are published in the folder of the run when all are whole.
-pub type DrawResults<'a, B> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), Error> + Send + 'a;
+pub type DrawResults<'a, B, E = Error> = dyn FnMut(&Study<'_, B>, &Results<'_>, &Path) -> Result<(), E> + Send + 'a;
 
 /// Runs the study of a brake in `dir` and writes its tables and manifest there; `draw` adds figures and estimates.
 ///
@@ -50,9 +37,27 @@ pub fn run_study<B: UncertainBrake>(
     run_study_with(brake, dir, RunOptions { threads, ..RunOptions::default() }, draw)
 }
 
+/// Who is told how far each stage of a run has come.
+#[derive(Clone, Copy)]
+pub struct RunProgress<'a> {
+    /// Of the steps before the first sample.
+    pub preparation: &'a dyn Progress,
+    /// Of the evaluations.
+    pub evaluation: &'a dyn Progress,
+    /// Of the scenes that are asked why their modes grow.
+    pub reasons: &'a dyn Progress,
+}
+
+impl Default for RunProgress<'_> {
+    /// Nobody.
+    fn default() -> Self {
+        Self { preparation: &(), evaluation: &(), reasons: &() }
+    }
+}
+
 /// How a study is run. None of it changes a count.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RunOptions {
+#[derive(Clone, Copy, Default)]
+pub struct RunOptions<'a> {
     /// Worker threads; one per core without.
     pub threads: Option<usize>,
     /// Not the samples of the plan, but as many as it takes until every occurrence is known to this half width, see
@@ -60,18 +65,20 @@ pub struct RunOptions {
     pub until_half_width: Option<f64>,
     /// Whether [`StudyTally::kept`] has the samples. A folder has them from its first sample on or never.
     pub keeps_samples: bool,
+    /// Who is told how far it has come.
+    pub progress: RunProgress<'a>,
 }
 
-/// As [`run_study`], with options.
+/// As [`run_study`], with options, and errors of its caller's own from `draw`.
 ///
 /// # Errors
 /// As [`run_study`].
-pub fn run_study_with<B: UncertainBrake>(
+pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     brake: &B,
     dir: &Path,
-    RunOptions { threads, until_half_width, keeps_samples }: RunOptions,
-    draw: &mut DrawResults<'_, B>,
-) -> Result<Manifest, Error> {
+    RunOptions { threads, until_half_width, keeps_samples, progress }: RunOptions<'_>,
+    draw: &mut DrawResults<'_, B, E>,
+) -> Result<Manifest, E> {
     let plan = brake.plan();
     let identity = of_study(brake).given("format", TALLY_VERSION);
     let identity = if keeps_samples { identity.given("samples", "kept") } else { identity }.into_line();
@@ -81,7 +88,7 @@ pub fn run_study_with<B: UncertainBrake>(
     let start = Instant::now();
     let solver = cea::BatchSolver;
     let pool = workers(threads)?;
-    let study = pool.install(|| Study::with_progress(brake, &solver, &bar(PREPARED)))?;
+    let study = pool.install(|| Study::with_progress(brake, &solver, progress.preparation))?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.
@@ -93,10 +100,10 @@ pub fn run_study_with<B: UncertainBrake>(
         sampling.threads = threads;
         sampling.block = block(samples);
         let empty = || if keeps_samples { StudyTally::keeping_samples(plan) } else { StudyTally::empty(plan) };
-        run_with(&study, &sampling, empty, Some(&checkpoint), &bar(EVALUATED))
+        run_with(&study, &sampling, empty, Some(&checkpoint), progress.evaluation)
     };
     let (summary, stopped) = match until_half_width {
-        None => (sampled(plan.samples)?, None),
+        None => (sampled(plan.samples).map_err(Error::from)?, None),
         Some(half_width) => {
             let (summary, stopped) = sampled_until(half_width, plan, sampled)?;
             (summary, Some(stopped))
@@ -106,7 +113,7 @@ pub fn run_study_with<B: UncertainBrake>(
 
     let start = Instant::now();
     let results = Results::new(&study, summary);
-    let reasons = pool.install(|| reasons(&study, &bar("scenes asked why")));
+    let reasons = pool.install(|| reasons(&study, progress.reasons));
     folder.publish(|stage| {
         write_tables(&results, &reasons, stage)?;
         pool.install(|| draw(&study, &results, stage))
@@ -140,8 +147,11 @@ fn sampled_until(
     Err(MonteCarloError::Zero { what: "looks" }.into())
 }
 
-/// The threads for so much of a study as is not sampling.
-pub(crate) fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+/// The threads for so much of a study as is not sampling; one per core without a number.
+///
+/// # Errors
+/// A system that makes no threads.
+pub fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
@@ -157,20 +167,18 @@ pub(crate) fn block(samples: u64) -> u64 {
 ///
 /// # Errors
 /// Those of the study.
-pub fn estimate<B: UncertainBrake>(brake: &B) -> Result<Duration, Error> {
+pub fn estimate<B: UncertainBrake>(
+    brake: &B,
+    preparation: &dyn Progress,
+    evaluation: &dyn Progress,
+) -> Result<Duration, Error> {
     let (plan, start) = (brake.plan(), Instant::now());
-    let study = workers(None)?.install(|| Study::with_progress(brake, &cea::BatchSolver, &bar(PREPARED)))?;
+    let study = workers(None)?.install(|| Study::with_progress(brake, &cea::BatchSolver, preparation))?;
     let references = start.elapsed();
     let few = 2 * 8;
     let samples = few.min(plan.samples);
     let start = Instant::now();
-    run_with(
-        &study,
-        &montecarlo::Sampling::new(plan.seed, samples),
-        || StudyTally::empty(plan),
-        None,
-        &bar(EVALUATED),
-    )?;
+    run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || StudyTally::empty(plan), None, evaluation)?;
     Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
 }
 

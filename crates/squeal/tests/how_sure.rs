@@ -188,7 +188,7 @@ fn parameters_of_matrices_are_drawn_together() {
     // First order is still Var E[Y | X] / Var Y: each explains less of growth, and total indices are refused.
     let study = Study::new(&strong, &BatchSolver).unwrap();
     let refused = influence(&study, 0, 1_000, Some(1_000), &());
-    assert!(matches!(refused, Err(Error::Option { option: "--total", .. })));
+    assert!(matches!(refused, Err(Error::Argument { argument: "total", .. })));
     let found = influence(&study, 0, 2_000, None, &()).unwrap();
     assert!(found.text(&strong.plan).contains("d, s are correlated"));
 }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
 mod common;
-#[path = "common/tables.rs"]
-mod tables;
+
+use std::path::Path;
 
 use cea::BatchSolver;
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
@@ -15,7 +15,14 @@ use osc_model::{Body, Brake};
 use squeal::brakes::LatticeBrake;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, run_study};
-use tables::columns;
+
+/// The cells of a table under some of its columns, row by row.
+fn columns(table: &Path, names: &[&str]) -> Vec<Vec<String>> {
+    let mut table = csv::Reader::from_path(table).unwrap();
+    let header = table.headers().unwrap().clone();
+    let places: Vec<usize> = names.iter().map(|name| header.iter().position(|other| other == *name).unwrap()).collect();
+    table.records().map(|row| places.iter().map(|&at| row.as_ref().unwrap()[at].to_owned()).collect()).collect()
+}
 
 /// A mass that slides along x and is pressed in z, after Hoffmann: friction couples its two modes.
 struct SlidingMass {

@@ -15,6 +15,28 @@ pub enum ValidationError {
     /// An error of a system's matrices.
     #[error(transparent)]
     Linsys(#[from] linsys::LinsysError),
+    /// A file that cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that does not hold a matrix.
+    #[error("{}: {source}", path.display())]
+    Matrix {
+        /// The file.
+        path: std::path::PathBuf,
+        /// The line and what is wrong there.
+        source: Box<formats::FormatsError>,
+    },
+    /// A figure.
+    #[error(transparent)]
+    Figure(#[from] squeal::figures::FigureError),
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] squeal::output::OutputError),
     /// The case has no scene with a law that is needed.
     #[error("the case has no scene of the law {law:?}")]
     NoScene {

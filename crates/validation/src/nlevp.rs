@@ -7,8 +7,8 @@ use cea::{Workspace, certified};
 use formats::{Options, read_market};
 use linsys::SecondOrder;
 use num_complex::Complex;
-use squeal::Error;
 
+use crate::ValidationError;
 use crate::judge::GENERAL;
 use crate::library_baselines::judge_libraries;
 use crate::problem::{ReferenceProblem, RouteOutcome};
@@ -19,8 +19,9 @@ use crate::routes::nearest_pairs;
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn judge_folder(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
-    let entries = std::fs::read_dir(folder).map_err(|source| Error::Read { path: folder.to_owned(), source })?;
+pub fn judge_folder(folder: &Path) -> Result<Vec<RouteOutcome>, ValidationError> {
+    let entries =
+        std::fs::read_dir(folder).map_err(|source| ValidationError::Read { path: folder.to_owned(), source })?;
     let mut cases: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| p.is_dir()).collect();
     cases.sort();
     let mut results = Vec::new();
@@ -30,14 +31,14 @@ pub fn judge_folder(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
     Ok(results)
 }
 
-fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
+fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, ValidationError> {
     let case = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let matrix = |name: &str| {
         let path = folder.join(name);
-        let text = std::fs::read(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        let text = std::fs::read(&path).map_err(|source| ValidationError::Read { path: path.clone(), source })?;
         let matrix = read_market(&text, Options::default());
-        let matrix = matrix.map_err(|source| Error::Matrix { path, source: Box::new(source) })?;
-        Ok::<_, Error>(matrix.to_dense())
+        let matrix = matrix.map_err(|source| ValidationError::Matrix { path, source: Box::new(source) })?;
+        Ok::<_, ValidationError>(matrix.to_dense())
     };
     let system = SecondOrder::new(matrix("M.mtx")?, matrix("C.mtx")?, matrix("K.mtx")?).map_err(cea::CeaError::from)?;
     let mut work = Workspace::default();
@@ -67,9 +68,10 @@ fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, Error> {
 }
 
 /// The finite eigenvalues and the number of infinite ones.
-fn reference(path: &Path) -> Result<(Vec<Complex<f64>>, usize), Error> {
-    let bad = |what: String| Error::Read { path: path.to_owned(), source: std::io::Error::other(what) };
-    let text = std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+fn reference(path: &Path) -> Result<(Vec<Complex<f64>>, usize), ValidationError> {
+    let bad = |what: String| ValidationError::Read { path: path.to_owned(), source: std::io::Error::other(what) };
+    let text =
+        std::fs::read_to_string(path).map_err(|source| ValidationError::Read { path: path.to_owned(), source })?;
     let (mut finite, mut infinite) = (Vec::new(), 0);
     for line in text.lines().skip(1) {
         let mut fields = line.split(',');

@@ -6,6 +6,7 @@ use serde::Serialize;
 use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::{make_folder, write};
 
+use crate::ValidationError;
 use crate::estimator_comparison::{EstimatorAccuracy, Estimators};
 use crate::problem::RouteOutcome;
 use crate::route_comparison::RouteAccuracy;
@@ -31,7 +32,7 @@ impl AccuracyReport {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn save(&self, folder: &Path) -> Result<(), squeal::Error> {
+    pub fn save(&self, folder: &Path) -> Result<(), ValidationError> {
         make_folder(folder)?;
         let path = folder.join("accuracy.json");
         let json = serde_json::to_vec_pretty(self)

@@ -16,9 +16,9 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::case::LatticeCase;
-use squeal::commands::override_run;
 use squeal::output::{make_folder, write};
-use squeal::terminal::{note, say};
+use squeal_cli::override_run;
+use squeal_cli::terminal::{note, say};
 
 use crate::again::run_again;
 use crate::error::TaskError;

@@ -6,7 +6,8 @@ use cpu_time::ProcessTime;
 use serde::Serialize;
 use squeal::brakes::LatticeBrake;
 use squeal::report::{Times, draw_paper};
-use squeal::run_study;
+use squeal::{RunOptions, run_study_with};
+use squeal_cli::bar::RunBars;
 
 use super::stages::{Stage, stages};
 use crate::error::TaskError;
@@ -49,7 +50,9 @@ impl StudyTimes {
         }
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let start = ProcessTime::now();
-        let manifest = run_study(brake, folder, Some(threads), &mut |_, results, dir| draw_paper(results, brake, dir))?;
+        let bars = RunBars::default();
+        let options = RunOptions { threads: Some(threads), progress: bars.progress(), ..RunOptions::default() };
+        let manifest = run_study_with(brake, folder, options, &mut |_, results, dir| draw_paper(results, brake, dir))?;
         let (processor_seconds, peak_mb) = (start.elapsed().as_secs_f64(), peak_mb());
         let parts = manifest.seconds;
         Ok(Self {

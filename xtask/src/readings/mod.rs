@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use squeal::case::LatticeCase;
 use squeal::output::{make_folder, write};
 use squeal::study::ModeIdentity;
-use squeal::terminal::{note, say};
+use squeal_cli::terminal::{note, say};
 use toml::Table;
 
 use crate::error::TaskError;

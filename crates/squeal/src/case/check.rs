@@ -1,5 +1,6 @@
 //! Errors that name the file, and the checks that are common to all kinds of case files.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use formats::{Limits, Matrix, Options, Wanted, read_one};
@@ -8,7 +9,6 @@ use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
 use crate::output::moves_others;
-use crate::terminal::note;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.
@@ -55,9 +55,16 @@ fn beginning(text: &str, characters: usize) -> String {
     text.chars().take(characters).collect()
 }
 
-/// Makes errors that name the file.
+/// Makes errors that name the file, and collects what its user should know besides.
 pub(super) struct Check<'a> {
     pub path: &'a Path,
+    notes: RefCell<Vec<String>>,
+}
+
+impl<'a> Check<'a> {
+    pub fn new(path: &'a Path) -> Self {
+        Self { path, notes: RefCell::default() }
+    }
 }
 
 impl Check<'_> {
@@ -152,6 +159,16 @@ impl Check<'_> {
         move |source| CaseError::Sparse { path: path.clone(), field: field.clone(), source: Box::new(source) }
     }
 
+    /// Collects a sentence.
+    pub fn note(&self, text: String) {
+        self.notes.borrow_mut().push(format!("{}: {text}", self.path.display()));
+    }
+
+    /// The sentences that were collected.
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.take()
+    }
+
     /// The matrix that is meant in `FILE` or `FILE:NAME`, a path from the folder of the case file.
     pub fn read_matrix(
         &self,
@@ -164,7 +181,7 @@ impl Check<'_> {
         let options = Options { limits, ..Options::default() };
         let matrix = read_one(&path, wanted, options).map_err(|source| self.matrix(field, file, source))?;
         if let Some(doubt) = matrix.doubt() {
-            note(&format!("{}: {field} = {:?}: {doubt}", self.path.display(), file.display()));
+            self.note(format!("{field} = {:?}: {doubt}", file.display()));
         }
         let (name, taken) = (matrix.name().to_owned(), matrix.taken());
         Ok((matrix, TakenMatrix { field: field.to_owned(), file: file.to_owned(), name, taken }))

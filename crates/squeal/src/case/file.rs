@@ -49,6 +49,15 @@ impl CaseFile {
         Self::parse(path, text)
     }
 
+    /// What reading it leaves to be known, in a sentence each.
+    pub fn notes(&self) -> &[String] {
+        match self {
+            Self::Lattice(_) => &[],
+            Self::Matrices(case) => &case.notes,
+            Self::FiniteElements(case) => &case.notes,
+        }
+    }
+
     /// Checks the text of a case file; `path` is for messages, and files with matrices are read relative to its folder.
     ///
     /// # Errors
@@ -64,7 +73,7 @@ impl CaseFile {
                 FiniteElementCase::parse(path, text).map(Box::new).map(Self::FiniteElements)
             }
             (None, None) => {
-                Err(Check { path }.value("brake.kind", "missing", "\"lattice\", \"matrices\" or \"finite-elements\""))
+                Err(Check::new(path).value("brake.kind", "missing", "\"lattice\", \"matrices\" or \"finite-elements\""))
             }
         }
     }

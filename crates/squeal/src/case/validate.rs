@@ -35,7 +35,7 @@ impl LatticeCase {
     /// As [`LatticeCase::read`].
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: LatticeFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-        let check = Check { path };
+        let check = Check::new(path);
         let LatticeFile {
             _brake: _,
             study,

@@ -88,7 +88,7 @@ pub fn influence<B: UncertainBrake>(
     }
     if let (Some(correlated), Some(rows)) = (inputs.iter().find(|input| input.is_correlated), rows) {
         let allowed = format!("inputs that are independent; {} is correlated with others", correlated.name);
-        return Err(Error::Option { option: "--total", value: rows.to_string(), allowed });
+        return Err(Error::Argument { argument: "total", value: rows.to_string(), allowed });
     }
     let of_design = rows.unwrap_or(0) * (inputs.len() as u64 + 2);
     progress.begin(draws + of_design, 0);

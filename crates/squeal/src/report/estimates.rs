@@ -14,7 +14,6 @@ use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
 };
 use crate::output::{OutputError, write, write_csv};
-use crate::run::bar;
 use crate::study::identity::of_study;
 use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
@@ -51,6 +50,7 @@ impl Estimates {
         half_width: f64,
         kept_in: &Path,
         dir: &Path,
+        progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let own = &results.summary.tally.scenes;
         let mut estimates = Self::kept(study, half_width, kept_in)?;
@@ -62,7 +62,6 @@ impl Estimates {
         // Scenes of one law and speed range share their friction, mostly.
         open.sort_by_key(|&at| SceneKey { constraints: 0, panel: 0, ..scenes[at].key });
         let mut points: Option<FrictionPoints> = None;
-        let progress: &dyn Progress = &bar("scenes estimated");
         progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
             let is_served = match &points {

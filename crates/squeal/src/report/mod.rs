@@ -26,8 +26,8 @@ pub use claims::{Claim, Holds, claims_json, claims_markdown};
 pub use estimates::Estimates;
 #[cfg(feature = "figures")]
 pub use html::{BasisOf, Geometry, MeshMotion, MeshSurface, ModeOf, write_page};
-#[cfg(feature = "program")]
-pub(crate) use html::{write_screen_page, write_sweep_page};
+#[cfg(feature = "figures")]
+pub use html::{write_screen_page, write_sweep_page};
 pub use manifest::{Manifest, Source, Stopped, Times};
 pub use modes::set_letter;
 #[cfg(feature = "case-files")]
@@ -38,5 +38,5 @@ pub use paper_pictures::draw_paper;
 pub use pictures::draw_occurrence;
 pub use reasons::{SceneReasons, reasons};
 pub use results::{ArrangementOccurrence, Estimate, Results};
-pub(crate) use summary::hertz;
+pub use summary::hertz;
 pub use tables::write_tables;

@@ -116,7 +116,7 @@ impl<'a> Results<'a> {
 }
 
 /// A frequency in Hz with three decimals, below 1 Hz with four significant digits: brakes in units of their own have such.
-pub(crate) fn hertz(frequency: f64) -> String {
+pub fn hertz(frequency: f64) -> String {
     let below_one = -frequency.abs().log10().floor();
     let decimals = if below_one.is_finite() { below_one.clamp(0.0, 9.0) as usize + 3 } else { 3 };
     format!("{frequency:.decimals$}")

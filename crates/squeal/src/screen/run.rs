@@ -13,7 +13,6 @@ use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
-#[cfg(feature = "program")]
 use crate::identity::Written;
 use crate::run::block;
 use crate::study::identity::of_study;
@@ -43,8 +42,7 @@ pub struct ScreenOptions {
 
 impl ScreenOptions {
     /// Writes out what tells a screening from others of the same brake.
-    #[cfg(feature = "program")]
-    pub(crate) fn written(&self, to: &mut Written) {
+    pub fn written(&self, to: &mut Written) {
         let Self { constraints, kinds, sizes: Sizes { mass, spring, dashpot }, up_to, draws, confirmed } = self;
         to.count(*constraints);
         to.list(kinds, |to, kind| to.text(kind.name()));

@@ -17,7 +17,7 @@ const DRAWS: u64 = 8;
 /// A brake with a case file has the parts of its case; one of a user's own type has its equations and naming points. Both have scenes,
 /// threshold, seed, and the operating points of the medians and of the first draws in every scene: these know distributions, laws and
 /// whatever else turns a draw into numbers.
-pub(crate) fn of_study<B: UncertainBrake>(brake: &B) -> Identity {
+pub fn of_study<B: UncertainBrake>(brake: &B) -> Identity {
     let plan = brake.plan();
     let mut identity = Identity::read(&plan.name, &plan.identity);
     if plan.source_file.is_none() {

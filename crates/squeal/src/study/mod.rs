@@ -15,7 +15,7 @@ mod comparison;
 mod contradiction;
 mod cost;
 mod evaluate;
-pub(crate) mod identity;
+pub mod identity;
 mod kept_samples;
 mod known_names;
 mod memory;
@@ -52,8 +52,7 @@ pub use plan::{
     SpeedLabel, StudySource,
 };
 pub use reference::Reference;
-#[cfg(feature = "program")]
-pub(crate) use sector_modes::check_range;
+pub use sector_modes::check_range;
 pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
 pub use set_links::{SetLinks, origin_of_set, set_links};
 pub(crate) use tally::unstable_names;

@@ -170,7 +170,7 @@ impl SectorSolver<'_> {
 ///
 /// # Errors
 /// [`CeaError::Range`].
-pub(crate) fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaError> {
+pub fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaError> {
     if spectrum.scale.is_finite() && spectrum.eigenvalues.iter().all(|lambda| lambda.is_finite()) {
         return Ok(());
     }

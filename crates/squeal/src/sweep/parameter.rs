@@ -83,7 +83,7 @@ impl SweptParameter {
 /// # Errors
 /// A parameter that the scene does not have or that is named twice, and a range that does not go from a number to a larger one.
 pub fn swept(parameters: &[NamedParameter], scene: &str, over: &[Over]) -> Result<Vec<SweptParameter>, Error> {
-    let refused = |value: String, allowed: String| Error::Option { option: "--over", value, allowed };
+    let refused = |value: String, allowed: String| Error::Argument { argument: "over", value, allowed };
     let mut found: Vec<SweptParameter> = Vec::with_capacity(over.len());
     for asked in over {
         let Some(place) = parameters.iter().position(|parameter| parameter.name == asked.name) else {

@@ -74,6 +74,8 @@ pub struct FiniteElementCase {
     pub constraints: Vec<FixedDofs>,
     /// What the reduced brake shall hold.
     pub reduction: ReductionGoal,
+    /// What reading it leaves to be known: matrices that may be meant otherwise, what was left out, in a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Contact in patches, each of pairs of nodes.

@@ -19,7 +19,6 @@ use crate::case::matrices::formulas::Formulas;
 use crate::case::matrices::read::parameter;
 use crate::case::validate::{distributions, friction_parameters, speed_ranges};
 use crate::case::{CaseError, Draws, FixedDofs, FrictionDistributions, Law, schema};
-use crate::terminal::note;
 
 /// Most samples that are solved with the whole brake too; chosen: hours.
 const MOST_FULL_CHECKS: u64 = 10_000;
@@ -33,7 +32,7 @@ impl FiniteElementCase {
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: FiniteElementsFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-        let check = Check { path };
+        let check = Check::new(path);
         let FiniteElementsFile {
             study,
             brake,
@@ -87,10 +86,10 @@ impl FiniteElementCase {
             Some(mut table) => {
                 if table.lateral.is_none() && speeds.is_empty() {
                     // Friction across the sliding depends on a speed, and nobody says which.
-                    note(&format!(
-                        "{}: no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)",
-                        path.display()
-                    ));
+                    check.note(
+                        "no [[speeds]], so no friction across the sliding: its damping is left out (contact.lateral)"
+                            .into(),
+                    );
                     table.lateral = Some(LateralEntry::None);
                 }
                 let of_contact = Patches::new(&model, &table)?;
@@ -145,6 +144,7 @@ impl FiniteElementCase {
             held,
             node_sets: model.sets,
             mesh: model.mesh,
+            notes: check.notes(),
         })
     }
 }

@@ -15,7 +15,6 @@ use crate::case::matrices::formulas::Formulas;
 use crate::case::symmetry::wanted;
 use crate::case::{CaseError, Expression};
 use crate::held::{Held, held_rows};
-use crate::terminal::note;
 
 /// The mass, damping and stiffness matrix of a term, as far as it has them.
 pub(super) struct Parts {
@@ -96,7 +95,7 @@ fn take_out_held(check: &Check<'_>, all: &mut [Parts], dofs: Vec<Dof>) -> Result
         }
     }
     let names: Vec<_> = held.iter().map(Dof::to_string).collect();
-    note(&format!("{}: {}", check.path.display(), Held(&names)));
+    check.note(Held(&names).to_string());
     for matrix in all.iter_mut().flat_map(|parts| parts.matrices.iter_mut().flatten()) {
         *matrix = matrix.without(&rows);
     }

@@ -53,6 +53,8 @@ pub struct MatricesCase {
     pub bodies: Vec<BodyDofs>,
     /// Sets of constraints, in the order of the file; at least one.
     pub constraints: Vec<FixedDofs>,
+    /// What reading it leaves to be known: matrices that may be meant otherwise, what was left out, in a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// A drawn parameter.
@@ -152,7 +154,7 @@ impl MatricesCase {
                 if decay <= 0.0 {
                     // Such a state would grow without bound, and no mode would show it.
                     let (field, allowed) = (field("contacts", &channel.name, "lag.decay"), "a rate > 0, in 1/s");
-                    return Err(Check { path: &self.path }.value(&field, decay, allowed));
+                    return Err(Check::new(&self.path).value(&field, decay, allowed));
                 }
                 Ok(Lag { decay, drive: of_contact(drive, "lag.drive")?, force: of_contact(force, "lag.force")? })
             };

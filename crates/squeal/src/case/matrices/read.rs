@@ -24,7 +24,7 @@ impl MatricesCase {
     /// The first fault, in one line that names the file, the field, the value and what is allowed.
     pub fn parse(path: &Path, text: String) -> Result<Self, CaseError> {
         let file: MatricesFile = toml::from_str(&text).map_err(|error| syntax(path, &text, &error))?;
-        let check = Check { path };
+        let check = Check::new(path);
         let MatricesFile {
             study,
             brake,
@@ -69,6 +69,7 @@ impl MatricesCase {
             constraints,
             dofs: dofs.into_names(),
             parameters,
+            notes: check.notes(),
         };
         // An expression without a value at the medians is an error of the case, found before a study starts.
         case.operating_point(&case.medians())?;

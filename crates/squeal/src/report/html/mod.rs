@@ -14,22 +14,17 @@ mod geometry;
 mod mesh;
 mod packed;
 mod page;
-#[cfg(feature = "program")]
 mod screen;
 mod shapes;
-#[cfg(feature = "program")]
 mod sweep;
-#[cfg(feature = "program")]
 mod sweep_answer;
 mod tables;
 mod text;
 
 pub use geometry::{BasisOf, Geometry, MeshMotion, ModeOf};
 pub use mesh::MeshSurface;
-#[cfg(feature = "program")]
-pub(crate) use screen::write_screen_page;
-#[cfg(feature = "program")]
-pub(crate) use sweep::write_sweep_page;
+pub use screen::write_screen_page;
+pub use sweep::write_sweep_page;
 
 use std::path::Path;
 

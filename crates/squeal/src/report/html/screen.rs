@@ -30,7 +30,7 @@ const TABLES: [(&str, &str); 2] = [
 ///
 /// # Errors
 /// A table that cannot be read, a mode that does not fit the mesh, a file that cannot be written.
-pub(crate) fn write_screen_page(
+pub fn write_screen_page(
     plan: &Plan,
     screen: &Screen,
     constraints: usize,

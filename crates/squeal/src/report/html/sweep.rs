@@ -31,7 +31,7 @@ const TABLES: [(&str, &str); 5] = [
 ///
 /// # Errors
 /// A table that cannot be read, a mode that does not fit the mesh, a file that cannot be written.
-pub(crate) fn write_sweep_page(
+pub fn write_sweep_page(
     plan: &Plan,
     found: &Found,
     modes: &[BoundaryMode],

@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use formats::{Dof, Matrix};
-use montecarlo::{Bar, Progress};
+use montecarlo::Progress;
+
+use crate::bar::Bar;
 use nalgebra_sparse::CscMatrix;
 use sparse::{Circle, Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 
@@ -11,8 +13,8 @@ use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
-use crate::output::{bytes_in_words, in_words};
 use crate::terminal::note;
+use squeal::output::{bytes_in_words, in_words};
 
 /// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
 const CERTIFIED: usize = 300;

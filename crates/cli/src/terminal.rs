@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use crate::Error;
-use crate::output::printable;
+use output::printable;
 
 /// Says a line on standard error; nobody has to listen, so that a closed or full one is no error.
 pub fn note(text: &str) {

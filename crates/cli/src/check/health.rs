@@ -9,10 +9,10 @@ use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
 
 use super::line;
 use crate::Error;
-use crate::brakes::frictionless;
-use crate::case::{FiniteElementCase, FixedDofs};
-use crate::report::hertz;
-use crate::study::{Origin, Plan};
+use squeal::brakes::frictionless;
+use squeal::case::{FiniteElementCase, FixedDofs};
+use squeal::report::hertz;
+use squeal::study::{Origin, Plan};
 
 /// An asymmetry that is rounding of an export; chosen.
 const ROUNDING: f64 = 1e-12;

@@ -1,7 +1,8 @@
 //! Options that several commands share.
 
-use crate::case::LatticeCase;
-use crate::{Error, memory};
+use crate::Error;
+use squeal::case::LatticeCase;
+use squeal::memory;
 
 /// More worker threads than any machine has cores for.
 const MOST_THREADS: usize = 1024;

@@ -5,10 +5,10 @@ use std::path::Path;
 use sparse::reduction::{Compared, compared};
 
 use crate::Error;
-use crate::brakes::FiniteElementBrake;
-use crate::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
-use crate::output::write_csv;
-use crate::study::UncertainBrake;
+use squeal::brakes::FiniteElementBrake;
+use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+use squeal::output::write_csv;
+use squeal::study::UncertainBrake;
 
 const HEADER: [&str; 6] = ["constraints", "columns", "largest_residual", "modes", "missing", "largest_distance"];
 

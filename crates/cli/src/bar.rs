@@ -1,4 +1,4 @@
-//! A progress bar on a terminal, lines in a log; with the feature `progress`.
+//! A progress bar on a terminal, lines in a log; as everything that takes long has them.
 
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -8,8 +8,13 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::log_lines::LogLines;
-use crate::progress::Progress;
+use montecarlo::Progress;
+use squeal::RunProgress;
 
+/// What is counted while a study is prepared.
+pub(crate) const PREPARED: &str = "steps of preparation";
+/// What is counted while it is sampled.
+pub(crate) const EVALUATED: &str = "evaluations";
 /// Time between two looks whether a line is due; chosen.
 const LOOK: Duration = Duration::from_millis(500);
 
@@ -32,7 +37,7 @@ struct Log {
 
 impl Default for Bar {
     fn default() -> Self {
-        Self::of("evaluations")
+        Self::of(EVALUATED)
     }
 }
 
@@ -63,6 +68,28 @@ impl Log {
             }
         });
         Self { lines, _until_dropped: sender }
+    }
+}
+
+/// The bars of a run, stage by stage.
+#[derive(Debug)]
+pub struct RunBars {
+    preparation: Bar,
+    evaluation: Bar,
+    reasons: Bar,
+}
+
+impl Default for RunBars {
+    fn default() -> Self {
+        Self { preparation: Bar::of(PREPARED), evaluation: Bar::of(EVALUATED), reasons: Bar::of("scenes asked why") }
+    }
+}
+
+impl RunBars {
+    /// As a run asks for them.
+    #[must_use]
+    pub fn progress(&self) -> RunProgress<'_> {
+        RunProgress { preparation: &self.preparation, evaluation: &self.evaluation, reasons: &self.reasons }
     }
 }
 

@@ -1,9 +1,13 @@
 //! The program's commands, each a function of its arguments that a test can call.
 
+pub mod bar;
+mod case_file;
 mod cea;
 mod check;
 mod eig;
+mod error;
 mod influence;
+mod log_lines;
 mod mesh_shapes;
 mod options;
 mod reasons;
@@ -15,10 +19,12 @@ mod scene;
 mod screen;
 mod sized;
 mod sweep;
+pub mod terminal;
 
 pub use self::cea::CeaArgs;
 pub use check::CheckArgs;
 pub use eig::EigArgs;
+pub use error::Error;
 pub use influence::InfluenceArgs;
 pub use options::{MemoryArgs, override_run, threads, whole_number};
 pub use refuse::{finish, refuse};

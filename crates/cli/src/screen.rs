@@ -11,15 +11,17 @@ use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::scene::chosen;
 use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::{Bases, FiniteElementBrake};
-use crate::case::CaseFile;
-use crate::folder::RunFolder;
-use crate::output::printable;
-use crate::report::{Geometry, write_screen_page};
-use crate::run::{PREPARED, bar, workers};
-use crate::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
-use crate::study::UncertainBrake;
-use crate::study::identity::of_study;
+use crate::bar::{Bar, EVALUATED, PREPARED};
+use crate::case_file;
+use squeal::brakes::{Bases, FiniteElementBrake};
+use squeal::case::CaseFile;
+use squeal::folder::RunFolder;
+use squeal::output::printable;
+use squeal::report::{Geometry, write_screen_page};
+use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::study::UncertainBrake;
+use squeal::study::identity::of_study;
+use squeal::workers;
 
 /// Draws of the prediction where no option says otherwise; chosen: it ranks.
 const DRAWS: u64 = 8;
@@ -89,7 +91,7 @@ impl ScreenArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match CaseFile::read(&self.case)? {
+        let text = match case_file::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let brake = sized::lattice(*case, self.memory)?;
@@ -105,7 +107,7 @@ impl ScreenArgs {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 self.options(&case.constraints.iter().map(|set| set.name.as_str()).collect::<Vec<_>>())?;
                 sized::bases(&case, self.memory)?;
-                let on = || FiniteElementBrake::on(*case, Bases::OfEachSet, &bar("reductions"));
+                let on = || FiniteElementBrake::on(*case, Bases::OfEachSet, &Bar::of("reductions"));
                 let brake = workers(self.threads)?.install(on)?;
                 self.screen(&brake, &|| mesh_geometry(&brake))?
             }
@@ -167,25 +169,25 @@ impl ScreenArgs {
         if let Some(dir) = &self.out {
             RunFolder::check(dir, &identity)?;
         }
-        let ranking = workers(self.threads)?.install(|| rank(brake, &options, &bar("sets of changes")))?;
+        let ranking = workers(self.threads)?.install(|| rank(brake, &options, &Bar::of("sets of changes")))?;
         let predicted = start.elapsed().as_secs_f64();
         let folder = self.out.as_ref().map(|dir| RunFolder::take(dir, &identity)).transpose()?;
         let how = Confirmation {
             samples: plan.samples,
             threads: self.threads,
             checkpoint: self.out.as_ref().map(|dir| dir.join("checkpoint.json")),
-            preparation: &bar(PREPARED),
-            evaluation: &bar("evaluations"),
+            preparation: &Bar::of(PREPARED),
+            evaluation: &Bar::of(EVALUATED),
         };
         let screen = confirm(brake, ranking, &options, &how)?;
         let seconds = start.elapsed().as_secs_f64();
         let what = format!("{}: what helps, constraints \"{}\"", plan.name, sets[options.constraints]);
         if let Some(folder) = &folder {
-            folder.publish(|stage| {
+            folder.publish(|stage| -> Result<(), Error> {
                 screen.write_tables(stage)?;
                 let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
-                write_screen_page(plan, &screen, options.constraints, &geometry(), &figure, &what, stage)
+                Ok(write_screen_page(plan, &screen, options.constraints, &geometry(), &figure, &what, stage)?)
             })?;
             let own = json!({
                 "constraints": sets[options.constraints],

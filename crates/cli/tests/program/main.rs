@@ -21,7 +21,6 @@ mod screen;
 mod sizes;
 mod study_tables;
 mod sweep;
-#[path = "../common/tables.rs"]
 mod tables;
 mod terminal;
 mod two_runs;

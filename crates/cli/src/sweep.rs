@@ -12,15 +12,17 @@ use super::options::{MemoryArgs, check_threads, threads};
 use super::scene::{SceneArgs, counts_from};
 use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::FiniteElementBrake;
-use crate::case::CaseFile;
-use crate::folder::RunFolder;
-use crate::output::printable;
-use crate::report::{Geometry, write_sweep_page};
-use crate::run::{PREPARED, bar, workers};
-use crate::study::identity::of_study;
-use crate::study::{Study, UncertainBrake};
-use crate::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
+use crate::bar::{Bar, PREPARED};
+use crate::case_file;
+use squeal::brakes::FiniteElementBrake;
+use squeal::case::CaseFile;
+use squeal::folder::RunFolder;
+use squeal::output::printable;
+use squeal::report::{Geometry, write_sweep_page};
+use squeal::study::identity::of_study;
+use squeal::study::{Study, UncertainBrake};
+use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
+use squeal::workers;
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///
@@ -66,7 +68,7 @@ impl SweepArgs {
     /// What is wrong with the case or an option, and what cannot be swept.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
         check_threads(self.threads)?;
-        let text = match CaseFile::read(&self.case)? {
+        let text = match case_file::read(&self.case)? {
             CaseFile::Lattice(case) => {
                 let brake = sized::lattice(self.scene.only_lattice(*case, None)?, self.memory)?;
                 let grid = brake.case.lattice.grid;
@@ -79,7 +81,7 @@ impl SweepArgs {
             CaseFile::FiniteElements(case) => {
                 let case = self.scene.only_finite_elements(*case, None)?;
                 sized::bases(&case, self.memory)?;
-                let for_sweep = || FiniteElementBrake::for_sweep(case, &self.over, &bar("reductions"));
+                let for_sweep = || FiniteElementBrake::for_sweep(case, &self.over, &Bar::of("reductions"));
                 let brake = workers(self.threads)?.install(for_sweep)?;
                 self.sweep(&brake, &|| mesh_geometry(&brake))?
             }
@@ -97,12 +99,12 @@ impl SweepArgs {
         }
         let pool = workers(self.threads)?;
         let (found, modes) = pool.install(|| -> Result<(Found, Vec<BoundaryMode>), Error> {
-            let study = Study::with_progress(brake, &QrSolver, &bar(PREPARED))?;
+            let study = Study::with_progress(brake, &QrSolver, &Bar::of(PREPARED))?;
             let found = match &self.over[..] {
-                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &bar("sectors"))?.into()),
+                [one] => Found::Branches(sweep(&study, 0, one, &QrSolver, &Bar::of("sectors"))?.into()),
                 [a, b] => {
                     let both = [a.clone(), b.clone()];
-                    Found::Map(stability_map(&study, 0, &both, &QrSolver, &bar("lines"))?.into())
+                    Found::Map(stability_map(&study, 0, &both, &QrSolver, &Bar::of("lines"))?.into())
                 }
                 more => {
                     let (value, allowed) = (format!("given {} times", more.len()), "once or twice".into());
@@ -122,12 +124,12 @@ impl SweepArgs {
             format!("{}: {}; other parameters at their medians{counts}", plan.name, plan.describe(&plan.scenes[0]));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
-            folder.publish(|stage| {
+            folder.publish(|stage| -> Result<(), Error> {
                 found.write_tables(stage)?;
                 let title = format!("Sweep over {}", named.join(" and "));
                 let figure = found.figure(&title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
-                write_sweep_page(plan, &found, &modes, &geometry(), &figure, &scene, stage)
+                Ok(write_sweep_page(plan, &found, &modes, &geometry(), &figure, &scene, stage)?)
             })?;
             let own = json!({
                 "scene": plan.describe(&plan.scenes[0]),

@@ -6,9 +6,9 @@ use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
 use num_complex::Complex;
 
 use crate::Error;
-use crate::brakes::FiniteElementBrake;
-use crate::output::{OutputError, write};
-use crate::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
+use squeal::brakes::FiniteElementBrake;
+use squeal::output::{OutputError, write};
+use squeal::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
 
 /// How a page shows modes on the mesh of the case, if it names one.
 pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
@@ -25,8 +25,9 @@ pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
         faces,
         of_solids,
     };
-    let motion = move |mode: ModeOf<'_>| -> Result<Vec<Complex<f64>>, Error> {
-        let shape = on_mesh(brake, mesh, String::new(), Complex::default(), mode)?;
+    let motion = move |mode: ModeOf<'_>| -> Result<Vec<Complex<f64>>, squeal::Error> {
+        let shape = on_mesh(brake, mesh, String::new(), Complex::default(), mode)
+            .map_err(|error| squeal::Error::Brake(Box::new(error)))?;
         Ok(nodes.iter().flat_map(|&node| shape.displacements[node]).collect())
     };
     Geometry::mesh(surface, Box::new(motion))

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
-use squeal::Error;
-use squeal::commands::{CeaArgs, CheckArgs, EigArgs, InfluenceArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse};
+use squeal_cli::{CeaArgs, CheckArgs, EigArgs, Error, InfluenceArgs, RunArgs, ScreenArgs, SweepArgs, finish, refuse};
 
 /// Which modes of a brake will squeal, how sure are we, and what stops them?
 #[derive(Debug, Parser)]
 #[command(
+    name = "squeal",
     version,
     about,
     after_help = "Exit codes: 0 done; 1 done, but of a reduced brake that does not have the modes of the whole one; 2 an error, \

@@ -10,14 +10,16 @@ use super::options::{MemoryArgs, check_threads, override_run, threads, whole_num
 use super::scene::{SceneArgs, chosen};
 use super::{results_folder, sized};
 use crate::Error;
-use crate::brakes::FiniteElementBrake;
-use crate::case::{CaseFile, SpeedRange};
-use crate::folder::RunFolder;
-use crate::influence::{influence, write_influences};
-use crate::output::{printable, write};
-use crate::run::{PREPARED, bar, workers};
-use crate::study::identity::of_study;
-use crate::study::{Study, UncertainBrake};
+use crate::bar::{Bar, EVALUATED, PREPARED};
+use crate::case_file;
+use squeal::brakes::FiniteElementBrake;
+use squeal::case::{CaseFile, SpeedRange};
+use squeal::folder::RunFolder;
+use squeal::influence::{influence, write_influences};
+use squeal::output::{printable, write};
+use squeal::study::identity::of_study;
+use squeal::study::{Study, UncertainBrake};
+use squeal::workers;
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
 const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;
@@ -69,7 +71,7 @@ impl InfluenceArgs {
                 return Err(Error::Option { option, value: given.to_string(), allowed });
             }
         }
-        let text = match CaseFile::read(&self.case)? {
+        let text = match case_file::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let range = self.range(&case.speeds)?;
@@ -85,7 +87,8 @@ impl InfluenceArgs {
                 let range = self.range(case.contact.as_ref().map_or(&[], |contact| &contact.speeds[..]))?;
                 let case = self.scene.only_finite_elements(*case, range)?;
                 sized::bases(&case, self.memory)?;
-                let brake = workers(self.threads)?.install(|| FiniteElementBrake::checked(case, &bar("reductions")))?;
+                let brake =
+                    workers(self.threads)?.install(|| FiniteElementBrake::checked(case, &Bar::of("reductions")))?;
                 self.influence(&brake)?
             }
         };
@@ -113,8 +116,8 @@ impl InfluenceArgs {
         }
         let solver = cea::BatchSolver;
         let found = workers(self.threads)?.install(|| {
-            let study = Study::with_progress(brake, &solver, &bar(PREPARED))?;
-            influence(&study, 0, draws, self.total, &bar("evaluations"))
+            let study = Study::with_progress(brake, &solver, &Bar::of(PREPARED))?;
+            influence(&study, 0, draws, self.total, &Bar::of(EVALUATED))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
@@ -122,7 +125,7 @@ impl InfluenceArgs {
         let answer = found.text(plan);
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
-            folder.publish(|stage| {
+            folder.publish(|stage| -> Result<(), Error> {
                 write_influences(plan, [(scene, &found)], stage)?;
                 write(&stage.join("summary.md"), summary(&heading, &answer).as_bytes())?;
                 match found.figure("What makes squeal vary", &heading)? {

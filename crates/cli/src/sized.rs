@@ -2,11 +2,11 @@
 
 use super::options::MemoryArgs;
 use crate::Error;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
-use crate::case::{FiniteElementCase, LatticeCase, MatricesCase};
-use crate::output::{bytes_in_words, in_words};
-use crate::study::{Cost, Plan};
 use crate::terminal::note;
+use squeal::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use squeal::case::{FiniteElementCase, LatticeCase, MatricesCase};
+use squeal::output::{bytes_in_words, in_words};
+use squeal::study::{Cost, Plan};
 
 /// From how many seconds of preparation on it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;

@@ -8,12 +8,14 @@ use std::path::PathBuf;
 
 use super::options::{MemoryArgs, override_run, whole_number};
 use super::sized;
-use crate::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
-use crate::case::{CaseFile, FiniteElementCase, TakenMatrix};
-use crate::output::{bytes_in_words, in_words, printable};
-use crate::run::bar;
-use crate::study::{Cost, UncertainBrake};
-use crate::{Error, estimate};
+use crate::Error;
+use crate::bar::{Bar, EVALUATED, PREPARED};
+use crate::case_file;
+use squeal::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
+use squeal::case::{CaseFile, FiniteElementCase, TakenMatrix};
+use squeal::estimate;
+use squeal::output::{bytes_in_words, in_words, printable};
+use squeal::study::{Cost, UncertainBrake};
 
 /// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
 const LONGEST_PREPARATION: f64 = 300.0;
@@ -37,7 +39,7 @@ impl CheckArgs {
     /// # Errors
     /// What is wrong with the case.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match CaseFile::read(&self.case)? {
+        let text = match case_file::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, None, None)?;
                 self.lattice(&sized::lattice(*case, self.memory)?)?
@@ -129,7 +131,7 @@ impl CheckArgs {
 fn finite_elements(case: FiniteElementCase, memory: MemoryArgs) -> Result<String, Error> {
     let reduction = case.reduction;
     sized::bases(&case, memory)?;
-    let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
+    let brake = FiniteElementBrake::new(case, &Bar::of("reductions"))?;
     let plan = &brake.plan;
     let mut text = String::new();
     for (at, (set, name)) in brake.sets.iter().zip(&plan.labels.constraints).enumerate() {
@@ -190,7 +192,10 @@ fn cost<B: UncertainBrake>(brake: &B, bytes_of_bases: f64) -> Result<String, Err
         long if long > LONGEST_PREPARATION => {
             format!("more than {}: not measured, its preparation alone takes that", in_words(long))
         }
-        _ => format!("roughly {} on this machine", in_words(estimate(brake)?.as_secs_f64())),
+        _ => format!(
+            "roughly {} on this machine",
+            in_words(estimate(brake, &Bar::of(PREPARED), &Bar::of(EVALUATED))?.as_secs_f64())
+        ),
     };
     Ok(line("memory", &format!("roughly {}", bytes_in_words(cost.bytes + bytes_of_bases))) + &line("time", &seconds))
 }

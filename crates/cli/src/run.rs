@@ -7,16 +7,17 @@ use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
 use super::sized;
-use crate::brakes::FiniteElementBrake;
-use crate::case::{CaseFile, HALF_WIDTHS, is_half_width};
-use crate::influence::write_kept_samples;
-use crate::output::printable;
-use crate::report::{
-    Claim, Estimates, Geometry, Results, Stopped, claims, claims_markdown, draw_occurrence, write_page,
-};
-use crate::run::{bar, workers};
-use crate::study::{FullChecks, UncertainBrake};
-use crate::{Error, RunOptions, run_study_with};
+use crate::Error;
+use crate::bar::{Bar, RunBars};
+use crate::case_file;
+use squeal::brakes::FiniteElementBrake;
+use squeal::case::{CaseFile, HALF_WIDTHS, is_half_width};
+use squeal::influence::write_kept_samples;
+use squeal::output::printable;
+use squeal::report::{Estimates, Geometry, Results, Stopped, draw_occurrence, write_page};
+use squeal::study::{FullChecks, UncertainBrake};
+use squeal::workers;
+use squeal::{RunOptions, run_study_with};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
 const SUMMARISED_PANELS: usize = 4;
@@ -56,8 +57,6 @@ pub struct RunArgs {
 
 /// What a kind of brake has beside its study.
 struct More<'a> {
-    /// The scorecard of what a publication claims of it.
-    claims: &'a (dyn Fn(&Results<'_>) -> Result<Vec<Claim>, Error> + Sync),
     /// Writes files of its own.
     files: &'a (dyn Fn(&Results<'_>, &Path) -> Result<(), Error> + Sync),
     /// How the page draws its modes.
@@ -70,29 +69,21 @@ impl RunArgs {
     /// # Errors
     /// One line for the user each.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        match CaseFile::read(&self.case)? {
+        match case_file::read(&self.case)? {
             CaseFile::Lattice(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let case_half_width = case.half_width;
                 let brake = sized::lattice(*case, self.memory)?;
                 let half_width = self.half_width.or(case_half_width);
                 let grid = brake.case.lattice.grid;
-                let more = More {
-                    claims: &|results| claims(results, &brake),
-                    files: &|_, _| Ok(()),
-                    geometry: &|| Geometry::lattice(grid.rows(), grid.columns()),
-                };
+                let more = More { files: &|_, _| Ok(()), geometry: &|| Geometry::lattice(grid.rows(), grid.columns()) };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::Matrices(mut case) => {
                 override_run((&mut case.samples, &mut case.seed), self.samples, self.seed, self.threads)?;
                 let half_width = self.half_width.or(case.half_width);
                 let brake = sized::matrices(*case, self.memory)?;
-                let more = More {
-                    claims: &|_| Ok(Vec::new()),
-                    files: &|_, _| Ok(()),
-                    geometry: &|| Geometry::bodies(brake.plan()),
-                };
+                let more = More { files: &|_, _| Ok(()), geometry: &|| Geometry::bodies(brake.plan()) };
                 self.run_brake(&brake, half_width, &more, out)
             }
             CaseFile::FiniteElements(mut case) => {
@@ -100,12 +91,12 @@ impl RunArgs {
                 let half_width = self.half_width.or(case.half_width);
                 sized::bases(&case, self.memory)?;
                 let brake =
-                    workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &bar("reductions")))?;
+                    workers(self.threads)?.install(|| FiniteElementBrake::checked(*case, &Bar::of("reductions")))?;
                 let files = |results: &Results<'_>, dir: &Path| {
                     write_reduction(&brake, dir)?;
                     write_mesh_shapes(&brake, results, dir)
                 };
-                let more = More { claims: &|_| Ok(Vec::new()), files: &files, geometry: &|| mesh_geometry(&brake) };
+                let more = More { files: &files, geometry: &|| mesh_geometry(&brake) };
                 self.run_brake(&brake, half_width, &more, out)
             }
         }
@@ -134,18 +125,20 @@ impl RunArgs {
                 return Err(Error::Option { option, value, allowed });
             }
         }
-        let (mut scorecard, mut summary, mut estimates) = (Vec::new(), String::new(), String::new());
+        let (mut summary, mut estimates) = (String::new(), String::new());
         let mut doubts = String::new();
         let mut most_failed = None;
         let (until_half_width, keeps_samples) = (self.until_half_width, self.keep_samples);
-        let options = RunOptions { threads: self.threads, until_half_width, keeps_samples };
-        let manifest = run_study_with(brake, &self.out, options, &mut |study, results, dir| {
+        let bars = RunBars::default();
+        let progress = bars.progress();
+        let options = RunOptions { threads: self.threads, until_half_width, keeps_samples, progress };
+        let manifest = run_study_with::<_, Error>(brake, &self.out, options, &mut |study, results, dir| {
             draw_occurrence(results, dir)?;
             write_kept_samples(brake, &results.summary, dir)?;
             (more.files)(results, dir)?;
-            scorecard = (more.claims)(results)?;
             if let Some(half_width) = half_width {
-                estimates = Estimates::run(study, results, half_width, &self.out, dir)?.text();
+                estimates =
+                    Estimates::run(study, results, half_width, &self.out, dir, &Bar::of("scenes estimated"))?.text();
             }
             // Last: it shows the tables.
             write_page(results, &(more.geometry)(), dir)?;
@@ -158,9 +151,6 @@ impl RunArgs {
             Ok(())
         })?;
         write!(out, "{doubts}").map_err(Error::StandardOutput)?;
-        if !scorecard.is_empty() {
-            writeln!(out, "{}", claims_markdown(&scorecard)).map_err(Error::StandardOutput)?;
-        }
         let checked = manifest.full_checks.as_ref().map_or_else(String::new, checks_in_words);
         let stopped = manifest.stopped.as_ref().map_or_else(String::new, |stopped| in_words(stopped, manifest.samples));
         writeln!(

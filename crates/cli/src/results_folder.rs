@@ -5,10 +5,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::folder::RunFolder;
-use crate::output::printable;
-use crate::report::Source;
-use crate::study::Plan;
+use squeal::folder::RunFolder;
+use squeal::output::printable;
+use squeal::report::Source;
+use squeal::study::Plan;
 
 /// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds: enough
 /// to make its results again.
@@ -28,7 +28,7 @@ pub(super) fn write_manifest(
     if let (Value::Object(all), Value::Object(own)) = (&mut manifest, own) {
         all.extend(own);
     }
-    folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())
+    Ok(folder.write("manifest.json", format!("{manifest:#}\n").as_bytes())?)
 }
 
 /// Where the results are, to end a line with; nothing where there is no folder.

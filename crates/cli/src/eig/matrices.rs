@@ -7,9 +7,9 @@ use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, 
 use super::EigArgs;
 use super::symmetry::wanted;
 use crate::Error;
-use crate::held::{Held, held_rows};
-use crate::input::check_size;
 use crate::terminal::note;
+use squeal::held::{Held, held_rows};
+use squeal::input::check_size;
 
 /// What may be read.
 #[derive(Debug, Clone, Copy)]

@@ -4,9 +4,9 @@ use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
 
 use crate::Error;
-use crate::report::hertz;
-use crate::study::{Scene, UncertainBrake};
-use crate::why::{Balance, Contribution, Explainer, Influence, Why};
+use squeal::report::hertz;
+use squeal::study::{Scene, UncertainBrake};
+use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
 
 /// Most influences that are listed; chosen: a screen. All are in JSON.
 const MOST_INFLUENCES: usize = 16;
@@ -35,7 +35,7 @@ pub(super) fn whys<B: UncertainBrake>(
     if let Some(among) = among {
         modes.retain(|mode| among.iter().any(|lambda| is_same(*lambda, *mode)));
     }
-    explainer.why(&modes, &mut work)
+    Ok(explainer.why(&modes, &mut work)?)
 }
 
 /// Whether an answer is that of the mode with this eigenvalue.

@@ -21,12 +21,13 @@ use super::reasons::{first_scene, is_of, reasons, whys};
 use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
 use super::sized;
 use crate::Error;
-use crate::brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
-use crate::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
-use crate::report::hertz;
-use crate::run::bar;
-use crate::study::{Scene, UncertainBrake, check_range, mode_work};
-use crate::why::Why;
+use crate::bar::Bar;
+use crate::case_file;
+use squeal::brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
+use squeal::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
+use squeal::report::hertz;
+use squeal::study::{Scene, UncertainBrake, check_range, mode_work};
+use squeal::why::Why;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]
@@ -77,7 +78,7 @@ impl CeaArgs {
     /// # Errors
     /// What is wrong with the case or an option.
     pub fn run(&self, out: &mut dyn Write) -> Result<(), Error> {
-        let text = match CaseFile::read(&self.case)? {
+        let text = match case_file::read(&self.case)? {
             CaseFile::Lattice(case) => self.lattice(*case)?,
             CaseFile::Matrices(case) => self.matrices(*case)?,
             CaseFile::FiniteElements(case) => self.finite_elements(*case)?,
@@ -134,7 +135,7 @@ impl CeaArgs {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let constraints = chosen("--constraints", self.scene.constraints.as_deref(), &names)?;
         sized::bases(&case, self.memory)?;
-        let brake = FiniteElementBrake::new(case, &bar("reductions"))?;
+        let brake = FiniteElementBrake::new(case, &Bar::of("reductions"))?;
         let is_meant = |scene: &&Scene| scene.key.constraints == constraints;
         let Some(scene) = brake.plan.scenes.iter().find(is_meant) else {
             return Err(Error::Option {
