@@ -5,10 +5,10 @@
 use std::path::Path;
 
 use approx::assert_relative_eq;
+use brakes::case::{CaseFile, MatricesCase};
 use cea::{Workspace, certified};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Matrix2, Vector2, Vector3, dmatrix};
-use squeal::case::{CaseFile, MatricesCase};
 
 fn case(name: &str) -> MatricesCase {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases").join(name);

@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use squeal::case::LatticeCase;
+use brakes::case::LatticeCase;
 use squeal_cli::terminal::say;
 use validation::{Effort, accuracy};
 
@@ -40,7 +40,7 @@ impl AccuracyArgs {
 pub fn run(args: &AccuracyArgs) -> Result<(), TaskError> {
     run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(squeal::Error::from)?;
+    let case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(brakes::Error::from)?;
     let effort = if args.quick { Effort::quick() } else { Effort::full() };
     let report = accuracy(&case, &root.join("tests/fixtures/hard"), &effort)?;
     let out = args.out.clone().unwrap_or_else(|| root.join("target/accuracy"));

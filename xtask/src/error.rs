@@ -12,6 +12,12 @@ pub enum TaskError {
     /// An option, or standard output.
     #[error(transparent)]
     Program(#[from] squeal_cli::Error),
+    /// An error of a case file or its brake.
+    #[error(transparent)]
+    Brake(#[from] brakes::Error),
+    /// An error of the paper's claims or figures.
+    #[error(transparent)]
+    Reproduction(#[from] reproduction::Error),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] squeal::output::OutputError),
@@ -33,9 +39,6 @@ pub enum TaskError {
     /// Two commits of which commands differ.
     #[error("{0} of the commands differ")]
     Differ(usize),
-    /// The paper's case as tables.
-    #[error("cases/paper.toml: {0}")]
-    Toml(String),
     /// The folder of the study's results could not be removed.
     #[error("{}: cannot be removed: {source}", path.display())]
     Remove {

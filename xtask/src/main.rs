@@ -4,7 +4,6 @@ mod accuracy;
 mod again;
 mod bench;
 mod error;
-mod readings;
 mod reproduce;
 mod same;
 
@@ -23,9 +22,14 @@ struct Cli {
 enum Task {
     Accuracy(accuracy::AccuracyArgs),
     Bench(bench::BenchArgs),
-    Readings(readings::ReadingsArgs),
+    Readings(reproduction::readings::ReadingsArgs),
     Reproduce(reproduce::ReproduceArgs),
     Same(same::SameArgs),
+}
+
+/// The checkout.
+fn root() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 fn main() -> ExitCode {
@@ -36,7 +40,7 @@ fn main() -> ExitCode {
     let result: Result<(), Box<dyn std::error::Error>> = match &cli.task {
         Task::Accuracy(args) => accuracy::run(args).map_err(Into::into),
         Task::Bench(args) => bench::run(args).map_err(Into::into),
-        Task::Readings(args) => readings::run(args).map_err(Into::into),
+        Task::Readings(args) => reproduction::readings::run(args, &root()).map_err(Into::into),
         Task::Reproduce(args) => reproduce::run(args).map_err(Into::into),
         Task::Same(args) => same::run(args).map_err(Into::into),
     };

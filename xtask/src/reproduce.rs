@@ -2,13 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use squeal::brakes::LatticeBrake;
-use squeal::case::{Alternative, LatticeCase};
+use brakes::LatticeBrake;
+use brakes::case::{Alternative, LatticeCase};
+use reproduction::{Claim, Holds, Judgement, Subject, claims, claims_judged, claims_markdown, draw_paper};
 use squeal::output::write;
-use squeal::report::{
-    Claim, Geometry, Holds, Judgement, Manifest, Subject, claims, claims_judged, claims_markdown, draw_paper,
-    write_page,
-};
+use squeal::report::{Geometry, Manifest, write_page};
 use squeal::{RunOptions, run_study_with};
 use squeal_cli::bar::RunBars;
 use squeal_cli::override_run;
@@ -52,7 +50,7 @@ struct Scorecard {
 /// Runs the task.
 pub fn run(args: &ReproduceArgs) -> Result<(), TaskError> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let mut case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(squeal::Error::from)?;
+    let mut case = LatticeCase::read(&root.join("cases/paper.toml")).map_err(brakes::Error::from)?;
     let samples = args.samples.or(args.smoke.then_some(SMOKE_SAMPLES));
     override_run((&mut case.samples, &mut case.seed), samples, args.seed, args.threads)?;
     let default = root.join("target").join(if args.smoke { "reproduce-smoke" } else { "reproduce" });
@@ -113,7 +111,7 @@ fn card(alternative: &Alternative, claims: Vec<Claim>) -> Scorecard {
 
 fn write_claims(claims: &[Claim], dir: &Path) -> Result<(), TaskError> {
     write(&dir.join("claims.md"), claims_markdown(claims).as_bytes())?;
-    Ok(write(&dir.join("claims.json"), squeal::report::claims_json(claims).as_bytes())?)
+    Ok(write(&dir.join("claims.json"), reproduction::claims_json(claims).as_bytes())?)
 }
 
 fn report(manifest: &Manifest, out: &Path) -> Result<(), TaskError> {

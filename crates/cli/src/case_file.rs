@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use squeal::case::{CaseError, CaseFile};
+use brakes::case::{CaseError, CaseFile};
 
 use crate::terminal::note;
 

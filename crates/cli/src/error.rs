@@ -9,9 +9,9 @@ pub enum Error {
     /// A study, or what is asked of it.
     #[error(transparent)]
     Study(squeal::Error),
-    /// The case file.
+    /// A case file, or the brake that it makes.
     #[error(transparent)]
-    Case(#[from] squeal::case::CaseError),
+    Brake(brakes::Error),
     /// An eigenvalue analysis.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
@@ -137,5 +137,20 @@ impl From<squeal::Error> for Error {
             }
             other => Self::Study(other),
         }
+    }
+}
+
+impl From<brakes::Error> for Error {
+    fn from(error: brakes::Error) -> Self {
+        match error {
+            brakes::Error::Study(error) => error.into(),
+            other => Self::Brake(other),
+        }
+    }
+}
+
+impl From<brakes::case::CaseError> for Error {
+    fn from(error: brakes::case::CaseError) -> Self {
+        Self::Brake(error.into())
     }
 }

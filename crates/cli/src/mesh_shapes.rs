@@ -6,7 +6,7 @@ use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
 use num_complex::Complex;
 
 use crate::Error;
-use squeal::brakes::FiniteElementBrake;
+use brakes::FiniteElementBrake;
 use squeal::output::{OutputError, write};
 use squeal::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
 

@@ -1,7 +1,7 @@
 //! Options that several commands share.
 
 use crate::Error;
-use squeal::case::LatticeCase;
+use brakes::case::LatticeCase;
 use squeal::memory;
 
 /// More worker threads than any machine has cores for.

@@ -5,7 +5,7 @@ use std::path::Path;
 use sparse::reduction::{Compared, compared};
 
 use crate::Error;
-use squeal::brakes::FiniteElementBrake;
+use brakes::FiniteElementBrake;
 use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::write_csv;
 use squeal::study::UncertainBrake;

@@ -5,7 +5,7 @@ use osc_model::ContactArrangement;
 
 use super::options::number;
 use crate::Error;
-use squeal::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
+use brakes::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]

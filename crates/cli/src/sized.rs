@@ -3,8 +3,8 @@
 use super::options::MemoryArgs;
 use crate::Error;
 use crate::terminal::note;
-use squeal::brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
-use squeal::case::{FiniteElementCase, LatticeCase, MatricesCase};
+use brakes::case::{FiniteElementCase, LatticeCase, MatricesCase};
+use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
 use squeal::output::{bytes_in_words, in_words};
 use squeal::study::{Cost, Plan};
 

@@ -6,14 +6,6 @@ use std::path::PathBuf;
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The case file.
-    #[cfg(feature = "case-files")]
-    #[error(transparent)]
-    Case(#[from] crate::case::CaseError),
-    /// A large brake or its reduction.
-    #[cfg(feature = "case-files")]
-    #[error(transparent)]
-    Sparse(#[from] sparse::SparseError),
     /// The model of a brake.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),
@@ -87,14 +79,6 @@ pub enum Error {
         /// What would fit.
         fits: String,
     },
-    /// A brake whose arrangements have bases of their own, where one basis is needed.
-    #[error(
-        "{study}: each arrangement has a basis of its own; what is attached needs one for all of a set of constraints"
-    )]
-    SeveralBases {
-        /// The case file, or the name of the study.
-        study: String,
-    },
     /// An estimator of occurrences.
     #[error(transparent)]
     Estimator(Box<crate::estimators::EstimatorError>),
@@ -104,6 +88,9 @@ pub enum Error {
     /// What a brake of a user's own type refuses.
     #[error("{0}")]
     Brake(Box<dyn std::error::Error + Send + Sync>),
+    /// An eigenvalue of the whole brake that is not found next to one of the reduced.
+    #[error("{0}")]
+    WholeEigenvalue(Box<dyn std::error::Error + Send + Sync>),
     /// A system or an operating point.
     #[error(transparent)]
     System(#[from] linsys::LinsysError),

@@ -7,6 +7,8 @@ mod common;
 
 use std::path::Path;
 
+use brakes::case::CaseFile;
+use brakes::{LatticeBrake, MatricesBrake};
 use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use linsys::{AffineSystem, Channel, ChannelGain, DofMap, OperatingPoint, SecondOrder, Term};
 use montecarlo::{Distribution, StreamRng};
@@ -14,8 +16,6 @@ use nalgebra::dmatrix;
 use num_complex::Complex;
 use osc_model::{Body, Brake};
 use squeal::Error;
-use squeal::brakes::{LatticeBrake, MatricesBrake};
-use squeal::case::CaseFile;
 use squeal::report::Results;
 use squeal::study::{Contradiction, Input, LawLabel, NamedParameter, Plan, Scene, Study, UncertainBrake, check};
 

@@ -4,13 +4,13 @@
 
 mod common;
 
+use brakes::case::LatticeCase;
+use brakes::{LatticeBrake, LatticeSample};
 use cea::{AxisMargins, BatchSolver, Counters, EigenSolver, Modes, Spectrum, Verdict, Workspace, verdict};
 use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
 use rayon::prelude::*;
-use squeal::brakes::{LatticeBrake, LatticeSample};
-use squeal::case::LatticeCase;
 use squeal::study::{Outcome, Study, UncertainBrake as _};
 
 /// Samples solved at a time.

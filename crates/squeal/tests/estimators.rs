@@ -4,6 +4,8 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
+use brakes::case::{LatticeCase, Law};
 use cea::{BatchSolver, EigenSolver as _, QrSolver, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use montecarlo::{Distribution, Experiment as _, StreamRng};
@@ -12,8 +14,6 @@ use osc_model::Brake;
 use paper_brake::{SOME, brake, exact_of};
 use rayon::prelude::*;
 use squeal::Error;
-use squeal::brakes::LatticeBrake;
-use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{
     Estimated, Estimator, EstimatorError, Evaluations, Exact, FrictionPoints, OneParameterFamily, control_variate,
     exact, monte_carlo, quasi_monte_carlo, scene_occurrences,

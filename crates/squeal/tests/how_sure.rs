@@ -8,11 +8,11 @@ mod kept_samples;
 
 use std::path::Path;
 
+use brakes::case::{CaseError, LatticeCase, MatricesCase};
+use brakes::{LatticeBrake, MatricesBrake};
 use cea::BatchSolver;
 use montecarlo::stream;
 use squeal::Error;
-use squeal::brakes::{LatticeBrake, MatricesBrake};
-use squeal::case::{CaseError, LatticeCase, MatricesCase};
 use squeal::estimators::{Estimator, scene_occurrences};
 use squeal::influence::{Influence, OutputKind, influence};
 use squeal::study::{ModeLabel, Study, UncertainBrake as _};

@@ -6,12 +6,12 @@ mod common;
 
 use std::path::Path;
 
+use brakes::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
 use cea::Threshold;
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
 use montecarlo::{Distribution, StreamRng};
 use nalgebra::dmatrix;
 use osc_model::{Body, Brake};
-use squeal::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase};
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::{Plan, Scene, UncertainBrake};
 use squeal::{Error, RunOptions, run_study, run_study_with};

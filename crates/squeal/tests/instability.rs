@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
+use brakes::MatricesBrake;
+use brakes::case::MatricesCase;
 use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use montecarlo::rand::RngExt;
@@ -9,8 +11,6 @@ use montecarlo::{StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
 use squeal::Error;
-use squeal::brakes::MatricesBrake;
-use squeal::case::MatricesCase;
 use squeal::estimators::scene_occurrences_beside;
 use squeal::report::{ArrangementOccurrence, Results};
 use squeal::study::{ModeLabel, Outcome, Plan, Scene, SceneTally, Study, StudyTally, UncertainBrake};

@@ -4,12 +4,12 @@
 
 mod common;
 
+use brakes::case::LatticeCase;
+use brakes::{LatticeBrake, LatticeSample};
 use cea::{BatchSolver, EigenSolver, Mode, Modes, QrSolver, Verdict, Workspace, verdict};
 use common::case;
 use montecarlo::{Experiment as _, stream};
 use rayon::prelude::*;
-use squeal::brakes::{LatticeBrake, LatticeSample};
-use squeal::case::LatticeCase;
 use squeal::study::{ModeLabel, Reference, Study, UncertainBrake as _};
 use tracking::{Path, PathEnd, PathStart, follow, mac};
 

@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
-use squeal::brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
-use squeal::case::{LatticeCase, MatricesCase};
+use brakes::case::{LatticeCase, MatricesCase};
+use brakes::{LatticeBrake, MatricesBrake, lattice, sliding};
 use squeal::cea::{EigenSolver, QrSolver, Workspace};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::{Experiment as _, stream};

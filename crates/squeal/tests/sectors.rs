@@ -6,14 +6,14 @@ mod common;
 
 use std::sync::Mutex;
 
+use brakes::case::{LatticeCase, Law};
+use brakes::{LatticeBrake, LatticeSample};
 use cea::{BatchSolver, CeaError, EigenSolver, QrSolver, Spectrum, Workspace};
 use common::case;
 use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
 use osc_model::{Sector, Sectors};
 use rayon::prelude::*;
-use squeal::brakes::{LatticeBrake, LatticeSample};
-use squeal::case::{LatticeCase, Law};
 use squeal::study::{Outcome, Plan, Scene, Study, UncertainBrake as _};
 
 /// The brake of a case in which every lattice is its only sector.

@@ -4,11 +4,11 @@
 
 mod common;
 
+use brakes::case::{LatticeCase, Law};
+use brakes::{LatticeBrake, LatticeSample, sliding};
 use cea::{Counters, EigenSolver, Mode, Modes, QrSolver, Workspace};
 use linsys::SecondOrder;
 use montecarlo::{Experiment as _, stream};
-use squeal::brakes::{LatticeBrake, LatticeSample, sliding};
-use squeal::case::{LatticeCase, Law};
 use squeal::study::{ModeLabel, Scene, SceneTally, Study, StudyTally, UncertainBrake as _, mode_work};
 
 /// The paper's case with some of its text replaced.

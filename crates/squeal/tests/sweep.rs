@@ -5,11 +5,11 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use brakes::MatricesBrake;
+use brakes::case::{CaseFile, Law, MatricesCase};
 use cea::{EigenSolver, QrSolver, Workspace};
 use montecarlo::Distribution;
 use squeal::Error;
-use squeal::brakes::MatricesBrake;
-use squeal::case::{CaseFile, Law, MatricesCase};
 use squeal::study::{Study, UncertainBrake};
 use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 

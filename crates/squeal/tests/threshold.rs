@@ -4,10 +4,10 @@
 
 mod common;
 
+use brakes::{LatticeBrake, LatticeSample};
 use cea::{BatchSolver, EigenSolver, QrSolver, Workspace};
 use montecarlo::{Experiment as _, stream};
 use num_complex::Complex;
-use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::estimators::{EstimatorError, OneParameterFamily, friction_points, monte_carlo, scene_occurrences};
 use squeal::study::{Outcome, Study, UncertainBrake as _};
 

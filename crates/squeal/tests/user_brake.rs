@@ -6,13 +6,13 @@ mod common;
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
 use cea::BatchSolver;
 use linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondOrder, Term};
 use montecarlo::Distribution;
 use montecarlo::{Experiment as _, StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
-use squeal::brakes::LatticeBrake;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, run_study};
 

@@ -4,11 +4,11 @@
 
 use std::f64::consts::TAU;
 
+use brakes::case::{CaseFile, LatticeCase, Law, MatricesCase};
+use brakes::{LatticeBrake, MatricesBrake};
 use cea::{EigenSolver, Eigentriple, QrSolver, Workspace};
 use linsys::{OperatingPoint, SecondOrder};
 use num_complex::Complex;
-use squeal::brakes::{LatticeBrake, MatricesBrake};
-use squeal::case::{CaseFile, LatticeCase, Law, MatricesCase};
 use squeal::run_study;
 use squeal::study::UncertainBrake;
 use squeal::why::{Explainer, Influence, InfluenceKind, Why};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
+use brakes::case::{LatticeCase, Law};
 use cea::{BatchSolver, QrSolver};
-use squeal::brakes::LatticeBrake;
-use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{OneParameterFamily, exact};
 use squeal::study::{Scene, Study, UncertainBrake};
 

@@ -6,9 +6,12 @@ pub enum ValidationError {
     /// An error of an estimator of occurrences.
     #[error(transparent)]
     Estimator(#[from] squeal::estimators::EstimatorError),
-    /// An error of the model, a friction law or the case.
+    /// An error of a study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
+    /// An error of the model, a friction law or the case.
+    #[error(transparent)]
+    Brake(#[from] brakes::Error),
     /// An error of a solver.
     #[error(transparent)]
     Cea(#[from] cea::CeaError),
@@ -41,7 +44,7 @@ pub enum ValidationError {
     #[error("the case has no scene of the law {law:?}")]
     NoScene {
         /// The law.
-        law: squeal::case::Law,
+        law: brakes::case::Law,
     },
     /// An eigenvalue has no derivative.
     #[error("lambda = {lambda} is defective or multiple: it has no Taylor series")]

@@ -1,11 +1,11 @@
 //! Stress cases: systems of the lattice that are hard for a solver or a verdict.
 
+use brakes::case::Law;
+use brakes::{FrictionDraw, LatticeBrake, LatticeSample};
 use cea::CeaError;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use osc_model::Lateral;
-use squeal::brakes::{FrictionDraw, LatticeBrake, LatticeSample};
-use squeal::case::Law;
 use squeal::study::Scene;
 use squeal::tracking::Onset;
 

@@ -6,12 +6,12 @@
 //! per evaluation, with vectors, names, and all its overhead. Times are processor times of all threads, measured one after the
 //! other. The second factor is measured only with the feature `lapack`.
 
+use brakes::LatticeBrake;
+use brakes::case::{LatticeCase, Law};
 use cea::{BatchSolver, QrSolver};
 use cpu_time::ProcessTime;
 use montecarlo::{Confidence, trials_for_half_width};
 use serde::Serialize;
-use squeal::brakes::LatticeBrake;
-use squeal::case::{LatticeCase, Law};
 use squeal::estimators::{Evaluations, FrictionPoints, OccurrenceBounds, OneParameterFamily, control_variate, exact};
 use squeal::study::{SceneKey, Study};
 

@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
+use brakes::case::{LatticeCase, Law};
 use cea::{EigenSolver, QrSolver, Workspace};
 use linsys::SecondOrder;
 use num_complex::Complex;
 use paper_brake::{SOME, brake, exact_of};
-use squeal::brakes::LatticeBrake;
-use squeal::case::{LatticeCase, Law};
 use squeal::estimators::OneParameterFamily;
 use squeal::study::{ModeLabel, Study};
 use squeal::tracking::Branches;

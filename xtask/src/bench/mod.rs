@@ -13,9 +13,9 @@ mod table;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use brakes::LatticeBrake;
+use brakes::case::LatticeCase;
 use serde::Serialize;
-use squeal::brakes::LatticeBrake;
-use squeal::case::LatticeCase;
 use squeal::output::{make_folder, write};
 use squeal_cli::override_run;
 use squeal_cli::terminal::{note, say};
@@ -71,7 +71,7 @@ struct BenchReport {
 pub fn run(args: &BenchArgs) -> Result<(), TaskError> {
     run_again(args.features.as_deref(), &args.words())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(squeal::Error::from);
+    let read = |name: &str| LatticeCase::read(&root.join("cases").join(name)).map_err(brakes::Error::from);
     let case = read("paper.toml")?;
     let mut studied = if args.quick { read("two-by-two.toml")? } else { case.clone() };
     override_run((&mut studied.samples, &mut studied.seed), args.samples, None, None)?;

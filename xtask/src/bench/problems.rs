@@ -1,12 +1,12 @@
 //! The problems of the bench: lattices of the paper's kind in several sizes, with drawn friction, and refined eigenvalues.
 
+use brakes::Error;
+use brakes::case::{LatticeCase, Law};
 use cea::{EigenSolver, QrSolver, Workspace};
 use num_complex::Complex;
-use squeal::Error;
-use squeal::case::{LatticeCase, Law};
 use validation::{ValidationError, refine_all};
 
-use squeal::brakes::{LatticeSample, sliding};
+use brakes::{LatticeSample, sliding};
 use squeal::linsys::SecondOrder;
 use squeal::montecarlo::stream;
 use squeal::osc_model::{ContactArrangement, Dof, Grid, LatticeModel, LatticeParameters};

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+use brakes::{LatticeBrake, LatticeSample};
 use cea::BatchSolver;
 use serde::Serialize;
-use squeal::brakes::{LatticeBrake, LatticeSample};
 use squeal::montecarlo::{Experiment as _, Runs, Tally as _, stream};
 use squeal::study::{Scratch, Spent, Study, StudyTally, timed};
 

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
 use cpu_time::ProcessTime;
+use reproduction::draw_paper;
 use serde::Serialize;
-use squeal::brakes::LatticeBrake;
-use squeal::report::{Times, draw_paper};
+use squeal::report::Times;
 use squeal::{RunOptions, run_study_with};
 use squeal_cli::bar::RunBars;
 

@@ -9,8 +9,8 @@ use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
 
 use super::line;
 use crate::Error;
-use squeal::brakes::frictionless;
-use squeal::case::{FiniteElementCase, FixedDofs};
+use brakes::case::{FiniteElementCase, FixedDofs};
+use brakes::frictionless;
 use squeal::report::hertz;
 use squeal::study::{Origin, Plan};
 

@@ -13,7 +13,7 @@ use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
 use crate::terminal::note;
-use squeal::input::LARGEST_MATRIX;
+use brakes::input::LARGEST_MATRIX;
 use squeal::output::{bytes_in_words, in_words};
 
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.

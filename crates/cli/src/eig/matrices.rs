@@ -8,8 +8,8 @@ use super::EigArgs;
 use super::symmetry::wanted;
 use crate::Error;
 use crate::terminal::note;
-use squeal::held::{Held, held_rows};
-use squeal::input::check_size;
+use brakes::held::{Held, held_rows};
+use brakes::input::check_size;
 
 /// What may be read.
 #[derive(Debug, Clone, Copy)]

@@ -6,7 +6,7 @@ use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::matrices::TakenFile;
-use squeal::held::Held;
+use brakes::held::Held;
 
 /// 17 significant digits; null where there is no finite number.
 pub(super) fn number(x: f64) -> String {

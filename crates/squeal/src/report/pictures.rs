@@ -35,7 +35,7 @@ pub fn draw_occurrence(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
 }
 
 /// What a set of constraints is called in headings.
-pub(super) fn set_heading(results: &Results<'_>, constraints: usize) -> String {
+pub fn set_heading(results: &Results<'_>, constraints: usize) -> String {
     let sets = &results.plan().labels.constraints;
     match sets.len() {
         1 => format!("constraints \"{}\"", sets[constraints]),
@@ -44,7 +44,7 @@ pub(super) fn set_heading(results: &Results<'_>, constraints: usize) -> String {
 }
 
 /// The figure of some laws' occurrences under one constraint set, by the places of both in the plan.
-pub(super) fn occurrence(
+pub fn occurrence(
     results: &Results<'_>,
     constraints: usize,
     laws: &[usize],

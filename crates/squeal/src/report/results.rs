@@ -241,7 +241,7 @@ impl<'a> Results<'a> {
     }
 
     /// The name of the mode of a frequency rank under a set of constraints.
-    pub(super) fn name(&self, constraints: usize, rank: ModeLabel) -> ModeLabel {
+    pub fn name(&self, constraints: usize, rank: ModeLabel) -> ModeLabel {
         self.labels.name(rank, self.modes_under(constraints))
     }
 
@@ -251,7 +251,7 @@ impl<'a> Results<'a> {
     }
 
     /// Number of modes under a set of constraints, an overdamped one counted once.
-    pub(super) fn modes_under(&self, constraints: usize) -> usize {
+    pub fn modes_under(&self, constraints: usize) -> usize {
         let origin = origin_of_set(self.plan, constraints);
         origin.map_or(0, |origin| self.plan.origins[origin].brake.dofs.free().len())
     }

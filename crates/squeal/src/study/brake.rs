@@ -83,7 +83,7 @@ impl FullChecks {
     }
 
     /// The same of modes alone, which a reduction that is trained on has.
-    pub(crate) fn has_other_modes(&self) -> bool {
+    pub fn has_other_modes(&self) -> bool {
         self.missing + self.invented + self.other_verdicts > 0
     }
 
@@ -109,7 +109,7 @@ impl FullChecks {
 }
 
 /// A range that holds two.
-pub(crate) fn wider([low, high]: [f64; 2], [other_low, other_high]: [f64; 2]) -> [f64; 2] {
+pub fn wider([low, high]: [f64; 2], [other_low, other_high]: [f64; 2]) -> [f64; 2] {
     [low.min(other_low), high.max(other_high)]
 }
 

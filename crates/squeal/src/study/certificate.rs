@@ -208,15 +208,15 @@ fn quartiles(mut values: Vec<f64>) -> Option<[f64; 3]> {
     Some([last / 4, last / 2, 3 * last / 4].map(|at| values[at]))
 }
 
-#[cfg(all(test, feature = "case-files"))]
+#[cfg(test)]
 mod tests {
     use std::path::Path;
 
+    use brakes::case::LatticeCase;
+    use brakes::{LatticeBrake, LatticeSample};
     use cea::{EigenSolver, QrSolver};
 
     use super::*;
-    use crate::brakes::LatticeBrake;
-    use crate::case::LatticeCase;
 
     #[test]
     fn no_growing_eigenvalue_lies_beyond_the_radius() {
@@ -224,11 +224,11 @@ mod tests {
         let brake = LatticeBrake::new(LatticeCase::read(&path).unwrap()).unwrap();
         let (mut growing, mut nearest) = (0, f64::INFINITY);
         for index in 0..20 {
-            let sample = brake.draw(&mut stream(3, index)).unwrap();
+            let sample = LatticeSample::draw(&brake.case, &mut stream(3, index)).unwrap();
             for scene in &brake.plan.scenes {
                 let system = &brake.plan.brake(scene).system;
                 let (force, reading) = (system.force_matrix(), system.reading_matrix());
-                let at = brake.operating_point(scene, &sample).unwrap();
+                let at = brake.lattice(scene).operating_point(&brake.sliding(scene, &sample).unwrap()).unwrap();
                 let sizes = NormBounds::new(&system.structure(&at.coefficients).unwrap(), &force, &reading).unwrap();
                 let radius = sizes.radius(&at.channels);
                 let system = system.assemble(&at).unwrap();

@@ -68,7 +68,8 @@ fn matrix(to: &mut Written, of: &DMatrix<f64>) {
     to.list(of.as_slice(), |to, &entry| to.number(entry));
 }
 
-pub(crate) fn channel(to: &mut Written, Channel { name, family, force, reading }: &Channel) {
+/// Writes out a channel of friction.
+pub fn channel(to: &mut Written, Channel { name, family, force, reading }: &Channel) {
     to.text(name);
     to.text(family);
     for entries in [force, reading] {
@@ -84,7 +85,8 @@ fn modes(to: &mut Written, plan: &Plan) {
     to.option(plan.band, |to, band| band.iter().for_each(|&edge| to.number(edge)));
 }
 
-pub(crate) fn naming(to: &mut Written, labels: ModeNaming, identity: ModeIdentity) {
+/// Writes out how modes are named.
+pub fn naming(to: &mut Written, labels: ModeNaming, identity: ModeIdentity) {
     to.count(match labels {
         ModeNaming::Tracked => 0,
         ModeNaming::Rank => 1,

@@ -30,11 +30,9 @@ mod secular_equations;
 mod set_links;
 mod tally;
 
-#[cfg(feature = "case-files")]
-pub(crate) use brake::wider;
 pub use brake::{
     BandMode, Bridge, Direction, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
-    UncertainBrake, WholeContact, WholeEigenvalue,
+    UncertainBrake, WholeContact, WholeEigenvalue, wider,
 };
 pub use certificate::Certificate;
 pub use check::check;

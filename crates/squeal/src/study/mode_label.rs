@@ -34,7 +34,7 @@ impl ModeLabel {
 
     /// The label of a frequency rank, from 1. A dense solver has far fewer modes than the 65,533 that have labels.
     #[must_use]
-    pub(crate) const fn of_rank(rank: usize) -> Self {
+    pub const fn of_rank(rank: usize) -> Self {
         Self(rank as u16)
     }
 

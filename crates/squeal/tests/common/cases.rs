@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use squeal::brakes::LatticeBrake;
-use squeal::case::{LatticeCase, Law};
+use brakes::LatticeBrake;
+use brakes::case::{LatticeCase, Law};
 
 /// The file of a case.
 pub fn cases(name: &str) -> PathBuf {

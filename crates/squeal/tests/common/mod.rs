@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use squeal::case::LatticeCase;
+use brakes::case::LatticeCase;
 
 /// A case of `cases/` with some of its text replaced.
 pub fn case(name: &str, changes: &[(&str, &str)]) -> LatticeCase {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
+use brakes::case::LatticeCase;
 use cea::QrSolver;
-use squeal::brakes::LatticeBrake;
-use squeal::case::LatticeCase;
 use squeal::estimators::{Exact, OneParameterFamily, exact};
 use squeal::study::Study;
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use brakes::LatticeBrake;
+use brakes::case::LatticeCase;
 use cea::BatchSolver;
-use squeal::brakes::LatticeBrake;
-use squeal::case::LatticeCase;
 use squeal::influence::{Influence, influence, influence_of_kept, write_kept_samples};
 use squeal::study::{Study, UncertainBrake as _};
 use squeal::{Error, RunOptions, run_study_with};

@@ -4,10 +4,10 @@
 
 use std::fmt::Write;
 
+use brakes::MatricesBrake;
 use cea::nalgebra::DMatrix;
 use cea::{BatchSolver, EigenSolver, QrSolver, Spectrum, Workspace};
 use rayon::prelude::*;
-use squeal::brakes::MatricesBrake;
 use squeal::study::{Study, UncertainBrake};
 use squeal::sweep::{ChangeOf, Sweep, stability_map, sweep};
 

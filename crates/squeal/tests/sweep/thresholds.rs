@@ -2,9 +2,9 @@
 //! `lambda^2 + c lambda + 2 +- i b = 0` with `b^2 = mu / 0.75 - 1`. So `mu = 0.75 (1 + (2 g + c)^2 (2 + g^2 + g c))` at the growth rate g,
 //! where the frequency is `omega^2 = 2 + g^2 + g c`.
 
+use brakes::MatricesBrake;
+use brakes::case::MatricesCase;
 use cea::Threshold;
-use squeal::brakes::MatricesBrake;
-use squeal::case::MatricesCase;
 use squeal::sweep::CurveEnd;
 
 use super::{cases, hoffmann, mapped, over, swept};

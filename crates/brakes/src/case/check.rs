@@ -1,0 +1,284 @@
+//! Errors that name the file, and the checks that are common to all kinds of case files.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use formats::{Limits, Matrix, Options, Wanted, read_one};
+use osc_model::OscModelError;
+use serde::Deserialize;
+
+use super::{CaseError, LatticeCase};
+use output::moves_others;
+
+/// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
+/// larger ones an interval has no information.
+pub const HALF_WIDTHS: &str = "0.00001 to 0.25";
+
+/// Whether a half width lies in [`HALF_WIDTHS`].
+pub fn is_half_width(half_width: f64) -> bool {
+    (1e-5..=0.25).contains(&half_width)
+}
+
+/// The table `[accuracy]` of a case file of any kind.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Accuracy {
+    half_width: f64,
+}
+
+/// How the file of a matrix was taken.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TakenMatrix {
+    /// The field, as `table "name".key`.
+    pub field: String,
+    /// The file, as the case names it.
+    pub file: PathBuf,
+    /// The matrix in it.
+    pub name: String,
+    /// How its entries were taken, in words.
+    pub taken: String,
+}
+
+/// Most characters of a name; chosen: a table with longer ones cannot be read, nor a file have it.
+const LONGEST_NAME: usize = 60;
+
+/// What names and lines must not have, in words.
+const UNSEEN: &str = "control characters, marks of direction and separators of lines";
+
+/// Whether a character must not stand in a name: it is not seen, and moves what is.
+fn is_unseen(c: char) -> bool {
+    c.is_control() || moves_others(c)
+}
+
+/// The first characters of a text.
+fn beginning(text: &str, characters: usize) -> String {
+    text.chars().take(characters).collect()
+}
+
+/// Makes errors that name the file, and collects what its user should know besides.
+pub(super) struct Check<'a> {
+    pub path: &'a Path,
+    notes: RefCell<Vec<String>>,
+}
+
+impl<'a> Check<'a> {
+    pub fn new(path: &'a Path) -> Self {
+        Self { path, notes: RefCell::default() }
+    }
+}
+
+impl Check<'_> {
+    pub fn value(&self, field: &str, value: impl ToString, allowed: &str) -> CaseError {
+        CaseError::Value {
+            path: self.path.to_owned(),
+            field: field.to_owned(),
+            value: value.to_string(),
+            allowed: allowed.to_owned(),
+        }
+    }
+
+    pub fn lattice(&self, table: &str) -> impl Fn(OscModelError) -> CaseError {
+        let (path, table) = (self.path.to_owned(), table.to_owned());
+        move |source| {
+            let path = path.clone();
+            match source {
+                OscModelError::Value { field, value, allowed } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: value.to_string(),
+                    allowed: allowed.to_string(),
+                },
+                OscModelError::Length { field, found, expected, rows, columns } => CaseError::Value {
+                    path,
+                    field: format!("{table}.{field}"),
+                    value: format!("a list of {found}"),
+                    allowed: format!("a list of {expected}, for a lattice of {rows} x {columns}"),
+                },
+                source => CaseError::Lattice { path, table: table.clone(), source },
+            }
+        }
+    }
+
+    pub fn no_repeats(&self, field: &str, names: impl Iterator<Item = String>) -> Result<(), CaseError> {
+        let mut seen = std::collections::BTreeSet::new();
+        for name in names {
+            if !seen.insert(name.clone()) {
+                return Err(self.value(field, name, "each once"));
+            }
+        }
+        Ok(())
+    }
+
+    /// An error unless a name can be used in a table and in the name of a file.
+    pub fn plain_name(&self, field: &str, name: &str) -> Result<(), CaseError> {
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if !(1..=LONGEST_NAME).contains(&name.chars().count()) || !name.chars().all(is_plain) {
+            let allowed = format!("1 to {LONGEST_NAME} letters, digits, - and _");
+            return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
+        }
+        Ok(())
+    }
+
+    /// Text for people, in headings and legends.
+    pub fn line(&self, field: &str, text: &str) -> Result<(), CaseError> {
+        /// Most characters; chosen: two lines of a figure.
+        const LONGEST_LINE: usize = 200;
+        if text.chars().count() > LONGEST_LINE || text.chars().any(is_unseen) {
+            let allowed = format!("at most {LONGEST_LINE} characters without {UNSEEN}");
+            return Err(self.value(field, format!("{:?}", beginning(text, LONGEST_NAME)), &allowed));
+        }
+        Ok(())
+    }
+
+    /// The half width that a case asks for; `None` where it asks for none.
+    pub fn half_width(&self, accuracy: Option<Accuracy>) -> Result<Option<f64>, CaseError> {
+        let given = accuracy.map(|accuracy| accuracy.half_width);
+        match given.filter(|half_width| !is_half_width(*half_width)) {
+            None => Ok(given),
+            Some(half_width) => Err(self.value("accuracy.half_width", half_width, HALF_WIDTHS)),
+        }
+    }
+
+    /// An error unless the number of samples of a study is allowed.
+    pub fn samples(&self, samples: u64) -> Result<(), CaseError> {
+        if !(1..=LatticeCase::MOST_SAMPLES).contains(&samples) {
+            return Err(self.value("study.samples", samples, &format!("1 to {}", LatticeCase::MOST_SAMPLES)));
+        }
+        Ok(())
+    }
+
+    /// The error for the matrices of a table that make no system.
+    pub fn system(&self, field: &str) -> impl Fn(linsys::LinsysError) -> CaseError + use<> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::System { path: path.clone(), field: field.clone(), source: Box::new(source) }
+    }
+
+    /// The error for sparse matrices that make no system.
+    pub fn sparse(&self, field: &str) -> impl Fn(sparse::SparseError) -> CaseError + use<> {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        move |source| CaseError::Sparse { path: path.clone(), field: field.clone(), source: Box::new(source) }
+    }
+
+    /// Collects a sentence.
+    pub fn note(&self, text: String) {
+        self.notes.borrow_mut().push(format!("{}: {text}", self.path.display()));
+    }
+
+    /// The sentences that were collected.
+    pub fn notes(&self) -> Vec<String> {
+        self.notes.take()
+    }
+
+    /// The matrix that is meant in `FILE` or `FILE:NAME`, a path from the folder of the case file.
+    pub fn read_matrix(
+        &self,
+        field: &str,
+        file: &Path,
+        wanted: &Wanted<'_>,
+        limits: Limits,
+    ) -> Result<(Matrix, TakenMatrix), CaseError> {
+        let path = self.path.parent().unwrap_or(Path::new("")).join(file);
+        let options = Options { limits, ..Options::default() };
+        let matrix = read_one(&path, wanted, options).map_err(|source| self.matrix(field, file, source))?;
+        if let Some(doubt) = matrix.doubt() {
+            self.note(format!("{field} = {:?}: {doubt}", file.display()));
+        }
+        let (name, taken) = (matrix.name().to_owned(), matrix.taken());
+        Ok((matrix, TakenMatrix { field: field.to_owned(), file: file.to_owned(), name, taken }))
+    }
+
+    /// The error for a file that gives no matrix or mesh.
+    pub fn matrix(&self, field: &str, file: &Path, source: formats::FormatsError) -> CaseError {
+        let (path, field) = (self.path.to_owned(), field.to_owned());
+        CaseError::Matrix { path, field, file: file.to_owned(), source: Box::new(source) }
+    }
+
+    /// The number, if it is neither infinite nor NaN.
+    pub fn finite(&self, field: &str, value: f64) -> Result<f64, CaseError> {
+        if value.is_finite() { Ok(value) } else { Err(self.value(field, value, "a finite number")) }
+    }
+
+    /// An error unless names of tables differ and can be used in messages and column heads.
+    pub fn names<'n>(&self, field: &str, names: impl Iterator<Item = &'n String> + Clone) -> Result<(), CaseError> {
+        let allowed = format!("1 to {LONGEST_NAME} characters without {UNSEEN}");
+        for name in names.clone() {
+            if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(is_unseen) {
+                return Err(self.value(field, format!("{:?}", beginning(name, LONGEST_NAME)), &allowed));
+            }
+        }
+        self.no_repeats(field, names.cloned())
+    }
+
+    /// As [`Check::names`] for the names of force families, of which tables may share one.
+    pub fn names_of_families<'n>(
+        &self,
+        table: &str,
+        given: impl Iterator<Item = (&'n String, &'n Option<String>)>,
+    ) -> Result<(), CaseError> {
+        for (name, family) in given {
+            self.names(&field(table, name, "family"), family.iter())?;
+        }
+        Ok(())
+    }
+}
+
+/// The name of a field of a named table in messages.
+pub(super) fn field(table: &str, name: &str, key: &str) -> String {
+    format!("{table} {name:?}.{key}")
+}
+
+/// What the parser calls by the names of Rust and its own, and a user of case files by others; replaced in this order.
+const PARSER_WORDS: [(&str, &str); 19] = [
+    ("expected usize", "expected a whole number >= 0"),
+    ("expected u64", "expected a whole number >= 0"),
+    ("expected u16", "expected a whole number >= 0"),
+    ("expected f64", "expected a number"),
+    (
+        "expected internally tagged enum Distribution",
+        "expected a table, as { distribution = \"constant\", value = 1.0 }",
+    ),
+    ("expected a sequence", "expected a list"),
+    ("expected an array of length", "expected a list of"),
+    ("wanted string or table", "expected a name in quotes, or { name = number }"),
+    ("wanted exactly 1 element, more than 1 element", "expected one entry, found more"),
+    ("invalid length", "a list of"),
+    ("invalid type: ", ""),
+    ("invalid value: ", ""),
+    ("floating point", "the number"),
+    ("integer", "the number"),
+    ("boolean", "the truth value"),
+    ("string \"", "the text \""),
+    ("sequence", "a list"),
+    ("unknown variant", "unknown name"),
+    (" as i128", ""),
+];
+
+/// What the parser says of a text, with the line.
+pub(super) fn syntax(path: &Path, text: &str, error: &toml::de::Error) -> CaseError {
+    let at = error.span().map_or(0, |span| span.start.min(text.len()));
+    let line = text[..at].matches('\n').count() + 1;
+    let source = text.lines().nth(line - 1).unwrap_or_default();
+    let source: String = source.split(" #").next().unwrap_or_default().trim().chars().take(80).collect();
+    let message = error.message();
+    // What no whole number of 64 bits is: the parser says of it only that it expected something else.
+    if let Some((_, rest)) = message.split_once("integer `").filter(|_| message.contains("128")) {
+        let number: String = rest.chars().take_while(|&c| c != '`').collect();
+        let message = format!(
+            "{source}: the whole number {number} is too large; allowed: -9223372036854775808 to 9223372036854775807, or a number with a point"
+        );
+        return CaseError::Syntax { path: path.to_owned(), line, message };
+    }
+    let in_words = |message: String, (rust, word): &(&str, &str)| message.replace(rust, word);
+    let message = PARSER_WORDS.iter().fold(error.message().replace('\n', " "), in_words);
+    let message = without_struct_name(message);
+    let message = if source.is_empty() { message } else { format!("{source}: {message}") };
+    CaseError::Syntax { path: path.to_owned(), line, message }
+}
+
+/// The message with "a table" in place of the name of the Rust struct that the parser reads the table into.
+fn without_struct_name(message: String) -> String {
+    const EXPECTED: &str = "expected struct ";
+    let Some(start) = message.find(EXPECTED) else { return message };
+    let rest = message[start + EXPECTED.len()..].trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+    format!("{}expected a table{rest}", &message[..start])
+}

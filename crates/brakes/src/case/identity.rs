@@ -1,0 +1,290 @@
+//! What tells a case from another: its parts written out field by field, with matrices in other files as they were read.
+
+use friction::BristleDamping;
+use montecarlo::Distribution;
+use nalgebra_sparse::CscMatrix;
+use osc_model::{
+    ContactArrangement, Dof, Lateral, LatticeBody, LatticeParameters, Lean, PlateParameters, Preload, Sign,
+};
+use sparse::{SparseSecondOrder, SparseTerm};
+
+use super::finite_elements::{Patch, PatchContact, ReductionGoal};
+use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
+use super::types::{ConstraintSet, LatticeReadings};
+use super::{
+    Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,
+    Parameter, SpeedRange,
+};
+use squeal::identity::{Identity, Written};
+use squeal::study::identity::{channel, naming};
+
+impl LatticeCase {
+    /// Identifies the case: its name, and a digest of each part that results depend on. Seed, number of samples, threshold and names of
+    /// modes are those of a study.
+    pub fn identity(&self) -> String {
+        let Self { name, laws, lattice, readings, panels, constraints, speeds, friction, correlation, .. } = self;
+        Identity::named(name)
+            .part("laws", |to| to.list(laws, |to, law| to.text(law.name())))
+            .part("lattice", |to| of_lattice(to, lattice))
+            .part("readings", |to| of_readings(to, readings))
+            .part("arrangements", |to| to.list(panels, panel))
+            .part("constraints", |to| {
+                to.list(constraints, |to, ConstraintSet { name, fixed }| {
+                    to.text(name);
+                    to.list(fixed, lattice_dof);
+                });
+            })
+            .part("speeds", |to| to.list(speeds, speed))
+            .part("friction", |to| of_friction(to, friction))
+            .part("correlation", |to| to.option(correlation.as_ref(), of_correlation))
+            .into_line()
+    }
+}
+
+impl MatricesCase {
+    /// Identifies the case: its name, and a digest of each part that results depend on, matrices in other files among them. Seed, number
+    /// of samples and threshold are those of a study.
+    pub fn identity(&self) -> String {
+        let Self { name, parameters, correlation, dofs, system, coefficients, gains, bodies, constraints, .. } = self;
+        Identity::named(name)
+            .part("parameters", |to| to.list(parameters, parameter))
+            .part("dofs", |to| to.list(dofs, |to, dof| to.text(dof)))
+            .part("terms", |to| {
+                to.list(system.terms(), |to, term| {
+                    to.text(&term.name);
+                    to.text(&term.family);
+                    let matrices = term.matrices();
+                    for matrix in [&matrices.m, &matrices.c, &matrices.k] {
+                        to.count(matrix.nrows());
+                        to.list(matrix.as_slice(), |to, &entry| to.number(entry));
+                    }
+                });
+                to.list(coefficients, expression);
+            })
+            .part("contacts", |to| {
+                to.list(system.channels(), channel);
+                to.list(gains, gain);
+            })
+            .part("bodies", |to| {
+                to.list(bodies, |to, BodyDofs { name, dofs }| {
+                    to.text(name);
+                    to.list(dofs, |to, &dof| to.count(dof));
+                });
+            })
+            .part("constraints", |to| to.list(constraints, fixed_dofs))
+            .part("correlation", |to| to.option(correlation.as_ref(), of_correlation))
+            .into_line()
+    }
+}
+
+impl FiniteElementCase {
+    /// Identifies the case: its name, and a digest of each part that results depend on, matrices in other files among them. Seed, number
+    /// of samples and threshold are those of a study.
+    pub fn identity(&self) -> String {
+        let Self { name, parameters, dofs, system, coefficients, contact, correlation, constraints, reduction, .. } =
+            self;
+        Identity::named(name)
+            .part("parameters", |to| to.list(parameters, parameter))
+            .part("dofs", |to| {
+                to.list(dofs, |to, dof| {
+                    to.text(&dof.node.to_string());
+                    to.count(dof.direction as usize);
+                });
+            })
+            .part("terms", |to| {
+                to.list(system.terms(), |to, SparseTerm { name, family, matrices }| {
+                    to.text(name);
+                    to.text(family);
+                    let SparseSecondOrder { m, c, k, states: _ } = matrices;
+                    [m, c, k].into_iter().for_each(|matrix| sparse_matrix(to, matrix));
+                });
+                to.list(coefficients, expression);
+            })
+            .part("contact", |to| {
+                to.list(system.channels(), channel);
+                to.option(contact.as_ref(), of_contact);
+            })
+            .part("constraints", |to| to.list(constraints, fixed_dofs))
+            .part("reduction", |to| of_reduction(to, reduction))
+            .part("correlation", |to| to.option(correlation.as_ref(), of_correlation))
+            .into_line()
+    }
+}
+
+fn of_lattice(to: &mut Written, lattice: &LatticeParameters) {
+    let LatticeParameters {
+        grid,
+        x_stiffness,
+        y_stiffness,
+        x_damping,
+        y_damping,
+        z_damping,
+        inclined_stiffness,
+        theta,
+        phi,
+        lean,
+        contact_stiffness,
+        oscillator_mass,
+        plate: PlateParameters { mass, stiffness, damping },
+    } = lattice;
+    to.count(grid.rows());
+    to.count(grid.columns());
+    for list in [
+        x_stiffness,
+        y_stiffness,
+        x_damping,
+        y_damping,
+        z_damping,
+        inclined_stiffness,
+        contact_stiffness,
+        oscillator_mass,
+    ] {
+        numbers(to, list);
+    }
+    to.number(*theta);
+    to.number(*phi);
+    to.count(match lean {
+        Lean::Against => 0,
+        Lean::Along => 1,
+    });
+    to.number(*mass);
+    numbers(to, stiffness);
+    numbers(to, damping);
+}
+
+fn numbers(to: &mut Written, list: &[f64]) {
+    to.list(list, |to, &number| to.number(number));
+}
+
+fn of_readings(to: &mut Written, readings: &LatticeReadings) {
+    let &LatticeReadings { lateral, draws, labels, identity, preload, bristle_damping } = readings;
+    naming(to, labels, identity);
+    match lateral {
+        Lateral::None => to.count(0),
+        Lateral::Coupled { sign: Sign::Plus } => to.count(1),
+        Lateral::Coupled { sign: Sign::Minus } => to.count(2),
+        Lateral::Vector => to.count(3),
+    }
+    of_draws(to, draws);
+    let (kind, force) = match preload {
+        Preload::PerContact(force) => (0, force),
+        Preload::Clamp(force) => (1, force),
+        Preload::Equilibrium(force) => (2, force),
+    };
+    to.count(kind);
+    to.number(force);
+    to.option(bristle_damping, of_bristle_damping);
+}
+
+fn of_draws(to: &mut Written, draws: Draws) {
+    to.count(match draws {
+        Draws::Shared => 0,
+        Draws::Each => 1,
+    });
+}
+
+fn of_bristle_damping(to: &mut Written, damping: BristleDamping) {
+    to.count(match damping {
+        BristleDamping::Constant => 0,
+        BristleDamping::Decaying => 1,
+    });
+}
+
+fn panel(to: &mut Written, (in_contact, arrangements): &(usize, Vec<ContactArrangement>)) {
+    to.count(*in_contact);
+    to.list(arrangements, |to, arrangement| {
+        to.count(arrangement.oscillators());
+        to.list(arrangement.in_contact(), |to, &contact| to.count(contact));
+    });
+}
+
+fn lattice_dof(to: &mut Written, dof: &Dof) {
+    to.text(&dof.axis.to_string());
+    match dof.body {
+        LatticeBody::Oscillator(oscillator) => to.option(Some(oscillator), Written::count),
+        LatticeBody::Plate => to.option(None, Written::count),
+    }
+}
+
+fn speed(to: &mut Written, SpeedRange { name, from, to: highest }: &SpeedRange) {
+    to.text(name);
+    to.number(*from);
+    to.number(*highest);
+}
+
+fn of_friction(to: &mut Written, friction: &FrictionDistributions) {
+    let FrictionDistributions { mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2 } = friction;
+    [mu, mu_s, mu_k, alpha, v_s, sigma0, sigma1, sigma2].into_iter().for_each(|each| distribution(to, each));
+}
+
+fn distribution(to: &mut Written, of: &Distribution) {
+    let (kind, values) = of.written_out();
+    to.text(kind);
+    to.list(values, |to, value| to.option(value, Written::number));
+}
+
+fn of_correlation(to: &mut Written, correlation: &Correlation) {
+    to.list(correlation.places(), |to, &place| to.count(place));
+    to.list(correlation.factor(), |to, row| numbers(to, row));
+}
+
+fn parameter(to: &mut Written, Parameter { name, unit: _, distribution: drawn }: &Parameter) {
+    to.text(name);
+    distribution(to, drawn);
+}
+
+/// What an expression is: its text, with names of parameters that stand in the list of parameters.
+fn expression(to: &mut Written, expression: &Expression) {
+    to.text(expression.text());
+}
+
+fn gain(to: &mut Written, GainExpressions { mu, slope, lag }: &GainExpressions) {
+    expression(to, mu);
+    expression(to, slope);
+    to.option(lag.as_ref(), |to, LagExpressions { decay, drive, force }| {
+        [decay, drive, force].into_iter().for_each(|each| expression(to, each));
+    });
+}
+
+fn fixed_dofs(to: &mut Written, FixedDofs { name, fixed }: &FixedDofs) {
+    to.text(name);
+    to.list(fixed, |to, &dof| to.count(dof));
+}
+
+fn sparse_matrix(to: &mut Written, matrix: &CscMatrix<f64>) {
+    to.count(matrix.nrows());
+    to.list(matrix.col_offsets(), |to, &offset| to.count(offset));
+    to.list(matrix.row_indices(), |to, &row| to.count(row));
+    numbers(to, matrix.values());
+}
+
+fn of_contact(to: &mut Written, contact: &PatchContact) {
+    let PatchContact { patches, panels, laws, friction, speeds, draws, bristle_damping, is_lateral, stiffness_factor } =
+        contact;
+    to.list(patches, |to, Patch { name, pairs, speeds, channels, load }| {
+        to.text(name);
+        to.list(pairs, |to, pair| pair.iter().for_each(|node| to.text(&node.to_string())));
+        numbers(to, speeds);
+        to.count(channels.start);
+        to.count(channels.end);
+        to.number(*load);
+    });
+    to.count(usize::from(*is_lateral));
+    to.list(panels, panel);
+    to.list(laws, |to, law| to.text(law.name()));
+    of_friction(to, friction);
+    to.list(speeds, speed);
+    of_draws(to, *draws);
+    to.option(*bristle_damping, of_bristle_damping);
+    to.option(stiffness_factor.as_ref(), expression);
+}
+
+fn of_reduction(to: &mut Written, reduction: &ReductionGoal) {
+    let ReductionGoal { frequencies, growth, residual, training, full_checks } = reduction;
+    numbers(to, frequencies);
+    numbers(to, growth);
+    to.number(*residual);
+    to.count(*training);
+    // As counted in results: the checks of a folder are those of its samples.
+    to.text(&full_checks.to_string());
+}

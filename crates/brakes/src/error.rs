@@ -1,0 +1,60 @@
+//! Errors of case files and of the brakes that they make, each one line for its user.
+
+/// What can go wrong between a case file and its brake.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The case file.
+    #[error(transparent)]
+    Case(#[from] crate::case::CaseError),
+    /// A large brake or its reduction.
+    #[error(transparent)]
+    Sparse(#[from] sparse::SparseError),
+    /// A brake whose arrangements have bases of their own, where one basis is needed.
+    #[error(
+        "{study}: each arrangement has a basis of its own; what is attached needs one for all of a set of constraints"
+    )]
+    SeveralBases {
+        /// The case file, or the name of the study.
+        study: String,
+    },
+    /// The model, its friction or a study of it.
+    #[error(transparent)]
+    Study(#[from] squeal::Error),
+}
+
+impl From<Error> for squeal::Error {
+    /// What a study knows by itself stays what it is; the rest is of the brake.
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Study(error) => error,
+            other => Self::Brake(Box::new(other)),
+        }
+    }
+}
+
+impl From<crate::case::CaseError> for squeal::Error {
+    fn from(error: crate::case::CaseError) -> Self {
+        Error::Case(error).into()
+    }
+}
+
+/// Errors that a study knows.
+macro_rules! of_study {
+    ($($error:ty),+) => {
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self::Study(error.into())
+            }
+        })+
+    };
+}
+
+of_study!(
+    osc_model::OscModelError,
+    friction::FrictionError,
+    linsys::LinsysError,
+    cea::CeaError,
+    tracking::TrackingError,
+    montecarlo::MonteCarloError
+);

@@ -1,0 +1,123 @@
+//! Draws of a reduced brake against the whole one, before it is sampled; and the reduction trained on where they do not agree.
+
+use cea::frequency_hz;
+use montecarlo::{Progress, rand::RngExt, stream};
+use num_complex::Complex;
+use rayon::prelude::*;
+use sparse::reduction::{Compared, compared};
+
+use super::reduce::{Trained, modes_beside, rectangle};
+use super::{Bases, FiniteElementBrake};
+use crate::Error;
+use crate::case::FiniteElementCase;
+use squeal::study::{BandMode, FullChecks, UncertainBrake, wider};
+
+/// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
+/// outside in the other.
+const AT_BORDER: f64 = 1e-3;
+/// The first stream from which draws are taken, far from those of samples and from those of training points: how many samples a study has
+/// changes nothing.
+const FIRST_STREAM: u64 = u64::MAX / 2;
+/// How often a reduction is trained on, at most; chosen.
+const MOST_ROUNDS: u64 = 2;
+
+/// What one draw showed.
+struct OneCheck {
+    found: FullChecks,
+    at: Trained,
+}
+
+impl FiniteElementBrake {
+    /// Reduces the brake as [`FiniteElementBrake::new`] does, and compares draws with the whole one, chosen at random among all scenes. Where
+    /// they do not agree, or residuals are above the one asked for, these draws are trained on too, some times at most. It follows from the
+    /// case alone, whatever the number of samples is.
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`]; a draw without an operating point.
+    pub fn checked(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
+        let mut brake = Self::new(case, progress)?;
+        let mut trained: Vec<Trained> = Vec::new();
+        let count = brake.case.reduction.full_checks;
+        for round in 0..=MOST_ROUNDS {
+            if count == 0 {
+                break;
+            }
+            progress.begin(count, 0);
+            let one = |at: u64| {
+                let found = full_check(&brake, FIRST_STREAM + at);
+                progress.advance(1);
+                found
+            };
+            let all = (0..count).into_par_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
+            progress.end();
+            let none = FullChecks { trained_on: round, ..FullChecks::default() };
+            let sum = all.iter().fold(none, |sum, one| sum.with(one.found));
+            let is_enough = round == MOST_ROUNDS || !(sum.has_other_modes() || sum.residuals_above > 0);
+            brake.full_checks = Some(sum);
+            if is_enough {
+                break;
+            }
+            let open = |one: &OneCheck| one.found.has_other_modes() || one.found.residuals_above > 0;
+            trained.extend(all.into_iter().filter(open).map(|one| one.at));
+            let Self { case, full_checks, .. } = brake;
+            brake = Self { full_checks, ..Self::with_points(case, Bases::OfEach, &[], &trained, progress)? };
+        }
+        Ok(brake)
+    }
+}
+
+/// One draw in one scene.
+fn full_check(brake: &FiniteElementBrake, number: u64) -> Result<OneCheck, Error> {
+    let (mut rng, scenes) = (stream(brake.case.seed, number), &brake.plan.scenes);
+    let scene = &scenes[rng.random_range(0..scenes.len())];
+    let sample = brake.draw(&mut rng)?;
+    let point = brake.operating_point(scene, &sample)?;
+    let (at, part, threshold) = (brake.full_point(scene, &point), brake.part(scene), brake.plan.threshold);
+    let reduced = part.reduced.modes(&at)?.lambdas;
+    let system = brake.sets[part.set].system.assemble(&at)?;
+    let all = modes_beside(&brake.case, &system, &reduced)?;
+    let diverging = brake.diverging(scene, &at)?;
+    let wanted = rectangle(&brake.case);
+    let (whole, beside): (Vec<Complex<f64>>, Vec<_>) =
+        all.into_iter().partition(|&lambda| wanted.contains_to_the_right(lambda, 0.0));
+    let surely_wanted = |lambda: &&Complex<f64>| wanted.contains_to_the_right(**lambda, -AT_BORDER * lambda.norm());
+    let count = |of: &[Complex<f64>]| of.iter().filter(surely_wanted).count() as u64;
+    let Compared { distance, missed, left, .. } = compared(&whole, reduced);
+    // What samples count, which is found in another way.
+    let sampled = brake.band_modes(scene, std::slice::from_ref(&point)).remove(0)?;
+    let counts = |mode: &&BandMode| brake.plan.is_studied(mode.lambda) && threshold.margin(mode.lambda) > mode.bound;
+    let counted: Vec<Complex<f64>> = sampled.iter().filter(counts).map(|mode| mode.lambda).collect();
+    let beyond = |error: f64| whole.iter().copied().filter(move |l| threshold.margin(*l) > error * l.norm());
+    // Well beyond what is open, so that rounding makes no other verdict.
+    let error = 2.0 * brake.relative_error(scene);
+    let surely: Vec<Complex<f64>> = beyond(error).collect();
+    let growing: Vec<Complex<f64>> = beyond(0.0).collect();
+    let verdicts = compared(&surely, counted);
+    let not_counted = verdicts.missed.into_iter().filter(|&lambda| !has(&missed, lambda));
+    let wrongly_counted = verdicts.left.into_iter().filter(|&lambda| !has(&growing, lambda) && !has(&left, lambda));
+    let other: Vec<Complex<f64>> = not_counted.chain(wrongly_counted).collect();
+    let surely_grows = |lambda: &&Complex<f64>| threshold.margin(**lambda) > error * lambda.norm();
+    let growing_beside: Vec<f64> = beside.iter().filter(surely_grows).map(|&lambda| frequency_hz(lambda)).collect();
+    let found = FullChecks {
+        samples: 1,
+        modes: whole.len() as u64,
+        missing: count(&missed),
+        invented: count(&left),
+        other_verdicts: count(&other),
+        residuals_above: sampled.iter().filter(|mode| mode.residual.is_some_and(|residual| residual.is_above)).count()
+            as u64,
+        growing_beside: u64::from(!growing_beside.is_empty()),
+        diverging: u64::from(diverging.as_ref().is_some_and(|growing| !growing.is_empty())),
+        divergence: diverging.iter().flatten().copied().fold(0.0, f64::max),
+        divergence_open: u64::from(diverging.is_none()),
+        beside_hz: growing_beside.iter().map(|&hz| [hz, hz]).reduce(wider),
+        largest_distance: distance,
+        trained_on: 0,
+    };
+    Ok(OneCheck { found, at: Trained { set: part.set, closed: brake.closed(scene).to_vec(), at } })
+}
+
+/// Whether a mode is one of some.
+fn has(modes: &[Complex<f64>], lambda: Complex<f64>) -> bool {
+    modes.iter().any(|other| (other - lambda).norm() <= AT_BORDER * lambda.norm())
+}

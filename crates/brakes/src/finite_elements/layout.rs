@@ -1,0 +1,124 @@
+//! The scenes of a finite element brake.
+
+use std::f64::consts::TAU;
+
+use linsys::{AffineSystem, SecondOrder, Term};
+use osc_model::{Body, Brake, Sectors};
+use sparse::reduction::Reduced;
+
+use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
+use crate::Error;
+use crate::case::{FiniteElementCase, PatchContact};
+use crate::labels::friction_labels;
+use squeal::study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
+
+/// The plan, and the closed patches of each of its configurations.
+///
+/// `origins` is the reduced brake of each set of constraints with all patches closed, `configurations` that of each configuration.
+pub(super) fn plan(
+    case: &FiniteElementCase,
+    origins: &[&Reduced],
+    configurations: &[&Reduced],
+) -> Result<(Plan, Vec<Vec<usize>>), Error> {
+    let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
+    plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+    plan.threshold = case.threshold;
+    plan.band = Some(case.reduction.frequencies.map(|hz| TAU * hz));
+    let mut closed = Vec::new();
+    for (set, constraints) in origins.iter().zip(&case.constraints) {
+        let all = all_patches(case);
+        let whole = (brake(case, set, &all)?, naming_point(case, &all)?);
+        match &case.contact {
+            None => {
+                plan.add_constraint_set(&constraints.name, whole.0, whole.1);
+                closed.push(Vec::new());
+            }
+            Some(contact) => {
+                plan.labels.constraints.push(constraints.name.clone());
+                plan.origins.push(Origin { brake: whole.0, naming_point: whole.1 });
+                add_scenes(case, configurations, contact, &mut plan, &mut closed)?;
+            }
+        }
+    }
+    if let Some(contact) = &case.contact {
+        plan.labels = SceneLabels { constraints: plan.labels.constraints, ..labels(contact) };
+    }
+    Ok((plan, closed))
+}
+
+/// Adds the configurations and scenes of a set of constraints with a contact.
+fn add_scenes(
+    case: &FiniteElementCase,
+    configurations: &[&Reduced],
+    contact: &PatchContact,
+    plan: &mut Plan,
+    closed: &mut Vec<Vec<usize>>,
+) -> Result<(), Error> {
+    let constraints = plan.origins.len() - 1;
+    for (panel, (_, arrangements)) in contact.panels.iter().enumerate() {
+        for (at, arrangement) in arrangements.iter().enumerate() {
+            let in_contact = arrangement.in_contact().to_vec();
+            let configuration = plan.configurations.len();
+            let wants_work = in_contact.len() == contact.patches.len();
+            for (law, &of_law) in contact.laws.iter().enumerate() {
+                for speed in speeds_of(contact, of_law) {
+                    let key = SceneKey { constraints, law, speed, panel };
+                    plan.scenes.push(Scene { key, members: vec![at], configuration, wants_work });
+                }
+            }
+            plan.configurations.push(Configuration {
+                brake: brake(case, configurations[configuration], &in_contact)?,
+                naming_point: naming_point(case, &in_contact)?,
+                origin: constraints,
+                contacts: arrangement.to_string(),
+            });
+            closed.push(in_contact);
+        }
+    }
+    Ok(())
+}
+
+/// The reduced brake with some patches closed. What is constant in it, holders and closed patches unless their stiffness is drawn, is one
+/// term, and open patches have no channels.
+///
+/// Columns of a basis belong to no body, so there is one body. Friction of each patch is a force family of its own.
+fn brake(case: &FiniteElementCase, on: &Reduced, closed: &[usize]) -> Result<Brake, Error> {
+    let (reduced, own) = (on.system(), case.coefficients.len());
+    let mut terms = reduced.terms()[..own].to_vec();
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let holders = own..reduced.terms().len() - patches;
+    let contact = || closed.iter().map(|patch| holders.end + patch);
+    let sum = |name, family, terms: &mut dyn Iterator<Item = usize>| {
+        let mut sum = SecondOrder::zeros(reduced.order(), 0);
+        for matrices in terms.map(|term| reduced.terms()[term].matrices()) {
+            sum.c += &matrices.c;
+            sum.k += &matrices.k;
+        }
+        Term::new(name, family, sum)
+    };
+    for term in constant_terms(case) {
+        terms.push(match term {
+            ConstantTerm::Holders => sum("holders", "holders", &mut holders.clone()),
+            ConstantTerm::Contact => sum("contact", "contact", &mut contact()),
+            ConstantTerm::HoldersAndContact => {
+                sum("holders and contact", "holders", &mut holders.clone().chain(contact()))
+            }
+        }?);
+    }
+    let channels = closed_channels(case, closed).map(|channel| reduced.channels()[channel].clone()).collect();
+    let system = AffineSystem::new(terms, channels)?;
+    let (order, channels) = (system.order(), system.channels().len());
+    Ok(Brake {
+        dofs: linsys::DofMap::all(order),
+        bodies: vec![Body { name: "brake".into(), dofs: (0..order).collect() }],
+        sectors: Sectors::whole(order, channels),
+        system,
+    })
+}
+
+fn labels(contact: &PatchContact) -> SceneLabels {
+    SceneLabels {
+        named_at: "with all patches in contact, Amontons-Coulomb, median parameters".into(),
+        ..friction_labels(&contact.laws, &contact.speeds, &contact.panels)
+    }
+}

@@ -1,0 +1,399 @@
+//! A finite element brake of a case, reduced, with its friction laws and distributions.
+
+mod bridge;
+mod friction_path;
+mod full_checks;
+mod layout;
+mod parameters;
+mod places;
+mod points;
+mod reduce;
+mod swept;
+mod whole;
+
+pub use points::frictionless;
+pub use reduce::{BESIDE, Bases, Part, ReducedSet};
+
+use std::f64::consts::TAU;
+
+use cea::{EigenSolver as _, Mode, QrSolver, Workspace};
+use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::{Distribution, Progress, StreamRng};
+use nalgebra::DVectorView;
+use num_complex::Complex;
+use sparse::reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
+use tracking::{OwnedPath, clear_likeness};
+
+use self::friction_path::FrictionalPath;
+use self::parameters::SceneOf;
+use self::reduce::Trained;
+use super::LatticeSample;
+use super::lattice::{DrawnFriction, OF_CONTACT};
+use crate::Error;
+use crate::case::{Draws, FiniteElementCase, Law, Parameter};
+use squeal::study::{
+    BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
+    UncertainBrake, WholeContact, WholeEigenvalue,
+};
+use squeal::sweep::Over;
+
+/// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
+/// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
+const ALLOWANCE: f64 = 100.0;
+/// The least that it is taken to be, relative to |lambda|: three times the largest distance in 130 samples of cases/disc-pad that were solved
+/// with the whole brake.
+const LEAST_ERROR: f64 = 1e-5;
+/// Columns that a basis of an arrangement is expected to have, before it is made; chosen.
+const EXPECTED_COLUMNS: usize = 75;
+
+/// The brake of a case in all its configurations, reduced.
+///
+/// Each set of constraints has a basis that holds all arrangements, each part of the study a smaller one within that.
+#[derive(Debug)]
+pub struct FiniteElementBrake {
+    /// The case.
+    pub case: FiniteElementCase,
+    /// The scenes of the case.
+    pub plan: Plan,
+    /// The brake with each set of constraints.
+    pub sets: Vec<ReducedSet>,
+    /// The brake on its smaller bases.
+    pub parts: Vec<Part>,
+    /// The system of each set of constraints at the point where its modes are named.
+    naming_systems: Vec<SecondOrder>,
+    /// The part of each set of constraints with all patches closed.
+    of_origins: Vec<usize>,
+    /// The part of each configuration of the plan.
+    of_configurations: Vec<usize>,
+    /// The closed patches of each configuration of the plan, from 0; none without a contact.
+    closed: Vec<Vec<usize>>,
+    /// Draws against the whole brake, where it was checked.
+    full_checks: Option<FullChecks>,
+}
+
+/// One draw of all that is uncertain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FiniteElementSample {
+    /// The parameters of coefficients.
+    pub values: Vec<f64>,
+    /// Friction and speed; `None` without a contact.
+    pub contacts: Option<LatticeSample>,
+}
+
+impl FiniteElementBrake {
+    /// Reduces the brake, each arrangement on a basis of its own, and lays out its scenes: what a study is fastest with.
+    ///
+    /// # Errors
+    /// What the reduction refuses; [`squeal::Error::Median`] where the medians of the parameters have no operating point.
+    pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
+        Self::on(case, Bases::OfEach, progress)
+    }
+
+    /// Reduces the brake as [`FiniteElementBrake::new`] does, but for its first scene so that the basis holds the modes over ranges of
+    /// parameters that a sweep goes through, which may be wider than what is drawn.
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`]; a parameter or a range that the scene does not have, or for which it has no operating point.
+    pub fn for_sweep(case: FiniteElementCase, over: &[Over], progress: &dyn Progress) -> Result<Self, Error> {
+        let swept = swept::points(&case, over)?;
+        Self::with_points(case, Bases::OfEach, &swept, &[], progress)
+    }
+
+    /// Reduces the brake and lays out its scenes. Only with [`Bases::OfEachSet`] are there [`UncertainBrake::places`].
+    ///
+    /// # Errors
+    /// As [`FiniteElementBrake::new`].
+    pub fn on(case: FiniteElementCase, bases: Bases, progress: &dyn Progress) -> Result<Self, Error> {
+        Self::with_points(case, bases, &[], &[], progress)
+    }
+
+    /// With points of the first configuration at which the modes shall be held in the place of draws, or further ones.
+    fn with_points(
+        case: FiniteElementCase,
+        bases: Bases,
+        swept: &[OperatingPoint],
+        trained: &[Trained],
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        let reduce::AllBases { sets, parts, of_origins, of_configurations } =
+            reduce::all_bases(&case, bases, (swept, trained), progress)?;
+        let part = |at: usize| &parts[at].reduced;
+        let of_origins_parts: Vec<_> = of_origins.iter().map(|&at| part(at)).collect();
+        let of_configurations_parts: Vec<_> = of_configurations.iter().map(|&at| part(at)).collect();
+        let (plan, closed) = layout::plan(&case, &of_origins_parts, &of_configurations_parts)?;
+        let naming_systems =
+            sets.iter().map(|set| bridge::naming_system(&case, &set.reduced)).collect::<Result<_, Error>>()?;
+        Ok(Self { case, plan, sets, parts, naming_systems, of_origins, of_configurations, closed, full_checks: None })
+    }
+
+    /// Memory and processor time of the bases of a case, roughly, before any of them is made: as many columns are taken for each as those of
+    /// cases/disc-pad have.
+    pub fn expected_cost(case: &FiniteElementCase) -> Cost {
+        let of_panel = |(_, arrangements): &(usize, Vec<_>)| arrangements.len();
+        let arrangements = case.contact.as_ref().map_or(1, |contact| contact.panels.iter().map(of_panel).sum());
+        Cost::of_bases(case.dofs.len(), &vec![EXPECTED_COLUMNS; arrangements * case.constraints.len()])
+    }
+
+    /// Memory and processor time of its bases, roughly.
+    pub fn cost_of_bases(&self) -> Cost {
+        let columns: Vec<usize> = self.parts.iter().map(|part| part.within.basis.ncols()).collect();
+        Cost::of_bases(self.case.dofs.len(), &columns)
+    }
+
+    /// The part of the reduction that a scene is on.
+    pub fn part(&self, scene: &Scene) -> &Part {
+        &self.parts[self.of_configurations[scene.configuration]]
+    }
+
+    /// The part of a set of constraints in which its modes have their names: with all patches closed.
+    pub fn origin(&self, constraints: usize) -> &Part {
+        &self.parts[self.of_origins[constraints]]
+    }
+
+    /// Cost against error of a set of constraints with all patches closed: what fewer columns of its basis hold.
+    ///
+    /// # Errors
+    /// A draw without an operating point.
+    pub fn rungs(&self, constraints: usize) -> Result<Vec<Rung>, Error> {
+        reduce::rungs_of(&self.case, &self.sets[constraints], self.origin(constraints))
+    }
+
+    /// The closed patches of a scene, from 0.
+    pub fn closed(&self, scene: &Scene) -> &[usize] {
+        &self.closed[scene.configuration]
+    }
+
+    /// The operating point of the whole brake, reduced or not, from that of a scene.
+    pub fn full_point(&self, scene: &Scene, at: &OperatingPoint) -> OperatingPoint {
+        points::of_brake(&self.case, self.closed(scene), at)
+    }
+
+    /// Growth rates, 1/s, of what diverges in a scene, at an operating point of the brake: real eigenvalues of the whole brake up to the end of
+    /// the band, and what grows faster than it oscillates beyond that in the reduced one, which says that it does and not how fast. `None`
+    /// where a search does not tell.
+    ///
+    /// # Errors
+    /// A point that the brake refuses.
+    pub fn diverging(&self, scene: &Scene, at: &OperatingPoint) -> Result<Option<Vec<f64>>, Error> {
+        let part = self.part(scene);
+        let whole = reduce::diverging(&self.case, &self.sets[part.set].system.assemble(at)?, &self.plan.threshold);
+        let reduced = part.reduced.system().assemble(at)?;
+        let spectrum = QrSolver.eigenvalues(&reduced, &mut Workspace::default())?;
+        let ([_, highest], error) = (self.case.reduction.frequencies, self.relative_error(scene));
+        let is_fast =
+            |lambda: &Complex<f64>| lambda.im >= 0.0 && lambda.re > lambda.im && lambda.norm() > TAU * highest;
+        let grows = |lambda: &Complex<f64>| self.plan.threshold.margin(*lambda) > error * lambda.norm();
+        let fast = spectrum.eigenvalues.into_iter().filter(is_fast).filter(grows).map(|lambda| lambda.re);
+        let fast: Vec<f64> = fast.collect();
+        Ok(if fast.is_empty() { whole } else { Some(whole.into_iter().flatten().chain(fast).collect()) })
+    }
+
+    /// What the friction of a scene is drawn from; `None` without a contact.
+    fn drawn(&self, scene: &Scene) -> Option<DrawnFriction<'_>> {
+        let contact = self.case.contact.as_ref()?;
+        Some(DrawnFriction {
+            law: contact.laws[scene.key.law],
+            from: &contact.friction,
+            correlation: self.case.correlation.as_ref(),
+            draws: contact.draws,
+            has_lateral_mu: false,
+            has_bristle_damping: contact.bristle_damping.is_some(),
+        })
+    }
+
+    /// How many contacts have a draw of their own.
+    fn drawn_contacts(&self) -> usize {
+        let contact = self.case.contact.as_ref().filter(|contact| contact.draws == Draws::Each);
+        contact.map_or(1, |contact| contact.patches.len())
+    }
+
+    /// The coordinate of the first parameter of coefficients, after those of friction.
+    fn first_parameter(&self) -> u32 {
+        OF_CONTACT * self.drawn_contacts() as u32
+    }
+
+    fn speed_is_drawn(&self, scene: &Scene) -> bool {
+        let range = self.case.contact.as_ref().zip(scene.key.speed).map(|(contact, range)| &contact.speeds[range]);
+        range.is_some_and(|range| range.to > range.from)
+    }
+
+    /// The parameters of coefficients that are not constant, with their places.
+    fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
+        let varies =
+            |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });
+        self.case.parameters.iter().enumerate().filter(varies)
+    }
+
+    fn law_and_speed(&self, scene: &Scene, sample: &FiniteElementSample) -> Option<(Law, f64)> {
+        points::law_and_speed(&self.case, self.scene_of(scene).state, sample)
+    }
+
+    fn scene_of(&self, scene: &Scene) -> SceneOf<'_> {
+        let state = self.case.contact.as_ref().map(|contact| (contact.laws[scene.key.law], scene.key.speed));
+        SceneOf { case: &self.case, closed: self.closed(scene), state }
+    }
+}
+
+impl UncertainBrake for FiniteElementBrake {
+    type Sample = FiniteElementSample;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<FiniteElementSample, squeal::Error> {
+        Ok(points::draw(&self.case, rng)?)
+    }
+
+    fn median(&self) -> FiniteElementSample {
+        points::median(&self.case)
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, squeal::Error> {
+        Ok(points::scene_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)?)
+    }
+
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<FiniteElementSample> {
+        let parameters = self.case.parameters.iter().zip(self.first_parameter()..);
+        Some(FiniteElementSample {
+            values: parameters.map(|(p, coordinate)| p.distribution.quantile(uniform(coordinate))).collect(),
+            contacts: self.drawn(scene).map(|drawn| drawn.sample(self.drawn_contacts(), uniform)),
+        })
+    }
+
+    fn inputs(&self, scene: &Scene) -> Vec<Input> {
+        let of_contact = self.drawn(scene).map(|drawn| drawn.inputs(self.closed(scene), self.speed_is_drawn(scene)));
+        let mut inputs = of_contact.unwrap_or_default();
+        inputs.extend(self.varying().map(|(at, parameter)| Input {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            coordinate: self.first_parameter() + at as u32,
+            is_correlated: false,
+        }));
+        inputs
+    }
+
+    fn input_values(&self, scene: &Scene, sample: &FiniteElementSample) -> Vec<f64> {
+        let mut values = match (self.drawn(scene), &sample.contacts) {
+            (Some(drawn), Some(contacts)) => drawn.values(self.closed(scene), contacts),
+            _ => Vec::new(),
+        };
+        let speed = self.law_and_speed(scene, sample).filter(|_| self.speed_is_drawn(scene));
+        values.extend(speed.map(|(_, speed)| speed));
+        values.extend(self.varying().map(|(at, _)| sample.values[at]));
+        values
+    }
+
+    /// Shared Amontons-Coulomb friction depends on mu alone where nothing else is drawn and none acts across the sliding.
+    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+        let contact = self.case.contact.as_ref()?;
+        let is_single = !points::depends_on_speed(contact, contact.laws[scene.key.law])
+            && contact.draws == Draws::Shared
+            && self.case.parameters.iter().all(|p| matches!(p.distribution, Distribution::Constant { .. }));
+        is_single.then_some(&contact.friction.mu)
+    }
+
+    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<FiniteElementSample> {
+        self.single_parameter(scene)?;
+        let median = self.median();
+        let contacts = median.contacts.map(|sample| {
+            let draw = super::FrictionDraw { mu, lateral_mu: mu, ..*sample.contact(0) };
+            LatticeSample::shared(draw, sample.speed_quantile)
+        });
+        Some(FiniteElementSample { contacts, ..median })
+    }
+
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        places::contacts(self, scene)
+    }
+
+    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, squeal::Error> {
+        Ok(places::places(self, constraints).map(Some)?)
+    }
+
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, squeal::Error> {
+        Ok(bridge::bridge(self, configuration, modes)?)
+    }
+
+    fn has_band_modes(&self) -> bool {
+        true
+    }
+
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, squeal::Error>> {
+        let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
+        let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
+        let known: Vec<_> =
+            part.friction.iter().flat_map(FrictionModes::known_points).map(|(_, modes)| modes).collect();
+        let like = |lambda: Complex<f64>, Likeness { point, mac }: Likeness| {
+            let modes = known[point];
+            let mode = clear_likeness(&mac, |mode| (modes[mode] - lambda).norm())?;
+            Some(KnownMode { point, mode, lambda: modes[mode] })
+        };
+        // Samples with nearly the same friction one after another: they are searched from the same known points, which then are in the cache.
+        let mu = |&place: &usize| at[place].channels.first().map_or(0.0, |gain| gain.mu);
+        let mut order: Vec<usize> = (0..at.len()).collect();
+        order.sort_by(|a, b| mu(a).total_cmp(&mu(b)));
+        let points: Vec<OperatingPoint> = order.iter().map(|&place| self.full_point(scene, &at[place])).collect();
+        let among = |at: &OperatingPoint| Ok((part.reduced.modes_among(at, &may_grow)?, Vec::new()));
+        let found = match &part.friction {
+            Some(friction) => friction.search().modes(&part.reduced, &points, error, &may_grow),
+            None => points.iter().map(among).collect(),
+        };
+        let modes = |(found, amplitudes): (ReducedModes, Vec<Amplitudes>)| {
+            let each = found.lambdas.iter().zip(found.shapes.column_iter()).zip(&found.residuals).enumerate();
+            let mode = |(place, ((&lambda, shape), &value)): (usize, ((&Complex<f64>, DVectorView<'_, _>), &f64))| {
+                let likenesses =
+                    part.friction.as_ref().zip(amplitudes.get(place)).map(|(of, mode)| of.likenesses(mode));
+                let like = likenesses.into_iter().flatten().find_map(|likeness| like(lambda, likeness));
+                // One that is no number is above too.
+                let is_within = value <= self.case.reduction.residual;
+                let residual = Some(ModeResidual { value, is_above: !is_within });
+                BandMode { lambda, shape: shape.into_owned(), bound: error * lambda.norm(), residual, like }
+            };
+            each.map(mode).collect()
+        };
+        let mut all: Vec<_> = order.into_iter().zip(found).collect();
+        all.sort_by_key(|(place, _)| *place);
+        all.into_iter().map(|(_, found)| Ok(found.map(modes).map_err(Error::from)?)).collect()
+    }
+
+    fn known_point(&self, scene: &Scene, point: usize) -> Option<OperatingPoint> {
+        let (gains, _) = self.part(scene).friction.as_ref()?.known_points().nth(point)?;
+        let reference = self.operating_point(scene, &self.median()).ok()?;
+        Some(OperatingPoint { channels: gains.to_vec(), ..reference })
+    }
+
+    fn path(&self, scene: &Scene, from: &OperatingPoint, to: &OperatingPoint) -> Option<Box<dyn OwnedPath + '_>> {
+        let friction = self.part(scene).friction.as_ref()?;
+        let path = friction.path(&self.full_point(scene, from), &self.full_point(scene, to))?;
+        Some(Box::new(FrictionalPath { path, brake: &self.plan.brake(scene).system, from: from.clone() }))
+    }
+
+    fn full_checks(&self) -> Option<FullChecks> {
+        self.full_checks
+    }
+
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(&self.scene_of(scene))
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+        let at = parameters::point(&self.scene_of(scene), values)?;
+        Ok(self.part(scene).reduced.system().assemble(&at)?)
+    }
+
+    fn relative_error(&self, scene: &Scene) -> f64 {
+        let part = self.part(scene);
+        (ALLOWANCE * (part.within.distance + self.sets[part.set].compared.distance)).max(LEAST_ERROR)
+    }
+
+    fn whole_eigenvalue(
+        &self,
+        scene: &Scene,
+        values: &[(usize, f64)],
+        near: Complex<f64>,
+    ) -> Result<Option<WholeEigenvalue>, squeal::Error> {
+        whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
+            .map(Some)
+    }
+}

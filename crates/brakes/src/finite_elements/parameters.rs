@@ -1,0 +1,117 @@
+//! The parameters of a finite element brake by the names that its case file has for them.
+
+use linsys::OperatingPoint;
+
+use super::FiniteElementSample;
+use super::points::{self, State};
+use crate::Error;
+use crate::LatticeSample;
+use crate::case::{FiniteElementCase, Law, PatchContact};
+use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
+use squeal::study::NamedParameter;
+
+/// A scene of a case, reduced or not.
+#[derive(Clone, Copy)]
+pub(super) struct SceneOf<'a> {
+    pub case: &'a FiniteElementCase,
+    /// The closed patches, from 0.
+    pub closed: &'a [usize],
+    pub state: State,
+}
+
+/// A parameter of a scene.
+enum Choice {
+    /// One of the case's own, by its place.
+    Own(usize),
+    Friction(&'static FrictionParameter),
+    Speed,
+    /// The load of every closed patch, as a factor.
+    Load,
+    /// The stiffness of a closed patch, as a factor.
+    Stiffness(usize),
+}
+
+/// All that the parameters of a scene can change.
+struct Values {
+    sample: FiniteElementSample,
+    friction: Option<(Law, f64)>,
+    load: f64,
+    /// Of each patch.
+    stiffness: Vec<f64>,
+}
+
+fn medians(scene: &SceneOf<'_>) -> Values {
+    let sample = points::median(scene.case);
+    let patches = scene.case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let friction = points::law_and_speed(scene.case, scene.state, &sample);
+    Values { friction, sample, load: 1.0, stiffness: vec![1.0; patches] }
+}
+
+/// The parameters on which the systems of a scene depend: the case's own, those of friction, speed and load, and the stiffness of each
+/// closed patch.
+fn of_scene(scene: &SceneOf<'_>) -> Vec<Choice> {
+    let own = (0..scene.case.parameters.len()).map(Choice::Own);
+    let Some((contact, (law, _))) = scene.case.contact.as_ref().zip(scene.state) else { return own.collect() };
+    let of = FrictionUse { law, has_lateral_mu: false, has_bristle_damping: contact.bristle_damping.is_some() };
+    let friction = FRICTION.iter().filter(|parameter| (parameter.matters)(&of)).map(Choice::Friction);
+    let sliding = [Choice::Speed, Choice::Load].into_iter().filter(|_| points::depends_on_speed(contact, law));
+    own.chain(friction).chain(sliding).chain(scene.closed.iter().map(|&patch| Choice::Stiffness(patch))).collect()
+}
+
+pub(super) fn named(scene: &SceneOf<'_>) -> Vec<NamedParameter> {
+    let at = medians(scene);
+    let patches = scene.case.contact.as_ref().map_or(&[][..], |contact: &PatchContact| &contact.patches);
+    let named = |choice: Choice| {
+        let (name, unit, median) = match choice {
+            Choice::Own(place) => {
+                let parameter = &scene.case.parameters[place];
+                (parameter.name.clone(), parameter.unit.clone(), at.sample.values[place])
+            }
+            Choice::Friction(parameter) => {
+                let draw = at.sample.contacts.as_ref()?.contact(0);
+                (parameter.name.into(), parameter.unit.into(), (parameter.get)(draw))
+            }
+            Choice::Speed => ("v".into(), "m/s".into(), at.friction?.1),
+            Choice::Load => ("load".into(), "times the load".into(), 1.0),
+            Choice::Stiffness(patch) => {
+                (format!("contact_stiffness.{}", patches[patch].name), "times the stiffness".into(), 1.0)
+            }
+        };
+        Some(NamedParameter { name, unit, median })
+    };
+    of_scene(scene).into_iter().filter_map(named).collect()
+}
+
+/// The operating point of the whole brake, reduced or not, with some parameters at other values. What is constant in the brake of a scene is
+/// taken apart again: each patch is a term.
+pub(super) fn point(scene: &SceneOf<'_>, values: &[(usize, f64)]) -> Result<OperatingPoint, Error> {
+    let (mut at, parameters) = (medians(scene), of_scene(scene));
+    for &(place, value) in values {
+        match &parameters[place] {
+            Choice::Own(place) => at.sample.values[*place] = value,
+            Choice::Friction(parameter) => {
+                at.sample.contacts = at.sample.contacts.map(|sample| {
+                    let mut draw = *sample.contact(0);
+                    (parameter.set)(&mut draw, value);
+                    LatticeSample::shared(draw, sample.speed_quantile)
+                });
+            }
+            Choice::Speed => at.friction = at.friction.map(|(law, _)| (law, value)),
+            Choice::Load => at.load = value,
+            Choice::Stiffness(patch) => at.stiffness[*patch] = value,
+        }
+    }
+    let mut point = points::scene_point(scene.case, scene.closed, at.friction, &at.sample)?;
+    for gain in &mut point.channels {
+        gain.slope *= at.load;
+        gain.lag = gain.lag.map(|lag| linsys::Lag { force: at.load * lag.force, ..lag });
+    }
+    let mut whole = points::of_brake(scene.case, scene.closed, &point);
+    let first_patch = whole.coefficients.len() - at.stiffness.len();
+    for (patch, factor) in at.stiffness.iter().enumerate() {
+        whole.coefficients[first_patch + patch] *= factor;
+        // A channel reads the normal force of its spring.
+        points::channels_of(scene.case, patch).for_each(|channel| whole.channels[channel].mu *= factor);
+    }
+    Ok(whole)
+}

@@ -1,0 +1,218 @@
+//! Samples and operating points of a finite element brake.
+
+use friction::Tangent;
+use linsys::{ChannelGain, DofMap, Lag, OperatingPoint};
+use montecarlo::StreamRng;
+use sparse::SparseSecondOrder;
+
+use super::FiniteElementSample;
+use crate::Error;
+use crate::LatticeSample;
+use crate::case::{CaseError, Draws, FiniteElementCase, Law, PatchContact, STIFFNESS_FACTOR};
+
+/// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
+const ANY_SPEED: f64 = 1.0;
+
+/// A law with the place of its range of speed, where it has one; `None` without a contact.
+pub(super) type State = Option<(Law, Option<usize>)>;
+
+/// The law of a state, with the sliding speed of a sample, m/s.
+pub(super) fn law_and_speed(
+    case: &FiniteElementCase,
+    state: State,
+    sample: &FiniteElementSample,
+) -> Option<(Law, f64)> {
+    let (contact, (law, range)) = case.contact.as_ref().zip(state)?;
+    Some((law, speed(contact, range, sample)))
+}
+
+/// Draws a sample: the parameters, then friction and speed.
+pub(super) fn draw(case: &FiniteElementCase, rng: &mut StreamRng) -> Result<FiniteElementSample, Error> {
+    let values = case.parameters.iter().map(|parameter| parameter.distribution.draw(rng)).collect::<Result<_, _>>()?;
+    let of_contact = |contact: &PatchContact| {
+        let count = if contact.draws == Draws::Shared { 1 } else { contact.patches.len() };
+        LatticeSample::draw_for(&contact.friction, case.correlation.as_ref(), count, rng)
+    };
+    Ok(FiniteElementSample { values, contacts: case.contact.as_ref().map(of_contact).transpose()? })
+}
+
+/// The sample with the medians of all distributions.
+pub(super) fn median(case: &FiniteElementCase) -> FiniteElementSample {
+    FiniteElementSample {
+        values: case.parameters.iter().map(|parameter| parameter.distribution.median()).collect(),
+        contacts: case.contact.as_ref().map(|contact| LatticeSample::median_of(&contact.friction)),
+    }
+}
+
+/// The sliding speed of a sample in a range of speeds, m/s.
+fn speed(contact: &PatchContact, range: Option<usize>, sample: &FiniteElementSample) -> f64 {
+    let quantile = sample.contacts.as_ref().map_or(0.5, |contacts| contacts.speed_quantile);
+    range.map_or(ANY_SPEED, |range| contact.speeds[range].quantile(quantile))
+}
+
+/// The operating point of a configuration with some patches closed, under a law at a speed: the coefficients of the case's terms, then
+/// one for all that is constant in it, and the gains of closed patches.
+pub(super) fn scene_point(
+    case: &FiniteElementCase,
+    closed: &[usize],
+    friction: Option<(Law, f64)>,
+    sample: &FiniteElementSample,
+) -> Result<OperatingPoint, Error> {
+    let named = |name: &str, source| CaseError::Expression {
+        path: case.path.clone(),
+        field: format!("terms {name:?}.coefficient"),
+        source: Box::new(source),
+    };
+    let terms = case.system.terms().iter().zip(&case.coefficients);
+    let coefficients =
+        terms.map(|(term, coefficient)| coefficient.value(&sample.values).map_err(|source| named(&term.name, source)));
+    let mut coefficients = coefficients.collect::<Result<Vec<_>, _>>()?;
+    let factor = stiffness_factor(case, sample)?;
+    coefficients.extend(constant_terms(case).map(|term| match term {
+        ConstantTerm::Contact => factor,
+        ConstantTerm::Holders | ConstantTerm::HoldersAndContact => 1.0,
+    }));
+    let mut gains = Vec::new();
+    if let (Some(contact), Some((law, speed)), Some(sample)) = (&case.contact, friction, &sample.contacts) {
+        for &number in closed {
+            let patch = &contact.patches[number];
+            let mut tangents: Vec<(f64, Tangent)> = Vec::with_capacity(patch.pairs.len());
+            for own in patch.speeds.iter().map(|part| part * speed) {
+                // Pairs of one speed have one tangent.
+                let known = tangents.last().filter(|(of, _)| *of == own).map(|(_, tangent)| *tangent);
+                let tangent =
+                    known.map_or_else(|| sample.contact(number).tangent(law, own, contact.bristle_damping), Ok)?;
+                tangents.push((own, tangent));
+            }
+            gains.extend(tangents.iter().map(|(_, tangent)| along(tangent, patch.load, factor)));
+            if contact.is_lateral {
+                gains.extend(tangents.iter().map(|(speed, tangent)| across(tangent, patch.load, *speed)));
+            }
+        }
+    }
+    Ok(OperatingPoint { coefficients, channels: gains })
+}
+
+/// Friction along the sliding of a pair under a load. A channel reads the normal force of its spring, whose stiffness is multiplied.
+fn along(tangent: &Tangent, load: f64, factor: f64) -> ChannelGain {
+    let lag = tangent.internal.map(|state| Lag { decay: state.decay, drive: state.drive, force: load * state.force });
+    ChannelGain { mu: factor * tangent.mu, slope: load * tangent.slope, lag }
+}
+
+/// Friction across the sliding of a pair: mu N0 has the direction of the sliding, so that a small velocity v_y across it turns it by
+/// `v_y / v`, a dashpot `mu N0 / v`. A bristle leans along the sliding alone: across it friction is that of steady sliding.
+fn across(tangent: &Tangent, load: f64, speed: f64) -> ChannelGain {
+    ChannelGain { slope: tangent.mu * load / speed, ..ChannelGain::default() }
+}
+
+/// A term of the reduced brake of a scene that stands for terms whose coefficients do not differ between scenes with the same closed patches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ConstantTerm {
+    Holders,
+    /// All closed patches, whose stiffness is drawn.
+    Contact,
+    HoldersAndContact,
+}
+
+/// Those terms, in their order after the terms of the case file.
+pub(super) fn constant_terms(case: &FiniteElementCase) -> impl Iterator<Item = ConstantTerm> + use<> {
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let has_holders = case.system.terms().len() > case.coefficients.len() + patches;
+    let is_drawn = case.contact.as_ref().is_some_and(|contact| contact.stiffness_factor.is_some());
+    let terms = match (is_drawn, has_holders || patches > 0) {
+        (true, _) => [has_holders.then_some(ConstantTerm::Holders), Some(ConstantTerm::Contact)],
+        (false, true) => [Some(ConstantTerm::HoldersAndContact), None],
+        (false, false) => [None, None],
+    };
+    terms.into_iter().flatten()
+}
+
+/// What multiplies the stiffness of all pairs in a sample.
+fn stiffness_factor(case: &FiniteElementCase, sample: &FiniteElementSample) -> Result<f64, CaseError> {
+    let Some(factor) = case.contact.as_ref().and_then(|contact| contact.stiffness_factor.as_ref()) else {
+        return Ok(1.0);
+    };
+    let (path, field) = (case.path.clone(), STIFFNESS_FACTOR.to_owned());
+    match factor.value(&sample.values) {
+        Ok(value) if value > 0.0 => Ok(value),
+        Ok(value) => Err(CaseError::Value { path, field, value: value.to_string(), allowed: "> 0".into() }),
+        Err(source) => Err(CaseError::Expression { path, field, source: Box::new(source) }),
+    }
+}
+
+/// The ranges of speed in which a law is studied: Amontons-Coulomb friction does not depend on speed, unless it acts across the sliding.
+pub(super) fn speeds_of(contact: &PatchContact, law: Law) -> Vec<Option<usize>> {
+    if depends_on_speed(contact, law) { (0..contact.speeds.len()).map(Some).collect() } else { vec![None] }
+}
+
+/// Whether the systems of a law depend on the speed, and on the load.
+pub(super) fn depends_on_speed(contact: &PatchContact, law: Law) -> bool {
+    law != Law::AmontonsCoulomb || contact.is_lateral
+}
+
+/// The point at which modes are named: Amontons-Coulomb friction at median parameters, and the median of the first range of speed.
+pub(super) fn naming_point(case: &FiniteElementCase, closed: &[usize]) -> Result<OperatingPoint, Error> {
+    let (law, median) = (Law::AmontonsCoulomb, median(case));
+    let range = case.contact.as_ref().and_then(|contact| speeds_of(contact, law).first().copied().flatten());
+    let friction = law_and_speed(case, Some((law, range)), &median);
+    scene_point(case, closed, friction, &median).map_err(no_median(case))
+}
+
+/// The operating point of the whole brake from that of a configuration: holders count once, closed patches as their stiffness
+/// is drawn, open ones not.
+pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &OperatingPoint) -> OperatingPoint {
+    let patches = case.contact.as_ref().map_or(0, |contact| contact.patches.len());
+    let own = case.coefficients.len();
+    let holders = case.system.terms().len() - own - patches;
+    let mut coefficients = at.coefficients[..own].to_vec();
+    coefficients.extend(std::iter::repeat_n(1.0, holders));
+    let factor = constant_terms(case)
+        .position(|term| term == ConstantTerm::Contact)
+        .map_or(1.0, |term| at.coefficients[own + term]);
+    coefficients.extend((0..patches).map(|patch| if closed.contains(&patch) { factor } else { 0.0 }));
+    let mut channels = vec![ChannelGain::default(); case.system.channels().len()];
+    for (channel, gain) in closed_channels(case, closed).zip(&at.channels) {
+        channels[channel] = *gain;
+    }
+    OperatingPoint { coefficients, channels }
+}
+
+/// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.
+///
+/// # Errors
+/// [`squeal::Error::Median`] where the medians have no operating point; matrices that make no system.
+pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
+    let all = all_patches(case);
+    let mut at = of_brake(case, &all, &naming_point(case, &all)?);
+    at.channels.fill(ChannelGain::default());
+    let dofs = DofMap::new(case.dofs.len(), fixed)?;
+    let system = case.system.on(&dofs)?.assemble(&at)?;
+    Ok((dofs, system))
+}
+
+/// All patches, from 0; none without a contact.
+pub(super) fn all_patches(case: &FiniteElementCase) -> Vec<usize> {
+    (0..case.contact.as_ref().map_or(0, |contact| contact.patches.len())).collect()
+}
+
+/// The channels of closed patches, as places in the system.
+pub(super) fn closed_channels<'a>(
+    case: &'a FiniteElementCase,
+    closed: &'a [usize],
+) -> impl Iterator<Item = usize> + 'a {
+    closed.iter().flat_map(|&patch| channels_of(case, patch))
+}
+
+/// The channels of a patch, as places in the system.
+pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::Range<usize> {
+    let patches = case.contact.as_ref().map_or(&[][..], |contact| &contact.patches);
+    patches.get(patch).map_or(0..0, |patch| patch.channels.clone())
+}
+
+/// The error of a case whose medians have no operating point.
+fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
+    |source| {
+        let study = case.path.display().to_string();
+        squeal::Error::Median { study, source: Box::new(source.into()) }.into()
+    }
+}

@@ -1,0 +1,424 @@
+//! The reduction of a finite element brake: one basis for each set of constraints, and a smaller one within it for each part of the study.
+
+use std::f64::consts::TAU;
+use std::iter::repeat_n;
+
+use cea::{Threshold, Verdict, real_count};
+use linsys::{AffineSystem, DofMap, OperatingPoint};
+use montecarlo::{Progress, stream};
+use nalgebra::DMatrix;
+use num_complex::Complex;
+use osc_model::ContactArrangement;
+use rayon::prelude::*;
+use sparse::reduction::{
+    Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
+    rungs, within,
+};
+use sparse::{Eigenpair, Rectangle, SparseAffineSystem, SparseSecondOrder, eigenpairs_in};
+
+use super::points::{
+    State, all_patches, closed_channels, draw, law_and_speed, naming_point, of_brake, scene_point, speeds_of,
+};
+use crate::Error;
+use crate::case::{FiniteElementCase, Law, ReductionGoal};
+
+/// The growth up to which the whole brake is searched whatever a case asks for, as a part of the highest frequency of its band; chosen: so fast
+/// does hardly any brake squeal, and where nothing is there a search costs little.
+const SEARCHED: f64 = 0.25;
+/// How many times as fast as the fastest mode of the reduced brake the modes of the whole one may grow that are looked for; chosen.
+const BEYOND: f64 = 1.5;
+/// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
+/// band; chosen: above what rounding makes of two equal ones.
+const REAL: f64 = 1e-6;
+/// The least of them that is looked for, as a part of the same; chosen.
+const SLOWEST: f64 = 1e-3;
+/// What a real eigenvalue has to be above for sure, in units of its bound; chosen, as studies have it next to the axis: the zeros of a body
+/// that is free to move are multiple, and rounding makes real ones of them.
+const ROUNDED_DATA: f64 = 32.0;
+/// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
+pub const BESIDE: f64 = 1.05;
+/// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
+const MOST_SOLUTIONS: usize = 60;
+/// Part of the residual asked for that responses to forces in the contacts may have. Modes have three times theirs, as measured with
+/// cases/disc-pad, so that half of what is asked for is left to the smaller bases.
+const OF_RESPONSES: f64 = 1.0 / 6.0;
+/// Part of it that modes may have in the brake on the larger basis: 0.5^2 + 0.8^2 < 1.
+const WITHIN: f64 = 0.8;
+/// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
+/// when a study has ended ([`squeal::study::FullChecks`]).
+const PROBES: usize = 1;
+/// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
+const MOST_COLUMNS: usize = 600;
+/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen. Where samples differ in
+/// friction alone few of them are followed.
+const MOST_ANCHORS: usize = 12;
+const ANCHORS_BESIDE_FRICTION: usize = 4;
+/// Draws among which those are chosen at which modes are known there; chosen.
+const KNOWN_FROM: u64 = 240;
+/// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
+const DRAWN_STRUCTURES: u64 = 4;
+/// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
+const RUNGS: usize = 6;
+const MEASURED_POINTS: u64 = 6;
+/// Most of the points of a sweep whose coefficients they know; chosen: each takes a factorisation at a few frequencies.
+const MOST_STRUCTURES: usize = 6;
+
+/// The brake with one set of constraints.
+#[derive(Debug)]
+pub struct ReducedSet {
+    /// Which rows of the matrices are free.
+    pub dofs: DofMap,
+    /// The system over the free rows.
+    pub system: SparseAffineSystem,
+    /// V, n x k: it holds the brake in all arrangements.
+    pub basis: DMatrix<f64>,
+    /// The brake on it.
+    pub reduced: AffineSystem,
+    /// The modes of the whole brake in the rectangle, at the medians with all patches closed.
+    pub modes: Vec<Complex<f64>>,
+    /// Its modes beside those.
+    pub compared: Compared,
+}
+
+/// The brake with one set of constraints in some arrangements, on a basis of its own.
+#[derive(Debug)]
+pub struct Part {
+    /// The set of constraints.
+    pub set: usize,
+    /// Its basis within that of the set, what it took, and whether it was reached.
+    pub within: Within,
+    /// The brake, with residuals in the whole one.
+    pub reduced: Reduced,
+    /// Its growing modes where samples differ in friction alone.
+    pub friction: Option<FrictionModes>,
+}
+
+/// Which arrangements have a basis of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bases {
+    /// Each: the smallest, for a study.
+    OfEach,
+    /// None: one for each set of constraints, so that what is compared has the same coordinates.
+    OfEachSet,
+}
+
+/// All bases of a brake.
+pub(super) struct AllBases {
+    pub sets: Vec<ReducedSet>,
+    pub parts: Vec<Part>,
+    /// The part of each set of constraints with all patches closed, where its modes are named.
+    pub of_origins: Vec<usize>,
+    /// The part of each configuration.
+    pub of_configurations: Vec<usize>,
+}
+
+/// Closed patches, from 0.
+type Closed = Vec<usize>;
+
+/// What a part is to hold.
+struct Asked {
+    set: usize,
+    arrangements: Vec<Closed>,
+}
+
+/// A point of the whole brake that a reduction is trained on beside its own draws.
+#[derive(Debug, Clone)]
+pub(super) struct Trained {
+    /// The set of constraints.
+    pub set: usize,
+    /// The closed patches, from 0.
+    pub closed: Closed,
+    pub at: OperatingPoint,
+}
+
+/// Reduces the brake with each set of constraints. The modes of its first configuration are held at the points `swept`, where there are some,
+/// those of all at their further points.
+pub(super) fn all_bases(
+    case: &FiniteElementCase,
+    bases: Bases,
+    (swept, trained): (&[OperatingPoint], &[Trained]),
+    progress: &dyn Progress,
+) -> Result<AllBases, Error> {
+    let arrangements = arrangements(case);
+    let all = all_patches(case);
+    let mut asked = Vec::new();
+    let (mut of_origins, mut of_configurations) = (Vec::new(), Vec::new());
+    for set in 0..case.constraints.len() {
+        let first = asked.len();
+        of_origins.push(first);
+        match bases {
+            Bases::OfEachSet => {
+                asked.push(Asked { set, arrangements: arrangements.clone() });
+                of_configurations.extend(arrangements.iter().map(|_| first));
+            }
+            Bases::OfEach => {
+                asked.push(Asked { set, arrangements: vec![all.clone()] });
+                for arrangement in &arrangements {
+                    let known = (first..asked.len()).find(|&at| asked[at].arrangements[0] == *arrangement);
+                    of_configurations.push(known.unwrap_or(asked.len()));
+                    if known.is_none() {
+                        asked.push(Asked { set, arrangements: vec![arrangement.clone()] });
+                    }
+                }
+            }
+        }
+    }
+    progress.begin((case.constraints.len() + asked.len()) as u64, 0);
+    let mut sets = Vec::with_capacity(case.constraints.len());
+    for (at, set) in case.constraints.iter().enumerate() {
+        let own: Vec<OperatingPoint> =
+            trained.iter().filter(|point| point.set == at).map(|point| point.at.clone()).collect();
+        sets.push(reduced_set(case, &set.fixed, swept, &own)?);
+        progress.advance(1);
+    }
+    let first = of_configurations[0];
+    let part = |(at, asked): (usize, &Asked)| {
+        let swept = if at == first { swept } else { &[] };
+        let is_own = |point: &&Trained| point.set == asked.set && asked.arrangements.contains(&point.closed);
+        let own: Vec<OperatingPoint> = trained.iter().filter(is_own).map(|point| point.at.clone()).collect();
+        let found = part(case, &sets[asked.set], asked, (swept, &own));
+        progress.advance(1);
+        found
+    };
+    let parts = asked.par_iter().enumerate().map(part).collect::<Result<Vec<_>, Error>>()?;
+    let whole = |(set, &origin): (&ReducedSet, &usize)| modes_at_medians(case, set, &asked[origin], &parts[origin]);
+    let whole = sets.par_iter().zip(&of_origins).map(whole).collect::<Result<Vec<_>, Error>>()?;
+    for ((set, whole), &origin) in sets.iter_mut().zip(whole).zip(&of_origins) {
+        set.compared = compared(&whole, parts[origin].within.first.clone());
+        set.modes = whole;
+    }
+    progress.end();
+    Ok(AllBases { sets, parts, of_origins, of_configurations })
+}
+
+/// The arrangements of a case, in the order of its configurations; one without patches where it has no contact.
+fn arrangements(case: &FiniteElementCase) -> Vec<Closed> {
+    let Some(contact) = &case.contact else { return vec![Vec::new()] };
+    let of_panel = |(_, arrangements): &(usize, Vec<ContactArrangement>)| {
+        arrangements.iter().map(|arrangement| arrangement.in_contact().to_vec()).collect::<Vec<_>>()
+    };
+    contact.panels.iter().flat_map(of_panel).collect()
+}
+
+/// Where the modes of a case are wanted, rad/s, and to its right: how fast a mode grows is no reason to leave it out. The largest growth is that
+/// up to which the whole brake is searched at least.
+pub(super) fn rectangle(case: &FiniteElementCase) -> Rectangle {
+    let ReductionGoal { frequencies, growth: [lowest, highest], .. } = case.reduction;
+    let im = frequencies.map(|hz| TAU * hz);
+    Rectangle { re: [lowest, highest.max(SEARCHED * im[1])], im }
+}
+
+/// The modes of a whole brake where those of a case are wanted, up to what a reduced one has there at least.
+pub(super) fn whole_modes(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    modes_in(system, rectangle(case), reduced)
+}
+
+/// As [`whole_modes`], with those that are next to the band.
+pub(super) fn modes_beside(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let rectangle = rectangle(case);
+    let [low, high] = rectangle.im;
+    modes_in(system, Rectangle { im: [low / BESIDE, high * BESIDE], ..rectangle }, reduced)
+}
+
+/// Real eigenvalues of a whole brake that surely are beyond a threshold, 1/s, ascending: divergence, whatever the band of the case. They are
+/// looked for from a thousandth of the lowest frequency of the band, as those of a body that is free to move are zero, to the highest. `None`
+/// where the search does not come to an end.
+pub(super) fn diverging(
+    case: &FiniteElementCase,
+    system: &SparseSecondOrder,
+    threshold: &Threshold,
+) -> Option<Vec<f64>> {
+    let [lowest, highest] = rectangle(case).im;
+    let from = threshold.growth_above().max(SLOWEST * lowest);
+    let axis = Rectangle { re: [from, from + highest], im: [0.0, REAL * lowest] };
+    let found = eigenpairs_in(system, &axis, &sparse::Options::default(), &mut |_| {}).ok()?;
+    let is_beyond = |pair: &Eigenpair| threshold.verdict(pair.lambda, ROUNDED_DATA * pair.bound) == Verdict::Unstable;
+    let of = |pair: Eigenpair| repeat_n(pair.lambda.re, if is_beyond(&pair) { real_count(pair.lambda) } else { 0 });
+    Some(found.pairs.into_iter().flat_map(of).collect())
+}
+
+fn modes_in(
+    system: &SparseSecondOrder,
+    mut rectangle: Rectangle,
+    reduced: &[Complex<f64>],
+) -> Result<Vec<Complex<f64>>, Error> {
+    let fastest = reduced.iter().map(|lambda| lambda.re).fold(0.0, f64::max);
+    rectangle.re[1] = rectangle.re[1].max(BEYOND * fastest);
+    let found = eigenpairs_in(system, &rectangle, &sparse::Options::default(), &mut |_| {})?;
+    Ok(found.pairs.into_iter().map(|pair| pair.lambda).collect())
+}
+
+/// The brake over the rows that are left free, on a basis for all arrangements: of responses to forces in the contact, or, without a
+/// contact, of modes at training points.
+fn reduced_set(
+    case: &FiniteElementCase,
+    fixed: &[usize],
+    swept: &[OperatingPoint],
+    trained: &[OperatingPoint],
+) -> Result<ReducedSet, Error> {
+    let dofs = DofMap::new(case.dofs.len(), fixed)?;
+    let system = case.system.on(&dofs)?;
+    let all = all_patches(case);
+    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
+    let tolerance = case.reduction.residual;
+    let basis = match &case.contact {
+        Some(_) => {
+            let mut points = vec![at_median.clone()];
+            if !case.parameters.is_empty() {
+                let training = training(case, std::slice::from_ref(&all), DRAWN_STRUCTURES, swept)?;
+                let step = training.len().div_ceil(MOST_STRUCTURES);
+                points.extend(training.into_iter().step_by(step));
+                points.extend(trained.iter().map(|point| all_closed(case, &at_median, point)));
+            }
+            let goal = ResponseGoal {
+                frequencies: rectangle(case).im,
+                tolerance: OF_RESPONSES * tolerance,
+                most_columns: MOST_COLUMNS,
+            };
+            response_basis(&system, &points, &goal)?.basis
+        }
+        None => {
+            let mut training = training(case, &[all], case.reduction.training as u64, swept)?;
+            training.extend_from_slice(trained);
+            let points = std::slice::from_ref(&at_median);
+            let wanted = Wanted { rectangle: rectangle(case), points, training: &training };
+            let options =
+                Options { tolerance: 0.5 * tolerance, most_enrichments: MOST_SOLUTIONS, ..Options::default() };
+            Reduction::build(&system, &wanted, &options)?.reduced.basis().clone()
+        }
+    };
+    let reduced = system.project(&basis)?;
+    Ok(ReducedSet { dofs, system, basis, reduced, modes: Vec::new(), compared: compared(&[], Vec::new()) })
+}
+
+/// A point with all patches closed, as stiff as they are where they are closed: at least those of the medians.
+fn all_closed(case: &FiniteElementCase, medians: &OperatingPoint, at: &OperatingPoint) -> OperatingPoint {
+    let patches = all_patches(case).len();
+    let first = at.coefficients.len() - patches;
+    let factor = at.coefficients[first..].iter().copied().find(|&factor| factor != 0.0);
+    let mut coefficients = at.coefficients.clone();
+    let closed = coefficients[first..].iter_mut().zip(&medians.coefficients[first..]);
+    closed.for_each(|(own, median)| *own = factor.unwrap_or(*median));
+    OperatingPoint { coefficients, channels: at.channels.clone() }
+}
+
+/// The modes of the whole brake at the point where those of a part were found first.
+fn modes_at_medians(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    asked: &Asked,
+    part: &Part,
+) -> Result<Vec<Complex<f64>>, Error> {
+    let first = &asked.arrangements[0];
+    let at = of_brake(case, first, &naming_point(case, first)?);
+    whole_modes(case, &set.system.assemble(&at)?, &part.within.first)
+}
+
+/// A part on the fewest directions that hold it.
+fn part(
+    case: &FiniteElementCase,
+    set: &ReducedSet,
+    asked: &Asked,
+    (swept, trained): (&[OperatingPoint], &[OperatingPoint]),
+) -> Result<Part, Error> {
+    let first = &asked.arrangements[0];
+    let at_median = of_brake(case, first, &naming_point(case, first)?);
+    let mut training = training(case, &asked.arrangements, case.reduction.training as u64, swept)?;
+    training.extend_from_slice(trained);
+    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
+    let options = Options {
+        tolerance: WITHIN * case.reduction.residual,
+        most_enrichments: MOST_SOLUTIONS,
+        most_columns: set.basis.ncols(),
+        probes: PROBES,
+        ..Options::default()
+    };
+    let within = within(&set.system, &set.reduced, &wanted, &options)?;
+    let known: Vec<OperatingPoint> = within.solved.iter().chain(&training).cloned().collect();
+    let anchors = |most: usize| &known[..known.len().min(most.max(within.solved.len()))];
+    let basis = &set.basis * &within.basis;
+    let mut reduced = Reduced::new(&set.system, basis, wanted.rectangle, anchors(ANCHORS_BESIDE_FRICTION), &options)?;
+    let friction = match asked.arrangements.as_slice() {
+        [closed] if swept.is_empty() => {
+            let channels: Vec<usize> = closed_channels(case, closed).collect();
+            FrictionModes::new(&reduced, &self::training(case, &asked.arrangements, KNOWN_FROM, &[])?, &channels)?
+        }
+        _ => None,
+    };
+    if friction.is_none() {
+        anchors(MOST_ANCHORS)[reduced.anchors()..].iter().try_for_each(|point| reduced.add_anchor(point))?;
+    }
+    Ok(Part { set: asked.set, within, reduced, friction })
+}
+
+/// What fewer columns of the basis of a set of constraints with all patches closed hold.
+pub(super) fn rungs_of(case: &FiniteElementCase, set: &ReducedSet, origin: &Part) -> Result<Vec<Rung>, Error> {
+    let all = all_patches(case);
+    let at_median = of_brake(case, &all, &naming_point(case, &all)?);
+    let training = training(case, &[all], MEASURED_POINTS, &[])?;
+    let wanted = Wanted { rectangle: rectangle(case), points: std::slice::from_ref(&at_median), training: &training };
+    let all = origin.within.basis.ncols();
+    let mut columns: Vec<usize> = (1..=RUNGS).map(|rung| (all * rung).div_ceil(RUNGS)).collect();
+    columns.dedup();
+    Ok(rungs(&set.system, &set.reduced, &wanted, &origin.within.basis, &columns)?)
+}
+
+/// The points that a sweep goes through, where there are some. Otherwise draws, each in one arrangement, law and range of speed after
+/// another: `count`, or one for each of these where they are more. Speeds are spread over their range from end to end, as friction across the
+/// sliding grows without bound towards low ones.
+fn training(
+    case: &FiniteElementCase,
+    arrangements: &[Closed],
+    count: u64,
+    swept: &[OperatingPoint],
+) -> Result<Vec<OperatingPoint>, Error> {
+    if !swept.is_empty() {
+        return Ok(swept.to_vec());
+    }
+    let states: Vec<State> = match &case.contact {
+        None => vec![None],
+        Some(contact) => {
+            let of_law = |&law: &Law| speeds_of(contact, law).into_iter().map(move |range| Some((law, range)));
+            contact.laws.iter().flat_map(of_law).collect()
+        }
+    };
+    let scenes: Vec<_> =
+        arrangements.iter().flat_map(|closed| states.iter().map(move |&state| (closed, state))).collect();
+    let count = count.max(scenes.len() as u64);
+    let point = |(index, &(closed, state)): (u64, &(&Closed, State))| {
+        // Streams from the other end than those of the samples.
+        let mut sample = draw(case, &mut stream(case.seed, u64::MAX - index))?;
+        if let Some(contacts) = &mut sample.contacts {
+            contacts.speed_quantile = spread(index / scenes.len() as u64);
+        }
+        let friction = law_and_speed(case, state, &sample);
+        Ok(of_brake(case, closed, &scene_point(case, closed, friction, &sample)?))
+    };
+    (0..count).zip(scenes.iter().cycle()).map(point).collect()
+}
+
+/// Numbers from 0 to 1: both ends, then the middle, quarters and so on, by the radical inverse (van der Corput).
+fn spread(at: u64) -> f64 {
+    match at {
+        0 | 1 => at as f64,
+        _ => (at - 1).reverse_bits() as f64 / 2f64.powi(64),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn numbers_are_spread_from_end_to_end() {
+        assert_eq!((0..8).map(spread).collect::<Vec<_>>(), [0.0, 1.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375]);
+    }
+}

@@ -1,0 +1,30 @@
+//! Single eigenvalues of the whole brake.
+
+use cea::{CeaError, Workspace, singular_vectors};
+use linsys::{OperatingPoint, real_times_complex};
+use num_complex::Complex;
+use sparse::eigenpair_near;
+
+use super::{Part, ReducedSet};
+use squeal::study::WholeEigenvalue;
+
+/// Largest backward error of an eigenvalue that is taken; chosen: its bound says what it is good to.
+const TAKEN: f64 = 1e-8;
+
+/// The eigenvalue of the whole brake next to one of the reduced brake, from the shape that leaves least of Q there.
+pub(super) fn eigenvalue(
+    part: &Part,
+    sets: &[ReducedSet],
+    at: &OperatingPoint,
+    near: Complex<f64>,
+) -> Result<WholeEigenvalue, squeal::Error> {
+    let not_found = |error: sparse::SparseError| squeal::Error::WholeEigenvalue(Box::new(error));
+    let q = part.reduced.system().assemble(at)?.dynamic_stiffness(near);
+    let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
+    let shape = shape.ok_or(CeaError::NoEigenvector { lambda: near, residual: f64::INFINITY })?;
+    let shape = real_times_complex(part.reduced.basis(), &shape);
+    let whole = sets[part.set].system.assemble(at).map_err(not_found)?;
+    let pair = eigenpair_near(&whole, near, &shape, TAKEN).map_err(not_found)?;
+    let bound = pair.condition * pair.backward_error.max(f64::EPSILON) * pair.lambda.norm();
+    Ok(WholeEigenvalue { lambda: pair.lambda, bound })
+}

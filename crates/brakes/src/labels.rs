@@ -1,0 +1,29 @@
+//! What laws, ranges of speed and arrangements are called in tables and figures.
+
+use osc_model::ContactArrangement;
+
+use crate::case::{Law, SpeedRange};
+use squeal::study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
+
+/// The labels of these, without those of constraints, degrees of freedom and the point of naming.
+pub(super) fn friction_labels(
+    laws: &[Law],
+    speeds: &[SpeedRange],
+    panels: &[(usize, Vec<ContactArrangement>)],
+) -> SceneLabels {
+    let speed = |range: &SpeedRange| SpeedLabel {
+        name: range.name.clone(),
+        description: format!("{} speed, {} to {} m/s", range.name, range.from, range.to),
+    };
+    let panel = |(number, list): &(usize, Vec<ContactArrangement>)| PanelLabel {
+        in_contact: *number,
+        arrangements: list.iter().map(ToString::to_string).collect(),
+    };
+    SceneLabels {
+        laws: laws.iter().map(|law| LawLabel { name: law.name().into(), title: law.title().into() }).collect(),
+        baseline_law: laws.iter().position(|&law| law == Law::AmontonsCoulomb),
+        speeds: speeds.iter().map(speed).collect(),
+        panels: panels.iter().map(panel).collect(),
+        ..SceneLabels::default()
+    }
+}

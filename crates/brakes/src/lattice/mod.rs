@@ -1,0 +1,360 @@
+//! The lattice of a case with its friction laws and distributions.
+
+mod draw;
+mod parameters;
+mod sobol;
+
+pub use draw::{FrictionDraw, LatticeSample};
+pub(crate) use sobol::{DrawnFriction, OF_CONTACT};
+
+use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::{Distribution, StreamRng};
+use osc_model::{
+    Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
+    Reversal, Sliding,
+};
+
+use crate::Error;
+use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
+use crate::labels::friction_labels;
+use squeal::study::{
+    Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
+    Symmetry, UncertainBrake, WholeContact,
+};
+
+/// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
+const ANY_SPEED: f64 = 1.0;
+
+/// The lattice of a case in all its configurations.
+#[derive(Debug)]
+pub struct LatticeBrake {
+    /// The case.
+    pub case: LatticeCase,
+    /// The scenes of the case.
+    pub plan: Plan,
+    /// The lattice of each configuration of the plan.
+    lattices: Vec<PreparedLattice>,
+    /// The symmetries of each set of constraints: of the brake or, with a draw for each contact, of its distribution.
+    symmetries: Vec<Vec<Reversal>>,
+    /// By configuration: the reversal that maps it onto each member of its scenes.
+    members: Vec<Vec<Reversal>>,
+}
+
+impl LatticeBrake {
+    /// What the study of a case takes at least, counted before any scene of it is made: a symmetry class has four arrangements at
+    /// most.
+    pub fn least_cost(case: &LatticeCase) -> Cost {
+        let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
+        let configurations = case.constraints.len() * arrangements.div_ceil(Reversal::ALL.len());
+        let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
+        Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
+    }
+
+    /// Lays out the scenes of a case.
+    ///
+    /// Arrangements of one symmetry class share a scene: with one draw for all contacts their eigenvalues are equal, with a draw
+    /// for each the distributions of these are. With one draw for all a scene is solved by sectors. A law that does not depend on
+    /// speed has one scene for all speed ranges.
+    ///
+    /// # Errors
+    /// What the model refuses; [`squeal::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
+    /// see [`LatticeBrake::least_cost`].
+    pub fn new(case: LatticeCase) -> Result<Self, Error> {
+        let plan = Plan {
+            source_file: Some(StudySource { path: case.path.clone(), text: case.text.clone() }),
+            name: case.name.clone(),
+            identity: case.identity(),
+            samples: case.samples,
+            seed: case.seed,
+            mode_labels: case.readings.labels,
+            mode_identity: case.readings.identity,
+            band: None,
+            threshold: case.threshold,
+            is_named_at_medians: false,
+            labels: labels(&case),
+            origins: Vec::new(),
+            configurations: Vec::new(),
+            scenes: Vec::new(),
+        };
+        let mut brake = Self { case, plan, lattices: Vec::new(), symmetries: Vec::new(), members: Vec::new() };
+        for constraints in 0..brake.case.constraints.len() {
+            brake.lay_out(constraints)?;
+        }
+        Ok(brake)
+    }
+
+    /// Adds the configurations and scenes of a constraint set.
+    fn lay_out(&mut self, constraints: usize) -> Result<(), Error> {
+        let case = &self.case;
+        let fixed = &case.constraints[constraints].fixed;
+        let model = LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?;
+        let full = prepared(case, &model, &ContactArrangement::full(case.lattice.grid.oscillators()))?;
+        let named_at = naming_point(case, &full)?;
+        self.plan.origins.push(Origin { brake: full.brake().clone(), naming_point: named_at });
+        self.symmetries.push(model.symmetries());
+        for (panel, (_, arrangements)) in case.panels.iter().enumerate() {
+            for class in model.symmetry_classes(arrangements)? {
+                let arrangement = &arrangements[class.representative];
+                let members: Vec<usize> = class.members.iter().map(|member| member.arrangement).collect();
+                let wants_work = arrangement.in_contact().len() == arrangement.oscillators();
+                let configuration = self.plan.configurations.len();
+                for (law, &of_law) in case.laws.iter().enumerate() {
+                    for speed in speeds_of(case, of_law) {
+                        let key = SceneKey { constraints, law, speed, panel };
+                        self.plan.scenes.push(Scene { key, members: members.clone(), configuration, wants_work });
+                    }
+                }
+                let lattice = prepared(case, &model, arrangement)?;
+                self.plan.configurations.push(Configuration {
+                    brake: lattice.brake().clone(),
+                    naming_point: naming_point(case, &lattice)?,
+                    origin: constraints,
+                    contacts: arrangement.to_string(),
+                });
+                self.lattices.push(lattice);
+                self.members.push(class.members.iter().map(|member| member.reversal).collect());
+            }
+        }
+        Ok(())
+    }
+
+    /// The lattice of a scene.
+    pub fn lattice(&self, scene: &Scene) -> &PreparedLattice {
+        &self.lattices[scene.configuration]
+    }
+
+    /// The friction law of a scene.
+    pub fn law(&self, key: SceneKey) -> Law {
+        self.case.laws[key.law]
+    }
+
+    /// The speed of a sample in a scene, m/s.
+    pub fn speed(&self, key: SceneKey, sample: &LatticeSample) -> f64 {
+        key.speed.map_or(ANY_SPEED, |range| self.case.speeds[range].quantile(sample.speed_quantile))
+    }
+
+    /// What the friction of a scene is drawn from.
+    fn drawn(&self, scene: &Scene) -> DrawnFriction<'_> {
+        let LatticeCase { readings, friction, correlation, .. } = &self.case;
+        DrawnFriction {
+            law: self.law(scene.key),
+            from: friction,
+            correlation: correlation.as_ref(),
+            draws: readings.draws,
+            has_lateral_mu: readings.lateral != Lateral::None,
+            has_bristle_damping: readings.bristle_damping.is_some(),
+        }
+    }
+
+    /// The sample of the medians with another coefficient of Amontons-Coulomb friction in all contacts.
+    pub fn with_mu(&self, mu: f64) -> LatticeSample {
+        let median = self.median();
+        let draw = FrictionDraw { mu, lateral_mu: mu, ..*median.contact(0) };
+        LatticeSample::shared(draw, median.speed_quantile)
+    }
+
+    fn speed_is_drawn(&self, scene: &Scene) -> bool {
+        scene.key.speed.is_some_and(|range| self.case.speeds[range].to > self.case.speeds[range].from)
+    }
+
+    /// The sliding state of `sample` in `scene`.
+    ///
+    /// # Errors
+    /// Those of the law; no static equilibrium.
+    pub fn sliding(&self, scene: &Scene, sample: &LatticeSample) -> Result<Sliding, Error> {
+        sliding(&self.case, self.lattice(scene), self.law(scene.key), self.speed(scene.key, sample), sample)
+    }
+}
+
+impl UncertainBrake for LatticeBrake {
+    type Sample = LatticeSample;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, squeal::Error> {
+        Ok(LatticeSample::draw(&self.case, rng)?)
+    }
+
+    fn median(&self) -> LatticeSample {
+        LatticeSample::median(&self.case)
+    }
+
+    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, squeal::Error> {
+        Ok(self.lattice(scene).operating_point(&self.sliding(scene, sample)?)?)
+    }
+
+    fn quantile_sample(&self, scene: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<LatticeSample> {
+        let contacts = match self.case.readings.draws {
+            Draws::Shared => 1,
+            Draws::Each => self.case.lattice.grid.oscillators(),
+        };
+        Some(self.drawn(scene).sample(contacts, uniform))
+    }
+
+    fn inputs(&self, scene: &Scene) -> Vec<Input> {
+        self.drawn(scene).inputs(self.lattice(scene).arrangement().in_contact(), self.speed_is_drawn(scene))
+    }
+
+    fn input_values(&self, scene: &Scene, sample: &LatticeSample) -> Vec<f64> {
+        let mut values = self.drawn(scene).values(self.lattice(scene).arrangement().in_contact(), sample);
+        values.extend(self.speed_is_drawn(scene).then(|| self.speed(scene.key, sample)));
+        values
+    }
+
+    /// Shared Amontons-Coulomb friction with given loads depends on mu alone. What is computed from that knows modes by
+    /// continuation in mu.
+    fn single_parameter(&self, scene: &Scene) -> Option<&Distribution> {
+        let readings = &self.case.readings;
+        let is_single = self.law(scene.key) == Law::AmontonsCoulomb
+            && readings.draws == Draws::Shared
+            && readings.identity == ModeIdentity::Continuation
+            && readings.lateral != Lateral::Vector
+            && !matches!(readings.preload, Preload::Equilibrium(_));
+        is_single.then_some(&self.case.friction.mu)
+    }
+
+    fn with_parameter(&self, scene: &Scene, mu: f64) -> Option<LatticeSample> {
+        self.single_parameter(scene).map(|_| self.with_mu(mu))
+    }
+
+    fn symmetries(&self, constraints: usize) -> Vec<Symmetry> {
+        let grid = self.case.lattice.grid;
+        let oscillators = grid.oscillators();
+        let symmetry = |reversal: &Reversal| Symmetry {
+            dofs: (0..3 * (oscillators + 1)).map(|dof| reversal.dof(grid, dof)).collect(),
+            contacts: (0..oscillators).map(|contact| reversal.oscillator(grid, contact)).collect(),
+        };
+        self.symmetries[constraints].iter().map(symmetry).collect()
+    }
+
+    fn symmetry_of_member(&self, scene: &Scene, member: usize) -> usize {
+        let reversal = self.members[scene.configuration][member];
+        self.symmetries[scene.key.constraints].iter().position(|&other| other == reversal).unwrap_or(0)
+    }
+
+    /// An oscillator in contact: its friction along the sliding and across it, and its contact spring.
+    fn contacts(&self, scene: &Scene) -> Vec<WholeContact> {
+        let (lattice, channels) = (self.lattice(scene), self.plan.brake(scene).system.channels());
+        let oscillators = lattice.arrangement().in_contact();
+        let whole = |(at, &number): (usize, &usize)| {
+            let (reading, stiffness) = (&channels[at].reading, self.case.lattice.contact_stiffness[number]);
+            let mut structure = SecondOrder::zeros(lattice.structural().order(), 0);
+            for &(i, a) in reading {
+                // The friction reads the force of the spring, k times its compression.
+                reading.iter().for_each(|&(j, b)| structure.k[(i, j)] = a * b / stiffness);
+            }
+            let channels = (at..channels.len()).step_by(oscillators.len()).collect();
+            WholeContact { number, name: (number + 1).to_string(), channels, structure: Some(structure) }
+        };
+        oscillators.iter().enumerate().map(whole).collect()
+    }
+
+    fn parameters(&self, scene: &Scene) -> Vec<NamedParameter> {
+        parameters::named(self, scene)
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+        Ok(parameters::system(self, scene, values)?)
+    }
+}
+
+/// The sliding state of a sample: the tangent of a law at a speed, and the normal load, in each contact of a lattice.
+///
+/// # Errors
+/// Those of the law; no static equilibrium.
+pub fn sliding(
+    case: &LatticeCase,
+    lattice: &PreparedLattice,
+    law: Law,
+    speed: f64,
+    sample: &LatticeSample,
+) -> Result<Sliding, Error> {
+    sliding_under(&case.readings, lattice, law, speed, sample)
+}
+
+/// [`sliding`] under readings that need not be a case's.
+fn sliding_under(
+    readings: &LatticeReadings,
+    lattice: &PreparedLattice,
+    law: Law,
+    speed: f64,
+    sample: &LatticeSample,
+) -> Result<Sliding, Error> {
+    let point = |draw: &FrictionDraw| -> Result<ContactPoint, Error> {
+        let tangent = draw.tangent(law, speed, readings.bristle_damping)?;
+        Ok(ContactPoint { tangent, lateral_mu: draw.lateral(law), normal_load: 0.0 })
+    };
+    let in_contact = lattice.arrangement().in_contact();
+    let mut contacts = match sample.shared_draw() {
+        Some(draw) => vec![point(draw)?; in_contact.len()],
+        None => in_contact.iter().map(|&i| point(sample.contact(i))).collect::<Result<_, Error>>()?,
+    };
+    let loads = lattice.normal_loads(readings.preload, &contacts)?;
+    for (contact, load) in contacts.iter_mut().zip(loads) {
+        contact.normal_load = load;
+    }
+    Ok(Sliding { speed, contacts })
+}
+
+/// The lattice of one constraint set of a case in an arrangement, not split into sectors.
+///
+/// # Errors
+/// Those of the model.
+pub fn lattice(
+    case: &LatticeCase,
+    constraints: usize,
+    arrangement: &ContactArrangement,
+) -> Result<PreparedLattice, Error> {
+    let fixed = &case.constraints[constraints].fixed;
+    Ok(LatticeModel::new(case.lattice.clone(), case.readings.lateral, fixed)?.prepare(arrangement)?)
+}
+
+/// A lattice, split into sectors where the draws keep the symmetry.
+fn prepared(
+    case: &LatticeCase,
+    model: &LatticeModel,
+    arrangement: &ContactArrangement,
+) -> Result<PreparedLattice, Error> {
+    let mut lattice = model.prepare(arrangement)?;
+    if case.readings.draws == Draws::Shared {
+        lattice.split(model.sectors(arrangement)?);
+    }
+    Ok(lattice)
+}
+
+/// The operating point at which the modes of a lattice are named: Amontons-Coulomb friction at median parameters.
+fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<OperatingPoint, Error> {
+    let (speed, median) = (case.speeds[0].quantile(0.5), LatticeSample::median(case));
+    let state = sliding(case, lattice, Law::AmontonsCoulomb, speed, &median);
+    let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
+    point.map_err(|source| {
+        let study = case.path.display().to_string();
+        squeal::Error::Median { study, source: Box::new(source.into()) }.into()
+    })
+}
+
+fn speeds_of(case: &LatticeCase, law: Law) -> Vec<Option<usize>> {
+    // Amontons-Coulomb friction does not depend on speed, unless friction across the sliding is a dashpot mu N0 / v.
+    if law == Law::AmontonsCoulomb && case.readings.lateral != Lateral::Vector {
+        vec![None]
+    } else {
+        (0..case.speeds.len()).map(Some).collect()
+    }
+}
+
+fn labels(case: &LatticeCase) -> SceneLabels {
+    SceneLabels {
+        constraints: case.constraints.iter().map(|set| set.name.clone()).collect(),
+        named_at: "with all in contact, Amontons-Coulomb, median parameters".into(),
+        dofs: dof_names(case.lattice.grid.oscillators()),
+        ..friction_labels(&case.laws, &case.speeds, &case.panels)
+    }
+}
+
+/// `x1` to `zp`.
+fn dof_names(oscillators: usize) -> Vec<String> {
+    let bodies = (0..oscillators).map(LatticeBody::Oscillator).chain([LatticeBody::Plate]);
+    bodies.flat_map(|body| Axis::ALL.map(|axis| Dof { axis, body }.to_string())).collect()
+}

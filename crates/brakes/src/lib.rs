@@ -1,0 +1,43 @@
+//! Case files, and the brakes that they make, as [`UncertainBrake`](squeal::study::UncertainBrake)s.
+//!
+//! | to | see |
+//! | --- | --- |
+//! | read a case, of any kind | [`case::CaseFile`] |
+//! | make it a brake | [`LatticeBrake`], [`MatricesBrake`], [`FiniteElementBrake`] |
+//!
+//! A study, as `squeal run` runs it:
+//!
+//! ```
+//! use brakes::LatticeBrake;
+//! use brakes::case::LatticeCase;
+//!
+//! # std::env::set_current_dir("../..")?;
+//! # let folder = tempfile::tempdir()?;
+//! # let dir = folder.path();
+//! let mut case = LatticeCase::read("cases/two-by-two.toml".as_ref())?;
+//! case.samples = 8;
+//! let brake = LatticeBrake::new(case)?;
+//! let manifest = squeal::run_study(&brake, dir, None, &mut |_, results, _| {
+//!     for panel in results.panels() {
+//!         println!("{}: {:?} unstable modes per CEA", results.describe(panel), results.mean_unstable(panel));
+//!     }
+//!     Ok(())
+//! })?;
+//! assert_eq!(manifest.failures, 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod case;
+mod error;
+mod finite_elements;
+mod friction_parameters;
+pub mod held;
+pub mod input;
+mod labels;
+mod lattice;
+mod matrices;
+
+pub use error::Error;
+pub use finite_elements::{BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
+pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
+pub use matrices::MatricesBrake;

@@ -1,0 +1,119 @@
+//! A brake given by its matrices in a case file.
+
+use linsys::{OperatingPoint, SecondOrder};
+use montecarlo::{Distribution, StreamRng};
+
+use crate::Error;
+use crate::case::{MatricesCase, Parameter};
+use squeal::study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
+
+/// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
+#[derive(Debug)]
+pub struct MatricesBrake {
+    /// The case.
+    pub case: MatricesCase,
+    /// The scenes of the case, one for each set of constraints.
+    pub plan: Plan,
+}
+
+impl MatricesBrake {
+    /// Lays out the scenes of a case.
+    ///
+    /// # Errors
+    /// [`squeal::Error::Median`] where the medians of the parameters have no operating point.
+    pub fn new(case: MatricesCase) -> Result<Self, Error> {
+        let failed = |source| squeal::Error::Median {
+            study: case.path.display().to_string(),
+            source: Box::new(Error::Case(source).into()),
+        };
+        let median = case.operating_point(&case.medians()).map_err(failed)?;
+        let mut plan = Plan::without_scenes(&case.name, case.identity(), case.samples, case.seed);
+        plan.source_file = Some(StudySource { path: case.path.clone(), text: case.text.clone() });
+        plan.threshold = case.threshold;
+        for set in &case.constraints {
+            plan.add_constraint_set(&set.name, case.brake(set)?, median.clone());
+        }
+        plan.labels.dofs.clone_from(&case.dofs);
+        Ok(Self { case, plan })
+    }
+
+    /// The index of the only parameter that is not constant; `None` where no parameter varies, or several do.
+    fn only_parameter(&self) -> Option<usize> {
+        let mut varying = self.varying().map(|(at, _)| at);
+        varying.next().filter(|_| varying.next().is_none())
+    }
+
+    /// The parameters that are not constant, with their places.
+    fn varying(&self) -> impl Iterator<Item = (usize, &Parameter)> {
+        let varies =
+            |(_, parameter): &(usize, &Parameter)| !matches!(parameter.distribution, Distribution::Constant { .. });
+        self.case.parameters.iter().enumerate().filter(varies)
+    }
+}
+
+impl UncertainBrake for MatricesBrake {
+    type Sample = Vec<f64>;
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, squeal::Error> {
+        Ok(self.case.draw(rng)?)
+    }
+
+    fn median(&self) -> Vec<f64> {
+        self.case.medians()
+    }
+
+    fn operating_point(&self, _: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::Error> {
+        Ok(self.case.operating_point(sample)?)
+    }
+
+    fn quantile_sample(&self, _: &Scene, uniform: &dyn Fn(u32) -> f64) -> Option<Vec<f64>> {
+        let parameters = self.case.parameters.iter().zip(0..);
+        let independent = parameters.map(|(parameter, dimension)| parameter.distribution.quantile(uniform(dimension)));
+        Some(self.case.correlated(independent.collect()))
+    }
+
+    fn inputs(&self, _: &Scene) -> Vec<Input> {
+        let input = |(at, parameter): (usize, &Parameter)| Input {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            coordinate: at as u32,
+            is_correlated: self.case.correlation.as_ref().is_some_and(|correlation| correlation.holds(at)),
+        };
+        self.varying().map(input).collect()
+    }
+
+    fn input_values(&self, _: &Scene, sample: &Vec<f64>) -> Vec<f64> {
+        self.varying().map(|(at, _)| sample[at]).collect()
+    }
+
+    fn single_parameter(&self, _: &Scene) -> Option<&Distribution> {
+        Some(&self.case.parameters[self.only_parameter()?].distribution)
+    }
+
+    fn with_parameter(&self, _: &Scene, value: f64) -> Option<Vec<f64>> {
+        let mut sample = self.median();
+        sample[self.only_parameter()?] = value;
+        Some(sample)
+    }
+
+    fn parameters(&self, _: &Scene) -> Vec<NamedParameter> {
+        let named = |parameter: &Parameter| NamedParameter {
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            median: parameter.distribution.median(),
+        };
+        self.case.parameters.iter().map(named).collect()
+    }
+
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+        let mut sample = self.median();
+        for &(place, value) in values {
+            sample[place] = value;
+        }
+        self.system(scene, &sample)
+    }
+}
