@@ -15,6 +15,9 @@ pub enum TaskError {
     /// An error of a case file or its brake.
     #[error(transparent)]
     Brake(#[from] brakes::Error),
+    /// An error of a picture or a page.
+    #[error(transparent)]
+    Report(#[from] report::Error),
     /// An error of the paper's claims or figures.
     #[error(transparent)]
     Reproduction(#[from] reproduction::Error),

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use brakes::LatticeBrake;
 use brakes::case::{Alternative, LatticeCase};
+use report::{Geometry, write_page};
 use reproduction::{Claim, Holds, Judgement, Subject, claims, claims_judged, claims_markdown, draw_paper};
 use squeal::output::write;
-use squeal::report::{Geometry, Manifest, write_page};
+use squeal::results::Manifest;
 use squeal::{RunOptions, run_study_with};
 use squeal_cli::bar::RunBars;
 use squeal_cli::override_run;

@@ -41,3 +41,8 @@ pub use error::Error;
 pub use finite_elements::{BESIDE, Bases, FiniteElementBrake, FiniteElementSample, Part, ReducedSet, frictionless};
 pub use lattice::{FrictionDraw, LatticeBrake, LatticeSample, lattice, sliding};
 pub use matrices::MatricesBrake;
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

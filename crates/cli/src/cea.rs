@@ -25,7 +25,7 @@ use crate::bar::Bar;
 use crate::case_file;
 use brakes::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
 use brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
-use squeal::report::hertz;
+use squeal::results::hertz;
 use squeal::study::{Scene, UncertainBrake, check_range, mode_work};
 use squeal::why::Why;
 

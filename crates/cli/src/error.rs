@@ -29,7 +29,10 @@ pub enum Error {
     Work(#[from] work::WorkError),
     /// A figure.
     #[error(transparent)]
-    Figure(#[from] squeal::figures::FigureError),
+    Figure(#[from] figures::FigureError),
+    /// A picture or a page.
+    #[error(transparent)]
+    Report(#[from] report::Error),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] output::OutputError),

@@ -14,6 +14,7 @@ use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
 use brakes::FiniteElementBrake;
 use brakes::case::{CaseFile, SpeedRange};
+use report::influence_figure;
 use squeal::folder::RunFolder;
 use squeal::influence::{influence, write_influences};
 use squeal::output::{printable, write};
@@ -128,7 +129,7 @@ impl InfluenceArgs {
             folder.publish(|stage| -> Result<(), Error> {
                 write_influences(plan, [(scene, &found)], stage)?;
                 write(&stage.join("summary.md"), summary(&heading, &answer).as_bytes())?;
-                match found.figure("What makes squeal vary", &heading)? {
+                match influence_figure(&found, "What makes squeal vary", &heading)? {
                     Some(figure) => Ok(figure.save_pictures(stage, "influence")?),
                     None => Ok(()),
                 }

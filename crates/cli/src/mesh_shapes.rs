@@ -7,8 +7,9 @@ use num_complex::Complex;
 
 use crate::Error;
 use brakes::FiniteElementBrake;
+use report::{BasisOf, Geometry, MeshSurface, ModeOf};
 use squeal::output::{OutputError, write};
-use squeal::report::{BasisOf, Geometry, MeshSurface, ModeOf, Results};
+use squeal::results::Results;
 
 /// How a page shows modes on the mesh of the case, if it names one.
 pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
@@ -25,9 +26,9 @@ pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {
         faces,
         of_solids,
     };
-    let motion = move |mode: ModeOf<'_>| -> Result<Vec<Complex<f64>>, squeal::Error> {
+    let motion = move |mode: ModeOf<'_>| -> Result<Vec<Complex<f64>>, report::Error> {
         let shape = on_mesh(brake, mesh, String::new(), Complex::default(), mode)
-            .map_err(|error| squeal::Error::Brake(Box::new(error)))?;
+            .map_err(|error| report::Error::Mesh(Box::new(error)))?;
         Ok(nodes.iter().flat_map(|&node| shape.displacements[node]).collect())
     };
     Geometry::mesh(surface, Box::new(motion))

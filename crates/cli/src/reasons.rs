@@ -4,7 +4,7 @@ use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
 
 use crate::Error;
-use squeal::report::hertz;
+use squeal::results::hertz;
 use squeal::study::{Scene, UncertainBrake};
 use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
 

@@ -6,7 +6,7 @@ use sparse::reduction::{Compared, compared};
 
 use crate::Error;
 use brakes::FiniteElementBrake;
-use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
+use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::write_csv;
 use squeal::study::UncertainBrake;
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::Error;
 use squeal::folder::RunFolder;
 use squeal::output::printable;
-use squeal::report::Source;
+use squeal::results::Source;
 use squeal::study::Plan;
 
 /// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds: enough

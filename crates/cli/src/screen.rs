@@ -15,9 +15,9 @@ use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
 use brakes::case::CaseFile;
 use brakes::{Bases, FiniteElementBrake};
+use report::{Geometry, screen_figure, write_screen_page};
 use squeal::folder::RunFolder;
 use squeal::output::printable;
-use squeal::report::{Geometry, write_screen_page};
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::UncertainBrake;
 use squeal::study::identity::of_study;
@@ -185,7 +185,7 @@ impl ScreenArgs {
         if let Some(folder) = &folder {
             folder.publish(|stage| -> Result<(), Error> {
                 screen.write_tables(stage)?;
-                let figure = screen.figure(&what, &screen.rests_on().join("; "))?;
+                let figure = screen_figure(&screen, &what, &screen.rests_on().join("; "))?;
                 figure.save_pictures(stage, "screen")?;
                 Ok(write_screen_page(plan, &screen, options.constraints, &geometry(), &figure, &what, stage)?)
             })?;

@@ -16,9 +16,9 @@ use crate::bar::{Bar, PREPARED};
 use crate::case_file;
 use brakes::FiniteElementBrake;
 use brakes::case::CaseFile;
+use report::{Geometry, sweep_figure, write_sweep_page};
 use squeal::folder::RunFolder;
 use squeal::output::printable;
-use squeal::report::{Geometry, write_sweep_page};
 use squeal::study::identity::of_study;
 use squeal::study::{Study, UncertainBrake};
 use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
@@ -127,7 +127,7 @@ impl SweepArgs {
             folder.publish(|stage| -> Result<(), Error> {
                 found.write_tables(stage)?;
                 let title = format!("Sweep over {}", named.join(" and "));
-                let figure = found.figure(&title, &scene)?;
+                let figure = sweep_figure(&found, &title, &scene)?;
                 figure.save_pictures(stage, "sweep")?;
                 Ok(write_sweep_page(plan, &found, &modes, &geometry(), &figure, &scene, stage)?)
             })?;

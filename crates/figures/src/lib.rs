@@ -63,3 +63,8 @@ pub use occurrence::{
 };
 pub use root_locus::{LocusBranch, LocusEvent, LocusMark, RootLocusFigure, root_locus_figure};
 pub use stability_map::{MapAxis, MapCurve, MapFigure, stability_map_figure};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

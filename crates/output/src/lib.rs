@@ -190,3 +190,8 @@ mod tests {
         assert_eq!(printable("µ, é, 摩擦"), "µ, é, 摩擦");
     }
 }
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use squeal::report::Estimate;
+use squeal::results::Estimate;
 
 /// Whether a claim holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

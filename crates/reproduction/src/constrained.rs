@@ -10,7 +10,7 @@ use super::scenes::{CORNERS_HELD, SIX_HELD, full_contact, law_name, number_in_co
 use crate::Error;
 use crate::claims::{Claim, Holds};
 use brakes::case::Paper;
-use squeal::report::{ArrangementOccurrence, Estimate, Results};
+use squeal::results::{ArrangementOccurrence, Estimate, Results};
 use squeal::study::{ComparisonKind, ModeLabel, Panel};
 
 /// An occurrence that counts as none: a box plot from 0 to 100 % does not show it, and 1,000 draws without a hit in each of

@@ -31,6 +31,9 @@ pub enum Error {
     /// Standard output.
     #[error(transparent)]
     Program(#[from] squeal_cli::Error),
+    /// A picture or a page.
+    #[error(transparent)]
+    Report(#[from] report::Error),
     /// A figure.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),

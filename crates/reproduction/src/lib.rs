@@ -28,7 +28,7 @@ use printed::{counted, natural_frequencies};
 use robust_mode::{robust_mode, robust_shape, robust_work};
 pub(crate) use scenes::UNCONSTRAINED;
 pub(crate) use scenes::{CORNERS_HELD, SIX_HELD};
-use squeal::report::Results;
+use squeal::results::Results;
 use squeal::study::ModeNaming;
 
 /// Which modes the claims C4 to C6, C8 and C10 are about.

@@ -16,7 +16,7 @@ use montecarlo::{Confidence, Proportion, QuantileSketch, exact_lower_limit, exac
 
 use crate::Error;
 use crate::claims::Holds;
-use squeal::report::{ArrangementOccurrence, Estimate};
+use squeal::results::{ArrangementOccurrence, Estimate};
 
 /// The probability that any limit of a claim fails.
 const RISK: f64 = 0.05;

@@ -9,7 +9,7 @@ use super::limits::{Judgement, Limits, least};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use brakes::case::Paper;
-use squeal::report::{Estimate, Results};
+use squeal::results::{Estimate, Results};
 use squeal::study::{ModeLabel, ModeNaming, Panel, Reference, Scene};
 
 /// The modes that are ever unstable in some panels.

@@ -5,7 +5,7 @@ use montecarlo::Confidence;
 use super::limits::{Judgement, above, all, least};
 use super::scenes::{UNCONSTRAINED, law_name, number_in_contact, speed_name};
 use crate::claims::Claim;
-use squeal::report::{Estimate, Results};
+use squeal::results::{Estimate, Results};
 use squeal::study::{ComparisonKind, Panel};
 
 /// Two panels, more unstable modes expected in the first, with the difference of their means; `None` without a sample that

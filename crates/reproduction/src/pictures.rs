@@ -10,11 +10,12 @@ use crate::Error;
 use crate::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_modes, shape, title};
 use brakes::LatticeBrake;
 use brakes::case::Paper;
-use squeal::figures::{
+use figures::{
     BodyInMode, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceMark, mode_and_work, model_diagram,
     occurrence_boxes,
 };
-use squeal::report::{Results, occurrence, set_heading};
+use report::{occurrence, set_heading};
+use squeal::results::Results;
 use squeal::study::{ModeLabel, Scene};
 
 /// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for

@@ -5,7 +5,7 @@ use linsys::SecondOrder;
 use super::scenes::{UNCONSTRAINED, full_contact};
 use crate::claims::Claim;
 use brakes::case::Paper;
-use squeal::report::Results;
+use squeal::results::Results;
 
 /// Undamped frequencies in Hz without friction, every oscillator in contact: those of the oscillators and of the plate,
 /// by where most of the kinetic energy is.

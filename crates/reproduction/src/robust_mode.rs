@@ -7,7 +7,7 @@ use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::claims::{Claim, Holds};
 use brakes::case::Paper;
-use squeal::report::{Estimate, Results};
+use squeal::results::{Estimate, Results};
 use squeal::study::{ModeLabel, Reference, Scene};
 
 /// What is said where the mode of a claim is not among the unstable ones.

@@ -1,6 +1,6 @@
 //! The panels and scenes of the paper's case, by what the paper calls them.
 
-use squeal::report::Results;
+use squeal::results::Results;
 use squeal::study::{Panel, Reference, Scene};
 
 /// Index of the paper's constraint set without constraints, in its case.

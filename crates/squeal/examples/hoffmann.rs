@@ -7,7 +7,7 @@ use squeal::linsys::{AffineSystem, Channel, ChannelGain, OperatingPoint, SecondO
 use squeal::montecarlo::{Distribution, StreamRng};
 use squeal::nalgebra::dmatrix;
 use squeal::osc_model::Brake;
-use squeal::report::Results;
+use squeal::results::Results;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
 
 struct Hoffmann {

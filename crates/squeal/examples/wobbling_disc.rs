@@ -5,7 +5,7 @@ use squeal::cea::BatchSolver;
 use squeal::linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use squeal::montecarlo::{Distribution, StreamRng};
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
-use squeal::{Error, nalgebra::DMatrix, osc_model::Brake, report::Results};
+use squeal::{Error, nalgebra::DMatrix, osc_model::Brake, results::Results};
 
 /// A 2 x 2 matrix by rows.
 type Rows = [f64; 4];

@@ -45,10 +45,6 @@ pub enum Error {
     /// The Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
-    /// A figure.
-    #[cfg(feature = "figures")]
-    #[error(transparent)]
-    Figure(#[from] figures::FigureError),
     /// A brake whose own median parameters have no modes to name the others after.
     #[error("{study}: friction at median parameters: {source}")]
     Median {

@@ -1,14 +1,14 @@
 //! Which modes of a brake will squeal, how sure are we, and what stops them.
 //!
 //! This crate puts the stages together. Whoever makes a brake, `brakes` from a case file or a type of one's own,
-//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become a [`report`]:
+//! implements [`study::UncertainBrake`]; a [`study::Study`] of it is sampled, and its counts become a [`results`]:
 //!
 //! brake + draw -> [`linsys`] -> [`cea`] -> [`tracking`] -> [`work`] -> [`montecarlo`] -> tables and figures
 //!
 //! | to | see |
 //! | --- | --- |
 //! | study a brake of one's own | [`study::UncertainBrake`], [`study::Plan`], and `examples/` |
-//! | run a study in memory | [`report::Results::sampled`] |
+//! | run a study in memory | [`results::Results::sampled`] |
 //! | run one in a folder, with checkpoints and tables | [`run_study`] |
 //! | know an occurrence to a half width | [`estimators::scene_occurrences`] |
 //! | know which input makes squeal vary | [`influence::influence`] |
@@ -42,7 +42,7 @@ pub mod folder;
 pub mod identity;
 pub mod influence;
 pub mod memory;
-pub mod report;
+pub mod results;
 mod run;
 pub mod screen;
 pub mod study;
@@ -50,8 +50,6 @@ pub mod sweep;
 pub mod why;
 
 pub use error::Error;
-#[cfg(feature = "figures")]
-pub use figures;
 pub use fingerprint::fingerprint;
 pub use run::{DrawResults, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
 pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, tracking, work};

@@ -7,7 +7,7 @@ use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, 
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::report::{Manifest, Results, Stopped, Times, reasons, write_tables};
+use crate::results::{Manifest, Results, Stopped, Times, reasons, write_tables};
 use crate::study::identity::of_study;
 use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 

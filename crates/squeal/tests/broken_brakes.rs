@@ -16,7 +16,7 @@ use nalgebra::dmatrix;
 use num_complex::Complex;
 use osc_model::{Body, Brake};
 use squeal::Error;
-use squeal::report::Results;
+use squeal::results::Results;
 use squeal::study::{Contradiction, Input, LawLabel, NamedParameter, Plan, Scene, Study, UncertainBrake, check};
 
 /// What is drawn: a coefficient of friction, a stiffness and a dashpot.

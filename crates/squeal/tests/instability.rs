@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
 use squeal::Error;
 use squeal::estimators::scene_occurrences_beside;
-use squeal::report::{ArrangementOccurrence, Results};
+use squeal::results::{ArrangementOccurrence, Results};
 use squeal::study::{ModeLabel, Outcome, Plan, Scene, SceneTally, Study, StudyTally, UncertainBrake};
 
 /// `Q_0 + p Q_1` with p uniform between two numbers.

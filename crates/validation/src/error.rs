@@ -36,7 +36,7 @@ pub enum ValidationError {
     },
     /// A figure.
     #[error(transparent)]
-    Figure(#[from] squeal::figures::FigureError),
+    Figure(#[from] figures::FigureError),
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] squeal::output::OutputError),

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use serde::Serialize;
-use squeal::figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use squeal::output::{make_folder, write};
 
 use crate::ValidationError;

@@ -6,7 +6,7 @@ use brakes::LatticeBrake;
 use cpu_time::ProcessTime;
 use reproduction::draw_paper;
 use serde::Serialize;
-use squeal::report::Times;
+use squeal::results::Times;
 use squeal::{RunOptions, run_study_with};
 use squeal_cli::bar::RunBars;
 

@@ -11,7 +11,7 @@ use super::line;
 use crate::Error;
 use brakes::case::{FiniteElementCase, FixedDofs};
 use brakes::frictionless;
-use squeal::report::hertz;
+use squeal::results::hertz;
 use squeal::study::{Origin, Plan};
 
 /// An asymmetry that is rounding of an export; chosen.

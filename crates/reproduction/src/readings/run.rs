@@ -6,7 +6,7 @@ use crate::{Error, Judgement, Subject, claims_judged};
 use brakes::LatticeBrake;
 use brakes::case::LatticeCase;
 use squeal::montecarlo::{self, Sampling, Summary};
-use squeal::report::Results;
+use squeal::results::Results;
 use squeal::study::{ModeIdentity, ModeNaming, Study, StudyOptions, StudyTally, TwiceNamedTally, UncertainBrake as _};
 
 use super::family::Family;

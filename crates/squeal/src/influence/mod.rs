@@ -6,8 +6,6 @@
 
 mod evaluated;
 mod output;
-#[cfg(feature = "figures")]
-mod pictures;
 mod report;
 mod samples;
 

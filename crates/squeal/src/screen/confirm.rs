@@ -6,7 +6,7 @@ use montecarlo::{BoundedMean, Bounds, Confidence, Failures, Merge, Runs, Tally, 
 use serde::{Deserialize, Serialize};
 
 use super::modified::Modified;
-use crate::report::Estimate;
+use crate::results::Estimate;
 use crate::study::{Plan, Scene, Study, UncertainBrake};
 
 /// Sums over all scenes of each set of changes, sample by sample.

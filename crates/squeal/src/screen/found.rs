@@ -11,7 +11,7 @@ use super::modified::ChangeSet;
 use super::predict::Prediction;
 use crate::Error;
 use crate::output::write_csv;
-use crate::report::Estimate;
+use crate::results::Estimate;
 
 /// Changes of each kind that are printed and not confirmed; more are in the table. Chosen.
 const MOST_PRINTED: usize = 5;

@@ -13,8 +13,6 @@ mod confirm;
 mod found;
 mod growing;
 mod modified;
-#[cfg(feature = "figures")]
-mod pictures;
 mod predict;
 mod run;
 mod search;

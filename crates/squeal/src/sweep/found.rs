@@ -28,7 +28,7 @@ fn hertz(omega: f64) -> f64 {
 }
 
 /// What a mode does at an onset, in words.
-pub(crate) fn event(starts: bool, threshold: &Threshold) -> &'static str {
+pub fn event(starts: bool, threshold: &Threshold) -> &'static str {
     match (starts, threshold.is_axis()) {
         (true, true) => "starts to grow",
         (false, true) => "stops growing",
@@ -250,7 +250,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("\n{name:>22}  {:>8}  {:>width$}  {:>12}  {:>8}\n", "error", "mode", "Hz", "unstable");
     }
     for onset in &sweep.onsets {
-        let (hz, does) = (crate::report::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
+        let (hz, does) = (crate::results::hertz(hertz(onset.omega)), onset.event(&sweep.threshold));
         let whose = if onset.is_reduced { ", of the REDUCED brake: that of the whole one was not found" } else { "" };
         let SweepOnset { at, error, mode, unstable, .. } = onset;
         text += &format!("{at:>22}  {error:>8.1e}  {mode:>width$}  {hz:>12}  {unstable:>8}  {does}{whose}\n");
@@ -272,7 +272,7 @@ fn branch_text(sweep: &Sweep) -> String {
         text += &format!("\n{name:>22}  {error:>8}  {off:>8}  {:>14}  {:>12}  {:>12}\n", "modes", "Hz", "growth 1/s");
     }
     for found in &sweep.coalescences {
-        let (modes, hz) = (found.modes.join(" and "), crate::report::hertz(hertz(found.omega)));
+        let (modes, hz) = (found.modes.join(" and "), crate::results::hertz(hertz(found.omega)));
         let what = if found.distance <= found.error.max(f64::EPSILON) { "coalesce" } else { "nearly coalesce" };
         text += &format!(
             "{:>22.9}  {:>8.1e}  {:>8.1e}  {modes:>14}  {hz:>12}  {:>12.4}  {what}\n",
@@ -289,7 +289,7 @@ fn branch_text(sweep: &Sweep) -> String {
 }
 
 /// What stands first where divergence was not looked for.
-pub(crate) fn not_looked_for(counts_divergence: bool) -> &'static str {
+pub fn not_looked_for(counts_divergence: bool) -> &'static str {
     match counts_divergence {
         true => "",
         false => {
@@ -324,7 +324,7 @@ fn map_text(map: &StabilityMap) -> String {
         text += &format!(
             "{mode:>width$}  {:>6}  {:>22}  {x} = {x_from:.6} to {x_to:.6}, {y} = {y_from:.6} to {y_to:.6}{how}\n",
             points.len(),
-            format!("{} to {}", crate::report::hertz(hz[0]), crate::report::hertz(hz[1])),
+            format!("{} to {}", crate::results::hertz(hz[0]), crate::results::hertz(hz[1])),
         );
     }
     text += "\nunstable     share  regions\n";

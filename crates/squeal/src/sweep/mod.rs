@@ -25,8 +25,6 @@ mod one_parameter;
 mod onset;
 mod parameter;
 mod part_map;
-#[cfg(feature = "figures")]
-mod pictures;
 mod regions;
 
 pub use boundary::{BoundaryCurve, BoundaryPoint, CurveEnd};
@@ -34,12 +32,10 @@ pub use changes::{ChangeOf, Marginal};
 pub use coalescence::Coalescence;
 pub use divergence::{DIVERGENCE, EXCHANGE, named};
 pub use family::Evaluations;
-pub use found::Found;
-#[cfg(feature = "figures")]
-pub(crate) use found::not_looked_for;
+pub use found::{Found, event, not_looked_for};
 pub use map::{StabilityMap, stability_map};
 pub use modes::{BoundaryMode, boundary_modes};
 pub use one_parameter::{NamedBranch, Sweep, sweep};
 pub use onset::SweepOnset;
 pub use parameter::{Over, SweptParameter, swept};
-pub use regions::{Region, Run};
+pub use regions::{CELLS, Region, Run};

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use serde::Serialize;
 
 /// Rows and columns of cells; chosen: a cell is two thirds of a millimetre in print.
-pub(super) const CELLS: usize = 240;
+pub const CELLS: usize = 240;
 /// Regions that are no wider than so many cells are not listed; chosen: their boundaries nearly touch.
 const LEAST_DEPTH: usize = 2;
 

@@ -8,8 +8,8 @@ use super::Geometry;
 use super::shapes;
 use super::tables::{Table, with_rows};
 use crate::Error;
-use crate::report::Results;
-use crate::study::SceneLabels;
+use squeal::results::Results;
+use squeal::study::SceneLabels;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
 const TABLES: [(&str, &str); 9] = [

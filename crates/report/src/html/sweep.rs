@@ -12,10 +12,11 @@ use super::shapes::{self, MovingMode, moving};
 use super::sweep_answer::{self, short};
 use super::tables::with_rows;
 use super::text::{escaped, filled};
-use crate::figures::Figure;
-use crate::study::Plan;
-use crate::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
-use crate::{Error, fingerprint};
+use crate::Error;
+use figures::Figure;
+use squeal::fingerprint;
+use squeal::study::Plan;
+use squeal::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
 
 /// The tables of a sweep, and what they are about.
 const TABLES: [(&str, &str); 5] = [

@@ -56,7 +56,7 @@ pub struct Results<'a> {
     /// Of a reduced brake: some draws against the whole one.
     pub full_checks: Option<FullChecks>,
     /// Whether the brake finds its modes itself, those of a band, and so shows no divergence.
-    pub(super) has_band_modes: bool,
+    pub has_band_modes: bool,
     panels: Vec<Panel>,
     comparisons: Vec<Comparison>,
     /// What was noticed beside the counts, for the manifest.

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::text::{base64, escaped, filled, json_in_script};
 use crate::Error;
-use crate::output::write;
+use output::write;
 
 /// The script: one function, so that no name of it is global.
 const SCRIPT: &str = concat!(

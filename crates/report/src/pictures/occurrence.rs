@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::{Results, set_letter};
 use crate::Error;
-use crate::figures::{
+use figures::{
     Occurrence, OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
     OccurrencePanel, OccurrenceSeries, occurrence_boxes,
 };
-use crate::report::ArrangementOccurrence;
-use crate::study::{ModeLabel, ModeNaming, Panel, PanelLabel, Plan};
+use squeal::results::{ArrangementOccurrence, Results, set_letter};
+use squeal::study::{ModeLabel, ModeNaming, Panel, PanelLabel, Plan};
 
 /// Draws one figure per constraint set and law, `occurrence-SET-LAW`, or `occurrence-SET` where there is one law.
 ///

@@ -45,13 +45,22 @@ pub struct Source {
     pub study: String,
 }
 
+/// The version of this program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The commit that this program is built from, where git was there to tell.
+#[must_use]
+pub fn commit() -> Option<&'static str> {
+    option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty())
+}
+
 impl Source {
     /// Of a plan, by this program.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()),
+            version: VERSION,
+            commit: commit(),
             case: plan.source_file.as_ref().map(|file| file.path.display().to_string()),
             case_sha256: plan.source_file.as_ref().map(|file| fingerprint(&file.text)),
             study: plan.name.clone(),

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::mesh::MeshSurface;
 use crate::Error;
-use crate::study::{Plan, Scene};
+use squeal::study::{Plan, Scene};
 
 /// What a page draws of a brake, for moving mode shapes.
 pub struct Geometry<'a>(Body<'a>);

@@ -11,10 +11,11 @@ use super::page::Page;
 use super::shapes::{self, MovingMode, moving};
 use super::tables::with_rows;
 use super::text::{capitalised, escaped, filled};
-use crate::figures::Figure;
-use crate::screen::{Screen, ScreenedSet};
-use crate::study::Plan;
-use crate::{Error, fingerprint};
+use crate::Error;
+use figures::Figure;
+use squeal::fingerprint;
+use squeal::screen::{Screen, ScreenedSet};
+use squeal::study::Plan;
 
 /// The tables of a screening, and what they are about.
 const TABLES: [(&str, &str); 2] = [

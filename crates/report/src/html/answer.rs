@@ -2,16 +2,16 @@
 
 use super::text::{capitalised, escaped};
 use crate::Error;
-use crate::report::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
-use crate::report::results::Estimate;
-use crate::report::summary::hertz;
-use crate::report::{Results, set_letter};
-use crate::study::ModeLabel;
+use squeal::results::Estimate;
+use squeal::results::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
+use squeal::results::hertz;
+use squeal::results::{Results, set_letter};
+use squeal::study::ModeLabel;
 
 /// The answer of a study, as HTML.
 pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {
     let sets = results.plan().labels.constraints.len();
-    let findings = (0..sets).map(|set| SetFindings::new(results, set)).collect::<Result<Vec<_>, Error>>()?;
+    let findings = (0..sets).map(|set| SetFindings::new(results, set)).collect::<Result<Vec<_>, squeal::Error>>()?;
     let doubt = |doubt: String| format!("<p class=\"doubt\">Warning: {}</p>\n", escaped(&doubt));
     let mut text: String = results.doubts().into_iter().map(doubt).collect();
     text += "<h3>Which modes squeal</h3>\n<ul class=\"lead\">\n";

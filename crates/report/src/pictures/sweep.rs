@@ -3,30 +3,25 @@
 use cea::frequency_hz;
 use num_complex::Complex;
 
-use super::divergence::named;
-use super::found::event;
-use super::regions::CELLS;
-use super::{ChangeOf, Found, NamedBranch, StabilityMap, Sweep, SweptParameter};
 use crate::Error;
-use crate::figures::{
+use figures::{
     Figure, LocusBranch, LocusEvent, LocusMark, MapAxis, MapCurve, MapFigure, RootLocusFigure, root_locus_figure,
     stability_map_figure,
 };
+use squeal::sweep::{CELLS, ChangeOf, Found, NamedBranch, StabilityMap, Sweep, SweptParameter, event, named};
 
 /// Lines with which a branch over the whole range is drawn; chosen.
 const LINES: f64 = 96.0;
 
-impl Found {
-    /// The root locus or the stability map; `title` and `note` stand above and below.
-    ///
-    /// # Errors
-    /// A picture that cannot be drawn.
-    pub fn figure(&self, title: &str, note: &str) -> Result<Figure, Error> {
-        Ok(match self {
-            Self::Branches(sweep) => root_locus_figure(&locus(sweep, title, note))?,
-            Self::Map(map) => stability_map_figure(&drawn(map, title, note))?,
-        })
-    }
+/// The root locus or the stability map; `title` and `note` stand above and below.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn sweep_figure(found: &Found, title: &str, note: &str) -> Result<Figure, Error> {
+    Ok(match found {
+        Found::Branches(sweep) => root_locus_figure(&locus(sweep, title, note))?,
+        Found::Map(map) => stability_map_figure(&drawn(map, title, note))?,
+    })
 }
 
 fn locus(sweep: &Sweep, title: &str, note: &str) -> RootLocusFigure {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::findings::{Change, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::reasons::{SceneReasons, reasons_in_words};
-use super::results::Estimate;
+use super::study_results::Estimate;
 use super::summary::hertz;
 use super::{Results, set_letter};
 use crate::Error;

@@ -4,7 +4,7 @@ use montecarlo::Confidence;
 use std::collections::BTreeMap;
 
 use super::Results;
-use super::results::{ArrangementOccurrence, Estimate};
+use super::study_results::{ArrangementOccurrence, Estimate};
 use crate::Error;
 use crate::study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 
@@ -12,9 +12,10 @@ use crate::study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 const LIKELY: f64 = 0.5;
 
 /// The occurrences of a mode over all panels of a set of constraints.
-pub(super) struct ModeRange<'a> {
-    /// The smallest median over the arrangements of a panel, and the largest.
+pub struct ModeRange<'a> {
+    /// The smallest median over the arrangements of a panel.
     pub least: (Estimate, &'a Panel),
+    /// The largest.
     pub most: (Estimate, &'a Panel),
     /// Whether it is unstable, or may be, in any sample.
     pub is_ever_unstable: bool,
@@ -29,7 +30,6 @@ impl ModeRange<'_> {
     }
 
     /// In how many samples it is unstable.
-    #[cfg(feature = "figures")]
     pub fn in_words(&self) -> &'static str {
         match (self.least.0.value >= 1.0, self.largest.value > 0.0) {
             (true, _) => "unstable in every sample",
@@ -45,7 +45,7 @@ impl ModeRange<'_> {
 }
 
 /// The modes of a set of constraints.
-pub(super) struct SetFindings<'a> {
+pub struct SetFindings<'a> {
     /// Those that are ever unstable, the most robust first.
     pub unstable: Vec<(ModeLabel, ModeRange<'a>)>,
     /// Those that are unstable in no sample.
@@ -126,14 +126,16 @@ fn mode_ranges<'a>(results: &'a Results<'_>, constraints: usize) -> Result<BTree
 
 /// By how much a set of constraints changes the number of unstable modes per analysis, panel by panel, against the first set on
 /// the same samples.
-pub(super) struct Change<'a> {
+pub struct Change<'a> {
     /// Panels compared.
     pub panels: usize,
-    /// Panels with surely fewer unstable modes, and with surely more.
+    /// Panels with surely fewer unstable modes.
     pub fewer: usize,
+    /// Panels with surely more.
     pub more: usize,
-    /// The smallest and the largest drop.
+    /// The smallest drop.
     pub least: (&'a Panel, Estimate),
+    /// The largest drop.
     pub most: (&'a Panel, Estimate),
 }
 
@@ -156,16 +158,17 @@ impl<'a> Change<'a> {
 }
 
 /// A drop in words, with its limits: how many fewer or more.
-pub(super) fn drop_in_words(d: &Estimate) -> String {
+pub fn drop_in_words(d: &Estimate) -> String {
     let word = if d.value < 0.0 { "more" } else { "fewer" };
     let limits = if d.value < 0.0 { [-d.upper, -d.lower] } else { [d.lower, d.upper] };
     format!("{:.3} {word} ({:.3} to {:.3})", d.value.abs(), limits[0], limits[1])
 }
 
 /// What the samples leave open.
-pub(super) struct OpenCounts {
-    /// Unstable modes found, and those of them whose name is open.
+pub struct OpenCounts {
+    /// Unstable modes found.
     pub unstable_modes: u64,
+    /// Those of them whose name is open.
     pub ambiguous_modes: u64,
     /// Real eigenvalues that diverge.
     pub divergent: u64,
@@ -178,6 +181,8 @@ pub(super) struct OpenCounts {
 }
 
 impl OpenCounts {
+    /// What the samples of a study leave open.
+    #[must_use]
     pub fn new(results: &Results<'_>) -> Self {
         let sum = |of: fn(&SceneTally) -> u64| results.summary.tally.scenes.iter().map(of).sum::<u64>();
         Self {
@@ -193,7 +198,7 @@ impl OpenCounts {
 
 /// What every number of a study has to be read with: failures first, then verdicts that are open, a sentence each; nothing where
 /// there are none.
-pub(super) fn warnings(results: &Results<'_>) -> Vec<String> {
+pub fn warnings(results: &Results<'_>) -> Vec<String> {
     let (summary, mut found) = (&results.summary, Vec::new());
     let scenes = results.plan().scenes.len() as u64;
     let failed: u64 = (0..results.plan().scenes.len()).map(|scene| results.failed(scene)).sum();
@@ -218,7 +223,7 @@ pub(super) fn warnings(results: &Results<'_>) -> Vec<String> {
 }
 
 /// Law, number in contact and speed of a panel.
-pub(super) fn place(results: &Results<'_>, panel: &Panel) -> String {
+pub fn place(results: &Results<'_>, panel: &Panel) -> String {
     let labels = &results.plan().labels;
     let mut place = labels.laws[panel.key.law].name.clone();
     match labels.panels[panel.key.panel].in_contact {

@@ -29,8 +29,8 @@ pub use sweep::write_sweep_page;
 use std::path::Path;
 
 use self::page::Page;
-use super::Results;
 use crate::Error;
+use squeal::results::Results;
 
 /// The page of a study or sweep, in the folder of its other results.
 const FILE: &str = "report.html";

@@ -80,7 +80,7 @@ impl<'a> Results<'a> {
     }
 
     /// A mode with its frequency, or what is no mode, for people.
-    pub(super) fn in_words(&self, constraints: usize, name: ModeLabel) -> String {
+    pub fn in_words(&self, constraints: usize, name: ModeLabel) -> String {
         match name {
             ModeLabel::DIVERGENCE => "divergence (real eigenvalues, no oscillation)".into(),
             ModeLabel::UNNAMED => "modes without a name (none has it at median parameters)".into(),

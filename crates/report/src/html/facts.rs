@@ -1,8 +1,8 @@
 //! The end of the page: from what the results came, enough to make them again.
 
 use super::text::escaped;
-use crate::report::{Manifest, Results, Times};
-use crate::study::{ModeIdentity, ModeNaming, StudySource};
+use squeal::results::{Manifest, Results, Times, VERSION, commit};
+use squeal::study::{ModeIdentity, ModeNaming, StudySource};
 
 /// What every study takes for granted.
 const ASSUMPTIONS: [&str; 7] = [
@@ -80,8 +80,8 @@ pub(super) fn described(facts: &[(&str, String)]) -> String {
 
 /// The version of this program.
 pub(super) fn program() -> String {
-    let commit = option_env!("SQUEAL_COMMIT").filter(|commit| !commit.is_empty()).unwrap_or("not known");
-    let facts = [("squeal", env!("CARGO_PKG_VERSION").to_owned()), ("Commit", commit.to_owned())];
+    let commit = commit().unwrap_or("not known");
+    let facts = [("squeal", VERSION.to_owned()), ("Commit", commit.to_owned())];
     format!("<h3>Version</h3>\n{}", described(&facts))
 }
 

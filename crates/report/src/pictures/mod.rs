@@ -1,0 +1,11 @@
+//! The pictures of what was found: data of `squeal`, drawn by `figures`.
+
+mod influence;
+mod occurrence;
+mod screen;
+mod sweep;
+
+pub use influence::influence_figure;
+pub use occurrence::{draw_occurrence, occurrence, set_heading};
+pub use screen::screen_figure;
+pub use sweep::sweep_figure;

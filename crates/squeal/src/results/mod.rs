@@ -1,0 +1,20 @@
+//! What a study found: counts turned into occurrences and intervals, tables, a summary, a manifest.
+
+mod doubts;
+mod estimates;
+pub mod findings;
+mod manifest;
+mod modes;
+mod reasons;
+mod study_results;
+mod summary;
+mod summary_page;
+mod tables;
+
+pub use estimates::Estimates;
+pub use manifest::{Manifest, Source, Stopped, Times, VERSION, commit};
+pub use modes::set_letter;
+pub use reasons::{SceneReasons, reasons};
+pub use study_results::{ArrangementOccurrence, Estimate, Results};
+pub use summary::hertz;
+pub use tables::write_tables;
