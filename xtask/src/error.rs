@@ -24,6 +24,9 @@ pub enum TaskError {
     /// A file that cannot be written.
     #[error(transparent)]
     Output(#[from] squeal::output::OutputError),
+    /// An error of the samples of a study.
+    #[error(transparent)]
+    Samples(#[from] squeal::study::Error),
     /// An error of the Monte Carlo run.
     #[error(transparent)]
     MonteCarlo(#[from] squeal::montecarlo::MonteCarloError),

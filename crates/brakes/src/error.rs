@@ -20,22 +20,40 @@ pub enum Error {
     },
     /// The model, its friction or a study of it.
     #[error(transparent)]
-    Study(#[from] squeal::Error),
+    Study(#[from] study::Error),
+    /// What is asked of a study.
+    #[error(transparent)]
+    Asked(#[from] squeal::Error),
 }
 
-impl From<Error> for squeal::Error {
+impl From<Error> for study::Error {
     /// What a study knows by itself stays what it is; the rest is of the brake.
     fn from(error: Error) -> Self {
         match error {
-            Error::Study(error) => error,
+            Error::Study(error) | Error::Asked(squeal::Error::Study(error)) => error,
             other => Self::Brake(Box::new(other)),
         }
     }
 }
 
-impl From<crate::case::CaseError> for squeal::Error {
+impl From<Error> for squeal::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Asked(error) => error,
+            other => Self::Study(other.into()),
+        }
+    }
+}
+
+impl From<crate::case::CaseError> for study::Error {
     fn from(error: crate::case::CaseError) -> Self {
         Error::Case(error).into()
+    }
+}
+
+impl From<crate::case::CaseError> for squeal::Error {
+    fn from(error: crate::case::CaseError) -> Self {
+        Self::Study(error.into())
     }
 }
 

@@ -3,7 +3,7 @@
 use osc_model::ContactArrangement;
 
 use crate::case::{Law, SpeedRange};
-use squeal::study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
+use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
 
 /// The labels of these, without those of constraints, degrees of freedom and the point of naming.
 pub(super) fn friction_labels(

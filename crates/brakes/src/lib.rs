@@ -1,4 +1,4 @@
-//! Case files, and the brakes that they make, as [`UncertainBrake`](squeal::study::UncertainBrake)s.
+//! Case files, and the brakes that they make, as [`UncertainBrake`](study::UncertainBrake)s.
 //!
 //! | to | see |
 //! | --- | --- |

@@ -5,7 +5,7 @@ use montecarlo::{Distribution, StreamRng};
 
 use crate::Error;
 use crate::case::{MatricesCase, Parameter};
-use squeal::study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
+use study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]
@@ -20,9 +20,9 @@ impl MatricesBrake {
     /// Lays out the scenes of a case.
     ///
     /// # Errors
-    /// [`squeal::Error::Median`] where the medians of the parameters have no operating point.
+    /// [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: MatricesCase) -> Result<Self, Error> {
-        let failed = |source| squeal::Error::Median {
+        let failed = |source| study::Error::Median {
             study: case.path.display().to_string(),
             source: Box::new(Error::Case(source).into()),
         };
@@ -58,7 +58,7 @@ impl UncertainBrake for MatricesBrake {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, squeal::Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<Vec<f64>, study::Error> {
         Ok(self.case.draw(rng)?)
     }
 
@@ -66,7 +66,7 @@ impl UncertainBrake for MatricesBrake {
         self.case.medians()
     }
 
-    fn operating_point(&self, _: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, squeal::Error> {
+    fn operating_point(&self, _: &Scene, sample: &Vec<f64>) -> Result<OperatingPoint, study::Error> {
         Ok(self.case.operating_point(sample)?)
     }
 
@@ -109,7 +109,7 @@ impl UncertainBrake for MatricesBrake {
         self.case.parameters.iter().map(named).collect()
     }
 
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         let mut sample = self.median();
         for &(place, value) in values {
             sample[place] = value;

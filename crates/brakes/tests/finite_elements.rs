@@ -148,7 +148,7 @@ fn each_arrangement_has_a_basis_of_its_own_and_the_modes_of_the_whole_brake_unde
 
     // What is attached needs one basis for all.
     let refused = brake.places(0).unwrap_err();
-    let squeal::Error::Brake(refused) = refused else { panic!("{refused}") };
+    let study::Error::Brake(refused) = refused else { panic!("{refused}") };
     assert!(matches!(refused.downcast_ref(), Some(brakes::Error::SeveralBases { .. })));
 }
 

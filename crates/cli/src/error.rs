@@ -143,10 +143,16 @@ impl From<squeal::Error> for Error {
     }
 }
 
+impl From<squeal::study::Error> for Error {
+    fn from(error: squeal::study::Error) -> Self {
+        Self::Study(error.into())
+    }
+}
+
 impl From<brakes::Error> for Error {
     fn from(error: brakes::Error) -> Self {
         match error {
-            brakes::Error::Study(error) => error.into(),
+            brakes::Error::Asked(error) => error.into(),
             other => Self::Brake(other),
         }
     }

@@ -16,9 +16,9 @@ use brakes::FiniteElementBrake;
 use brakes::case::{CaseFile, SpeedRange};
 use report::influence_figure;
 use squeal::folder::RunFolder;
+use squeal::identity::of_study;
 use squeal::influence::{influence, write_influences};
 use squeal::output::{printable, write};
-use squeal::study::identity::of_study;
 use squeal::study::{Study, UncertainBrake};
 use squeal::workers;
 

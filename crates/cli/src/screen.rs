@@ -17,10 +17,10 @@ use brakes::case::CaseFile;
 use brakes::{Bases, FiniteElementBrake};
 use report::{Geometry, screen_figure, write_screen_page};
 use squeal::folder::RunFolder;
+use squeal::identity::of_study;
 use squeal::output::printable;
 use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
 use squeal::study::UncertainBrake;
-use squeal::study::identity::of_study;
 use squeal::workers;
 
 /// Draws of the prediction where no option says otherwise; chosen: it ranks.

@@ -7,6 +7,9 @@ pub enum Error {
     /// The study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
+    /// The samples of a study.
+    #[error(transparent)]
+    Samples(#[from] squeal::study::Error),
     /// A quantile.
     #[error(transparent)]
     MonteCarlo(#[from] montecarlo::MonteCarloError),
@@ -30,11 +33,17 @@ pub enum Error {
     Output(#[from] output::OutputError),
     /// Standard output.
     #[error(transparent)]
-    Program(#[from] squeal_cli::Error),
+    Program(Box<squeal_cli::Error>),
     /// A picture or a page.
     #[error(transparent)]
     Report(#[from] report::Error),
     /// A figure.
     #[error(transparent)]
     Figure(#[from] figures::FigureError),
+}
+
+impl From<squeal_cli::Error> for Error {
+    fn from(error: squeal_cli::Error) -> Self {
+        Self::Program(Box::new(error))
+    }
 }

@@ -8,7 +8,7 @@ use squeal::montecarlo::{Distribution, StreamRng};
 use squeal::nalgebra::dmatrix;
 use squeal::osc_model::Brake;
 use squeal::results::Results;
-use squeal::study::{Plan, Scene, Study, UncertainBrake};
+use squeal::study::{self, Plan, Scene, Study, UncertainBrake};
 
 struct Hoffmann {
     mu: Distribution,
@@ -39,7 +39,7 @@ impl UncertainBrake for Hoffmann {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<f64, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<f64, study::Error> {
         Ok(self.mu.draw(rng)?)
     }
 
@@ -47,7 +47,7 @@ impl UncertainBrake for Hoffmann {
         self.mu.median()
     }
 
-    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, study::Error> {
         Ok(sliding(*mu))
     }
 }

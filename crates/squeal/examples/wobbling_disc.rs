@@ -4,7 +4,7 @@
 use squeal::cea::BatchSolver;
 use squeal::linsys::{AffineSystem, OperatingPoint, SecondOrder, Term};
 use squeal::montecarlo::{Distribution, StreamRng};
-use squeal::study::{Plan, Scene, Study, UncertainBrake};
+use squeal::study::{self, Plan, Scene, Study, UncertainBrake};
 use squeal::{Error, nalgebra::DMatrix, osc_model::Brake, results::Results};
 
 /// A 2 x 2 matrix by rows.
@@ -36,13 +36,13 @@ impl UncertainBrake for WobblingDisc {
     fn plan(&self) -> &Plan {
         &self.0
     }
-    fn draw(&self, rng: &mut StreamRng) -> Result<[f64; 3], Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<[f64; 3], study::Error> {
         Ok([MU.draw(rng)?, OMEGA.draw(rng)?, N0.draw(rng)?])
     }
     fn median(&self) -> [f64; 3] {
         [MU, OMEGA, N0].map(|parameter| parameter.median())
     }
-    fn operating_point(&self, _: &Scene, sample: &[f64; 3]) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, _: &Scene, sample: &[f64; 3]) -> Result<OperatingPoint, study::Error> {
         Ok(at(sample))
     }
 }

@@ -2,25 +2,13 @@
 
 use std::path::PathBuf;
 
-/// What can go wrong between a brake and its results.
+/// What can go wrong between a study and its results.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The model of a brake.
+    /// The study.
     #[error(transparent)]
-    Model(#[from] osc_model::OscModelError),
-    /// A friction law.
-    #[error(transparent)]
-    Friction(#[from] friction::FrictionError),
-    /// An eigenvalue analysis.
-    #[error(transparent)]
-    Cea(#[from] cea::CeaError),
-    /// Work in a mode.
-    #[error(transparent)]
-    Work(#[from] work::WorkError),
-    /// Modes or branches that could not be followed.
-    #[error(transparent)]
-    Tracking(#[from] tracking::TrackingError),
+    Study(#[from] study::Error),
     /// A spectrum contradicts the boundary of a stability map, however many lines it is looked for on.
     #[error(
         "at {at} a spectrum has {found} unstable modes, and the curves of the map leave {expected}: a curve is missing; allowed: ranges in \
@@ -42,54 +30,9 @@ pub enum Error {
         /// Why.
         source: Box<Error>,
     },
-    /// The Monte Carlo run.
-    #[error(transparent)]
-    MonteCarlo(#[from] montecarlo::MonteCarloError),
-    /// A brake whose own median parameters have no modes to name the others after.
-    #[error("{study}: friction at median parameters: {source}")]
-    Median {
-        /// The case file, or the name of the study.
-        study: String,
-        /// Why.
-        source: Box<Error>,
-    },
-    /// A scene whose reference modes cannot be found.
-    #[error("{scene}: {source}")]
-    Scene {
-        /// Constraints, law, contacts and speed, as far as they matter.
-        scene: String,
-        /// Why.
-        source: Box<Error>,
-    },
-    /// What would take more memory than there is.
-    #[error(
-        "{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or --memory where there is more"
-    )]
-    TooLarge {
-        /// What would take it.
-        what: String,
-        /// How much, in words.
-        needed: String,
-        /// What there is, in words.
-        budget: String,
-        /// What would fit.
-        fits: String,
-    },
     /// An estimator of occurrences.
     #[error(transparent)]
-    Estimator(Box<crate::estimators::EstimatorError>),
-    /// What a brake of a user's own type forgets, or says twice and differently.
-    #[error(transparent)]
-    Contradiction(#[from] crate::study::Contradiction),
-    /// What a brake of a user's own type refuses.
-    #[error("{0}")]
-    Brake(Box<dyn std::error::Error + Send + Sync>),
-    /// An eigenvalue of the whole brake that is not found next to one of the reduced.
-    #[error("{0}")]
-    WholeEigenvalue(Box<dyn std::error::Error + Send + Sync>),
-    /// A system or an operating point.
-    #[error(transparent)]
-    System(#[from] linsys::LinsysError),
+    Estimator(Box<study::estimators::EstimatorError>),
     /// A scene in which nothing is drawn.
     #[error(
         "{scene}: nothing is drawn in this scene; allowed: a brake that names what it draws, with one distribution that is not constant"
@@ -117,7 +60,7 @@ pub enum Error {
     /// A folder that belongs to another study.
     #[error(
         "{}: holds {}; allowed: a new or empty folder, or that of the same study",
-        path.display(), crate::identity::difference(found, wanted)
+        path.display(), study::identity::difference(found, wanted)
     )]
     OtherStudy {
         /// The folder.
@@ -168,3 +111,25 @@ pub enum Error {
         source: std::io::Error,
     },
 }
+
+/// Errors that a study knows.
+macro_rules! of_study {
+    ($($error:ty),+) => {
+        $(impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self::Study(error.into())
+            }
+        })+
+    };
+}
+
+of_study!(
+    osc_model::OscModelError,
+    friction::FrictionError,
+    linsys::LinsysError,
+    cea::CeaError,
+    work::WorkError,
+    tracking::TrackingError,
+    montecarlo::MonteCarloError,
+    study::Contradiction
+);

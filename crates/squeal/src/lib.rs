@@ -36,23 +36,18 @@
 //! ```
 
 mod error;
-pub mod estimators;
-mod fingerprint;
 pub mod folder;
-pub mod identity;
 pub mod influence;
-pub mod memory;
 pub mod results;
 mod run;
 pub mod screen;
-pub mod study;
 pub mod sweep;
 pub mod why;
 
 pub use error::Error;
-pub use fingerprint::fingerprint;
 pub use run::{DrawResults, RunOptions, RunProgress, estimate, run_study, run_study_with, workers};
-pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, tracking, work};
+pub use study::{estimators, fingerprint, identity, memory};
+pub use {cea, friction, linsys, montecarlo, nalgebra, num_complex, osc_model, output, study, tracking, work};
 
 /// The README's example, compiled and run as a doctest.
 #[cfg(doctest)]

@@ -7,8 +7,8 @@ use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, 
 
 use crate::Error;
 use crate::folder::RunFolder;
+use crate::identity::of_study;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, write_tables};
-use crate::study::identity::of_study;
 use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
@@ -88,7 +88,7 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     let start = Instant::now();
     let solver = cea::BatchSolver;
     let pool = workers(threads)?;
-    let study = pool.install(|| Study::with_progress(brake, &solver, progress.preparation))?;
+    let study = pool.install(|| Study::with_progress(brake, &solver, progress.preparation)).map_err(Error::from)?;
     seconds.references = start.elapsed().as_secs_f64();
 
     // Not before the study is known to work: a case that has no reference modes leaves no folder behind.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // Test code, which the lints do not recognise outside test functions.
 #![allow(clippy::type_complexity)] // Tables of faults, each a function in the place of the right one.
 
+#[path = "../../study/tests/common/mod.rs"]
 mod common;
 
 use std::path::Path;
@@ -15,7 +16,6 @@ use montecarlo::{Distribution, StreamRng};
 use nalgebra::dmatrix;
 use num_complex::Complex;
 use osc_model::{Body, Brake};
-use squeal::Error;
 use squeal::results::Results;
 use squeal::study::{Contradiction, Input, LawLabel, NamedParameter, Plan, Scene, Study, UncertainBrake, check};
 
@@ -121,7 +121,7 @@ impl UncertainBrake for Slider {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, squeal::study::Error> {
         Ok([self.drawn[0].draw(rng)?, self.drawn[1].draw(rng)?, self.drawn[2].draw(rng)?])
     }
 
@@ -129,7 +129,7 @@ impl UncertainBrake for Slider {
         (self.faults.median)(&[0, 1, 2].map(|d: usize| self.drawn[d].median()))
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &Sample) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, scene: &Scene, sample: &Sample) -> Result<OperatingPoint, squeal::study::Error> {
         Ok(at(scene.key.law, sample))
     }
 
@@ -169,7 +169,7 @@ impl UncertainBrake for Slider {
         (self.faults.parameters)(DRAWN.iter().zip(median).map(named).collect())
     }
 
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, Error> {
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::study::Error> {
         match self.faults.with {
             Some(with) => self.system(scene, &with(&self.median(), values)),
             None => Forgetful(self).system_with(scene, values),
@@ -187,7 +187,7 @@ impl UncertainBrake for Forgetful<'_> {
         self.0.plan()
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<Sample, squeal::study::Error> {
         self.0.draw(rng)
     }
 
@@ -195,7 +195,7 @@ impl UncertainBrake for Forgetful<'_> {
         self.0.median()
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &Sample) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, scene: &Scene, sample: &Sample) -> Result<OperatingPoint, squeal::study::Error> {
         self.0.operating_point(scene, sample)
     }
 
@@ -212,7 +212,7 @@ impl UncertainBrake for Forgetful<'_> {
 fn fault<B: UncertainBrake>(brake: &B) -> Option<Contradiction> {
     match (check(brake), Study::new(brake, &BatchSolver).map(drop)) {
         (Ok(()), Ok(())) => None,
-        (Err(Error::Contradiction(a)), Err(Error::Contradiction(b))) => {
+        (Err(study::Error::Contradiction(a)), Err(study::Error::Contradiction(b))) => {
             // Numbers may be none, which is equal to nothing.
             assert_eq!(a.to_string(), b.to_string());
             assert!(!a.to_string().contains('\n'));

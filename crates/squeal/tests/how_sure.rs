@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
+#[path = "../../study/tests/common/mod.rs"]
 mod common;
 #[path = "how_sure/kept_samples.rs"]
 mod kept_samples;

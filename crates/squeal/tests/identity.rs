@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
+#[path = "../../study/tests/common/mod.rs"]
 mod common;
 
 use std::path::Path;
@@ -53,7 +54,7 @@ impl UncertainBrake for SlidingMass {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<f64, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<f64, squeal::study::Error> {
         Ok(self.mu.draw(rng)?)
     }
 
@@ -61,7 +62,7 @@ impl UncertainBrake for SlidingMass {
         self.mu.median()
     }
 
-    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, squeal::study::Error> {
         Ok(at(*mu, self.slope))
     }
 }

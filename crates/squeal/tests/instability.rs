@@ -10,7 +10,6 @@ use montecarlo::rand::RngExt;
 use montecarlo::{StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
-use squeal::Error;
 use squeal::estimators::scene_occurrences_beside;
 use squeal::results::{ArrangementOccurrence, Results};
 use squeal::study::{ModeLabel, Outcome, Plan, Scene, SceneTally, Study, StudyTally, UncertainBrake};
@@ -41,7 +40,7 @@ impl UncertainBrake for Family {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<f64, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<f64, squeal::study::Error> {
         Ok(rng.random_range(self.ends[0]..self.ends[1]))
     }
 
@@ -49,7 +48,7 @@ impl UncertainBrake for Family {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    fn operating_point(&self, _: &Scene, p: &f64) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, _: &Scene, p: &f64) -> Result<OperatingPoint, squeal::study::Error> {
         Ok(at(*p))
     }
 }

@@ -9,7 +9,6 @@ use brakes::MatricesBrake;
 use brakes::case::{CaseFile, Law, MatricesCase};
 use cea::{EigenSolver, QrSolver, Workspace};
 use montecarlo::Distribution;
-use squeal::Error;
 use squeal::study::{Study, UncertainBrake};
 use squeal::sweep::{BoundaryCurve, CurveEnd, Over, StabilityMap, Sweep, stability_map, sweep};
 
@@ -205,7 +204,7 @@ fn medians_give_the_median_system_and_laws_have_their_own_parameters() {
             let other = brake.system_with(scene, &[(place, 0.9 * parameter.median)]);
             let differs = match other {
                 Ok(other) => other != median,
-                Err(Error::Friction(_)) => parameter.name == "mu_s" || parameter.median == 0.0,
+                Err(study::Error::Friction(_)) => parameter.name == "mu_s" || parameter.median == 0.0,
                 Err(_) => false,
             };
             assert!(differs || parameter.median == 0.0, "{law} {parameter:?}");

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
 
+#[path = "../../study/tests/common/mod.rs"]
 mod common;
 
 use std::path::Path;
@@ -13,8 +14,8 @@ use montecarlo::Distribution;
 use montecarlo::{Experiment as _, StreamRng, stream};
 use nalgebra::{DMatrix, dmatrix};
 use osc_model::{Body, Brake};
+use squeal::run_study;
 use squeal::study::{Plan, Scene, Study, UncertainBrake};
-use squeal::{Error, run_study};
 
 /// The cells of a table under some of its columns, row by row.
 fn columns(table: &Path, names: &[&str]) -> Vec<Vec<String>> {
@@ -61,7 +62,7 @@ impl UncertainBrake for SlidingMass {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<f64, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<f64, squeal::study::Error> {
         Ok(self.mu.draw(rng)?)
     }
 
@@ -69,7 +70,7 @@ impl UncertainBrake for SlidingMass {
         self.mu.median()
     }
 
-    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, _: &Scene, mu: &f64) -> Result<OperatingPoint, squeal::study::Error> {
         Ok(at(*mu))
     }
 }

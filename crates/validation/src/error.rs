@@ -9,6 +9,9 @@ pub enum ValidationError {
     /// An error of a study.
     #[error(transparent)]
     Study(#[from] squeal::Error),
+    /// An error of the samples of a study.
+    #[error(transparent)]
+    Samples(#[from] squeal::study::Error),
     /// An error of the model, a friction law or the case.
     #[error(transparent)]
     Brake(#[from] brakes::Error),

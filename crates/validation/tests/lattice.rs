@@ -15,7 +15,7 @@ use squeal::study::{ModeLabel, Study};
 use squeal::tracking::Branches;
 use validation::{RouteOutcome, TaylorOrder, expand, extremes, perturbation, refine, refine_all};
 
-#[path = "../../squeal/tests/common/paper_brake.rs"]
+#[path = "../../study/tests/common/paper_brake.rs"]
 mod paper_brake;
 
 #[test]

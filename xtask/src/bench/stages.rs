@@ -32,7 +32,7 @@ pub fn stages(brake: &LatticeBrake) -> Result<Vec<Stage>, TaskError> {
     let study = Study::new(brake, &BatchSolver)?;
     let plan = &brake.plan;
     let [mut drawing, mut evaluation, mut tallying] = [Duration::ZERO; 3];
-    let draw = || -> Result<Vec<LatticeSample>, squeal::Error> {
+    let draw = || -> Result<Vec<LatticeSample>, squeal::study::Error> {
         (0..SAMPLES_TIMED).map(|index| study.draw(&mut stream(plan.seed, index))).collect()
     };
     let samples = timed(&mut drawing, draw)?;

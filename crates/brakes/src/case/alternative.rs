@@ -4,7 +4,7 @@ use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
 
 use super::{Draws, Law};
-use squeal::study::ModeNaming;
+use study::ModeNaming;
 
 /// One reading that differs from that of the case.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,8 +15,8 @@ use super::{
     Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,
     Parameter, SpeedRange,
 };
-use squeal::identity::{Identity, Written};
-use squeal::study::identity::{channel, naming};
+use study::identity::{Identity, Written};
+use study::identity::{channel, naming};
 
 impl LatticeCase {
     /// Identifies the case: its name, and a digest of each part that results depend on. Seed, number of samples, threshold and names of

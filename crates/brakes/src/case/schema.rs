@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::{Draws, FrictionDistributions, Law};
-use squeal::study::{ModeIdentity, ModeNaming};
+use study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -9,7 +9,7 @@ use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
 
 use super::{Alternative, Correlation, Draws, Law};
-use squeal::study::{ModeIdentity, ModeLabel, ModeNaming};
+use study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
 #[derive(Debug, Clone)]

@@ -11,7 +11,7 @@ use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
 use crate::case::FiniteElementCase;
-use squeal::study::Bridge;
+use study::Bridge;
 
 /// The bridge from the naming point of a configuration's set of constraints to its own; `None` where both have one basis.
 ///

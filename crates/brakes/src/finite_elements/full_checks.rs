@@ -10,7 +10,7 @@ use super::reduce::{Trained, modes_beside, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;
-use squeal::study::{BandMode, FullChecks, UncertainBrake, wider};
+use study::{BandMode, FullChecks, UncertainBrake, wider};
 
 /// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
 /// outside in the other.

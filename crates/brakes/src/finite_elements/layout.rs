@@ -10,7 +10,7 @@ use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, 
 use crate::Error;
 use crate::case::{FiniteElementCase, PatchContact};
 use crate::labels::friction_labels;
-use squeal::study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
+use study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 /// The plan, and the closed patches of each of its configurations.
 ///

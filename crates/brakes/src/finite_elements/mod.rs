@@ -31,11 +31,11 @@ use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
-use squeal::study::{
+use squeal::sweep::Over;
+use study::{
     BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
     UncertainBrake, WholeContact, WholeEigenvalue,
 };
-use squeal::sweep::Over;
 
 /// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
 /// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.
@@ -84,7 +84,7 @@ impl FiniteElementBrake {
     /// Reduces the brake, each arrangement on a basis of its own, and lays out its scenes: what a study is fastest with.
     ///
     /// # Errors
-    /// What the reduction refuses; [`squeal::Error::Median`] where the medians of the parameters have no operating point.
+    /// What the reduction refuses; [`study::Error::Median`] where the medians of the parameters have no operating point.
     pub fn new(case: FiniteElementCase, progress: &dyn Progress) -> Result<Self, Error> {
         Self::on(case, Bases::OfEach, progress)
     }
@@ -241,7 +241,7 @@ impl UncertainBrake for FiniteElementBrake {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<FiniteElementSample, squeal::Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<FiniteElementSample, study::Error> {
         Ok(points::draw(&self.case, rng)?)
     }
 
@@ -249,7 +249,7 @@ impl UncertainBrake for FiniteElementBrake {
         points::median(&self.case)
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, squeal::Error> {
+    fn operating_point(&self, scene: &Scene, sample: &FiniteElementSample) -> Result<OperatingPoint, study::Error> {
         Ok(points::scene_point(&self.case, self.closed(scene), self.law_and_speed(scene, sample), sample)?)
     }
 
@@ -307,11 +307,11 @@ impl UncertainBrake for FiniteElementBrake {
         places::contacts(self, scene)
     }
 
-    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, squeal::Error> {
+    fn places(&self, constraints: usize) -> Result<Option<Vec<Place>>, study::Error> {
         Ok(places::places(self, constraints).map(Some)?)
     }
 
-    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, squeal::Error> {
+    fn bridge(&self, configuration: usize, modes: [&[Mode]; 2]) -> Result<Option<Bridge>, study::Error> {
         Ok(bridge::bridge(self, configuration, modes)?)
     }
 
@@ -319,7 +319,7 @@ impl UncertainBrake for FiniteElementBrake {
         true
     }
 
-    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, squeal::Error>> {
+    fn band_modes(&self, scene: &Scene, at: &[OperatingPoint]) -> Vec<Result<Vec<BandMode>, study::Error>> {
         let (part, threshold, error) = (self.part(scene), self.plan.threshold, self.relative_error(scene));
         let may_grow = |lambda: Complex<f64>| threshold.margin(lambda) >= -error * lambda.norm();
         let known: Vec<_> =
@@ -377,7 +377,7 @@ impl UncertainBrake for FiniteElementBrake {
         parameters::named(&self.scene_of(scene))
     }
 
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         let at = parameters::point(&self.scene_of(scene), values)?;
         Ok(self.part(scene).reduced.system().assemble(&at)?)
     }
@@ -392,7 +392,7 @@ impl UncertainBrake for FiniteElementBrake {
         scene: &Scene,
         values: &[(usize, f64)],
         near: Complex<f64>,
-    ) -> Result<Option<WholeEigenvalue>, squeal::Error> {
+    ) -> Result<Option<WholeEigenvalue>, study::Error> {
         whole::eigenvalue(self.part(scene), &self.sets, &parameters::point(&self.scene_of(scene), values)?, near)
             .map(Some)
     }

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::LatticeSample;
 use crate::case::{FiniteElementCase, Law, PatchContact};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use squeal::study::NamedParameter;
+use study::NamedParameter;
 
 /// A scene of a case, reduced or not.
 #[derive(Clone, Copy)]

@@ -180,7 +180,7 @@ pub(super) fn of_brake(case: &FiniteElementCase, closed: &[usize], at: &Operatin
 /// The whole brake at the medians with all patches closed and without friction, on the rows that a set of constraints leaves free.
 ///
 /// # Errors
-/// [`squeal::Error::Median`] where the medians have no operating point; matrices that make no system.
+/// [`study::Error::Median`] where the medians have no operating point; matrices that make no system.
 pub fn frictionless(case: &FiniteElementCase, fixed: &[usize]) -> Result<(DofMap, SparseSecondOrder), Error> {
     let all = all_patches(case);
     let mut at = of_brake(case, &all, &naming_point(case, &all)?);
@@ -213,6 +213,6 @@ pub(super) fn channels_of(case: &FiniteElementCase, patch: usize) -> std::ops::R
 fn no_median(case: &FiniteElementCase) -> impl Fn(Error) -> Error + '_ {
     |source| {
         let study = case.path.display().to_string();
-        squeal::Error::Median { study, source: Box::new(source.into()) }.into()
+        study::Error::Median { study, source: Box::new(source.into()) }.into()
     }
 }

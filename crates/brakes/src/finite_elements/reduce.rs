@@ -45,7 +45,7 @@ const OF_RESPONSES: f64 = 1.0 / 6.0;
 /// Part of it that modes may have in the brake on the larger basis: 0.5^2 + 0.8^2 < 1.
 const WITHIN: f64 = 0.8;
 /// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
-/// when a study has ended ([`squeal::study::FullChecks`]).
+/// when a study has ended ([`study::FullChecks`]).
 const PROBES: usize = 1;
 /// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;

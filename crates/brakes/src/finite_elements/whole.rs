@@ -6,7 +6,7 @@ use num_complex::Complex;
 use sparse::eigenpair_near;
 
 use super::{Part, ReducedSet};
-use squeal::study::WholeEigenvalue;
+use study::WholeEigenvalue;
 
 /// Largest backward error of an eigenvalue that is taken; chosen: its bound says what it is good to.
 const TAKEN: f64 = 1e-8;
@@ -17,8 +17,8 @@ pub(super) fn eigenvalue(
     sets: &[ReducedSet],
     at: &OperatingPoint,
     near: Complex<f64>,
-) -> Result<WholeEigenvalue, squeal::Error> {
-    let not_found = |error: sparse::SparseError| squeal::Error::WholeEigenvalue(Box::new(error));
+) -> Result<WholeEigenvalue, study::Error> {
+    let not_found = |error: sparse::SparseError| study::Error::WholeEigenvalue(Box::new(error));
     let q = part.reduced.system().assemble(at)?.dynamic_stiffness(near);
     let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
     let shape = shape.ok_or(CeaError::NoEigenvector { lambda: near, residual: f64::INFINITY })?;

@@ -17,7 +17,7 @@ use osc_model::{
 use crate::Error;
 use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
 use crate::labels::friction_labels;
-use squeal::study::{
+use study::{
     Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
     Symmetry, UncertainBrake, WholeContact,
 };
@@ -57,7 +57,7 @@ impl LatticeBrake {
     /// speed has one scene for all speed ranges.
     ///
     /// # Errors
-    /// What the model refuses; [`squeal::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
+    /// What the model refuses; [`study::Error::Median`] where median parameters have no operating point. What it takes is not asked here:
     /// see [`LatticeBrake::least_cost`].
     pub fn new(case: LatticeCase) -> Result<Self, Error> {
         let plan = Plan {
@@ -173,7 +173,7 @@ impl UncertainBrake for LatticeBrake {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, squeal::Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, study::Error> {
         Ok(LatticeSample::draw(&self.case, rng)?)
     }
 
@@ -181,7 +181,7 @@ impl UncertainBrake for LatticeBrake {
         LatticeSample::median(&self.case)
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, squeal::Error> {
+    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, study::Error> {
         Ok(self.lattice(scene).operating_point(&self.sliding(scene, sample)?)?)
     }
 
@@ -255,7 +255,7 @@ impl UncertainBrake for LatticeBrake {
         parameters::named(self, scene)
     }
 
-    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, squeal::Error> {
+    fn system_with(&self, scene: &Scene, values: &[(usize, f64)]) -> Result<SecondOrder, study::Error> {
         Ok(parameters::system(self, scene, values)?)
     }
 }
@@ -331,7 +331,7 @@ fn naming_point(case: &LatticeCase, lattice: &PreparedLattice) -> Result<Operati
     let point = state.and_then(|state| Ok(lattice.operating_point(&state)?));
     point.map_err(|source| {
         let study = case.path.display().to_string();
-        squeal::Error::Median { study, source: Box::new(source.into()) }.into()
+        study::Error::Median { study, source: Box::new(source.into()) }.into()
     })
 }
 

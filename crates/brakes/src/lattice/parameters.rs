@@ -7,7 +7,7 @@ use super::{FrictionDraw, LatticeBrake, LatticeSample, sliding_under};
 use crate::Error;
 use crate::case::{LatticeReadings, Law};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use squeal::study::{NamedParameter, Scene};
+use study::{NamedParameter, Scene};
 
 /// All that the parameters of a scene can change.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use montecarlo::Distribution;
 
 use super::{FrictionDraw, LatticeSample};
 use crate::case::{Correlation, Draws, FrictionDistributions, Law};
-use squeal::study::Input;
+use study::Input;
 
 /// What friction is drawn from.
 #[derive(Debug, Clone, Copy)]

@@ -112,7 +112,7 @@ impl UncertainBrake for Family {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, squeal::Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<LatticeSample, squeal::study::Error> {
         self.members[0].0.draw(rng)
     }
 
@@ -120,7 +120,7 @@ impl UncertainBrake for Family {
         self.members[0].0.median()
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, squeal::Error> {
+    fn operating_point(&self, scene: &Scene, sample: &LatticeSample) -> Result<OperatingPoint, squeal::study::Error> {
         let (member, law) = self.laws[scene.key.law];
         self.members[member].0.operating_point(&with_law(scene, law), sample)
     }

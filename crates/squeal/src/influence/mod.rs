@@ -90,7 +90,7 @@ pub fn influence<B: UncertainBrake>(
     }
     let of_design = rows.unwrap_or(0) * (inputs.len() as u64 + 2);
     progress.begin(draws + of_design, 0);
-    let of_draws = evaluate(study, scene, draws, progress, |index| brake.draw(&mut stream(plan.seed, index)));
+    let of_draws = evaluate(study, scene, draws, progress, |index| Ok(brake.draw(&mut stream(plan.seed, index))?));
     let design = match rows {
         Some(rows) => Some(design(study, scene, &inputs, rows, progress)?),
         None => None,

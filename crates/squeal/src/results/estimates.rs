@@ -13,8 +13,8 @@ use crate::Error;
 use crate::estimators::{
     Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
 };
+use crate::identity::of_study;
 use crate::output::{OutputError, write, write_csv};
-use crate::study::identity::of_study;
 use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
@@ -213,7 +213,7 @@ fn shares<B: UncertainBrake>(
 /// The error of a study that an estimator met, or the estimator's own.
 fn inner(error: EstimatorError) -> Error {
     match error {
-        EstimatorError::Study(error) => error,
+        EstimatorError::Study(error) => error.into(),
         other => Error::Estimator(Box::new(other)),
     }
 }

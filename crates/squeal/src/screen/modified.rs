@@ -200,7 +200,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         &self.plan
     }
 
-    fn draw(&self, rng: &mut StreamRng) -> Result<B::Sample, Error> {
+    fn draw(&self, rng: &mut StreamRng) -> Result<B::Sample, study::Error> {
         self.inner.draw(rng)
     }
 
@@ -208,7 +208,7 @@ impl<B: UncertainBrake> UncertainBrake for Modified<'_, B> {
         self.inner.median()
     }
 
-    fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, Error> {
+    fn operating_point(&self, scene: &Scene, sample: &B::Sample) -> Result<OperatingPoint, study::Error> {
         let FromInner { constraints, configuration, changed } = &self.from[scene.configuration];
         let key = SceneKey { constraints: *constraints, ..scene.key };
         let inner = Scene { key, configuration: *configuration, ..Scene::default() };

@@ -52,7 +52,7 @@ impl<'a> Probes<'a> {
         let plan = brake.plan();
         // Streams from the other end than those of the samples of a study.
         let samples = (0..draws).map(|draw| brake.draw(&mut stream(plan.seed, u64::MAX - draw)));
-        let samples = samples.collect::<Result<Vec<_>, Error>>()?;
+        let samples = samples.collect::<Result<Vec<_>, study::Error>>()?;
         let symmetries = brake.symmetries(constraints);
         let mut panels: Vec<(SceneKey, Vec<(&Scene, usize)>)> = Vec::new();
         for scene in plan.scenes.iter().filter(|scene| scene.key.constraints == constraints) {
@@ -73,7 +73,7 @@ impl<'a> Probes<'a> {
                     configuration: plan.configuration(scene),
                     contacts: brake.contacts(scene),
                     symmetry: symmetries.get(brake.symmetry_of_member(scene, at)).map(inverse),
-                    points: points.collect::<Result<_, Error>>()?,
+                    points: points.collect::<Result<_, study::Error>>()?,
                     weight: (plan.speeds_of(*key) * members.len()) as f64 / taken as f64,
                 });
             }

@@ -14,8 +14,8 @@ use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
 use crate::identity::Written;
+use crate::identity::of_study;
 use crate::run::block;
-use crate::study::identity::of_study;
 use crate::study::{Study, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.

@@ -186,7 +186,7 @@ impl CurvePoint {
         let system = part.system(&[at.x, at.y])?;
         let there = if of == PointOf::Double { lambda } else { part.threshold().at_margin(0.0, lambda.im) };
         let crossing = match Crossing::of(&system, there, of) {
-            Err(Error::Cea(CeaError::NoEigenvector { .. })) => None,
+            Err(Error::Study(study::Error::Cea(CeaError::NoEigenvector { .. }))) => None,
             crossing => crossing?,
         };
         crossing.map(|crossing| Self::new(part, at, &system, crossing)).transpose()

@@ -122,7 +122,7 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         self.study.brake().system_with(self.scene(), &self.placed(values)).map_err(|source| {
             let named: Vec<String> =
                 self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name)).collect();
-            Error::Sweep { at: named.join(", "), source: source.into() }
+            Error::Sweep { at: named.join(", "), source: Box::new(source.into()) }
         })
     }
 
@@ -188,7 +188,7 @@ impl<'a, B: UncertainBrake> Part<'a, B> {
     /// The eigenvalue next to `near` of the brake that this one is a reduction of, at parts of the ranges; `None` of one that is none.
     pub fn whole_eigenvalue(&self, parts: &[f64], near: Complex<f64>) -> Result<Option<WholeEigenvalue>, Error> {
         let (family, values) = (self.family, self.family.values(parts));
-        family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)
+        Ok(family.study.brake().whole_eigenvalue(family.scene(), &family.placed(&values), near)?)
     }
 
     /// Within which part of its size an eigenvalue is taken to be that of the brake that this one is a reduction of.

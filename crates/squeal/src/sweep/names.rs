@@ -25,7 +25,7 @@ pub(super) fn names_at<B: Branches<Error = Error>>(
         // A mode that cannot be told from others all the way has no name there.
         match follow_branch(branches, median, index, at, SHORTEST_STEP) {
             Ok(there) => there.into_iter().for_each(|to| names[to].extend(of_mode)),
-            Err(Error::Tracking(TrackingError::Unresolved { .. })) => {}
+            Err(Error::Study(study::Error::Tracking(TrackingError::Unresolved { .. }))) => {}
             Err(error) => return Err(error),
         }
     }

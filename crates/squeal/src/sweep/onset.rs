@@ -64,7 +64,7 @@ impl WholeOnset {
         let threshold = part.threshold();
         let there = threshold.at_margin(0.0, onset.omega);
         let whole = |at: f64, near| match part.whole_eigenvalue(&[at], near) {
-            Err(Error::WholeEigenvalue(_) | Error::Cea(_)) => Ok(None),
+            Err(Error::Study(study::Error::WholeEigenvalue(_) | study::Error::Cea(_))) => Ok(None),
             found => found.map(Some),
         };
         let Some(first) = whole(onset.at, there)? else { return Ok(Self::NotFound) };

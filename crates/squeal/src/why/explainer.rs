@@ -179,7 +179,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
             let system = |by: f64| self.brake.system_with(self.scene, &[(place, parameter.median + by)]);
             // Where one side is refused, such as negative values, the systems go on smoothly from the other side.
             let beyond = |near: &SecondOrder, sign: f64| {
-                Ok::<_, Error>(extrapolated(&at, near, &system(2.0 * sign * half_step)?))
+                Ok::<_, study::Error>(extrapolated(&at, near, &system(2.0 * sign * half_step)?))
             };
             let sides = match (system(-half_step), system(half_step)) {
                 (Ok(below), Ok(above)) => Ok((below, above)),

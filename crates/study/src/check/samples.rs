@@ -1,0 +1,205 @@
+//! What a brake computes of samples: medians, inputs with their coordinates, and the one parameter of a scene that has one.
+
+use montecarlo::{Distribution, stream};
+
+use super::first_of_each;
+use super::same::{Difference, numbers, points_differ};
+use crate::Error;
+use crate::{Contradiction, Input, Scene, UncertainBrake};
+
+/// Rounding of a number of an operating point that is computed twice, as a part of it.
+const ROUNDING: f64 = 1e-9;
+/// Rounding of the median of a distribution by its quantile function.
+const OF_QUANTILES: f64 = 1e-6;
+/// How far the quantile at one half may be from the median that is without the bounds of a distribution, as a part of a number; chosen.
+const OF_BOUNDS: f64 = 1e-2;
+/// Draws by which a scene with one parameter is checked.
+const DRAWS: u64 = 8;
+/// Values of that parameter between which a draw is looked for, evenly in probability.
+const GRID: u32 = 64;
+/// Distance of a draw from the curve of that parameter, in units of the range of each number, from where on it is not on it; chosen, far
+/// above what the search leaves and far below what a second parameter does.
+const OFF_CURVE: f64 = 1e-3;
+/// Coordinates at which an input is compared with that at one half; several, for a distribution that is constant over most of them.
+const COORDINATES: [f64; 6] = [0.75, 0.25, 0.95, 0.05, 0.999, 0.001];
+
+pub(super) fn check<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
+    medians(brake)?;
+    for scene in first_of_each(&brake.plan().scenes, |scene| scene.key) {
+        inputs(brake, scene)?;
+        single_parameter(brake, scene)?;
+    }
+    Ok(())
+}
+
+/// Whether the naming point of each configuration is that of the medians in one of its scenes, if the plan says that it is.
+fn medians<B: UncertainBrake>(brake: &B) -> Result<(), Error> {
+    let (plan, median) = (brake.plan(), brake.median());
+    if !plan.is_named_at_medians {
+        return Ok(());
+    }
+    for (at, configuration) in plan.configurations.iter().enumerate() {
+        let mut first = None;
+        for scene in plan.scenes.iter().filter(|scene| scene.configuration == at) {
+            let point = brake.operating_point(scene, &median)?;
+            match points_differ(&configuration.brake.system, &configuration.naming_point, &point, ROUNDING) {
+                None => {
+                    first = None;
+                    break;
+                }
+                Some(difference) => first = first.or(Some((scene, difference))),
+            }
+        }
+        if let Some((scene, Difference { what, found, expected })) = first {
+            let scene = plan.describe(scene);
+            return Err(
+                Contradiction::Medians { configuration: at, what, named: found, median: expected, scene }.into()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Whether each input has a value, and those of samples by quantiles are functions of their coordinates.
+fn inputs<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
+    let (plan, median, inputs) = (brake.plan(), brake.median(), brake.inputs(scene));
+    let drawn = brake.draw(&mut stream(plan.seed, 0)).ok();
+    for sample in [Some(&median), drawn.as_ref()].into_iter().flatten() {
+        let values = brake.input_values(scene, sample).len();
+        if values != inputs.len() {
+            return Err(Contradiction::InputValues { scene: plan.describe(scene), inputs: inputs.len(), values }.into());
+        }
+    }
+    let Some(middle) = brake.quantile_sample(scene, &|_| 0.5).filter(|_| !inputs.is_empty()) else { return Ok(()) };
+    if plan.source_file.is_none()
+        && inputs.iter().all(|input| !input.is_correlated)
+        && let (Ok(found), Ok(expected)) =
+            (brake.operating_point(scene, &middle), brake.operating_point(scene, &median))
+        && let Some(Difference { what, found, expected }) =
+            points_differ(&plan.brake(scene).system, &found, &expected, OF_BOUNDS)
+    {
+        let (one, other) = ("quantile_sample() at one half".into(), "median()".into());
+        return Err(Contradiction::Differ { scene: plan.describe(scene), one, other, what, found, expected }.into());
+    }
+    let middle = brake.input_values(scene, &middle);
+    for (at, Input { name, coordinate, is_correlated, .. }) in inputs.iter().enumerate() {
+        let moved = |u: f64| {
+            let sample = brake.quantile_sample(scene, &|d| if d == *coordinate { u } else { 0.5 })?;
+            Some(brake.input_values(scene, &sample)).filter(|values| values.get(at) != middle.get(at))
+        };
+        let Some(values) = COORDINATES.into_iter().find_map(moved) else {
+            let (scene, input) = (plan.describe(scene), name.clone());
+            return Err(Contradiction::IdleCoordinate { scene, input, coordinate: *coordinate }.into());
+        };
+        let is_other = |(_, other): &(usize, &Input)| !other.is_correlated && other.coordinate != *coordinate;
+        let mut others = inputs.iter().enumerate().filter(is_other);
+        if let Some((_, input)) = others.find(|&(other, _)| !is_correlated && values.get(other) != middle.get(other)) {
+            return Err(Contradiction::SharedCoordinate {
+                scene: plan.describe(scene),
+                input: input.name.clone(),
+                coordinate: *coordinate,
+                other: name.clone(),
+            }
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a scene that is said to have one parameter has it, and no other.
+fn single_parameter<B: UncertainBrake>(brake: &B, scene: &Scene) -> Result<(), Error> {
+    let Some(distribution) = brake.single_parameter(scene) else { return Ok(()) };
+    let described = || brake.plan().describe(scene);
+    let not_single = |found: String| Err(Contradiction::NotSingle { scene: described(), found }.into());
+    let inputs = brake.inputs(scene);
+    if inputs.len() > 1 {
+        let names: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
+        return not_single(format!("inputs() lists {}", names.join(", ")));
+    }
+    let Some(sample) = brake.with_parameter(scene, distribution.median()) else {
+        let (method, needed_by) = ("with_parameter()", "single_parameter()");
+        return Err(Contradiction::NotGiven { scene: described(), method, needed_by }.into());
+    };
+    let system = &brake.plan().brake(scene).system;
+    let (found, expected) = (brake.operating_point(scene, &sample)?, brake.operating_point(scene, &brake.median())?);
+    if let Some(Difference { what, found, expected }) = points_differ(system, &found, &expected, OF_QUANTILES) {
+        let (one, other) = ("with_parameter() at the median".into(), "median()".into());
+        return Err(Contradiction::Differ { scene: described(), one, other, what, found, expected }.into());
+    }
+    // Of a case file it is known which parameters its formulas hold; these may oscillate, so that no search finds a draw on the curve.
+    if brake.plan().source_file.is_some() {
+        return Ok(());
+    }
+    let curve = Curve::new(brake, scene, distribution);
+    let drawn = (0..DRAWS).filter_map(|index| {
+        let sample = brake.draw(&mut stream(brake.plan().seed, index)).ok()?;
+        let point = brake.operating_point(scene, &sample).ok()?;
+        // The value of the one input says where on the curve a draw is.
+        let same = brake.input_values(scene, &sample).first().and_then(|&value| brake.with_parameter(scene, value));
+        let is_on_curve =
+            same.and_then(|same| brake.operating_point(scene, &same).ok()).is_some_and(|same| same == point);
+        let point = || numbers(system, &point).into_iter().map(|(_, number)| number).collect();
+        (!is_on_curve).then(|| (index, point()))
+    });
+    let (draws, drawn): (Vec<u64>, Vec<Vec<f64>>) = drawn.unzip();
+    match drawn.iter().position(|point| curve.distance(point, &drawn) > OFF_CURVE).map(|place| draws[place]) {
+        None => Ok(()),
+        Some(at) => not_single(format!("draw {at} has an operating point that with_parameter() has at no value")),
+    }
+}
+
+/// The operating points of one parameter, over its probability.
+struct Curve<'a> {
+    at: Box<dyn Fn(f64) -> Option<Vec<f64>> + 'a>,
+    grid: Vec<(f64, Vec<f64>)>,
+}
+
+impl<'a> Curve<'a> {
+    fn new<B: UncertainBrake>(brake: &'a B, scene: &'a Scene, distribution: &'a Distribution) -> Self {
+        let system = &brake.plan().brake(scene).system;
+        let at = move |u: f64| {
+            let sample = brake.with_parameter(scene, distribution.quantile(u))?;
+            let point = brake.operating_point(scene, &sample).ok()?;
+            Some(numbers(system, &point).into_iter().map(|(_, number)| number).collect::<Vec<f64>>())
+        };
+        let places = (0..GRID).map(|place| (f64::from(place) + 0.5) / f64::from(GRID));
+        let grid = places.filter_map(|u| Some((u, at(u)?))).collect();
+        Self { at: Box::new(at), grid }
+    }
+
+    /// The distance of a point from the curve, in units of the range that each number has on the curve and in all points.
+    fn distance(&self, point: &[f64], points: &[Vec<f64>]) -> f64 {
+        let all = || self.grid.iter().map(|(_, numbers)| numbers).chain(points);
+        let range = |place: usize| {
+            let (least, most) = all()
+                .filter_map(|numbers| numbers.get(place))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+            // What is constant but for rounding has no range.
+            (most - least).max(ROUNDING * most.abs().max(least.abs()))
+        };
+        let ranges: Vec<f64> = (0..point.len()).map(range).collect();
+        let distance = |numbers: &[f64]| {
+            let each =
+                numbers.iter().zip(point).zip(&ranges).filter(|((a, b), _)| a != b && !(a.is_nan() && b.is_nan()));
+            each.map(|((a, b), range)| (a - b).abs() / range).fold(0.0, f64::max)
+        };
+        let at = |u: f64| (self.at)(u).map_or(f64::INFINITY, |numbers| distance(&numbers));
+        let nearest = self.grid.iter().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+        let Some((u, _)) = nearest else { return 0.0 };
+        let step = 1.0 / f64::from(GRID);
+        least((u - step).max(f64::MIN_POSITIVE), (u + step).min(1.0 - f64::EPSILON), at)
+    }
+}
+
+/// The least value of a function between two places, found by golden sections.
+fn least(mut from: f64, mut to: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const SECTION: f64 = 0.618_033_988_749_894_9;
+    let mut least = value(from).min(value(to));
+    for _ in 0..50 {
+        let (a, b) = (to - SECTION * (to - from), from + SECTION * (to - from));
+        let (at_a, at_b) = (value(a), value(b));
+        least = least.min(at_a).min(at_b);
+        if at_a < at_b { to = b } else { from = a }
+    }
+    least
+}

@@ -1,0 +1,67 @@
+//! Errors of a study, each one line for its user.
+
+/// What can go wrong between a brake and what its samples say.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The model of a brake.
+    #[error(transparent)]
+    Model(#[from] osc_model::OscModelError),
+    /// A friction law.
+    #[error(transparent)]
+    Friction(#[from] friction::FrictionError),
+    /// An eigenvalue analysis.
+    #[error(transparent)]
+    Cea(#[from] cea::CeaError),
+    /// Work in a mode.
+    #[error(transparent)]
+    Work(#[from] work::WorkError),
+    /// Modes or branches that could not be followed.
+    #[error(transparent)]
+    Tracking(#[from] tracking::TrackingError),
+    /// The Monte Carlo run.
+    #[error(transparent)]
+    MonteCarlo(#[from] montecarlo::MonteCarloError),
+    /// A brake whose own median parameters have no modes to name the others after.
+    #[error("{study}: friction at median parameters: {source}")]
+    Median {
+        /// The case file, or the name of the study.
+        study: String,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// A scene whose reference modes cannot be found.
+    #[error("{scene}: {source}")]
+    Scene {
+        /// Constraints, law, contacts and speed, as far as they matter.
+        scene: String,
+        /// Why.
+        source: Box<Error>,
+    },
+    /// What would take more memory than there is.
+    #[error(
+        "{what} take roughly {needed}, and {budget} are there; what would fit: {fits}, or --memory where there is more"
+    )]
+    TooLarge {
+        /// What would take it.
+        what: String,
+        /// How much, in words.
+        needed: String,
+        /// What there is, in words.
+        budget: String,
+        /// What would fit.
+        fits: String,
+    },
+    /// What a brake of a user's own type forgets, or says twice and differently.
+    #[error(transparent)]
+    Contradiction(#[from] crate::Contradiction),
+    /// What a brake of a user's own type refuses.
+    #[error("{0}")]
+    Brake(Box<dyn std::error::Error + Send + Sync>),
+    /// An eigenvalue of the whole brake that is not found next to one of the reduced.
+    #[error("{0}")]
+    WholeEigenvalue(Box<dyn std::error::Error + Send + Sync>),
+    /// A system or an operating point.
+    #[error(transparent)]
+    System(#[from] linsys::LinsysError),
+}

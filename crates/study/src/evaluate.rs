@@ -1,0 +1,288 @@
+//! A brake, ready to be sampled: what all samples share.
+
+mod samples;
+
+use cea::{Anchors, EigenSolver, Gain, Mode, WholeSpectra};
+use linsys::OperatingPoint;
+use montecarlo::{Progress, StreamRng};
+use work::ModeWork;
+
+use super::certificate::{Certificate, certificates};
+use super::check::check;
+use super::known_names::KnownNames;
+use super::reference::{Bridges, Reference, References, SectoredReference, references};
+use super::scratch::{Scratch, timed};
+use super::sector_modes::{SectorEquation, SectorSolver};
+use super::secular_equations::{SecularEquations, anchors, equations};
+use super::{ModeIdentity, ModeLabel, ModeResidual, Plan, Scene, UncertainBrake};
+use crate::Error;
+
+/// The result of one complex eigenvalue analysis (CEA) of a study.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Outcome {
+    /// The unstable modes, ascending in frequency: those that surely are beyond [`Plan::threshold`].
+    pub unstable: Vec<UnstableMode>,
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where there is none.
+    pub growth: f64,
+    /// Real eigenvalues surely right of the axis, and beyond the threshold: divergence.
+    pub divergent: u32,
+    /// The largest of them, 1/s; 0 where there is none.
+    pub divergence: f64,
+    /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
+    pub undecided: u32,
+    /// Those among them that are real: they may be divergence.
+    pub undecided_real: u32,
+    /// Number of eigenvalues on the imaginary axis to within rounding of the matrices, conjugate pairs once: they neither grow
+    /// nor decay.
+    pub marginal: u32,
+    /// Whether the system was certified to be stable without a spectrum.
+    pub is_certified: bool,
+}
+
+/// One unstable mode of one CEA.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnstableMode {
+    /// Frequency rank in this CEA, from 1.
+    pub rank: ModeLabel,
+    /// Growth rate, Re lambda, 1/s.
+    pub growth: f64,
+    /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
+    pub names: Vec<ModeLabel>,
+    /// Names by likeness beside these; in a study with [`StudyOptions::likeness_too`].
+    pub names_by_likeness: Option<Vec<ModeLabel>>,
+    /// Work in one period on each body; in scenes that want it.
+    pub work: Option<ModeWork>,
+    /// Its residual in the system that the brake is a reduction of; `None` of a brake that is none.
+    pub residual: Option<ModeResidual>,
+}
+
+/// How a study is prepared. Neither changes a verdict or a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StudyOptions {
+    /// Whether regions of friction are certified to be stable before anything is sampled, so that the samples in them are not
+    /// searched. That takes three norm bounds for each configuration, which few samples do not earn back.
+    pub certificates: bool,
+    /// Whether modes that are known by continuation are named by likeness too ([`ModeIdentity::Mac`]).
+    pub likeness_too: bool,
+}
+
+impl Default for StudyOptions {
+    fn default() -> Self {
+        Self { certificates: true, likeness_too: false }
+    }
+}
+
+/// A brake, ready to be sampled.
+pub struct Study<'a, B: UncertainBrake> {
+    brake: &'a B,
+    solver: WholeSpectra<'a>,
+    /// By origin.
+    origin_references: Vec<Reference>,
+    references: Vec<Reference>,
+    sector_references: Vec<Vec<Reference>>,
+    certificates: Vec<Certificate>,
+    /// By configuration.
+    equations: Vec<SecularEquations>,
+    /// By scene and sector.
+    anchors: Vec<Vec<Option<Anchors>>>,
+    /// By scene, of a brake that finds its modes itself.
+    known_names: Vec<KnownNames>,
+    /// By scene: where its reference modes were computed.
+    reference_points: Vec<OperatingPoint>,
+    /// By scene: the gain there.
+    reference_gains: Vec<Option<Gain>>,
+    options: StudyOptions,
+}
+
+impl<'a, B: UncertainBrake> Study<'a, B> {
+    /// Computes what all samples share: the reference modes of every scene, and for every configuration the certificates, the
+    /// secular equations and their anchors.
+    ///
+    /// # Errors
+    /// A [`Contradiction`](super::Contradiction) of the brake; its other errors and those of the solver. What it takes is not asked here: see
+    /// [`Cost::check`](super::Cost::check).
+    pub fn new(brake: &'a B, solver: &'a dyn EigenSolver) -> Result<Self, Error> {
+        Self::with_progress(brake, solver, &())
+    }
+
+    /// As [`Study::new`], prepared in another way.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn with_options(brake: &'a B, solver: &'a dyn EigenSolver, options: StudyOptions) -> Result<Self, Error> {
+        Self::prepared(brake, solver, options, &())
+    }
+
+    /// As [`Study::new`], and tells how far it has come.
+    ///
+    /// # Errors
+    /// As [`Study::new`].
+    pub fn with_progress(brake: &'a B, solver: &'a dyn EigenSolver, progress: &dyn Progress) -> Result<Self, Error> {
+        let plan = brake.plan();
+        // One step for each configuration, two for each scene: its reference and its anchors.
+        progress.begin((plan.configurations.len() + 2 * plan.scenes.len()) as u64, 0);
+        let study = Self::prepared(brake, solver, StudyOptions::default(), progress);
+        progress.end();
+        study
+    }
+
+    fn prepared(
+        brake: &'a B,
+        solver: &'a dyn EigenSolver,
+        options: StudyOptions,
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        check(brake)?;
+        let (plan, solver) = (brake.plan(), WholeSpectra(solver));
+        let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
+        let median = brake.median();
+        let at_median = |scene: &Scene| brake.operating_point(scene, &median);
+        let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;
+        let by_likeness = options.likeness_too || plan.mode_identity == ModeIdentity::Mac;
+        let bridge = |configuration: usize, modes: [&[Mode]; 2]| brake.bridge(configuration, modes);
+        let bridge: Option<&Bridges<'_>> = if brake.has_band_modes() { Some(&bridge) } else { None };
+        let paths = |scene: &Scene, [from, to]: [&OperatingPoint; 2]| brake.path(scene, from, to);
+        let References { origins, scenes } =
+            references(plan, &points, bridge, &paths, by_likeness, &solver, progress).map_err(failed)?;
+        let (references, sector_references) =
+            scenes.into_iter().map(|SectoredReference { whole, sectors }| (whole, sectors)).unzip();
+        let certificates = match options.certificates && !brake.has_band_modes() {
+            true => certificates(brake)?,
+            false => vec![Certificate::default(); plan.configurations.len()],
+        };
+        let equations = match brake.has_band_modes() {
+            true => plan.configurations.iter().map(SecularEquations::none).collect(),
+            false => equations(&plan.configurations)?,
+        };
+        let anchors = anchors(brake, &equations, &certificates, &solver, progress)?;
+        let reference_gain = |(scene, at): (&Scene, &OperatingPoint)| equations[scene.configuration].gain(at);
+        let reference_gains = plan.scenes.iter().zip(&points).map(reference_gain).collect();
+        Ok(Self {
+            origin_references: origins,
+            references,
+            sector_references,
+            certificates,
+            equations,
+            anchors,
+            known_names: plan.scenes.iter().map(|_| KnownNames::default()).collect(),
+            reference_points: points,
+            reference_gains,
+            options,
+            brake,
+            solver,
+        })
+    }
+
+    /// The brake.
+    pub fn brake(&self) -> &'a B {
+        self.brake
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &'a Plan {
+        self.brake.plan()
+    }
+
+    /// The modes of each origin, each named by its frequency rank there.
+    pub fn origin_references(&self) -> &[Reference] {
+        &self.origin_references
+    }
+
+    /// The reference of each scene.
+    pub fn references(&self) -> &[Reference] {
+        &self.references
+    }
+
+    /// The reference of each scene with its modes named by likeness; `None` of a study that does not ask for these names.
+    pub fn references_by_likeness(&self) -> Option<Vec<Reference>> {
+        self.references.iter().map(Reference::named_by_likeness).collect()
+    }
+
+    /// The reference of each sector of each scene, in the order of its configuration's sectors.
+    pub fn sector_references(&self) -> &[Vec<Reference>] {
+        &self.sector_references
+    }
+
+    /// The certificate of each configuration.
+    pub fn certificates(&self) -> &[Certificate] {
+        &self.certificates
+    }
+
+    /// The secular equations of the configuration of a scene.
+    pub(super) fn equations(&self, scene: usize) -> &SecularEquations {
+        &self.equations[self.plan().scenes[scene].configuration]
+    }
+
+    /// How each sector of a scene is solved.
+    pub(super) fn solvers(&self, scene: usize) -> Vec<SectorSolver<'_>> {
+        let equations = &self.equations(scene).sectors;
+        let each = self.sector_references[scene].iter().zip(equations).zip(&self.anchors[scene]);
+        let gain = self.reference_gains[scene];
+        let solvers = each.map(|((reference, secular), anchors)| SectorSolver {
+            eigen_solver: &self.solver,
+            reference,
+            plan: self.plan(),
+            likeness_too: self.options.likeness_too,
+            equation: secular
+                .as_ref()
+                .zip(anchors.as_ref())
+                .zip(gain)
+                .map(|((secular, anchors), reference)| SectorEquation { secular, anchors, reference }),
+        });
+        solvers.collect()
+    }
+}
+
+impl<B: UncertainBrake> montecarlo::Experiment for Study<'_, B> {
+    type Sample = B::Sample;
+    type Outcome = Outcome;
+    type Error = Error;
+    type Scratch = Scratch;
+
+    fn scenes(&self) -> usize {
+        self.plan().scenes.len()
+    }
+
+    fn draw(&self, rng: &mut StreamRng) -> Result<B::Sample, Error> {
+        self.brake.draw(rng)
+    }
+
+    fn evaluate(&self, scene: usize, sample: &B::Sample, scratch: &mut Scratch) -> Result<Outcome, Error> {
+        let mut outcomes = Vec::with_capacity(1);
+        self.evaluate_block(scene, &[sample], scratch, &mut outcomes);
+        outcomes.remove(0)
+    }
+
+    fn evaluate_block(
+        &self,
+        scene: usize,
+        samples: &[&B::Sample],
+        scratch: &mut Scratch,
+        out: &mut Vec<Result<Outcome, Error>>,
+    ) {
+        let of_scene = &self.plan().scenes[scene];
+        let certificate = &self.certificates[of_scene.configuration];
+        let (mut open, mut points) = (Vec::with_capacity(samples.len()), Vec::with_capacity(samples.len()));
+        let mut outcomes = Vec::with_capacity(samples.len());
+        timed(&mut scratch.memory.spent.states, || {
+            for (at, sample) in samples.iter().enumerate() {
+                outcomes.push(self.brake.operating_point(of_scene, sample).map(|point| {
+                    let is_certified = certificate.covers(&point);
+                    if !is_certified {
+                        open.push(at);
+                        points.push(point);
+                    }
+                    Outcome { is_certified, ..Outcome::default() }
+                }));
+            }
+        });
+        let found = match self.brake.has_band_modes() {
+            true => self.band_samples(scene, &points, scratch),
+            false => self.open_samples(scene, &points, scratch),
+        };
+        for (at, outcome) in open.into_iter().zip(found) {
+            outcomes[at] = outcome;
+        }
+        out.append(&mut outcomes);
+    }
+}

@@ -1,0 +1,107 @@
+//! The samples of a study, kept where they are asked for: in which anything was unstable, what, and how fast it grows.
+//!
+//! Inputs are not among them: a sample is drawn again from the seed and its index.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::{ModeLabel, Outcome};
+
+/// The samples of one scene. Those in neither list are stable.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct KeptSamples {
+    /// Ascending in the index.
+    pub unstable: Vec<KeptSample>,
+    /// Indices of the samples whose evaluation failed, ascending. Samples whose draw failed are in no list.
+    pub failed: Vec<u64>,
+}
+
+/// A sample in which anything is unstable.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KeptSample {
+    /// Its index.
+    pub index: u64,
+    /// The largest growth rate of an unstable mode or of a divergence, 1/s.
+    pub growth: f64,
+    /// The unstable modes, ascending in frequency: the names that each may have, and its growth rate, 1/s. Divergence is the last.
+    pub modes: Vec<(Vec<ModeLabel>, f64)>,
+}
+
+impl KeptSample {
+    /// A sample with its outcome; `None` of a stable one.
+    pub fn new(index: u64, outcome: &Outcome) -> Option<Self> {
+        let modes = outcome.unstable.iter().map(|mode| (mode.names.clone(), mode.growth));
+        let divergence = (outcome.divergent > 0).then(|| (vec![ModeLabel::DIVERGENCE], outcome.divergence));
+        let kept = || Self { index, growth: outcome.growth, modes: modes.chain(divergence).collect() };
+        outcome.is_unstable().then(kept)
+    }
+}
+
+impl KeptSamples {
+    /// Enters a sample; without an outcome one that failed.
+    pub(super) fn record(&mut self, index: u64, outcome: Option<&Outcome>) {
+        match outcome {
+            Some(outcome) => self.unstable.extend(KeptSample::new(index, outcome)),
+            None => self.failed.push(index),
+        }
+    }
+
+    pub(super) fn merge(&mut self, later: Self) {
+        self.unstable.extend(later.unstable);
+        self.failed.extend(later.failed);
+    }
+
+    /// What a sample was, if it was unstable.
+    #[must_use]
+    pub fn sample(&self, index: u64) -> Option<&KeptSample> {
+        let at = self.unstable.binary_search_by_key(&index, |sample| sample.index).ok()?;
+        Some(&self.unstable[at])
+    }
+
+    /// Whether the evaluation of a sample failed.
+    #[must_use]
+    pub fn has_failed(&self, index: u64) -> bool {
+        self.failed.binary_search(&index).is_ok()
+    }
+
+    /// Whether these can be samples of a run of these indices, of which so many were unstable.
+    pub(super) fn may_be_of(&self, samples: &Range<u64>, unstable: u64) -> bool {
+        self.unstable.len() as u64 == unstable
+            && ascend(self.unstable.iter().map(|sample| sample.index), samples)
+            && ascend(self.failed.iter().copied(), samples)
+    }
+}
+
+/// Whether indices ascend, all of a run.
+fn ascend(mut indices: impl Iterator<Item = u64>, samples: &Range<u64>) -> bool {
+    let mut least = samples.start;
+    indices.all(|index| {
+        let is_next = (least..samples.end).contains(&index);
+        least = index + 1;
+        is_next
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_those_of_a_range() {
+        let kept = |unstable: &[u64], failed: &[u64]| {
+            let sample = |&index: &u64| KeptSample { index, growth: 1.0, modes: Vec::new() };
+            KeptSamples { unstable: unstable.iter().map(sample).collect(), failed: failed.to_vec() }
+        };
+        for (start, is_there) in [(0, true), (100, true), (u64::MAX - 50, true)] {
+            let found = kept(&[start, start + 3, start + 9], &[start + 1]);
+            assert_eq!(found.may_be_of(&(start..start + 10), 3), is_there);
+            // One index too few at either end.
+            assert!(!found.may_be_of(&(start..start + 9), 3));
+            assert!(!found.may_be_of(&(start + 1..start + 10), 3));
+            assert!(!found.may_be_of(&(start..start + 10), 2));
+        }
+        assert!(!kept(&[4, 3], &[]).may_be_of(&(0..10), 2));
+        assert!(!kept(&[3], &[7, 7]).may_be_of(&(0..10), 1));
+    }
+}

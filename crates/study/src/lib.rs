@@ -1,0 +1,68 @@
+//! The study of a brake: every draw of its uncertain parameters in every scene.
+//!
+//! A *scene* is a constraint set, a friction law, a contact arrangement and a speed range. The hierarchy of a report
+//! (law, number in contact, arrangement, speed range, samples) is gone through the other way round: one draw in all
+//! scenes, so that scenes are compared on the same draws and memory does not grow with the number of samples.
+//!
+//! Nothing here knows what the brake is: it runs on the affine form of [`osc_model::Brake`], and on what an
+//! [`UncertainBrake`] computes.
+
+mod band;
+mod brake;
+mod certificate;
+mod check;
+mod comparison;
+mod contradiction;
+mod cost;
+mod error;
+pub mod estimators;
+mod evaluate;
+mod fingerprint;
+pub mod identity;
+mod kept_samples;
+mod known_names;
+pub mod memory;
+mod mode_label;
+mod named_shapes;
+mod near_axis;
+mod net_work;
+mod plan;
+mod reference;
+mod scratch;
+mod sector_modes;
+mod secular_equations;
+mod set_links;
+mod tally;
+
+pub use brake::{
+    BandMode, Bridge, Direction, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, OwnSize, Place, Symmetry,
+    UncertainBrake, WholeContact, WholeEigenvalue, wider,
+};
+pub use certificate::Certificate;
+pub use check::check;
+pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
+pub use contradiction::Contradiction;
+pub use cost::Cost;
+pub use error::Error;
+pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};
+pub use fingerprint::fingerprint;
+pub use kept_samples::{KeptSample, KeptSamples};
+pub use mode_label::ModeLabel;
+pub(crate) use near_axis::NearAxis;
+pub use net_work::mode_work;
+pub use plan::{
+    Configuration, LawLabel, ModeIdentity, ModeNaming, Origin, PanelLabel, Plan, Scene, SceneKey, SceneLabels,
+    SpeedLabel, StudySource,
+};
+pub use reference::Reference;
+pub use scratch::{Scratch, Spent, timed};
+pub use sector_modes::check_range;
+pub use secular_equations::{ANCHORS_PER_SCENE, common_gain};
+pub use set_links::{SetLinks, origin_of_set, set_links};
+pub(crate) use tally::unstable_names;
+pub use tally::{SceneTally, StudyTally, TwiceNamedTally};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

@@ -1,0 +1,175 @@
+//! The references of a plan: of its origins, of its configurations from these, and of its scenes from those.
+
+use cea::{EigenSolver, Mode, Modes, ranks_together};
+use linsys::{OperatingPoint, SecondOrder, real_times_complex};
+use montecarlo::Progress;
+use nalgebra::DMatrix;
+use osc_model::{Brake, Sector};
+use rayon::prelude::*;
+use tracking::{OwnedPath, Path, PathEnd, follow};
+
+use super::{Reference, SectoredReference, Way, bounded_workspace, path_start};
+use crate::Error;
+use crate::named_shapes::NamedShapes;
+use crate::{Bridge, Configuration, ModeIdentity, ModeLabel, Origin, Plan, Scene};
+
+/// The references of the origins and of the scenes of a plan, each in their order.
+pub(crate) struct References {
+    pub origins: Vec<Reference>,
+    pub scenes: Vec<SectoredReference>,
+}
+
+/// The bridge to a configuration, from the modes of its origin and its own.
+pub(crate) type Bridges<'a> = dyn Fn(usize, [&[Mode]; 2]) -> Result<Option<Bridge>, Error> + Sync + 'a;
+
+/// A path that the brake evaluates, from an operating point of a scene to another.
+pub(crate) type Paths<'a> = dyn Fn(&Scene, [&OperatingPoint; 2]) -> Option<Box<dyn OwnedPath + 'a>> + Sync + 'a;
+
+/// The references of `plan`; `points` are the operating points of its scenes at median parameters, `bridge` what each configuration has in
+/// common with its origin where their degrees of freedom may differ, `paths` those of the brake's own. Shapes of the origins are kept
+/// if they are to name modes `by_likeness`. Progress advances by one for each configuration and each scene.
+///
+/// # Errors
+/// Those of the model and of the solver; [`Error::Scene`] names the scene.
+pub(crate) fn references(
+    plan: &Plan,
+    points: &[OperatingPoint],
+    bridge: Option<&Bridges<'_>>,
+    paths: &Paths<'_>,
+    by_likeness: bool,
+    solver: &dyn EigenSolver,
+    progress: &dyn Progress,
+) -> Result<References, Error> {
+    let origin = |origin: &Origin| {
+        let named = of_origin(origin, plan, solver)?;
+        Ok(if by_likeness { named.naming_by_likeness() } else { named })
+    };
+    let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
+    let of_configuration = |(place, configuration): (usize, &Configuration)| {
+        let origin = &origins[configuration.origin];
+        let bridged = match bridge {
+            Some(bridge) => across(bridge, place, origin, plan, solver),
+            None => Ok(None),
+        };
+        let found = match bridged {
+            Ok(None) => of_configuration(configuration, origin, plan, solver),
+            Ok(Some(found)) => Ok(found),
+            Err(error) => Err(error),
+        };
+        progress.advance(1);
+        found.map_err(|source| Error::Scene {
+            scene: format!("contact {}", configuration.contacts),
+            source: source.into(),
+        })
+    };
+    let configurations = plan
+        .configurations
+        .par_iter()
+        .enumerate()
+        .map(of_configuration)
+        .collect::<Result<Vec<SectoredReference>, Error>>()?;
+    let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
+        let path = paths(scene, [&plan.configuration(scene).naming_point, at]);
+        let way = Way::Near(path.as_deref());
+        let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], way, plan, solver);
+        progress.advance(1);
+        found.map_err(|source| Error::Scene { scene: plan.describe(scene), source: source.into() })
+    };
+    let scenes = plan.scenes.par_iter().zip(points).map(of_scene).collect::<Result<_, Error>>()?;
+    Ok(References { origins, scenes })
+}
+
+/// The modes of an origin, each named by its frequency rank.
+fn of_origin(origin: &Origin, plan: &Plan, solver: &dyn EigenSolver) -> Result<Reference, Error> {
+    let (brake, mut work) = (&origin.brake, bounded_workspace(origin.brake.system.order()));
+    let system = brake.system.assemble(&origin.naming_point)?;
+    let of_sector = |sector: &Sector| {
+        let system = sector.reduced(&system)?;
+        let spectrum = solver.eigenvalues(&system, &mut work)?;
+        Ok((Modes::classify(&system, &spectrum, &mut work)?, system))
+    };
+    let (found, systems): (Vec<Modes>, Vec<_>) =
+        brake.sectors.iter().map(of_sector).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    let mut parts = Vec::with_capacity(found.len());
+    for ((all, system), ranks) in found.iter().zip(systems).zip(ranks_together(&found.iter().collect::<Vec<_>>())) {
+        let followed = all.oscillatory.iter().zip(ranks).filter(|(lambda, _)| plan.is_followed(**lambda));
+        let (lambdas, names): (Vec<_>, Vec<_>) =
+            followed.map(|(&lambda, rank)| (lambda, vec![ModeLabel::of_rank(rank)])).unzip();
+        let mut part = Reference { names, ..Reference::of_modes(system, &lambdas, &mut work)? };
+        part.open_equal_modes();
+        parts.push(part);
+    }
+    Ok(Reference::joined(system, &brake.sectors, &parts))
+}
+
+fn of_configuration(
+    configuration: &Configuration,
+    origin: &Reference,
+    plan: &Plan,
+    solver: &dyn EigenSolver,
+) -> Result<SectoredReference, Error> {
+    let Configuration { brake, naming_point, .. } = configuration;
+    let system = brake.system.assemble(naming_point)?;
+    let from = brake.sectors.iter().map(|sector| origin.within(sector)).collect::<Result<Vec<_>, _>>()?;
+    if system == origin.system {
+        return Ok(SectoredReference { whole: origin.clone(), sectors: from });
+    }
+    // On the straight path from one system to the other the stiffness and the load of the contacts that open fade out
+    // together.
+    SectoredReference::linked(&from, solver, &brake.sectors, system, Way::Far, plan)
+}
+
+/// The modes of a configuration, by its place in the plan, named by those of an origin with other degrees of freedom, in coordinates that
+/// both have in common; `None` where both have the same.
+fn across(
+    bridge: &Bridges<'_>,
+    place: usize,
+    origin: &Reference,
+    plan: &Plan,
+    solver: &dyn EigenSolver,
+) -> Result<Option<SectoredReference>, Error> {
+    let Configuration { brake, naming_point, .. } = &plan.configurations[place];
+    let system = brake.system.assemble(naming_point)?;
+    if system == origin.system {
+        return Ok(None);
+    }
+    let mut work = bounded_workspace(system.order());
+    let mut next = Reference::unnamed(solver, system, plan, &mut work)?;
+    let Some(bridge) = bridge(place, [&origin.modes, &next.modes])? else { return Ok(None) };
+    let lifted = |modes: &[Mode], onto: &DMatrix<f64>, system: &SecondOrder| -> Vec<Mode> {
+        modes
+            .iter()
+            .map(|mode| Mode::normalised(&system.m, mode.lambda, real_times_complex(onto, &mode.shape)))
+            .collect()
+    };
+    next.shapes = origin.shapes.as_ref().map(|NamedShapes { modes, names }| NamedShapes {
+        modes: lifted(modes, &bridge.between, &next.system),
+        names: names.clone(),
+    });
+    if plan.mode_identity == ModeIdentity::Mac {
+        next.names = next.names_by_likeness(&next.modes).unwrap_or_default();
+    } else {
+        let start_modes = lifted(&origin.modes, &bridge.origin, &bridge.from);
+        let end_modes = lifted(&next.modes, &bridge.own, &bridge.to);
+        let start = path_start(&bridge.from, bridge.path.as_deref());
+        let end = PathEnd { system: &bridge.to, modes: &end_modes };
+        let path = Path { start, start_modes: &start_modes, end };
+        next.name(&origin.names, follow(solver, path, &mut work)?);
+    }
+    Ok(Some(SectoredReference { whole: next.clone(), sectors: vec![next] }))
+}
+
+fn of_scene(
+    brake: &Brake,
+    at: &OperatingPoint,
+    configuration: &SectoredReference,
+    way: Way<'_>,
+    plan: &Plan,
+    solver: &dyn EigenSolver,
+) -> Result<SectoredReference, Error> {
+    let system = brake.system.assemble(at)?;
+    if system == configuration.whole.system {
+        return Ok(configuration.clone());
+    }
+    SectoredReference::linked(&configuration.sectors, solver, &brake.sectors, system, way, plan)
+}
