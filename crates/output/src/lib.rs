@@ -36,7 +36,7 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
     replace(path, contents).map_err(|source| OutputError::Write { path: path.to_owned(), source })
 }
 
-/// [`write`], with the bare error.
+/// [`write()`], with the bare error.
 ///
 /// # Errors
 /// What the file system refuses.
