@@ -1,9 +1,9 @@
 //! What laws, ranges of speed and arrangements are called in tables and figures.
 
 use osc_model::ContactArrangement;
+use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
 
 use crate::case::{Law, SpeedRange};
-use study::{LawLabel, PanelLabel, SceneLabels, SpeedLabel};
 
 /// The labels of these, without those of constraints, degrees of freedom and the point of naming.
 pub(super) fn friction_labels(

@@ -2,10 +2,10 @@
 
 use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, StreamRng};
+use study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
 
 use crate::Error;
 use crate::case::{MatricesCase, Parameter};
-use study::{Input, NamedParameter, Plan, Scene, StudySource, UncertainBrake};
 
 /// The brake of a case with each of its sets of constraints. A sample is one value of each parameter.
 #[derive(Debug)]

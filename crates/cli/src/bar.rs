@@ -6,10 +6,10 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
-use crate::log_lines::LogLines;
 use montecarlo::Progress;
 use squeal::RunProgress;
+
+use crate::log_lines::LogLines;
 
 /// What is counted while a study is prepared.
 pub(crate) const PREPARED: &str = "steps of preparation";

@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use brakes::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
+use brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
 use cea::{
     EigenSolver, Mode, Modes, QrSolver, Threshold, Verdict, Workspace, damping_ratio, frequency_hz, pair_numbers,
     verdicts_beyond,
@@ -13,6 +15,9 @@ use num_complex::Complex;
 use osc_model::Brake;
 use serde_json::{Value, json};
 use sparse::reduction::ReducedModes;
+use squeal::results::hertz;
+use squeal::study::{Scene, UncertainBrake, check_range, mode_work};
+use squeal::why::Why;
 use work::ModeWork;
 
 use super::eig::announce;
@@ -23,11 +28,6 @@ use super::sized;
 use crate::Error;
 use crate::bar::Bar;
 use crate::case_file;
-use brakes::case::{CaseFile, FiniteElementCase, LatticeCase, MatricesCase, Parameter};
-use brakes::{BESIDE, FiniteElementBrake, LatticeSample, lattice, sliding};
-use squeal::results::hertz;
-use squeal::study::{Scene, UncertainBrake, check_range, mode_work};
-use squeal::why::Why;
 
 /// One complex eigenvalue analysis at median parameters: a table of modes.
 #[derive(Debug, clap::Args)]

@@ -4,7 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use brakes::FiniteElementBrake;
+use brakes::case::{CaseFile, SpeedRange};
+use output::{printable, write};
+use report::influence_figure;
 use serde_json::json;
+use squeal::folder::RunFolder;
+use squeal::identity::of_study;
+use squeal::influence::{influence, write_influences};
+use squeal::study::{Study, UncertainBrake};
+use squeal::workers;
 
 use super::options::{MemoryArgs, check_threads, override_run, threads, whole_number};
 use super::scene::{SceneArgs, chosen};
@@ -12,15 +21,6 @@ use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
-use brakes::FiniteElementBrake;
-use brakes::case::{CaseFile, SpeedRange};
-use report::influence_figure;
-use squeal::folder::RunFolder;
-use squeal::identity::of_study;
-use squeal::influence::{influence, write_influences};
-use squeal::output::{printable, write};
-use squeal::study::{Study, UncertainBrake};
-use squeal::workers;
 
 /// Fewest and most draws, and rows of a design; chosen: with fewer an interval has no information, and more take gigabytes.
 const ALLOWED: std::ops::RangeInclusive<u64> = 100..=1_000_000;

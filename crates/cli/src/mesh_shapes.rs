@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
+use brakes::FiniteElementBrake;
 use formats::{Dof, Mesh, ModeShape, Surface, write_vtu};
 use num_complex::Complex;
+use output::{OutputError, write};
+use report::{BasisOf, Geometry, MeshSurface, ModeOf};
+use squeal::results::Results;
 
 use crate::Error;
-use brakes::FiniteElementBrake;
-use report::{BasisOf, Geometry, MeshSurface, ModeOf};
-use squeal::output::{OutputError, write};
-use squeal::results::Results;
 
 /// How a page shows modes on the mesh of the case, if it names one.
 pub(super) fn mesh_geometry(brake: &FiniteElementBrake) -> Geometry<'_> {

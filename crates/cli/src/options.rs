@@ -1,8 +1,9 @@
 //! Options that several commands share.
 
-use crate::Error;
 use brakes::case::LatticeCase;
 use squeal::memory;
+
+use crate::Error;
 
 /// More worker threads than any machine has cores for.
 const MOST_THREADS: usize = 1024;

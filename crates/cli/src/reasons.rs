@@ -2,11 +2,11 @@
 
 use cea::{EQUAL_BUT_FOR_ROUNDING, Workspace, frequency_hz};
 use num_complex::Complex;
-
-use crate::Error;
 use squeal::results::hertz;
 use squeal::study::{Scene, UncertainBrake};
 use squeal::why::{Balance, Contribution, Explainer, Influence, Why};
+
+use crate::Error;
 
 /// Most influences that are listed; chosen: a screen. All are in JSON.
 const MOST_INFLUENCES: usize = 16;

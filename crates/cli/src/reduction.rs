@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use sparse::reduction::{Compared, compared};
-
-use crate::Error;
 use brakes::FiniteElementBrake;
 use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
-use squeal::output::write_csv;
+use output::write_csv;
+use sparse::reduction::{Compared, compared};
 use squeal::study::UncertainBrake;
+
+use crate::Error;
 
 const HEADER: [&str; 6] = ["constraints", "columns", "largest_residual", "modes", "missing", "largest_distance"];
 

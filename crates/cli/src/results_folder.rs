@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use output::printable;
 use serde_json::{Value, json};
-
-use crate::Error;
 use squeal::folder::RunFolder;
-use squeal::output::printable;
 use squeal::results::Source;
 use squeal::study::Plan;
+
+use crate::Error;
 
 /// Writes `manifest.json` into a folder: the program, the case and the study, threads and seconds, and what the command adds: enough
 /// to make its results again.

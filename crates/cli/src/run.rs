@@ -3,6 +3,16 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use brakes::FiniteElementBrake;
+use brakes::case::{CaseFile, HALF_WIDTHS, is_half_width};
+use output::printable;
+use report::{Geometry, draw_occurrence, write_page};
+use squeal::influence::write_kept_samples;
+use squeal::results::{Estimates, Results, Stopped};
+use squeal::study::{FullChecks, UncertainBrake};
+use squeal::workers;
+use squeal::{RunOptions, run_study_with};
+
 use super::mesh_shapes::{mesh_geometry, write_mesh_shapes};
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
 use super::reduction::write_reduction;
@@ -10,15 +20,6 @@ use super::sized;
 use crate::Error;
 use crate::bar::{Bar, RunBars};
 use crate::case_file;
-use brakes::FiniteElementBrake;
-use brakes::case::{CaseFile, HALF_WIDTHS, is_half_width};
-use report::{Geometry, draw_occurrence, write_page};
-use squeal::influence::write_kept_samples;
-use squeal::output::printable;
-use squeal::results::{Estimates, Results, Stopped};
-use squeal::study::{FullChecks, UncertainBrake};
-use squeal::workers;
-use squeal::{RunOptions, run_study_with};
 
 /// Panels whose occurrences are printed; more are for the tables. Chosen: a screen of lines.
 const SUMMARISED_PANELS: usize = 4;

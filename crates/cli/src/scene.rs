@@ -1,11 +1,11 @@
 //! Which scene of a case a command is about.
 
+use brakes::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 use cea::Threshold;
 use osc_model::ContactArrangement;
 
 use super::options::number;
 use crate::Error;
-use brakes::case::{FiniteElementCase, LatticeCase, Law, MatricesCase, SpeedRange};
 
 /// The options that choose one scene of a case.
 #[derive(Debug, Clone, Default, clap::Args)]

@@ -4,7 +4,16 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use brakes::case::CaseFile;
+use brakes::{Bases, FiniteElementBrake};
+use output::printable;
+use report::{Geometry, screen_figure, write_screen_page};
 use serde_json::json;
+use squeal::folder::RunFolder;
+use squeal::identity::of_study;
+use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
+use squeal::study::UncertainBrake;
+use squeal::workers;
 
 use super::mesh_shapes::mesh_geometry;
 use super::options::{MemoryArgs, number, override_run, threads, whole_number};
@@ -13,15 +22,6 @@ use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
-use brakes::case::CaseFile;
-use brakes::{Bases, FiniteElementBrake};
-use report::{Geometry, screen_figure, write_screen_page};
-use squeal::folder::RunFolder;
-use squeal::identity::of_study;
-use squeal::output::printable;
-use squeal::screen::{ChangeKind, Confirmation, ScreenOptions, Sizes, confirm, rank};
-use squeal::study::UncertainBrake;
-use squeal::workers;
 
 /// Draws of the prediction where no option says otherwise; chosen: it ranks.
 const DRAWS: u64 = 8;

@@ -1,12 +1,13 @@
 //! Brakes of cases whose studies fit into memory; what takes long or much is announced, what takes more than there is refused.
 
+use brakes::case::{FiniteElementCase, LatticeCase, MatricesCase};
+use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
+use output::{bytes_in_words, in_words};
+use squeal::study::{Cost, Plan};
+
 use super::options::MemoryArgs;
 use crate::Error;
 use crate::terminal::note;
-use brakes::case::{FiniteElementCase, LatticeCase, MatricesCase};
-use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake};
-use squeal::output::{bytes_in_words, in_words};
-use squeal::study::{Cost, Plan};
 
 /// From how many seconds of preparation on it is announced; chosen.
 const ANNOUNCED: f64 = 5.0;

@@ -4,8 +4,17 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use brakes::FiniteElementBrake;
+use brakes::case::CaseFile;
 use cea::QrSolver;
+use output::printable;
+use report::{Geometry, sweep_figure, write_sweep_page};
 use serde_json::json;
+use squeal::folder::RunFolder;
+use squeal::identity::of_study;
+use squeal::study::{Study, UncertainBrake};
+use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
+use squeal::workers;
 
 use super::mesh_shapes::mesh_geometry;
 use super::options::{MemoryArgs, check_threads, threads};
@@ -14,15 +23,6 @@ use super::{results_folder, sized};
 use crate::Error;
 use crate::bar::{Bar, PREPARED};
 use crate::case_file;
-use brakes::FiniteElementBrake;
-use brakes::case::CaseFile;
-use report::{Geometry, sweep_figure, write_sweep_page};
-use squeal::folder::RunFolder;
-use squeal::identity::of_study;
-use squeal::output::printable;
-use squeal::study::{Study, UncertainBrake};
-use squeal::sweep::{BoundaryMode, Found, Over, boundary_modes, stability_map, sweep};
-use squeal::workers;
 
 /// Sweep one or two parameters, all others at their medians: where squeal starts and stops, and what the modes do.
 ///

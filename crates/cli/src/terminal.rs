@@ -2,8 +2,9 @@
 
 use std::io::{self, Write};
 
-use crate::Error;
 use output::printable;
+
+use crate::Error;
 
 /// Says a line on standard error; nobody has to listen, so that a closed or full one is no error.
 pub fn note(text: &str) {

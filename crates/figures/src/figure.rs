@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use output::{csv_bytes, replace};
+
 use super::canvas::Canvas;
 use super::error::FigureError;
 use super::{raster, vector};
-use output::{csv_bytes, replace};
 
 /// The numbers of a figure, one observation per row.
 pub(super) struct Table {

@@ -1,5 +1,9 @@
 //! Claims C7 to C10: what is left of the instabilities with oscillators held.
 
+use brakes::case::Paper;
+use squeal::results::{ArrangementOccurrence, Estimate, Results};
+use squeal::study::{ComparisonKind, ModeLabel, Panel};
+
 use super::Subject;
 use super::limits::{Judgement, Limits, above, all, below, largest, least, mean};
 use super::modes::{
@@ -9,9 +13,6 @@ use super::panels::{all_positive, differences};
 use super::scenes::{CORNERS_HELD, SIX_HELD, full_contact, law_name, number_in_contact, speed_name};
 use crate::Error;
 use crate::claims::{Claim, Holds};
-use brakes::case::Paper;
-use squeal::results::{ArrangementOccurrence, Estimate, Results};
-use squeal::study::{ComparisonKind, ModeLabel, Panel};
 
 /// An occurrence that counts as none: a box plot from 0 to 100 % does not show it, and 1,000 draws without a hit in each of
 /// 135 scenes bound all occurrences by 0.9 %. Chosen, before any reading was judged by it.

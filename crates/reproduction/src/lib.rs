@@ -20,14 +20,12 @@ pub use claims::{Claim, Holds, claims_json, claims_markdown};
 use constrained::{after_corners, after_six, corners_reduce, none_at_six};
 pub use error::Error;
 pub use limits::Judgement;
-pub(crate) use modes::most_robust;
-pub(crate) use modes::{paper_modes, shape, title};
+pub(crate) use modes::{most_robust, paper_modes, shape, title};
 use panels::{contact_number, laws, speeds};
 pub use pictures::draw_paper;
 use printed::{counted, natural_frequencies};
 use robust_mode::{robust_mode, robust_shape, robust_work};
-pub(crate) use scenes::UNCONSTRAINED;
-pub(crate) use scenes::{CORNERS_HELD, SIX_HELD};
+pub(crate) use scenes::{CORNERS_HELD, SIX_HELD, UNCONSTRAINED};
 use squeal::results::Results;
 use squeal::study::ModeNaming;
 

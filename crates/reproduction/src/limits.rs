@@ -13,10 +13,10 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use montecarlo::{Confidence, Proportion, QuantileSketch, exact_lower_limit, exact_upper_limit, quantile};
+use squeal::results::{ArrangementOccurrence, Estimate};
 
 use crate::Error;
 use crate::claims::Holds;
-use squeal::results::{ArrangementOccurrence, Estimate};
 
 /// The probability that any limit of a claim fails.
 const RISK: f64 = 0.05;

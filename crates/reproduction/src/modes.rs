@@ -2,15 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use brakes::case::Paper;
 use montecarlo::QuantileSketch;
 use num_complex::Complex;
+use squeal::results::{Estimate, Results};
+use squeal::study::{ModeLabel, ModeNaming, Panel, Reference, Scene};
 
 use super::limits::{Judgement, Limits, least};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
-use brakes::case::Paper;
-use squeal::results::{Estimate, Results};
-use squeal::study::{ModeLabel, ModeNaming, Panel, Reference, Scene};
 
 /// The modes that are ever unstable in some panels.
 pub(super) fn unstable_modes(results: &Results<'_>, panels: &[&Panel]) -> BTreeSet<ModeLabel> {

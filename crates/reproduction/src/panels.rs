@@ -1,12 +1,12 @@
 //! Claims C1 to C3, and the first half of C7: how the number of unstable modes compares between panels.
 
 use montecarlo::Confidence;
+use squeal::results::{Estimate, Results};
+use squeal::study::{ComparisonKind, Panel};
 
 use super::limits::{Judgement, above, all, least};
 use super::scenes::{UNCONSTRAINED, law_name, number_in_contact, speed_name};
 use crate::claims::Claim;
-use squeal::results::{Estimate, Results};
-use squeal::study::{ComparisonKind, Panel};
 
 /// Two panels, more unstable modes expected in the first, with the difference of their means; `None` without a sample that
 /// was solved in all arrangements.

@@ -2,21 +2,21 @@
 
 use std::path::Path;
 
-use num_complex::Complex;
-use osc_model::Lean;
-use rayon::prelude::*;
-
-use crate::Error;
-use crate::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_modes, shape, title};
 use brakes::LatticeBrake;
 use brakes::case::Paper;
 use figures::{
     BodyInMode, LawMode, ModeWorkFigure, ModelDiagram, NetWork, OccurrenceMark, mode_and_work, model_diagram,
     occurrence_boxes,
 };
+use num_complex::Complex;
+use osc_model::Lean;
+use rayon::prelude::*;
 use report::{occurrence, set_heading};
 use squeal::results::Results;
 use squeal::study::{ModeLabel, Scene};
+
+use crate::Error;
+use crate::{CORNERS_HELD, Judgement, SIX_HELD, UNCONSTRAINED, most_robust, paper_modes, shape, title};
 
 /// Draws the paper's Figures 2 and 4 to 9 from a study of its case: `fig02`, `fig04` to `fig09`; Figure 7 for
 /// the most robust mode, and as `fig07-paper-number` and `fig07-paper-number-down` for those that bear the paper's number from the lowest

@@ -1,11 +1,11 @@
 //! Claims C11 and C12: natural frequencies and counts that the paper prints.
 
+use brakes::case::Paper;
 use linsys::SecondOrder;
+use squeal::results::Results;
 
 use super::scenes::{UNCONSTRAINED, full_contact};
 use crate::claims::Claim;
-use brakes::case::Paper;
-use squeal::results::Results;
 
 /// Undamped frequencies in Hz without friction, every oscillator in contact: those of the oscillators and of the plate,
 /// by where most of the kinetic energy is.

@@ -1,14 +1,15 @@
 //! Claims C4 to C6: the most robustly unstable mode, its shape and its net work.
 
+use brakes::case::Paper;
+use squeal::results::{Estimate, Results};
+use squeal::study::{ModeLabel, Reference, Scene};
+
 use super::Subject;
 use super::limits::{Judgement, above, agreed, all, below, largest, least};
 use super::modes::{brake_oscillators, numbered, of_paper_modes, shape, title, work_dominance};
 use super::scenes::{UNCONSTRAINED, full_contact, law_of};
 use crate::Error;
 use crate::claims::{Claim, Holds};
-use brakes::case::Paper;
-use squeal::results::{Estimate, Results};
-use squeal::study::{ModeLabel, Reference, Scene};
 
 /// What is said where the mode of a claim is not among the unstable ones.
 const NEVER: &str = "no such mode is ever unstable";

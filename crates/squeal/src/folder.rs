@@ -5,8 +5,9 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use output::{OutputError, in_words, make_folder, write};
+
 use crate::Error;
-use crate::output::{OutputError, in_words, make_folder, write};
 
 /// The file that says whose folder it is.
 const MARKER: &str = "study.txt";

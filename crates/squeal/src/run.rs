@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
+use study::identity::of_study;
+use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::identity::of_study;
 use crate::results::{Manifest, Results, Stopped, Times, reasons, write_tables};
-use crate::study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 7;

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::Error;
 use output::bytes_in_words;
+
+use crate::Error;
 
 /// Bytes where nothing tells what the machine has (other systems than Linux); chosen: what a small machine has.
 const FALLBACK: u64 = 4_000_000_000;

@@ -2,9 +2,9 @@
 
 use friction::BristleDamping;
 use osc_model::{Lateral, Preload};
+use study::ModeNaming;
 
 use super::{Draws, Law};
-use study::ModeNaming;
 
 /// One reading that differs from that of the case.
 #[derive(Debug, Clone, Copy, PartialEq)]

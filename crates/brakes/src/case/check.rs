@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use formats::{Limits, Matrix, Options, Wanted, read_one};
 use osc_model::OscModelError;
+use output::moves_others;
 use serde::Deserialize;
 
 use super::{CaseError, LatticeCase};
-use output::moves_others;
 
 /// The allowed half widths of occurrences; chosen: for smaller ones a control variate takes millions of samples per scene, with
 /// larger ones an interval has no information.

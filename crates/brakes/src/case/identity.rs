@@ -7,6 +7,8 @@ use osc_model::{
     ContactArrangement, Dof, Lateral, LatticeBody, LatticeParameters, Lean, PlateParameters, Preload, Sign,
 };
 use sparse::{SparseSecondOrder, SparseTerm};
+use study::identity::{Identity, Written};
+use study::identity::{channel, naming};
 
 use super::finite_elements::{Patch, PatchContact, ReductionGoal};
 use super::matrices::{BodyDofs, GainExpressions, LagExpressions};
@@ -15,8 +17,6 @@ use super::{
     Correlation, Draws, Expression, FiniteElementCase, FixedDofs, FrictionDistributions, LatticeCase, MatricesCase,
     Parameter, SpeedRange,
 };
-use study::identity::{Identity, Written};
-use study::identity::{channel, naming};
 
 impl LatticeCase {
     /// Identifies the case: its name, and a digest of each part that results depend on. Seed, number of samples, threshold and names of

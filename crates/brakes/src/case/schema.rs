@@ -1,9 +1,9 @@
 //! The fields of a case file with a lattice. docs/case-files.md describes them.
 
 use serde::Deserialize;
+use study::{ModeIdentity, ModeNaming};
 
 use super::{Draws, FrictionDistributions, Law};
-use study::{ModeIdentity, ModeNaming};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

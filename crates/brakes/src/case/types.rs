@@ -7,9 +7,9 @@ use friction::BristleDamping;
 use montecarlo::Distribution;
 use osc_model::{ContactArrangement, Dof, Lateral, LatticeParameters, Preload};
 use serde::Deserialize;
+use study::{ModeIdentity, ModeLabel, ModeNaming};
 
 use super::{Alternative, Correlation, Draws, Law};
-use study::{ModeIdentity, ModeLabel, ModeNaming};
 
 /// A checked study of a lattice.
 #[derive(Debug, Clone)]

@@ -5,13 +5,13 @@ use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use sparse::reduction::{ContactPath, OnContactPath, shape_directions};
+use study::Bridge;
 use tracking::{Eigenpair, OwnedPath};
 
 use super::points::{all_patches, naming_point, of_brake};
 use super::{FiniteElementBrake, Part};
 use crate::Error;
 use crate::case::FiniteElementCase;
-use study::Bridge;
 
 /// The bridge from the naming point of a configuration's set of constraints to its own; `None` where both have one basis.
 ///

@@ -5,12 +5,12 @@ use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use sparse::reduction::{Compared, compared};
+use study::{BandMode, FullChecks, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside, rectangle};
 use super::{Bases, FiniteElementBrake};
 use crate::Error;
 use crate::case::FiniteElementCase;
-use study::{BandMode, FullChecks, UncertainBrake, wider};
 
 /// Distance, relative to |lambda|, of a mode from the border of where modes are wanted up to which it may be inside in one system and
 /// outside in the other.

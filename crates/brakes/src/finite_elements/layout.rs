@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
 use sparse::reduction::Reduced;
+use study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};
 use crate::Error;
 use crate::case::{FiniteElementCase, PatchContact};
 use crate::labels::friction_labels;
-use study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 /// The plan, and the closed patches of each of its configurations.
 ///

@@ -22,6 +22,11 @@ use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
 use sparse::reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
+use squeal::sweep::Over;
+use study::{
+    BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
+    UncertainBrake, WholeContact, WholeEigenvalue,
+};
 use tracking::{OwnedPath, clear_likeness};
 
 use self::friction_path::FrictionalPath;
@@ -31,11 +36,6 @@ use super::LatticeSample;
 use super::lattice::{DrawnFriction, OF_CONTACT};
 use crate::Error;
 use crate::case::{Draws, FiniteElementCase, Law, Parameter};
-use squeal::sweep::Over;
-use study::{
-    BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,
-    UncertainBrake, WholeContact, WholeEigenvalue,
-};
 
 /// What the error of an eigenvalue is taken to be, in units of the largest distance that was measured between the bases: of that of a part
 /// from that of its set, and of that from the whole brake. Chosen; samples that are solved with the whole brake tell how far off they are.

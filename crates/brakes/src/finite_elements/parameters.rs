@@ -1,6 +1,7 @@
 //! The parameters of a finite element brake by the names that its case file has for them.
 
 use linsys::OperatingPoint;
+use study::NamedParameter;
 
 use super::FiniteElementSample;
 use super::points::{self, State};
@@ -8,7 +9,6 @@ use crate::Error;
 use crate::LatticeSample;
 use crate::case::{FiniteElementCase, Law, PatchContact};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use study::NamedParameter;
 
 /// A scene of a case, reduced or not.
 #[derive(Clone, Copy)]

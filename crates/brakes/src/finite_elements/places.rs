@@ -2,11 +2,11 @@
 
 use formats::Dof;
 use nalgebra::{DMatrix, DVector};
+use study::{Direction, OwnSize, Place, Scene, WholeContact};
 
 use super::FiniteElementBrake;
 use super::points::{all_patches, naming_point, of_brake};
 use crate::Error;
-use study::{Direction, OwnSize, Place, Scene, WholeContact};
 
 /// The closed patches of a scene, each with the friction of its pairs of nodes, along the sliding and across it, and with their springs.
 pub(super) fn contacts(brake: &FiniteElementBrake, scene: &Scene) -> Vec<WholeContact> {

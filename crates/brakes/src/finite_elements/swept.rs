@@ -1,12 +1,12 @@
 //! Points of a finite element brake over the ranges that a sweep goes through.
 
 use linsys::OperatingPoint;
+use squeal::sweep::{Over, SweptParameter, swept};
 
 use super::parameters::{self, SceneOf};
 use super::points::speeds_of;
 use crate::Error;
 use crate::case::FiniteElementCase;
-use squeal::sweep::{Over, SweptParameter, swept};
 
 /// Points along one parameter, and along each of two; chosen: residuals are small at all of them, and on the way between.
 const ALONG_ONE: usize = 17;

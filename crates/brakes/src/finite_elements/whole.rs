@@ -4,9 +4,9 @@ use cea::{CeaError, Workspace, singular_vectors};
 use linsys::{OperatingPoint, real_times_complex};
 use num_complex::Complex;
 use sparse::eigenpair_near;
+use study::WholeEigenvalue;
 
 use super::{Part, ReducedSet};
-use study::WholeEigenvalue;
 
 /// Largest backward error of an eigenvalue that is taken; chosen: its bound says what it is good to.
 const TAKEN: f64 = 1e-8;

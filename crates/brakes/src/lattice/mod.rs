@@ -13,14 +13,14 @@ use osc_model::{
     Axis, ContactArrangement, ContactPoint, Dof, Lateral, LatticeBody, LatticeModel, Preload, PreparedLattice,
     Reversal, Sliding,
 };
-
-use crate::Error;
-use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
-use crate::labels::friction_labels;
 use study::{
     Configuration, Cost, Input, ModeIdentity, NamedParameter, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource,
     Symmetry, UncertainBrake, WholeContact,
 };
+
+use crate::Error;
+use crate::case::{Draws, LatticeCase, LatticeReadings, Law};
+use crate::labels::friction_labels;
 
 /// Speed at which a law that does not depend on speed is evaluated, m/s; any value gives the same result.
 const ANY_SPEED: f64 = 1.0;

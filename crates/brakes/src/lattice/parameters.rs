@@ -2,12 +2,12 @@
 
 use linsys::SecondOrder;
 use osc_model::{Lateral, LatticeModel, LatticeParameters, Preload};
+use study::{NamedParameter, Scene};
 
 use super::{FrictionDraw, LatticeBrake, LatticeSample, sliding_under};
 use crate::Error;
 use crate::case::{LatticeReadings, Law};
 use crate::friction_parameters::{FRICTION, FrictionParameter, FrictionUse};
-use study::{NamedParameter, Scene};
 
 /// All that the parameters of a scene can change.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! Friction by quantile functions: which coordinate of the unit cube each parameter takes, and which parameters a law has.
 
 use montecarlo::Distribution;
+use study::Input;
 
 use super::{FrictionDraw, LatticeSample};
 use crate::case::{Correlation, Draws, FrictionDistributions, Law};
-use study::Input;
 
 /// What friction is drawn from.
 #[derive(Debug, Clone, Copy)]

@@ -2,17 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use brakes::case::{FiniteElementCase, FixedDofs};
+use brakes::frictionless;
 use nalgebra::Complex;
 use nalgebra_sparse::CscMatrix;
 use sparse::SparseSecondOrder;
 use sparse::health::{MatrixHealth, Signs, SolutionErrors, solution_errors};
+use squeal::results::hertz;
+use squeal::study::{Origin, Plan};
 
 use super::line;
 use crate::Error;
-use brakes::case::{FiniteElementCase, FixedDofs};
-use brakes::frictionless;
-use squeal::results::hertz;
-use squeal::study::{Origin, Plan};
 
 /// An asymmetry that is rounding of an export; chosen.
 const ROUNDING: f64 = 1e-12;

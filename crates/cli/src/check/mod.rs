@@ -6,16 +6,17 @@ mod names;
 use std::io::Write;
 use std::path::PathBuf;
 
+use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
+use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
+use output::{bytes_in_words, in_words, printable};
+use squeal::estimate;
+use squeal::study::{Cost, UncertainBrake};
+
 use super::options::{MemoryArgs, override_run, whole_number};
 use super::sized;
 use crate::Error;
 use crate::bar::{Bar, EVALUATED, PREPARED};
 use crate::case_file;
-use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
-use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
-use squeal::estimate;
-use squeal::output::{bytes_in_words, in_words, printable};
-use squeal::study::{Cost, UncertainBrake};
 
 /// Longest preparation, s of processor time by its rate, that a check goes through to time some samples; chosen.
 const LONGEST_PREPARATION: f64 = 300.0;

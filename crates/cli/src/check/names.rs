@@ -1,7 +1,8 @@
 //! How the names of a finite element case belong together: nodes of the mesh with rows of the matrices, the normal with the bodies.
 
-use super::line;
 use brakes::case::{FiniteElementCase, NamesOnMesh, Side};
+
+use super::line;
 
 /// Bodies that are listed.
 const BODIES_LISTED: usize = 5;

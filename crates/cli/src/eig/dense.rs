@@ -1,20 +1,19 @@
 //! The whole certified spectrum, by dense matrices.
 
+use brakes::input::LARGEST_MATRIX;
 use cea::Workspace;
 use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
 use linsys::SecondOrder;
 use montecarlo::Progress;
-
-use crate::bar::Bar;
 use nalgebra::DMatrix;
+use output::{bytes_in_words, in_words};
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
+use crate::bar::Bar;
 use crate::terminal::note;
-use brakes::input::LARGEST_MATRIX;
-use squeal::output::{bytes_in_words, in_words};
 
 /// Most degrees of freedom; chosen, so that the longest problem takes less than an hour.
 const LARGEST_ORDER: usize = 1000;

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use brakes::held::{Held, held_rows};
+use brakes::input::check_size;
 use formats::{Dof, FormatsError, Kind, Limits, Matrix, Options, on_common_rows, read_with, split_name};
 
 use super::EigArgs;
 use super::symmetry::wanted;
 use crate::Error;
 use crate::terminal::note;
-use brakes::held::{Held, held_rows};
-use brakes::input::check_size;
 
 /// What may be read.
 #[derive(Debug, Clone, Copy)]

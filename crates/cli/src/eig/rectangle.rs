@@ -4,17 +4,16 @@ use std::cell::Cell;
 
 use formats::{Dof, Matrix};
 use montecarlo::Progress;
-
-use crate::bar::Bar;
 use nalgebra_sparse::CscMatrix;
+use output::{bytes_in_words, in_words};
 use sparse::{Circle, Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
 use super::text::{finite_json, heading, list, number, row, rows_json, taken, taken_json, vector_rows, vectors_json};
 use crate::Error;
+use crate::bar::Bar;
 use crate::terminal::note;
-use squeal::output::{bytes_in_words, in_words};
 
 /// Most degrees of freedom of which the whole spectrum is certified; chosen: some two seconds.
 const CERTIFIED: usize = 300;

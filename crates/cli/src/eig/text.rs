@@ -1,12 +1,12 @@
 //! Numbers, vectors and names as both routes write them.
 
+use brakes::held::Held;
 use cea::{Verdict, damping_ratio, frequency_hz};
 use formats::Dof;
 use nalgebra::DVector;
 use num_complex::Complex;
 
 use super::matrices::TakenFile;
-use brakes::held::Held;
 
 /// 17 significant digits; null where there is no finite number.
 pub(super) fn number(x: f64) -> String {

@@ -1,12 +1,13 @@
 //! The answer in words: which modes squeal, how sure that is, what helps and by how much.
 
-use super::text::{capitalised, escaped};
-use crate::Error;
 use squeal::results::Estimate;
 use squeal::results::findings::{Change, ModeRange, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use squeal::results::hertz;
 use squeal::results::{Results, set_letter};
 use squeal::study::ModeLabel;
+
+use super::text::{capitalised, escaped};
+use crate::Error;
 
 /// The answer of a study, as HTML.
 pub(super) fn answer(results: &Results<'_>) -> Result<String, Error> {

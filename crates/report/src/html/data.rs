@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use squeal::results::Results;
+use squeal::study::SceneLabels;
 
 use super::Geometry;
 use super::shapes;
 use super::tables::{Table, with_rows};
 use crate::Error;
-use squeal::results::Results;
-use squeal::study::SceneLabels;
 
 /// The tables of a study that the page shows, and what they are about. `occurrence.csv` is apart.
 const TABLES: [(&str, &str); 9] = [

@@ -1,8 +1,9 @@
 //! The end of the page: from what the results came, enough to make them again.
 
-use super::text::escaped;
 use squeal::results::{Manifest, Results, Times, VERSION, commit};
 use squeal::study::{ModeIdentity, ModeNaming, StudySource};
+
+use super::text::escaped;
 
 /// What every study takes for granted.
 const ASSUMPTIONS: [&str; 7] = [

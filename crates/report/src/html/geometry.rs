@@ -5,10 +5,10 @@ use nalgebra::DVector;
 use num_complex::Complex;
 use serde::Serialize;
 use serde_json::{Value, json};
+use squeal::study::{Plan, Scene};
 
 use super::mesh::MeshSurface;
 use crate::Error;
-use squeal::study::{Plan, Scene};
 
 /// What a page draws of a brake, for moving mode shapes.
 pub struct Geometry<'a>(Body<'a>);

@@ -28,9 +28,10 @@ pub use sweep::write_sweep_page;
 
 use std::path::Path;
 
+use squeal::results::Results;
+
 use self::page::Page;
 use crate::Error;
-use squeal::results::Results;
 
 /// The page of a study or sweep, in the folder of its other results.
 const FILE: &str = "report.html";

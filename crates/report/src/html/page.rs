@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use output::write;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::text::{base64, escaped, filled, json_in_script};
 use crate::Error;
-use output::write;
 
 /// The script: one function, so that no name of it is global.
 const SCRIPT: &str = concat!(

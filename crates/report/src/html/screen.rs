@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
+use figures::Figure;
 use serde_json::{Value, json};
+use squeal::fingerprint;
+use squeal::screen::{Screen, ScreenedSet};
+use squeal::study::Plan;
 
 use super::FILE;
 use super::facts::{case, described, program};
@@ -12,10 +16,6 @@ use super::shapes::{self, MovingMode, moving};
 use super::tables::with_rows;
 use super::text::{capitalised, escaped, filled};
 use crate::Error;
-use figures::Figure;
-use squeal::fingerprint;
-use squeal::screen::{Screen, ScreenedSet};
-use squeal::study::Plan;
 
 /// The tables of a screening, and what they are about.
 const TABLES: [(&str, &str); 2] = [

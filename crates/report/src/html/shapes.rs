@@ -2,14 +2,14 @@
 
 use num_complex::Complex;
 use serde_json::{Value, json};
-
-use super::geometry::{BasisOf, Geometry, ModeOf};
-use super::packed::packed;
-use crate::Error;
 use squeal::results::Results;
 use squeal::results::findings::SetFindings;
 use squeal::results::hertz;
 use squeal::study::origin_of_set;
+
+use super::geometry::{BasisOf, Geometry, ModeOf};
+use super::packed::packed;
+use crate::Error;
 
 /// Numbers of shapes in a page, at most; chosen: 1.6 megabytes. The modes that come first are shown.
 const MOST_SHAPE_NUMBERS: usize = 600_000;

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
+use figures::Figure;
 use serde_json::json;
+use squeal::fingerprint;
+use squeal::study::Plan;
+use squeal::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
 
 use super::FILE;
 use super::facts::{case, described, program};
@@ -13,10 +17,6 @@ use super::sweep_answer::{self, short};
 use super::tables::with_rows;
 use super::text::{escaped, filled};
 use crate::Error;
-use figures::Figure;
-use squeal::fingerprint;
-use squeal::study::Plan;
-use squeal::sweep::{BoundaryMode, DIVERGENCE, Evaluations, Found, SweptParameter};
 
 /// The tables of a sweep, and what they are about.
 const TABLES: [(&str, &str); 5] = [

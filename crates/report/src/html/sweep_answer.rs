@@ -1,8 +1,9 @@
 //! The answer of a sweep in words: which modes grow from where on, or how much of a map is stable.
 
-use super::text::{capitalised, escaped};
 use squeal::results::hertz;
 use squeal::sweep::{ChangeOf, DIVERGENCE, Found, Marginal, StabilityMap, Sweep, SweepOnset, named, not_looked_for};
+
+use super::text::{capitalised, escaped};
 
 /// Most modes that have a sentence of their own; the table below has all.
 const MOST_MODES: usize = 12;

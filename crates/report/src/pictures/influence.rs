@@ -1,8 +1,9 @@
 //! The figure of influence: of the scene, and of the modes that are unstable most often.
 
-use crate::Error;
 use figures::{Figure, IndexBar, IndexFigure, IndexPanel, index_bars};
 use squeal::influence::{Influence, InputInfluence, OutputInfluence, OutputKind};
+
+use crate::Error;
 
 /// Modes that are drawn, those that are unstable in most draws first; chosen: a page.
 const MOST_MODES: usize = 4;

@@ -3,13 +3,14 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::Error;
 use figures::{
     Occurrence, OccurrenceArrangement, OccurrenceBox, OccurrenceFigure, OccurrenceLaw, OccurrenceMark, OccurrenceMode,
     OccurrencePanel, OccurrenceSeries, occurrence_boxes,
 };
 use squeal::results::{ArrangementOccurrence, Results, set_letter};
 use squeal::study::{ModeLabel, ModeNaming, Panel, PanelLabel, Plan};
+
+use crate::Error;
 
 /// Draws one figure per constraint set and law, `occurrence-SET-LAW`, or `occurrence-SET` where there is one law.
 ///

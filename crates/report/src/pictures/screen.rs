@@ -1,8 +1,9 @@
 //! The figure of a screening.
 
-use crate::Error;
 use figures::{DropBar, DropGroup, DropsFigure, Figure, drops};
 use squeal::screen::{ChangeKind, Screen, ScreenedSet};
+
+use crate::Error;
 
 /// The drop of each confirmed set, kind by kind; `title` and `note` stand above and below.
 ///

@@ -1,14 +1,14 @@
 //! The figures of a sweep.
 
 use cea::frequency_hz;
-use num_complex::Complex;
-
-use crate::Error;
 use figures::{
     Figure, LocusBranch, LocusEvent, LocusMark, MapAxis, MapCurve, MapFigure, RootLocusFigure, root_locus_figure,
     stability_map_figure,
 };
+use num_complex::Complex;
 use squeal::sweep::{CELLS, ChangeOf, Found, NamedBranch, StabilityMap, Sweep, SweptParameter, event, named};
+
+use crate::Error;
 
 /// Lines with which a branch over the whole range is drawn; chosen.
 const LINES: f64 = 96.0;

@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use brakes::case::LatticeCase;
-use squeal::output::{make_folder, write};
+use output::{make_folder, write};
 use squeal::study::ModeIdentity;
 use squeal_cli::terminal::{note, say};
 use toml::Table;

@@ -1,7 +1,8 @@
 //! What is kept of one combination of readings.
 
-use crate::{Claim, Error, Subject};
 use serde::{Deserialize, Serialize};
+
+use crate::{Claim, Error, Subject};
 
 /// How modes are named that are known by continuation.
 pub const TRACKED: &str = "tracked";

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use crate::{Error, Judgement, Subject, claims_judged};
 use brakes::LatticeBrake;
 use brakes::case::LatticeCase;
 use squeal::montecarlo::{self, Sampling, Summary};
@@ -12,6 +11,7 @@ use squeal::study::{ModeIdentity, ModeNaming, Study, StudyOptions, StudyTally, T
 use super::family::Family;
 use super::product::COUNTINGS;
 use super::row::{BY_MAC, BY_RANK, Card, Row, TRACKED};
+use crate::{Error, Judgement, Subject, claims_judged};
 
 /// How much is asked of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use brakes::case::LatticeCase;
-use squeal::output::{make_folder, write};
+use output::{make_folder, write};
 
 use super::row::Row;
 use super::run::{Stage, run_together};

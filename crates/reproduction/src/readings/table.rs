@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use squeal::output::write_csv;
+use output::write_csv;
 
 use super::product::{AXES, COUNTINGS, Combination, PaperModes};
 use super::row::{BY_MAC, Card, Row, TRACKED};

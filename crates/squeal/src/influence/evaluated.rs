@@ -2,9 +2,9 @@
 
 use montecarlo::{Experiment as _, Progress};
 use rayon::prelude::*;
+use study::{KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Study, UncertainBrake};
 
 use crate::Error;
-use crate::study::{KeptSample, KeptSamples, ModeLabel, Scene, Scratch, Study, UncertainBrake};
 
 /// Samples evaluated together; chosen, so that batched solvers are filled again and again.
 const SAMPLES_PER_BLOCK: u64 = 128;

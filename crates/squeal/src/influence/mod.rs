@@ -12,10 +12,11 @@ mod samples;
 use montecarlo::rand::RngExt as _;
 use montecarlo::{Confidence, PickFreeze, Progress, SobolIndex, first_order_by_ranks, stream};
 use rayon::prelude::*;
+use study::{Input, KeptSamples, Scene, Study, UncertainBrake};
 
 use crate::Error;
-use crate::study::{Input, KeptSamples, Scene, Study, UncertainBrake};
 use evaluated::{Evaluated, evaluate, of_kept};
+
 pub use output::{Output, OutputKind};
 pub use report::write_influences;
 pub use samples::write_kept_samples;

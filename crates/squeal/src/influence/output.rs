@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use study::ModeLabel;
+
 use super::evaluated::Evaluated;
-use crate::study::ModeLabel;
 
 /// What is asked of a mode, or of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use montecarlo::SobolIndex;
+use output::write_csv;
+use study::{Plan, Scene, SceneLabels};
 
 use super::{Influence, OutputInfluence, OutputKind};
 use crate::Error;
-use crate::output::write_csv;
-use crate::study::{Plan, Scene, SceneLabels};
 
 /// Inputs that explain less than this part for sure are counted together in words; chosen.
 const LEAST_IN_WORDS: f64 = 0.01;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use montecarlo::Summary;
+use output::write_csv;
+use study::{KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
 
 use super::report::write_influences;
 use super::{drawn_again, influence_of_kept};
 use crate::Error;
-use crate::output::write_csv;
-use crate::study::{KeptSample, KeptSamples, Scene, SceneLabels, StudyTally, UncertainBrake};
 
 /// Writes `samples.csv` and `influence.csv` of a study that has kept its samples, see [`StudyTally::kept`]; of another one nothing.
 /// Nothing is evaluated for them.

@@ -1,7 +1,8 @@
 //! What stands before everything else: why the results of a study on a reduced brake may be wrong.
 
+use study::{FullChecks, SceneTally};
+
 use super::Results;
-use crate::study::{FullChecks, SceneTally};
 
 impl Results<'_> {
     /// Why the results may not be those of the whole brake, in sentences; none where nothing speaks against it.

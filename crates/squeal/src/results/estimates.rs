@@ -5,17 +5,17 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use montecarlo::{Damage, Progress, Sealed};
+use output::{OutputError, write, write_csv};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use study::estimators::{
+    Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
+};
+use study::identity::of_study;
+use study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 use super::Results;
 use crate::Error;
-use crate::estimators::{
-    Estimator, EstimatorError, FrictionPoints, Rejected, SceneOccurrences, friction_points, scene_occurrences_beside,
-};
-use crate::identity::of_study;
-use crate::output::{OutputError, write, write_csv};
-use crate::study::{SceneKey, SceneLabels, Study, UncertainBrake};
 
 /// The file in which estimates are kept, so that a run that was stopped goes on.
 const STATE: &str = "estimates.json";

@@ -1,12 +1,13 @@
 //! What a study has found about each mode and each set of constraints: the numbers behind `summary.md` and `report.html`.
 
-use montecarlo::Confidence;
 use std::collections::BTreeMap;
+
+use montecarlo::Confidence;
+use study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 
 use super::Results;
 use super::study_results::{ArrangementOccurrence, Estimate};
 use crate::Error;
-use crate::study::{ComparisonKind, ModeLabel, Panel, SceneTally};
 
 /// A mode that is unstable in more than this part of the samples is called likely; chosen.
 const LIKELY: f64 = 0.5;

@@ -1,10 +1,10 @@
 //! Where results come from: enough to make them again.
 
 use serde::Serialize;
+use study::fingerprint;
+use study::{FullChecks, Plan};
 
 use super::Results;
-use crate::fingerprint;
-use crate::study::{FullChecks, Plan};
 
 /// Wall-clock times of the stages, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -131,7 +131,7 @@ impl Manifest {
     pub fn new(results: &Results<'_>, threads: Option<usize>, seconds: Times) -> Self {
         let (plan, summary) = (results.plan(), &results.summary);
         let panels = plan.labels.panels.iter().map(|panel| (panel.in_contact, panel.arrangements.len()));
-        let sum = |of: fn(&crate::study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();
+        let sum = |of: fn(&study::SceneTally) -> u64| summary.tally.scenes.iter().map(of).sum();
         Self {
             source: Source::of(plan),
             seed: summary.seed,

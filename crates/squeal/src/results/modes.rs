@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use cea::Mode;
+use output::write_csv;
+use study::{ModeLabel, Reference, SetLinks, origin_of_set};
 
 use super::Results;
 use crate::Error;
-use crate::output::write_csv;
-use crate::study::{ModeLabel, Reference, SetLinks, origin_of_set};
 
 /// Least MAC of two modes that are listed as alike; chosen: below, a shape has little of the other.
 const LEAST_LISTED_MAC: f64 = 0.1;

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
+use output::write_csv;
 use rayon::prelude::*;
+use study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
 
 use super::summary::hertz;
 use crate::Error;
-use crate::output::write_csv;
-use crate::study::{ModeLabel, Plan, Reference, SceneLabels, Study, UncertainBrake};
 use crate::why::{Explainer, Influence, InfluenceKind, Why};
 
 /// Parameters that a sentence names; chosen.

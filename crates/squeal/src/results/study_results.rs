@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use montecarlo::{BoundedMean, Bounds, Confidence, LabelTally, Proportion, Summary, quantile};
-
-use crate::Error;
-use crate::study::{
+use study::{
     Comparison, ComparisonKind, FullChecks, ModeLabel, ModeNaming, Panel, Plan, Reference, Study, StudyTally,
     UncertainBrake, origin_of_set,
 };
+
+use crate::Error;
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -77,8 +77,8 @@ impl<'a> Results<'a> {
         summary: Summary<StudyTally>,
     ) -> Self {
         let (plan, origins) = (study.plan(), study.origin_references());
-        let panels = crate::study::panels(plan);
-        let comparisons = crate::study::comparisons(plan, &panels);
+        let panels = study::panels(plan);
+        let comparisons = study::comparisons(plan, &panels);
         let (labels, full_checks, has_band_modes) =
             (plan.mode_labels, study.brake().full_checks(), study.brake().has_band_modes());
         let notes = Mutex::default();

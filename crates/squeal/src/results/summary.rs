@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use montecarlo::Sampling;
+use output::printable;
+use study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
 use super::findings::warnings;
 use super::{ArrangementOccurrence, Estimate, Results};
 use crate::Error;
-use crate::output::printable;
-use crate::study::{ModeLabel, Panel, SceneTally, Study, StudyTally, UncertainBrake};
 
 impl<'a> Results<'a> {
     /// Runs a study in memory, without a folder: all samples of its plan on all cores.

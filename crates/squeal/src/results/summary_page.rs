@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use output::{printable, write};
+use study::{ModeLabel, SetLinks};
+
 use super::findings::{Change, OpenCounts, SetFindings, drop_in_words, place, warnings};
 use super::reasons::{SceneReasons, reasons_in_words};
 use super::study_results::Estimate;
 use super::summary::hertz;
 use super::{Results, set_letter};
 use crate::Error;
-use crate::output::{printable, write};
-use crate::study::{ModeLabel, SetLinks};
 
 /// Writes `summary.md`.
 pub(super) fn write_summary(

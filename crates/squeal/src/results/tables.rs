@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use montecarlo::{Confidence, QuantileSketch};
+use output::write_csv;
+use study::{ComparisonKind, Panel, SceneLabels, set_links};
 
 use super::Results;
 use super::modes::{write_links, write_modes};
 use super::reasons::{SceneReasons, write_sensitivities};
 use super::summary_page::write_summary;
 use crate::Error;
-use crate::output::write_csv;
-use crate::study::{ComparisonKind, Panel, SceneLabels, set_links};
 
 /// Writes `summary.md`, `modes.csv` with the shapes, `links.csv`, `occurrence.csv`, `panels.csv`, `differences.csv`, `net_work.csv`,
 /// `family_work.csv`, `sensitivities.csv` and `failures.csv` into `dir`; `reasons` are those of [`reasons`](super::reasons()).
@@ -83,8 +83,7 @@ fn write_panels(results: &Results<'_>, dir: &Path) -> Result<(), Error> {
         let weighted = |of: &dyn Fn(usize) -> u64| -> u64 {
             panel.scenes.iter().map(|&scene| of(scene) * results.plan().scenes[scene].members.len() as u64).sum()
         };
-        let sum =
-            |of: fn(&crate::study::SceneTally) -> u64| weighted(&|scene| of(&results.summary.tally.scenes[scene]));
+        let sum = |of: fn(&study::SceneTally) -> u64| weighted(&|scene| of(&results.summary.tally.scenes[scene]));
         let mean = results.mean_unstable(panel);
         let number = |of: fn(&super::Estimate) -> f64| {
             mean.as_ref().map(of).filter(|x| x.is_finite()).map_or(String::new(), |x| x.to_string())

@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use study::{Direction, OwnSize, Place, Symmetry, UncertainBrake, origin_of_set};
 
 use super::change::{Attached, Change};
 use crate::Error;
-use crate::study::{Direction, OwnSize, Place, Symmetry, UncertainBrake, origin_of_set};
 
 /// A kind of changes. Sets are of one kind: what a constraint costs against a dashpot is not for a program to say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

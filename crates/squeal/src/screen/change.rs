@@ -4,9 +4,9 @@ use linsys::{AffineSystem, DofMap, OperatingPoint, SecondOrder, Term};
 use nalgebra::DMatrix;
 use osc_model::{Body, Brake, Sectors};
 use serde::Serialize;
+use study::{Symmetry, WholeContact};
 
 use crate::Error;
-use crate::study::{Symmetry, WholeContact};
 
 /// The term that holds what is attached to a brake, less what goes with contacts that are taken out.
 const TERM: &str = "changes";

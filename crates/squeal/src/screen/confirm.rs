@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use montecarlo::{BoundedMean, Bounds, Confidence, Failures, Merge, Runs, Tally, wilson};
 use serde::{Deserialize, Serialize};
+use study::{Plan, Scene, Study, UncertainBrake};
 
 use super::modified::Modified;
 use crate::results::Estimate;
-use crate::study::{Plan, Scene, Study, UncertainBrake};
 
 /// Sums over all scenes of each set of changes, sample by sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

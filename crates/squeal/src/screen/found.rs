@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use output::write_csv;
 use serde_json::{Value, json};
 
 use super::candidates::ChangeKind;
@@ -10,7 +11,6 @@ use super::growing::GrowingMode;
 use super::modified::ChangeSet;
 use super::predict::Prediction;
 use crate::Error;
-use crate::output::write_csv;
 use crate::results::Estimate;
 
 /// Changes of each kind that are printed and not confirmed; more are in the table. Chosen.

@@ -6,7 +6,7 @@ use linsys::DofMap;
 use nalgebra::DVector;
 use num_complex::Complex;
 
-use crate::study::{Scene, Study, UncertainBrake};
+use study::{Scene, Study, UncertainBrake};
 
 /// A mode that is unstable at the medians, of the brake as it is.
 #[derive(Debug, Clone, PartialEq)]

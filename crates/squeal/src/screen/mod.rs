@@ -5,7 +5,7 @@
 //! all, so that each difference has an interval: [`confirm`].
 //!
 //! Nothing here is of first order: a constraint is not small, and the number of unstable modes has no derivative. Any
-//! [`UncertainBrake`](crate::study::UncertainBrake) can be screened; [`Modified`] is such a brake again.
+//! [`UncertainBrake`](study::UncertainBrake) can be screened; [`Modified`] is such a brake again.
 
 mod candidates;
 mod change;

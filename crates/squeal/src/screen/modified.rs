@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, HashMap};
 
 use linsys::OperatingPoint;
 use montecarlo::StreamRng;
+use study::identity::{Identity, Written};
+use study::{
+    Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake,
+};
 
 use super::change::{Attached, Change, ChangedBrake};
 use crate::Error;
-use crate::identity::{Identity, Written};
-use crate::study::{
-    Configuration, ModeIdentity, ModeNaming, Origin, Plan, Scene, SceneKey, SceneLabels, Symmetry, UncertainBrake,
-};
 
 /// Changes of a brake together, compared as one.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,11 +6,11 @@ use montecarlo::{Progress, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
 use serde::Serialize;
+use study::{Configuration, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
 
 use super::change::{Change, ChangedBrake};
 use super::modified::inverse;
 use crate::Error;
-use crate::study::{Configuration, Plan, Scene, SceneKey, Symmetry, UncertainBrake, WholeContact};
 
 /// Arrangements of a panel that are looked at; chosen: the prediction only ranks.
 const ARRANGEMENTS_PER_PANEL: usize = 2;

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
+use study::identity::{Written, of_study};
+use study::{Study, UncertainBrake};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
@@ -13,10 +15,7 @@ use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
-use crate::identity::Written;
-use crate::identity::of_study;
 use crate::run::block;
-use crate::study::{Study, UncertainBrake};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 2;

@@ -8,12 +8,12 @@
 
 use nalgebra::{Vector2, vector};
 use serde::Serialize;
+use study::UncertainBrake;
 use tracking::link_error;
 
 use super::curve_point::{CurvePoint, PointOf};
 use super::family::Part;
 use crate::Error;
-use crate::study::UncertainBrake;
 
 /// First and longest step; chosen: a curve is drawn by straight lines.
 const FIRST_STEP: f64 = 0.01;

@@ -4,13 +4,13 @@ use cea::{CeaError, Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
+use study::UncertainBrake;
 
 use super::divergence::stiffness;
 use super::double::Double;
 use super::eigenpair::Eigenpair;
 use super::family::{DIFFERENCE, Part};
 use crate::Error;
-use crate::study::UncertainBrake;
 
 /// Largest part of `left^T C right`, of the norms, that is no damping; chosen.
 const UNDAMPED: f64 = 1e-10;

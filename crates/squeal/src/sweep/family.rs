@@ -7,12 +7,12 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
 use serde::Serialize;
+use study::{Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 use tracking::{Ambiguity, KeptSpectra, RootLocus, SystemAt, SystemChange};
 
 use super::changes::{Change, ChangeOf};
 use super::parameter::{Over, SweptParameter, swept};
 use crate::Error;
-use crate::study::{Reference, Scene, Study, UncertainBrake, WholeEigenvalue};
 
 /// Half of the difference from which derivatives by a parameter are taken, as a part of its range: squared it is near machine
 /// epsilon over itself.

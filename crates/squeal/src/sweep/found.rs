@@ -4,6 +4,7 @@ use std::path::Path;
 
 use cea::{Threshold, frequency_hz};
 use num_complex::Complex;
+use output::write_csv;
 use serde_json::{Value, json};
 
 use super::{
@@ -11,7 +12,6 @@ use super::{
     SweptParameter,
 };
 use crate::Error;
-use crate::output::write_csv;
 
 /// A sweep over one parameter or two.
 #[derive(Debug, Clone, PartialEq)]

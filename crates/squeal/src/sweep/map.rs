@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use cea::{CountedSpectrum, EigenSolver, Workspace};
 use montecarlo::Progress;
 use rayon::prelude::*;
+use study::{Study, UncertainBrake};
 
 use super::boundary::BoundaryCurve;
 use super::family::{Evaluations, Family, Part};
@@ -12,7 +13,6 @@ use super::parameter::{Over, SweptParameter};
 use super::part_map::{PartMap, of_part};
 use super::regions::{CELLS, Region, Run, places_apart, regions, runs};
 use crate::Error;
-use crate::study::{Study, UncertainBrake};
 
 /// Intervals of the grid of lines on which boundary curves are looked for, one after the other until no spectrum contradicts what is found;
 /// chosen: a curve that meets no line is not found.

@@ -5,7 +5,7 @@
 //! | one parameter | [`sweep`]: branches with the names of their modes, onsets to full accuracy, of divergence too, coalescences |
 //! | two | [`stability_map`]: the curves on which a mode is neither growing nor decaying, or the stiffness singular, followed and not sampled, and how many modes are unstable between them |
 //!
-//! Any [`UncertainBrake`](crate::study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
+//! Any [`UncertainBrake`](study::UncertainBrake) that names its parameters can be swept. Systems are solved where the
 //! branches ask for it: [`Evaluations`] counts them.
 
 mod boundary;

@@ -3,12 +3,12 @@
 use cea::{EigenSolver, Workspace, right_vector};
 use nalgebra::DVector;
 use num_complex::Complex;
+use study::{Study, UncertainBrake};
 
 use super::family::Family;
 use super::parameter::Over;
 use super::{BoundaryCurve, Found, SweepOnset};
 use crate::Error;
-use crate::study::{Study, UncertainBrake};
 
 /// A mode where it crosses the threshold: of the axis, where it neither grows nor decays.
 #[derive(Debug, Clone, PartialEq)]

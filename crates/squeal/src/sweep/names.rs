@@ -2,11 +2,11 @@
 
 use cea::Mode;
 use num_complex::Complex;
+use study::{ModeLabel, Reference};
 use tracking::{Ambiguity, Branches, TrackingError, follow_branch};
 
 use super::family::SHORTEST_STEP;
 use crate::Error;
-use crate::study::{ModeLabel, Reference};
 
 /// Candidates for the name of a branch, ascending: one, several where a coalescence leaves open which mode it is, or none.
 pub(super) type Names = Vec<ModeLabel>;

@@ -4,6 +4,7 @@ use cea::{EigenSolver, Threshold};
 use montecarlo::Progress;
 use num_complex::Complex;
 use rayon::prelude::*;
+use study::{Reference, Study, UncertainBrake};
 use tracking::{Ambiguity, BranchPoint, Branches, Onset, RootLocus, root_locus};
 
 use super::changes::{Along, Change, ChangeOf, Changes, Marginal};
@@ -14,7 +15,6 @@ use super::names::{Names, carry, in_words, names_at};
 use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
-use crate::study::{Reference, Study, UncertainBrake};
 
 /// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
 const SAME_ONSET: f64 = 1e-6;

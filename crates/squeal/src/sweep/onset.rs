@@ -1,12 +1,12 @@
 //! Where a mode begins or ceases to grow.
 
 use serde::Serialize;
+use study::UncertainBrake;
 use tracking::{Branches, Onset};
 
 use super::changes::ChangeOf;
 use super::family::Part;
 use crate::Error;
-use crate::study::UncertainBrake;
 
 /// Most corrections of an onset of a reduced brake; chosen: each wins as many digits as the reduced brake has.
 const MOST_CORRECTIONS: usize = 8;

@@ -1,7 +1,8 @@
 //! Which parameters are swept, and from where to where.
 
+use study::NamedParameter;
+
 use crate::Error;
-use crate::study::NamedParameter;
 
 /// Ratio of the ends of a range of positive values from which on steps are equal ratios; chosen.
 const LOGARITHMIC: f64 = 30.0;

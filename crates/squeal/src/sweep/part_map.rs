@@ -6,6 +6,7 @@ use montecarlo::Progress;
 use nalgebra::{Vector2, vector};
 use num_complex::Complex;
 use rayon::prelude::*;
+use study::UncertainBrake;
 use tracking::{Branches, follow_branch};
 
 use super::boundary::{BoundaryCurve, BoundaryPoint, CurveEnd, KnownPoint, Tracer, passes};
@@ -15,7 +16,6 @@ use super::divergence::{DIVERGENCE, EXCHANGE};
 use super::family::{DIFFERENCE, Evaluations, Line, Part, SHORTEST_STEP};
 use super::names::{Names, in_words};
 use crate::Error;
-use crate::study::UncertainBrake;
 
 /// Equal steps of a line at which unstable modes are counted; chosen.
 const STEPS: usize = 64;

@@ -6,11 +6,11 @@ use cea::Mode;
 use linsys::{OperatingPoint, SecondOrder};
 use osc_model::Brake;
 use serde::Serialize;
+use study::mode_work;
 use work::{ForceFamily, StructurePart, family_work, mode_energy};
 
 use super::influence::MOST_CONTACTS;
 use crate::Error;
-use crate::study::mode_work;
 
 /// The part of a force in the growth of a mode.
 ///

@@ -8,11 +8,11 @@ use linsys::{Internal, OperatingPoint, SecondOrder};
 use num_complex::Complex;
 use osc_model::Brake;
 use serde::Serialize;
+use study::{Scene, UncertainBrake};
 
 use super::balance::Balance;
 use super::influence::{Influence, InfluenceKind, between, of_friction, of_terms, rank};
 use crate::Error;
-use crate::study::{Scene, UncertainBrake};
 
 /// Half of the difference from which derivatives of matrices by a parameter are taken, relative to its value: squared it is the error of
 /// the first, and machine epsilon over its square that of the second.
@@ -171,7 +171,7 @@ impl<'a, B: UncertainBrake> Explainer<'a, B> {
     /// refuses both sides.
     fn vary(
         &self,
-        mut each: impl FnMut(&crate::study::NamedParameter, Option<[&SecondOrder; 3]>, f64) -> Result<(), Error>,
+        mut each: impl FnMut(&study::NamedParameter, Option<[&SecondOrder; 3]>, f64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let at = self.brake.system_with(self.scene, &[])?;
         for (place, parameter) in self.brake.parameters(self.scene).iter().enumerate() {
