@@ -434,7 +434,6 @@ fn divergence_of_the_whole_brake_is_found_whatever_the_band() {
         }
         let checks = brake.full_checks().unwrap();
         assert_eq!(checks.diverging > 0, has_any, "{at} {checks:?}");
-        assert!(!has_any || checks.has_failed(), "{checks:?}");
         let study = Study::new(&brake, &BatchSolver).unwrap();
         let results = Results::sampled(&study).unwrap();
         let said = results.doubts().join(" ");

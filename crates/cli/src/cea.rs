@@ -23,7 +23,7 @@ use work::ModeWork;
 use super::eig::announce;
 use super::options::MemoryArgs;
 use super::reasons::{first_scene, is_of, reasons, whys};
-use super::scene::{LatticeScene, SceneArgs, chosen, counts_from};
+use super::scene::{LatticeScene, SceneArgs, counts_from};
 use super::sized;
 use crate::Error;
 use crate::bar::Bar;
@@ -131,19 +131,10 @@ impl CeaArgs {
 
     /// The modes of a reduced finite element brake at median parameters, each with its residual in the whole one.
     fn finite_elements(&self, case: FiniteElementCase) -> Result<String, Error> {
-        let names: Vec<String> = case.constraints.iter().map(|set| set.name.clone()).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let constraints = chosen("--constraints", self.scene.constraints.as_deref(), &names)?;
+        let case = self.scene.only_finite_elements(case, None)?;
         sized::bases(&case, self.memory)?;
         let brake = FiniteElementBrake::new(case, &Bar::of("reductions"))?;
-        let is_meant = |scene: &&Scene| scene.key.constraints == constraints;
-        let Some(scene) = brake.plan.scenes.iter().find(is_meant) else {
-            return Err(Error::Option {
-                option: "--constraints",
-                value: names[constraints].into(),
-                allowed: names.join(", "),
-            });
-        };
+        let scene = &brake.plan.scenes[0];
         let (at, reduced) = (brake.operating_point(scene, &brake.median())?, &brake.part(scene).reduced);
         let modes = reduced.modes(&brake.full_point(scene, &at))?;
         let counts = counts_from(&brake.plan.threshold);

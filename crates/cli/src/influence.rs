@@ -12,7 +12,7 @@ use serde_json::json;
 use squeal::folder::RunFolder;
 use squeal::identity::of_study;
 use squeal::influence::{influence, write_influences};
-use squeal::study::{Study, UncertainBrake};
+use squeal::study::{Study, UncertainBrake, divergence_doubt};
 use squeal::workers;
 
 use super::options::{MemoryArgs, check_threads, override_run, threads, whole_number};
@@ -123,7 +123,9 @@ impl InfluenceArgs {
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
-        let answer = found.text(plan);
+        let doubt = brake.has_band_modes().then(|| divergence_doubt(brake.full_checks())).flatten();
+        let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
+        let answer = format!("{warning}{}", found.text(plan));
         if let Some(dir) = &self.out {
             let folder = RunFolder::take(dir, &identity)?;
             folder.publish(|stage| -> Result<(), Error> {

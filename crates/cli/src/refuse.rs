@@ -29,7 +29,8 @@ pub fn finish(result: Result<(), Error>) -> ExitCode {
         Err(Error::StandardOutput(source)) if source.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             note(&format!("error: {error}"));
-            ExitCode::from(if matches!(error, Error::NotTheWholeBrake { .. }) { 1 } else { 2 })
+            let may_be_wrong = matches!(error, Error::NotTheWholeBrake { .. } | Error::DivergenceNotCounted { .. });
+            ExitCode::from(if may_be_wrong { 1 } else { 2 })
         }
     }
 }

@@ -168,7 +168,10 @@ impl RunArgs {
         .map_err(Error::StandardOutput)?;
         match (most_failed, manifest.full_checks) {
             (Some(failed), _) => Err(failed),
-            (None, Some(checks)) if checks.has_failed() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
+            (None, Some(checks)) if checks.has_other_modes() => Err(Error::NotTheWholeBrake { path: self.out.clone() }),
+            (None, Some(FullChecks { diverging: diverging @ 1.., samples, .. })) => {
+                Err(Error::DivergenceNotCounted { path: self.out.clone(), diverging, samples })
+            }
             (None, _) => Ok(()),
         }
     }

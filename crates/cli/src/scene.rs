@@ -90,7 +90,7 @@ impl SceneArgs {
     /// The case with this one scene, in a range of speeds, unless the options give a speed.
     ///
     /// # Errors
-    /// What the case does not have.
+    /// What the case does not have, and options of a contact where it has none.
     pub(super) fn only_finite_elements(
         &self,
         mut case: FiniteElementCase,
@@ -99,17 +99,19 @@ impl SceneArgs {
         let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
         let set = chosen("--constraints", self.constraints.as_deref(), &names)?;
         case.constraints = vec![case.constraints.swap_remove(set)];
-        if let Some(contact) = &mut case.contact {
-            let laws: Vec<&str> = contact.laws.iter().map(|law| law.name()).collect();
-            contact.laws = vec![contact.laws[chosen("--law", self.law.as_deref(), &laws)?]];
-            let arrangement = match &self.contact {
-                None => contact.panels[0].1[0].clone(),
-                Some(numbers) => in_contact(contact.patches.len(), numbers, "patches")?,
-            };
-            contact.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
-            let fixed = self.speed.map(|speed| allowed_speed(speed).map(only)).transpose()?;
-            contact.speeds = fixed.or(range).map_or_else(|| std::mem::take(&mut contact.speeds), |range| vec![range]);
-        }
+        let Some(contact) = &mut case.contact else {
+            self.refuse_contact("cases with [contact]; this one has none")?;
+            return Ok(case);
+        };
+        let laws: Vec<&str> = contact.laws.iter().map(|law| law.name()).collect();
+        contact.laws = vec![contact.laws[chosen("--law", self.law.as_deref(), &laws)?]];
+        let arrangement = match &self.contact {
+            None => contact.panels[0].1[0].clone(),
+            Some(numbers) => in_contact(contact.patches.len(), numbers, "patches")?,
+        };
+        contact.panels = vec![(arrangement.in_contact().len(), vec![arrangement])];
+        let fixed = self.speed.map(|speed| allowed_speed(speed).map(only)).transpose()?;
+        contact.speeds = fixed.or(range).map_or_else(|| std::mem::take(&mut contact.speeds), |range| vec![range]);
         Ok(case)
     }
 
@@ -118,14 +120,19 @@ impl SceneArgs {
     /// # Errors
     /// What the case does not have, and options of a lattice.
     pub(super) fn matrices(&self, case: &MatricesCase) -> Result<usize, Error> {
-        let lattice_only =
-            [("--law", self.law.is_some()), ("--contact", self.contact.is_some()), ("--speed", self.speed.is_some())];
-        if let Some((option, _)) = lattice_only.into_iter().find(|(_, is_given)| *is_given) {
-            let allowed = "cases with a lattice; this one is given by its matrices".into();
-            return Err(Error::Option { option, value: "given".into(), allowed });
-        }
+        self.refuse_contact("cases with a lattice or finite elements; this one is given by its matrices")?;
         let names: Vec<&str> = case.constraints.iter().map(|set| set.name.as_str()).collect();
         chosen("--constraints", self.constraints.as_deref(), &names)
+    }
+
+    /// The options about friction in a contact, refused for a case in which they mean nothing.
+    fn refuse_contact(&self, allowed: &str) -> Result<(), Error> {
+        let given =
+            [("--law", self.law.is_some()), ("--contact", self.contact.is_some()), ("--speed", self.speed.is_some())];
+        match given.into_iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(Error::Option { option, value: "given".into(), allowed: allowed.into() }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -78,11 +78,6 @@ pub struct FullChecks {
 
 impl FullChecks {
     /// Whether the reduced brake has other modes or verdicts than the whole one.
-    pub fn has_failed(&self) -> bool {
-        self.has_other_modes() || self.diverging > 0
-    }
-
-    /// The same of modes alone, which a reduction that is trained on has.
     pub fn has_other_modes(&self) -> bool {
         self.missing + self.invented + self.other_verdicts > 0
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, refusal, squeal};
+use crate::common::{SMALL, answer, asked, hoffmann, refusal, squeal};
 
 const DIRECTIONS: [&str; 3] = ["x", "y", "z"];
 
@@ -114,5 +114,28 @@ fn options_that_do_not_fit_the_case() {
     ] {
         let line = refusal(&squeal().arg("cea").arg(&case).args(options).output().unwrap(), &expected);
         println!("{}", line.trim_end());
+    }
+}
+
+#[test]
+fn options_of_a_scene_are_heard_by_every_kind_of_brake() {
+    let folder = tempfile::tempdir().unwrap();
+    let lattice = folder.path().join("brake.toml");
+    std::fs::write(&lattice, SMALL).unwrap();
+    let mesh = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/disc-pad/disc-pad.toml");
+    let mesh_options = ["--law", "lugre", "--contact", "2,5", "--constraints", "ends-of-backplate", "--speed", "0.5"];
+    let lattice_options = ["--law", "lugre", "--contact", "2", "--speed", "0.5"];
+    for (case, options) in [(&lattice, &lattice_options[..]), (&mesh, &mesh_options)] {
+        let heading = |options: &[&str]| answer("cea", case, options).lines().next().unwrap().to_owned();
+        let (first, asked) = (heading(&[]), heading(options));
+        println!("{first}\n{asked}");
+        for value in options.chunks(2).map(|option| option[1].replace(',', " ")) {
+            assert!(asked.contains(&value), "{value}: {asked}");
+        }
+        assert!(!first.contains("lugre") && !first.contains("0.5000 m/s"), "{first}");
+    }
+    // Nothing of them means anything where friction is given as matrices.
+    for option in [["--law", "lugre"], ["--contact", "1"], ["--speed", "1"]] {
+        refusal(&asked("cea", &hoffmann(), &option), &[option[0], "given by its matrices"]);
     }
 }

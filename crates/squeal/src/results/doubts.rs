@@ -1,6 +1,6 @@
 //! What stands before everything else: why the results of a study on a reduced brake may be wrong.
 
-use study::{FullChecks, SceneTally};
+use study::{FullChecks, SceneTally, divergence_doubt, divergence_of_reduced};
 
 use super::Results;
 
@@ -27,37 +27,15 @@ impl Results<'_> {
                  counted. Widen reduction.frequencies."
             ));
         }
-        if let Some(words) = self.divergence_in_words().filter(|_| !self.is_without_divergence()) {
-            doubts.push(words);
+        if self.has_band_modes {
+            doubts.extend(divergence_doubt(self.full_checks));
         }
         doubts
     }
 
-    /// Whether no draw diverges that was looked at, and some were.
-    fn is_without_divergence(&self) -> bool {
-        self.full_checks.is_some_and(|checks| checks.samples > 0 && checks.diverging + checks.divergence_open == 0)
-    }
-
     /// What is known of the divergence of a reduced brake, whose samples show none, in a sentence; `None` of another brake.
     pub fn divergence_in_words(&self) -> Option<String> {
-        self.has_band_modes.then(|| match self.full_checks.filter(|checks| checks.samples > 0) {
-            None => "DIVERGENCE was not looked for: a reduced brake has the modes of its band alone, and no draw was solved with the whole \
-                     one (reduction.full_checks)."
-                .into(),
-            Some(FullChecks { samples, diverging: 0, divergence_open: open @ 1.., .. }) => format!(
-                "DIVERGENCE: whether real eigenvalues grow could not be told in {open} of {samples} draws of the whole brake, in the others \
-                 none does. Samples were not looked at."
-            ),
-            Some(FullChecks { samples, diverging: 0, .. }) => format!(
-                "Divergence (real eigenvalues that grow) was looked for in {samples} draws of the whole brake and not in the samples: there is \
-                 none."
-            ),
-            Some(FullChecks { samples, diverging, divergence, .. }) => format!(
-                "DIVERGENCE, instability without oscillation: in {diverging} of {samples} draws something grows faster than it oscillates, by up \
-                 to {divergence:.1e} 1/s or so, as single pairs of nodes do where the curve of friction falls more steeply than contact damping \
-                 holds. No sample counts it: what is said to be stable here may diverge."
-            ),
-        })
+        self.has_band_modes.then(|| divergence_of_reduced(self.full_checks))
     }
 }
 

@@ -62,6 +62,8 @@ pub struct Screen {
     pub failures: u64,
     /// Modes that are unstable at the medians without changes.
     pub growing: Vec<GrowingMode>,
+    /// Reason why divergence may be missing in all this, as it is of a reduced brake.
+    pub divergence_doubt: Option<String>,
 }
 
 impl ScreenedSet {
@@ -189,7 +191,7 @@ impl Screen {
                 })
             })
             .collect();
-        json!({ "sets": sets, "failed": self.failed, "counts": self.counts() })
+        json!({ "warnings": self.divergence_doubt.iter().collect::<Vec<_>>(), "sets": sets, "failed": self.failed, "counts": self.counts() })
     }
 
     /// What was computed.
@@ -243,7 +245,7 @@ impl Screen {
     fn said_first(&self) -> String {
         let sum =
             |of: fn(&Confirmed) -> u64| self.sets.iter().filter_map(|set| set.confirmed.as_ref()).map(of).sum::<u64>();
-        let mut text = String::new();
+        let mut text = self.divergence_doubt.as_ref().map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n"));
         if self.failures > 0 {
             text += &format!(
                 "{} evaluations of the confirmation FAILED; they may be unstable, and widen the limits\n",

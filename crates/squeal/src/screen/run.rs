@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
 use study::identity::{Written, of_study};
-use study::{Study, UncertainBrake};
+use study::{Study, UncertainBrake, divergence_doubt};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
@@ -149,6 +149,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
+        divergence_doubt: brake.has_band_modes().then(|| divergence_doubt(brake.full_checks())).flatten(),
     })
 }
 
