@@ -72,6 +72,16 @@ pub enum CeaError {
         /// Largest.
         largest: f64,
     },
+    /// A matrix in units in which its entries leave the range of a double.
+    #[error(
+        "the largest entry of the {matrix} matrix is {largest:e}; allowed: 1e-300 to 1e300 in size, or a matrix of zeros: choose other units"
+    )]
+    Units {
+        /// mass, damping or stiffness.
+        matrix: &'static str,
+        /// Magnitude of its largest entry.
+        largest: f64,
+    },
     /// The pencil is singular: every lambda is an eigenvalue.
     #[error(
         "det(lambda^2 M + lambda C + K) {}",

@@ -81,12 +81,22 @@ pub struct GeneralSpectrum {
     pub route: Route,
 }
 
+/// Magnitudes of the largest entry of a matrix for which sums of its entries, scaled, are normal doubles with a margin of 1e7.
+const LARGEST_ENTRIES: std::ops::RangeInclusive<f64> = 1e-300..=1e300;
+
 /// All eigenvalues of `lambda^2 M + lambda C + K`, with internal states if the system has some.
 ///
 /// # Errors
-/// A malformed system; [`CeaError::SingularPencil`] where every lambda is an eigenvalue; no convergence.
+/// A malformed system; [`CeaError::Units`] where entries leave the range of a double; [`CeaError::SingularPencil`] where every lambda is
+/// an eigenvalue; no convergence.
 pub fn solve(system: &SecondOrder, work: &mut Workspace) -> Result<GeneralSpectrum, CeaError> {
     system.check()?;
+    for (matrix, entries) in [("mass", &system.m), ("damping", &system.c), ("stiffness", &system.k)] {
+        let largest = entries.amax();
+        if largest > 0.0 && !LARGEST_ENTRIES.contains(&largest) {
+            return Err(CeaError::Units { matrix, largest });
+        }
+    }
     let extended = extend(system);
     let spectrum = solve_quadratic(&extended, work)?;
     // Each internal state came in as a massless degree of freedom and brought one infinite eigenvalue of its own.
@@ -234,6 +244,28 @@ mod tests {
 
     fn scalar(m: f64, c: f64, k: f64) -> Result<GeneralSpectrum, CeaError> {
         spectrum(dmatrix![m], dmatrix![c], dmatrix![k])
+    }
+
+    #[test]
+    fn units_change_nothing_until_they_are_refused() {
+        for exponent in (-300..300).step_by(25) {
+            let unit: f64 = format!("1e{exponent}").parse().unwrap();
+            for (m, k) in [(1.0, unit), (unit, 1.0)] {
+                // Two masses on three springs: omega^2 = k / m and 3 k / m.
+                let (mass, stiffness) = (dmatrix![m, 0.0; 0.0, m], dmatrix![2.0 * k, -k; -k, 2.0 * k]);
+                let found = spectrum(mass, DMatrix::zeros(2, 2), stiffness).unwrap();
+                assert_eq!(found.eigenvalues.len(), 4);
+                for lambda in found.eigenvalues {
+                    let ratio = lambda.norm() / (k.sqrt() / m.sqrt());
+                    assert!((ratio - 1.0).abs().min((ratio - 3f64.sqrt()).abs()) < 1e-14, "{m:e} {k:e} {lambda}");
+                }
+            }
+        }
+        for entry in [1e301, 1e308, 1e-301, 5e-324] {
+            for (m, c, k) in [(entry, 1.0, 1.0), (1.0, entry, 1.0), (1.0, 1.0, entry)] {
+                assert_eq!(scalar(m, c, k).map_err(|error| matches!(error, CeaError::Units { .. })), Err(true));
+            }
+        }
     }
 
     #[test]
