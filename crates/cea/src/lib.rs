@@ -76,7 +76,7 @@ pub use spectrum::{
     EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, real_count, sort,
 };
 pub use stability::{
-    CountedSpectrum, StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond,
+    CountedSpectrum, ROUNDED_DATA, StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond,
 };
 pub use verdict::{JudgedEigenvalue, Verdict};
 pub use workspace::{Counters, Workspace};

@@ -36,7 +36,10 @@ pub enum SparseError {
         value: f64,
     },
     /// Q is singular at this shift and at others beside it.
-    #[error("lambda^2 M + lambda C + K is singular at {shift} rad/s and at shifts beside it: perhaps at every lambda")]
+    #[error(
+        "lambda^2 M + lambda C + K is singular at {shift} rad/s and at shifts beside it: perhaps at every lambda, or next to an eigenvalue of \
+         many copies, as 0 is of free bodies; allowed: a rectangle with its centre farther from that"
+    )]
     Singular {
         /// The shift, rad/s.
         shift: Complex<f64>,

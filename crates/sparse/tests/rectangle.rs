@@ -283,3 +283,66 @@ fn a_rectangle_without_end_holds_the_whole_spectrum() {
     let found = eigenpairs_in(&system, &beyond, &Options::default(), &mut |_| {}).unwrap();
     assert_eq!((found.pairs.len(), found.discs.len(), found.counters.factorisations), (0, 0, 0));
 }
+
+/// A truss of so many cells a side that nothing holds: masses of any size at nodes beside their places, springs along edges and diagonals,
+/// entries as a file has them.
+fn free_truss(cells: usize, stiffness: f64, digits: usize, seed: u64) -> SparseSecondOrder {
+    let (side, mut numbers) = (cells + 1, Numbers(seed));
+    let places: Vec<[f64; 3]> = (0..side.pow(3))
+        .map(|at| [at % side, at / side % side, at / side / side].map(|x| x as f64 + 0.2 * numbers.next()))
+        .collect();
+    let n = 3 * places.len();
+    let (mut m, mut k) = (CooMatrix::new(n, n), DMatrix::zeros(n, n));
+    for (a, from) in places.iter().enumerate() {
+        let mass = 1.0 + 0.3 * numbers.next();
+        (0..3).for_each(|axis| m.push(3 * a + axis, 3 * a + axis, mass));
+        for (b, to) in places.iter().enumerate().skip(a + 1) {
+            let along = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+            let length = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length < 1.7 {
+                let spring = stiffness * (1.0 + 0.3 * numbers.next());
+                for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                    let entry = spring * along[i] * along[j] / (length * length);
+                    for (row, column, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                        k[(3 * row + i, 3 * column + j)] += sign * entry;
+                    }
+                }
+            }
+        }
+    }
+    let written = |entry: f64| format!("{entry:.digits$e}").parse::<f64>().unwrap();
+    let mut rounded = CooMatrix::new(n, n);
+    for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).filter(|&(i, j)| k[(i, j)] != 0.0) {
+        rounded.push(i, j, written(k[(i, j)]));
+        if i != j {
+            rounded.push(j, i, written(k[(i, j)]));
+        }
+    }
+    SparseSecondOrder::new(CscMatrix::from(&m), CscMatrix::zeros(n, n), CscMatrix::from(&rounded)).unwrap()
+}
+
+/// The six motions of a free body are twelve zeros, which assembly and rounding scatter about zero: their sign is never read.
+#[test]
+fn rigid_motions_are_neither_stable_nor_unstable() {
+    let mut found_any = 0;
+    for (seed, stiffness, digits) in [(1, 1.0, 15), (2, 1e9, 15), (3, 1e9, 16), (4, 1e-6, 15), (5, 1e12, 16)] {
+        let system = free_truss(4, stiffness, digits, seed);
+        let scale = stiffness.sqrt();
+        // What rounding leaves of zero: the root of its size.
+        let scattered = 1e-6 * scale;
+        for (re, im) in [([-0.01, 0.01], [-0.01, 0.01]), ([0.0, 0.01], [0.0, 1e-8]), ([-0.01, 0.0], [0.0, 0.01])] {
+            let rectangle = Rectangle { re: re.map(|x| x * scale), im: im.map(|x| x * scale) };
+            let found = find(&system, rectangle);
+            let zeros: Vec<&Eigenpair> = found.pairs.iter().filter(|pair| pair.lambda.norm() < scattered).collect();
+            found_any += zeros.len();
+            for pair in &zeros {
+                let is_open = !matches!(pair.verdict, cea::Verdict::Stable | cea::Verdict::Unstable);
+                assert!(is_open, "{seed} {rectangle:?} {} {:?} {:e}", pair.lambda, pair.verdict, pair.bound);
+            }
+            if im[0] < 0.0 {
+                assert_eq!(zeros.len(), 12, "{seed}");
+            }
+        }
+    }
+    assert!(found_any > 100, "{found_any}");
+}

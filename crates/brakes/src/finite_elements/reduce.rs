@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::iter::repeat_n;
 
-use cea::{Threshold, Verdict, real_count};
+use cea::{ROUNDED_DATA, Threshold, Verdict, real_count};
 use linsys::{AffineSystem, DofMap, OperatingPoint};
 use montecarlo::{Progress, stream};
 use nalgebra::DMatrix;
@@ -32,9 +32,6 @@ const BEYOND: f64 = 1.5;
 const REAL: f64 = 1e-6;
 /// The least of them that is looked for, as a part of the same; chosen.
 const SLOWEST: f64 = 1e-3;
-/// What a real eigenvalue has to be above for sure, in units of its bound; chosen, as studies have it next to the axis: the zeros of a body
-/// that is free to move are multiple, and rounding makes real ones of them.
-const ROUNDED_DATA: f64 = 32.0;
 /// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.

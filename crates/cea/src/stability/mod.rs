@@ -8,5 +8,5 @@ mod threshold;
 
 pub use census::{StabilityCensus, stability_census};
 pub use counted::CountedSpectrum;
-pub use screen::{verdict, verdicts, verdicts_beyond};
+pub use screen::{ROUNDED_DATA, verdict, verdicts, verdicts_beyond};
 pub use threshold::Threshold;

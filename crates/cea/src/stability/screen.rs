@@ -16,9 +16,9 @@ const NEAR_AXIS: f64 = 1e-6;
 /// Distance from the axis, as a part of [`Spectrum::scale`], up to which an eigenvalue is on it: above what a projection and a
 /// solver leave of an undamped mode, and below any growth that a measurement could show; chosen.
 const ON_AXIS: f64 = 1e-12;
-/// Distance up to which an eigenvalue near the axis is on it, in units of [`Eigentriple::rounding`]; chosen: matrices of a body that is free
-/// to move are assembled with some roundings, which make its double zero a pair of either kind.
-const ROUNDED_DATA: f64 = 32.0;
+/// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding`]);
+/// chosen: they make of the double zero of a body that is free to move a pair of either kind.
+pub const ROUNDED_DATA: f64 = 32.0;
 /// No more eigenvalues than so many are expected to meet in one vector: that takes as many parameters less two.
 const MOST_COALESCING: usize = 4;
 

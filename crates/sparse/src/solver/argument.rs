@@ -22,7 +22,7 @@ use super::blocks::PAR;
 use super::disc::Problem;
 use super::factor::Factor;
 use super::pencil::Pencil;
-use super::types::{Circle, Count};
+use super::types::{Circle, Count, Known};
 use crate::SparseError;
 use crate::unpatterned::unpatterned;
 
@@ -42,13 +42,6 @@ const BOUNDS: f64 = 1e3;
 const CLEAR: f64 = 1e-6;
 /// Most degrees of freedom of a determinant by a dense matrix, where the sparse one has too small pivots; chosen: some tenths of a second.
 const DENSE: usize = 1000;
-
-/// An eigenvalue that is known, and how far it may be off, rad/s.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Known {
-    pub(super) lambda: Complex<f64>,
-    pub(super) bound: f64,
-}
 
 /// Circles about one centre, of which the first that is clear of eigenvalues is counted along; rad/s.
 pub(super) struct Around<'a> {
@@ -88,13 +81,17 @@ impl<'a> Counting<'a> {
             let Some(excess) = self.excess(around, radius) else { continue };
             let (centre, inside) = (around.centre, |known: &&Known| (known.lambda - around.centre).norm() < radius);
             let eigenvalues = around.known.iter().filter(inside).count();
+            // det Q has no poles: phases that say so turned by rounding.
+            if eigenvalues as i64 + excess < 0 {
+                continue;
+            }
             if excess == 0 {
                 self.circles.push(Circle { centre, radius, eigenvalues });
                 return Ok(());
             }
             // Rounding that turns the phase next to one circle does not at two in the same way.
             if differing == Some(excess) && (around.is_all || excess < 0) {
-                let counted = (eigenvalues as i64 + excess).max(0) as usize;
+                let counted = (eigenvalues as i64 + excess) as usize;
                 return Err(SparseError::CountsDiffer { listed: eigenvalues, counted, centre, radius });
             }
             differing = Some(excess);

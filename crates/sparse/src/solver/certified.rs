@@ -6,10 +6,10 @@ use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
-use super::argument::{Around, Counting, Known};
+use super::argument::{Around, Counting};
 use super::disc::Problem;
 use super::scaling::Scaled;
-use super::types::{Counters, Eigenpair, Found, Rectangle};
+use super::types::{Counters, Eigenpair, Found, Known, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// How far outwards of the circle around the rectangle one is tried, as parts of its radius.

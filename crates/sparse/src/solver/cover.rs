@@ -2,7 +2,7 @@
 
 use num_complex::Complex;
 
-use super::argument::{Around, Counting, Known};
+use super::argument::{Around, Counting};
 use super::certified::certified_in;
 use super::disc::Problem;
 use super::groups::groups;
@@ -10,7 +10,7 @@ use super::polish::Polished;
 use super::reach::{least_reach, reach};
 use super::scaling::Scaled;
 use super::settle::settled;
-use super::types::{Count, Counters, Disc, Eigenpair, Found, Options, Progress, Rectangle};
+use super::types::{Count, Counters, Disc, Eigenpair, Found, Known, Options, Progress, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// A strip narrower than this part of its target is not worth its disc; the target is cut in two instead.

@@ -4,7 +4,6 @@ use faer::Mat;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
-use super::argument::Known;
 use super::blocks::{another_block, starting_block};
 use super::errors::{blocks_until, errors};
 use super::factor::{Factor, Symbolic};
@@ -14,7 +13,7 @@ use super::left::left_vectors;
 use super::pencil::Pencil;
 use super::products::Side;
 use super::ritz::Ritz;
-use super::types::{Counters, Disc, Options, Rectangle};
+use super::types::{Counters, Disc, Known, Options, Rectangle};
 use crate::{SparseError, SparseSecondOrder};
 
 /// Residual of a Ritz value, relative, from which on it counts as known to be there.

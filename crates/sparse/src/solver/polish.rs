@@ -239,6 +239,9 @@ pub(super) fn pair_of(pencil: &Pencil, lambda: Complex<f64>, x: &Vector, y: &Vec
 /// The first-order bound of an eigenvalue and the verdict by it, given by how much it moves when the matrices do, rad/s.
 pub(super) fn judged(lambda: Complex<f64>, motion: f64, backward_error: f64) -> (f64, Verdict) {
     let (bound, tolerance) = (first_order(motion, backward_error), first_order(motion, 0.0));
+    // An eigenvalue that the roundings of an assembly move by all of its size may be any other, and a double zero.
+    let rounded = cea::ROUNDED_DATA * tolerance;
+    let bound = if rounded >= lambda.norm() { bound.max(rounded) } else { bound };
     let is_marginal = backward_error <= ROUNDING_ONLY
         && lambda.re.abs() <= tolerance
         && tolerance <= LARGEST_MARGINAL_TOLERANCE * lambda.norm();

@@ -220,3 +220,10 @@ pub struct Progress {
     /// Shifts used.
     pub shifts: usize,
 }
+
+/// An eigenvalue that is known, and how far it may be off, rad/s.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    pub(super) lambda: Complex<f64>,
+    pub(super) bound: f64,
+}
