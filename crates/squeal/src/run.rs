@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Summary, interim_looks, run_with};
 use study::identity::of_study;
-use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake};
+use study::{ModeNaming, Plan, Study, StudyTally, UncertainBrake, samples_together};
 
 use crate::Error;
 use crate::folder::RunFolder;
-use crate::results::{Manifest, Results, Stopped, Times, reasons, write_tables};
+use crate::results::{Manifest, Results, Stopped, Times, reasons, time_for_reasons, write_tables};
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 7;
@@ -98,7 +98,7 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     let sampled = |samples: u64| {
         let mut sampling = montecarlo::Sampling::new(plan.seed, samples);
         sampling.threads = threads;
-        sampling.block = block(samples);
+        sampling.block = samples_together(samples);
         let empty = || if keeps_samples { StudyTally::keeping_samples(plan) } else { StudyTally::empty(plan) };
         run_with(&study, &sampling, empty, Some(&checkpoint), progress.evaluation)
     };
@@ -156,14 +156,7 @@ pub fn workers(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     pool.map_err(|error| montecarlo::MonteCarloError::from(error).into())
 }
 
-/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many
-/// threads, of which 2, 4 or 8 get as much each.
-pub(crate) fn block(samples: u64) -> u64 {
-    let blocks = samples.div_ceil(128).max(1).next_multiple_of(8);
-    samples.div_ceil(blocks).max(8)
-}
-
-/// How long a study takes, roughly: some samples are timed.
+/// Time, roughly, that a study takes, its report included: some samples are timed, and the reasons of one mode.
 ///
 /// # Errors
 /// Those of the study.
@@ -172,25 +165,13 @@ pub fn estimate<B: UncertainBrake>(
     preparation: &dyn Progress,
     evaluation: &dyn Progress,
 ) -> Result<Duration, Error> {
-    let (plan, start) = (brake.plan(), Instant::now());
-    let study = workers(None)?.install(|| Study::with_progress(brake, &cea::BatchSolver, preparation))?;
+    let (plan, start, pool) = (brake.plan(), Instant::now(), workers(None)?);
+    let study = pool.install(|| Study::with_progress(brake, &cea::BatchSolver, preparation))?;
     let references = start.elapsed();
     let few = 2 * 8;
     let samples = few.min(plan.samples);
     let start = Instant::now();
     run_with(&study, &montecarlo::Sampling::new(plan.seed, samples), || StudyTally::empty(plan), None, evaluation)?;
-    Ok(references + start.elapsed().mul_f64(plan.samples as f64 / samples as f64))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn threads_get_equally_many_blocks() {
-        for (samples, expected) in [(1, 8), (100, 13), (1000, 125), (10_000, 125), (100_000, 128)] {
-            assert_eq!(block(samples), expected);
-        }
-        assert!((1..5000).all(|samples| (8..=128).contains(&block(samples))));
-    }
+    let sampling = start.elapsed().mul_f64(plan.samples as f64 / samples as f64);
+    Ok(references + sampling + time_for_reasons(&study, pool.current_num_threads()))
 }

@@ -18,12 +18,13 @@ pub struct Cost {
 }
 
 /// Bytes for each entry of a matrix of the order of the brake. By scene: its system and modes at the medians, whole and by sectors, and what is
-/// counted of it. By configuration: its terms. Under way: systems, spectra and continuations of the samples that are solved together, on two
-/// threads, and what the report computes. Fitted to the peak memory of `squeal run` (GNU time) for lattices of 2 x 2 to 10 x 10 with and
-/// without symmetry, two scenes each, 28 to 396 MB, and for `cases/paper.toml` with its 675 scenes, 164 MB with 8 samples.
+/// counted of it. By configuration: its terms. By thread: what the report computes, and systems, spectra and continuations of each of the
+/// samples that are solved together. Fitted to the peak memory of `squeal run` (GNU time) on two threads for lattices of 2 x 2 to 12 x 12 with
+/// and without symmetry, two scenes each, 8 to 1,000 samples, 21 to 592 MB, and for `cases/paper.toml` with its 675 scenes.
 const BYTES_BY_SCENE: f64 = 220.0;
 const BYTES_BY_CONFIGURATION: f64 = 130.0;
-const BYTES_UNDER_WAY: f64 = 3300.0;
+const BYTES_BY_THREAD: f64 = 900.0;
+const BYTES_BY_SAMPLE: f64 = 65.0;
 /// What the program takes in any case, bytes. Measured.
 const BYTES_ALWAYS: f64 = 2.6e7;
 /// Processor time for each scene, s, by the cube of the order. Measured with the same on an AMD EPYC (Zen 4): 4e-8, 6e-7 and 9e-8.
@@ -36,10 +37,12 @@ const BYTES_BY_BASIS: f64 = 2300.0;
 const SECONDS_BY_BASIS: f64 = 3e-6;
 
 impl Cost {
-    /// That of so many scenes and configurations of an order.
-    pub fn new(order: usize, configurations: usize, scenes: usize) -> Self {
+    /// That of so many samples, on all cores, of scenes and configurations of an order.
+    pub fn new(order: usize, configurations: usize, scenes: usize, samples: u64) -> Self {
         let (size, configurations, count) = (order as f64, configurations as f64, scenes as f64);
-        let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + BYTES_UNDER_WAY;
+        let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as f64;
+        let by_thread = BYTES_BY_THREAD + BYTES_BY_SAMPLE * samples_together(samples) as f64;
+        let entry = BYTES_BY_SCENE * count + BYTES_BY_CONFIGURATION * configurations + by_thread * threads;
         let seconds = SECONDS_BY_SCENE * count * size.powi(3);
         Self { order, scenes, bytes: BYTES_ALWAYS + entry * size * size, seconds }
     }
@@ -47,7 +50,7 @@ impl Cost {
     /// That of a plan.
     pub fn of(plan: &Plan) -> Self {
         let orders = plan.configurations.iter().map(|configuration| configuration.brake.system.order());
-        Self::new(orders.max().unwrap_or(0), plan.configurations.len(), plan.scenes.len())
+        Self::new(orders.max().unwrap_or(0), plan.configurations.len(), plan.scenes.len(), plan.samples)
     }
 
     /// That of bases of a reduction, of so many columns each, for a brake of so many degrees of freedom.
@@ -77,5 +80,25 @@ impl Cost {
             ),
         };
         memory::check(&what, bytes, budget, fits)
+    }
+}
+
+/// Samples evaluated together, on which no result depends: as many as fill the lanes of the solver again and again, but few enough for many
+/// threads, of which 2, 4 or 8 get as much each.
+pub fn samples_together(samples: u64) -> u64 {
+    let blocks = samples.div_ceil(128).max(1).next_multiple_of(8);
+    samples.div_ceil(blocks).max(8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_get_equally_many_blocks() {
+        for (samples, expected) in [(1, 8), (100, 13), (1000, 125), (10_000, 125), (100_000, 128)] {
+            assert_eq!(samples_together(samples), expected);
+        }
+        assert!((1..5000).all(|samples| (8..=128).contains(&samples_together(samples))));
     }
 }

@@ -43,7 +43,7 @@ pub use certificate::Certificate;
 pub use check::check;
 pub use comparison::{Comparison, ComparisonKind, Panel, comparisons, panels};
 pub use contradiction::Contradiction;
-pub use cost::Cost;
+pub use cost::{Cost, samples_together};
 pub use divergence::{divergence_doubt, divergence_of_reduced};
 pub use error::Error;
 pub use evaluate::{Outcome, Study, StudyOptions, UnstableMode};

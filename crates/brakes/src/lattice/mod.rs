@@ -47,7 +47,12 @@ impl LatticeBrake {
         let arrangements: usize = case.panels.iter().map(|(_, arrangements)| arrangements.len()).sum();
         let configurations = case.constraints.len() * arrangements.div_ceil(Reversal::ALL.len());
         let by_configuration: usize = case.laws.iter().map(|&law| speeds_of(case, law).len()).sum();
-        Cost::new(3 * case.lattice.grid.oscillators() + 3, configurations, configurations * by_configuration)
+        Cost::new(
+            3 * case.lattice.grid.oscillators() + 3,
+            configurations,
+            configurations * by_configuration,
+            case.samples,
+        )
     }
 
     /// Lays out the scenes of a case.

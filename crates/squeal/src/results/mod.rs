@@ -14,7 +14,7 @@ mod tables;
 pub use estimates::Estimates;
 pub use manifest::{Manifest, Source, Stopped, Times, VERSION, commit};
 pub use modes::set_letter;
-pub use reasons::{SceneReasons, reasons};
+pub use reasons::{SceneReasons, reasons, time_for_reasons};
 pub use study_results::{ArrangementOccurrence, Estimate, Results};
 pub use summary::hertz;
 pub use tables::write_tables;

@@ -1,6 +1,7 @@
 //! Why the modes of a study's scenes grow at its medians: `sensitivities.csv`, and the largest ones in words.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use cea::{Workspace, frequency_hz};
 use montecarlo::Progress;
@@ -39,6 +40,28 @@ pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress)
     let all = scenes.par_iter().map(of_scene).collect();
     progress.end();
     all
+}
+
+/// Time, roughly, that [`reasons`] takes on so many threads: one mode of the first of its scenes is timed, and counts for each that grows at the
+/// medians.
+pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize) -> Duration {
+    let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
+    let Some(&first) = scenes.first() else { return Duration::ZERO };
+    let (mut work, start) = (Workspace::default(), Instant::now());
+    let explainer = Explainer::new(study.brake(), &study.plan().scenes[first], &mut work);
+    let Ok((explainer, modes)) = explainer.and_then(|e| e.asked_for(&mut work).map(|modes| (e, modes))) else {
+        return Duration::ZERO;
+    };
+    let (by_scene, start) = (start.elapsed(), Instant::now());
+    // A mode that has no answer takes as long.
+    let _ = explainer.why(&modes[..modes.len().min(1)], &mut work);
+    let by_mode = start.elapsed();
+    let growing = |scene: &usize| {
+        let Reference { modes, names, .. } = &study.references()[*scene];
+        modes.iter().zip(names).filter(|(mode, names)| mode.lambda.re > 0.0 && !names.is_empty()).count()
+    };
+    let all = by_scene.mul_f64(scenes.len() as f64) + by_mode.mul_f64(scenes.iter().map(growing).sum::<usize>() as f64);
+    all.div_f64(threads.min(scenes.len()).max(1) as f64)
 }
 
 fn of_scene<B: UncertainBrake>(study: &Study<'_, B>, scene: usize) -> Result<Vec<(Vec<ModeLabel>, Why)>, Error> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use montecarlo::{Checkpoint, MonteCarloError, Progress, Sampling, run_with};
 use study::identity::{Written, of_study};
-use study::{Study, UncertainBrake, divergence_doubt};
+use study::{Study, UncertainBrake, divergence_doubt, samples_together};
 
 use super::candidates::{Candidates, ChangeKind, Sizes};
 use super::confirm::ScreenTally;
@@ -15,7 +15,6 @@ use super::modified::{ChangeSet, Modified};
 use super::predict::{Prediction, Probes};
 use super::search::{KindRanking, Ranked, most_sets, search};
 use crate::Error;
-use crate::run::block;
 
 /// Changes when checkpoints of an older program can no longer be continued.
 const TALLY_VERSION: u32 = 2;
@@ -115,7 +114,7 @@ pub fn confirm<B: UncertainBrake>(
     let plan = study.plan();
     let mut sampling = Sampling::new(plan.seed, how.samples);
     sampling.threads = how.threads;
-    sampling.block = block(how.samples);
+    sampling.block = samples_together(how.samples);
     let empty = || ScreenTally::empty(plan);
     let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint {
         path: path.clone(),
