@@ -46,7 +46,7 @@ fn failed_checks(checks: &FullChecks) -> Option<String> {
         format!(
             "The reduced brake FAILED its check: of {modes} modes of the whole brake in {samples} draws it misses {missing}, has {invented} \
              more, and gives {other_verdicts} another verdict, although it was trained on {trained_on} times. Do not rely on these \
-             results: more reduction.training is needed."
+             results: a smaller reduction.residual or more reduction.training is needed."
         )
     })
 }
