@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, answer, asked, hoffmann, refusal, squeal};
+use crate::common::{SMALL, asked, hoffmann, refusal, squeal};
 
 const DIRECTIONS: [&str; 3] = ["x", "y", "z"];
 
@@ -126,7 +126,11 @@ fn options_of_a_scene_are_heard_by_every_kind_of_brake() {
     let mesh_options = ["--law", "lugre", "--contact", "2,5", "--constraints", "ends-of-backplate", "--speed", "0.5"];
     let lattice_options = ["--law", "lugre", "--contact", "2", "--speed", "0.5"];
     for (case, options) in [(&lattice, &lattice_options[..]), (&mesh, &mesh_options)] {
-        let heading = |options: &[&str]| answer("cea", case, options).lines().next().unwrap().to_owned();
+        let heading = |options: &[&str]| {
+            let output = asked("cea", case, options);
+            assert!(output.status.success(), "{output:?}");
+            String::from_utf8(output.stdout).unwrap().lines().next().unwrap().to_owned()
+        };
         let (first, asked) = (heading(&[]), heading(options));
         println!("{first}\n{asked}");
         for value in options.chunks(2).map(|option| option[1].replace(',', " ")) {
