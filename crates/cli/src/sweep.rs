@@ -113,7 +113,7 @@ impl SweepArgs {
             };
             // For the page alone.
             let modes = match self.out {
-                Some(_) => boundary_modes(&study, 0, &self.over, &QrSolver, &found)?,
+                Some(_) => boundary_modes(&study, 0, &self.over, &QrSolver, &found, &Bar::of("modes at onsets"))?,
                 None => Vec::new(),
             };
             Ok((found, modes))

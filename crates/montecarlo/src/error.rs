@@ -7,6 +7,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MonteCarloError {
+    /// A run that [`Progress::is_cancelled`](crate::Progress::is_cancelled) ended. What it had is in its checkpoint.
+    #[error("cancelled")]
+    Cancelled,
     /// A number of the sampling or of the experiment is 0.
     #[error("the number of {what} is 0; at least 1 is needed")]
     Zero {

@@ -1,6 +1,8 @@
 //! Reports of the progress of a run.
 
-/// Receives the progress of a run, in evaluations (one sample in one scene). `()` ignores it.
+use crate::MonteCarloError;
+
+/// Progress of a run, in evaluations (one sample in one scene), for whoever wants to see it, and may want it to end. `()` ignores it.
 pub trait Progress: Sync {
     /// Called once, before the first evaluation: `total` evaluations in the whole run, `done` of them by an earlier run that
     /// was interrupted.
@@ -9,6 +11,17 @@ pub trait Progress: Sync {
     fn advance(&self, evaluations: u64);
     /// Called once when the run has ended, with or without an error.
     fn end(&self);
+    /// Whether whoever is told wants the run to end now: asked between evaluations, and by a run ten times a second.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+    /// The error with which work ends that is cancelled.
+    ///
+    /// # Errors
+    /// [`MonteCarloError::Cancelled`].
+    fn go_on(&self) -> Result<(), MonteCarloError> {
+        if self.is_cancelled() { Err(MonteCarloError::Cancelled) } else { Ok(()) }
+    }
 }
 
 impl Progress for () {

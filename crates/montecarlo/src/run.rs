@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
+use std::time::Duration;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -19,6 +20,8 @@ use crate::summary::Summary;
 /// Most blocks per thread that are being evaluated or wait for an earlier block; chosen: enough that no thread is idle behind a
 /// slow block, and few because waiting blocks take memory.
 const BLOCKS_AHEAD: usize = 4;
+/// Time between two looks whether a run is cancelled.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Runs a sampling to its end, without checkpoint or progress bar. `empty` makes an empty tally.
 ///
@@ -102,7 +105,7 @@ fn complete<S: Experiment, T: Tally<S>>(
     }
     let stop = &AtomicBool::new(false);
     // The calling thread merges and writes checkpoints; it sleeps on the channel while the pool works.
-    pool.in_place_scope(|scope| {
+    let ended = pool.in_place_scope(|scope| {
         let (sender, receiver) = mpsc::channel();
         let mut blocks = blocks(state.next(), end, sampling.block);
         let mut start_block = || {
@@ -133,13 +136,18 @@ fn complete<S: Experiment, T: Tally<S>>(
             }
             Ok(state.next() == end)
         };
-        for finished in &receiver {
+        loop {
+            if progress.is_cancelled() {
+                stop.store(true, Ordering::Relaxed);
+                return Err(MonteCarloError::Cancelled);
+            }
+            let Ok(finished) = receiver.recv_timeout(LOOK) else { continue };
             let finished = finished.unwrap_or_else(|panic| {
                 stop.store(true, Ordering::Relaxed);
                 resume_unwind(panic)
             });
             match merge(finished) {
-                Ok(true) => break,
+                Ok(true) => return Ok(()),
                 Ok(false) => {}
                 Err(error) => {
                     stop.store(true, Ordering::Relaxed);
@@ -147,7 +155,9 @@ fn complete<S: Experiment, T: Tally<S>>(
                 }
             }
         }
-        Ok(())
-    })?;
-    Ok(state)
+    });
+    if let (Err(MonteCarloError::Cancelled), Some(store)) = (&ended, &mut store) {
+        store.save(&state)?;
+    }
+    ended.map(|()| state)
 }

@@ -112,6 +112,18 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Study(error) if error.is_cancelled())
+    }
+
+    /// The error with where in a sweep it happened; the end of cancelled work as it is.
+    pub(crate) fn in_sweep(self, at: impl FnOnce() -> String) -> Self {
+        if self.is_cancelled() { self } else { Self::Sweep { at: at(), source: Box::new(self) } }
+    }
+}
+
 /// Errors that a study knows.
 macro_rules! of_study {
     ($($error:ty),+) => {

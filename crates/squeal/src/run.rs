@@ -114,6 +114,7 @@ pub fn run_study_with<B: UncertainBrake, E: From<Error> + Send>(
     let start = Instant::now();
     let results = Results::new(&study, summary);
     let reasons = pool.install(|| reasons(&study, progress.reasons));
+    progress.reasons.go_on().map_err(Error::from)?;
     folder.publish(|stage| {
         write_tables(&results, &reasons, stage)?;
         pool.install(|| draw(&study, &results, stage))

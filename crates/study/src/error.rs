@@ -65,3 +65,10 @@ pub enum Error {
     #[error(transparent)]
     System(#[from] linsys::LinsysError),
 }
+
+impl Error {
+    /// Whether this is the end of work that was [cancelled](montecarlo::Progress::is_cancelled), and no fault.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::MonteCarlo(montecarlo::MonteCarloError::Cancelled))
+    }
+}

@@ -134,7 +134,10 @@ impl<'a, B: UncertainBrake> Study<'a, B> {
     ) -> Result<Self, Error> {
         check(brake)?;
         let (plan, solver) = (brake.plan(), WholeSpectra(solver));
-        let failed = |source| Error::Median { study: plan.source(), source: Box::new(source) };
+        let failed = |source: Error| match source.is_cancelled() {
+            true => source,
+            false => Error::Median { study: plan.source(), source: Box::new(source) },
+        };
         let median = brake.median();
         let at_median = |scene: &Scene| brake.operating_point(scene, &median);
         let points = plan.scenes.iter().map(at_median).collect::<Result<Vec<_>, Error>>().map_err(failed)?;

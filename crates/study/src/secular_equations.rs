@@ -78,6 +78,7 @@ pub(super) fn anchors<B: UncertainBrake>(
 ) -> Result<Vec<Vec<Option<Anchors>>>, Error> {
     let of_scene = |scene: &Scene| {
         let (equations, certificate) = (&equations[scene.configuration], &certificates[scene.configuration]);
+        progress.go_on()?;
         let found = anchors_of_scene(brake, scene, equations, certificate, solver);
         progress.advance(1);
         found

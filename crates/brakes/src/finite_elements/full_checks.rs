@@ -44,6 +44,7 @@ impl FiniteElementBrake {
             }
             progress.begin(count, 0);
             let one = |at: u64| {
+                progress.go_on()?;
                 let found = full_check(&brake, FIRST_STREAM + at);
                 progress.advance(1);
                 found

@@ -163,6 +163,7 @@ pub(super) fn all_bases(
     progress.begin((case.constraints.len() + asked.len()) as u64, 0);
     let mut sets = Vec::with_capacity(case.constraints.len());
     for (at, set) in case.constraints.iter().enumerate() {
+        progress.go_on()?;
         let own: Vec<OperatingPoint> =
             trained.iter().filter(|point| point.set == at).map(|point| point.at.clone()).collect();
         sets.push(reduced_set(case, &set.fixed, swept, &own)?);
@@ -170,6 +171,7 @@ pub(super) fn all_bases(
     }
     let first = of_configurations[0];
     let part = |(at, asked): (usize, &Asked)| {
+        progress.go_on()?;
         let swept = if at == first { swept } else { &[] };
         let is_own = |point: &&Trained| point.set == asked.set && asked.arrangements.contains(&point.closed);
         let own: Vec<OperatingPoint> = trained.iter().filter(is_own).map(|point| point.at.clone()).collect();

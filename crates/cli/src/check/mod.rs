@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use brakes::case::{CaseFile, FiniteElementCase, TakenMatrix};
 use brakes::{FiniteElementBrake, LatticeBrake, MatricesBrake, Part};
+use montecarlo::Progress;
 use output::{bytes_in_words, in_words, printable};
 use squeal::estimate;
 use squeal::study::{Cost, UncertainBrake};
@@ -113,9 +114,13 @@ impl CheckArgs {
         text += &line("patches", &patches);
         text += &line("constraints", &listed(case.constraints.iter().map(|set| set.name.clone())));
         text += &names::of(case);
+        let checked = Bar::of("health checks");
+        checked.begin(case.constraints.len() as u64, 0);
         for set in &case.constraints {
             text += &health::of_finite_elements(case, set)?;
+            checked.advance(1);
         }
+        checked.end();
         Ok(text)
     }
 

@@ -60,8 +60,11 @@ pub(super) fn evaluate<B: UncertainBrake>(
     count: u64,
     progress: &dyn Progress,
     sample: impl Fn(u64) -> Result<B::Sample, Error> + Sync,
-) -> Vec<Option<Evaluated>> {
+) -> Result<Vec<Option<Evaluated>>, Error> {
     let of_block = |block: u64| {
+        if progress.is_cancelled() {
+            return Vec::new();
+        }
         let indices = block * SAMPLES_PER_BLOCK..((block + 1) * SAMPLES_PER_BLOCK).min(count);
         let first = indices.start;
         let drawn: Vec<Option<B::Sample>> = indices.clone().map(|index| sample(index).ok()).collect();
@@ -79,5 +82,7 @@ pub(super) fn evaluate<B: UncertainBrake>(
         progress.advance(indices.end - indices.start);
         found
     };
-    (0..count.div_ceil(SAMPLES_PER_BLOCK)).into_par_iter().flat_map_iter(of_block).collect()
+    let found = (0..count.div_ceil(SAMPLES_PER_BLOCK)).into_par_iter().flat_map_iter(of_block).collect();
+    progress.go_on()?;
+    Ok(found)
 }

@@ -91,7 +91,7 @@ pub fn influence<B: UncertainBrake>(
     }
     let of_design = rows.unwrap_or(0) * (inputs.len() as u64 + 2);
     progress.begin(draws + of_design, 0);
-    let of_draws = evaluate(study, scene, draws, progress, |index| Ok(brake.draw(&mut stream(plan.seed, index))?));
+    let of_draws = evaluate(study, scene, draws, progress, |index| Ok(brake.draw(&mut stream(plan.seed, index))?))?;
     let design = match rows {
         Some(rows) => Some(design(study, scene, &inputs, rows, progress)?),
         None => None,
@@ -214,8 +214,10 @@ fn design<B: UncertainBrake>(
             sample.ok_or_else(|| Error::NoQuantiles { scene: plan.describe(&plan.scenes[scene]) })
         })
     };
-    let mut columns = vec![column(None, 0), column(None, 1)];
-    columns.extend(inputs.iter().map(|input| column(Some(input.coordinate), 0)));
+    let mut columns = vec![column(None, 0)?, column(None, 1)?];
+    for input in inputs {
+        columns.push(column(Some(input.coordinate), 0)?);
+    }
     // A row with a failure is left out as a whole.
     let is_whole = |row: &usize| columns.iter().all(|column| column[*row].is_some());
     let whole: Vec<usize> = (0..rows as usize).filter(is_whole).collect();

@@ -64,6 +64,10 @@ impl Estimates {
         let mut points: Option<FrictionPoints> = None;
         progress.begin(scenes.len() as u64, (scenes.len() - open.len()) as u64);
         while let Some(&first) = open.first() {
+            if progress.is_cancelled() {
+                estimates.keep(kept_in)?;
+                progress.go_on()?;
+            }
             let is_served = match &points {
                 Some(points) => points.serves(study.brake(), &scenes[first]).map_err(inner)?,
                 None => false,

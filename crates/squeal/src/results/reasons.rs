@@ -33,7 +33,11 @@ pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress)
     let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
     progress.begin(scenes.len() as u64, 0);
     let of_scene = |&scene: &usize| {
-        let modes = of_scene(study, scene).map_err(|error| error.to_string());
+        let modes = progress
+            .go_on()
+            .map_err(Error::from)
+            .and_then(|()| of_scene(study, scene))
+            .map_err(|error| error.to_string());
         progress.advance(1);
         SceneReasons { scene, modes }
     };

@@ -91,6 +91,7 @@ impl<'a> Probes<'a> {
     /// The prediction of each of some sets of changes; progress advances by one for each.
     pub fn predictions(&self, sets: &[Vec<Change>], progress: &dyn Progress) -> Vec<Result<Prediction, Error>> {
         let of_set = |set: &Vec<Change>| {
+            progress.go_on()?;
             let found = self.prediction(set);
             progress.advance(1);
             found

@@ -76,6 +76,7 @@ pub fn rank<B: UncertainBrake>(brake: &B, options: &ScreenOptions, progress: &dy
     let of_kind = |candidates| search(candidates, &probes, *up_to, progress);
     let kinds = candidates.into_iter().map(of_kind).collect();
     progress.end();
+    progress.go_on()?;
     Ok(Ranking { unchanged, kinds, analyses_per_set: probes.analyses(), draws: *draws })
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use cea::{CountedSpectrum, Counters, EigenSolver, Threshold, WholeSpectra};
 use linsys::SecondOrder;
+use montecarlo::Progress;
 use num_complex::Complex;
 use osc_model::{Sector, Sectors};
 use serde::Serialize;
@@ -67,6 +68,7 @@ pub(super) struct Family<'a, B: UncertainBrake> {
     /// Place of the scene.
     pub scene: usize,
     pub solver: WholeSpectra<'a>,
+    pub progress: &'a dyn Progress,
     pub parameters: Vec<SweptParameter>,
 }
 
@@ -100,10 +102,11 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
         scene: usize,
         over: &[Over],
         solver: &'a dyn EigenSolver,
+        progress: &'a dyn Progress,
     ) -> Result<Self, Error> {
         let (brake, of) = (study.brake(), &study.plan().scenes[scene]);
         let parameters = swept(&brake.parameters(of), &study.plan().describe(of), over)?;
-        let family = Self { study, scene, solver: WholeSpectra(solver), parameters };
+        let family = Self { study, scene, solver: WholeSpectra(solver), progress, parameters };
         family.corners().iter().try_for_each(|corner| family.system(corner).map(drop))?;
         Ok(family)
     }
@@ -119,10 +122,10 @@ impl<'a, B: UncertainBrake> Family<'a, B> {
 
     /// The system at values of the swept parameters.
     pub fn system(&self, values: &[f64]) -> Result<SecondOrder, Error> {
+        self.progress.go_on()?;
         self.study.brake().system_with(self.scene(), &self.placed(values)).map_err(|source| {
-            let named: Vec<String> =
-                self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name)).collect();
-            Error::Sweep { at: named.join(", "), source: Box::new(source.into()) }
+            let named = || self.parameters.iter().zip(values).map(|(p, value)| format!("{} = {value}", p.name));
+            Error::from(source).in_sweep(|| named().collect::<Vec<_>>().join(", "))
         })
     }
 

@@ -76,7 +76,7 @@ pub fn stability_map<B: UncertainBrake>(
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
 ) -> Result<StabilityMap, Error> {
-    let family = Family::new(study, scene, over, solver)?;
+    let family = Family::new(study, scene, over, solver, progress)?;
     let parts = family.parts()?;
     let at = || format!("sweep over {} and {}", over[0], over[1]);
     let middle = parts.iter().map(|part| part.system(&[0.5, 0.5])).collect::<Result<Vec<_>, Error>>()?;
@@ -89,8 +89,7 @@ pub fn stability_map<B: UncertainBrake>(
         let of_part = |part: &Part<'_, B>| of_part(part, grid, progress);
         let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
         progress.end();
-        let mut map =
-            drawn(&family, found.map_err(|source| Error::Sweep { at: at(), source: Box::new(source) })?, grid);
+        let mut map = drawn(&family, found.map_err(|source| source.in_sweep(at))?, grid);
         let mut checks = map.regions.clone();
         if is_small {
             checks.extend(places_apart(&map.rows, BETWEEN_CHECKS));
@@ -108,7 +107,7 @@ pub fn stability_map<B: UncertainBrake>(
     let (place, found) = contradicted.unwrap_or((Region { unstable: 0, share: 0.0, at: [0.0; 2] }, 0));
     let [x, y] = [0, 1].map(|axis| format!("{} = {}", over[axis].name, family.parameters[axis].at(place.at[axis])));
     let source = Error::MapContradicted { at: format!("{x}, {y}"), found, expected: place.unstable };
-    Err(Error::Sweep { at: at(), source: Box::new(source) })
+    Err(source.in_sweep(at))
 }
 
 /// The map of all parts, not checked yet.

@@ -1,6 +1,7 @@
 //! The modes that cross the threshold, with their shapes.
 
 use cea::{EigenSolver, Workspace, right_vector};
+use montecarlo::Progress;
 use nalgebra::DVector;
 use num_complex::Complex;
 use study::{Study, UncertainBrake};
@@ -35,8 +36,9 @@ pub fn boundary_modes<B: UncertainBrake>(
     over: &[Over],
     solver: &dyn EigenSolver,
     found: &Found,
+    progress: &dyn Progress,
 ) -> Result<Vec<BoundaryMode>, Error> {
-    let family = Family::new(study, scene, over, solver)?;
+    let family = Family::new(study, scene, over, solver, progress)?;
     let (threshold, mut work) = (study.plan().threshold, Workspace::default());
     let mut mode = |mode: &str,
                     at: Vec<f64>,
@@ -48,9 +50,17 @@ pub fn boundary_modes<B: UncertainBrake>(
         let distance = |lambda: &Complex<f64>| (lambda - there).norm();
         let nearest = eigenvalues.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let lambda = nearest.unwrap_or(there);
+        progress.advance(1);
         Ok(BoundaryMode { mode: mode.to_owned(), at, does, lambda, shape: right_vector(&system, lambda, &mut work)? })
     };
-    match found {
+    progress.begin(
+        match found {
+            Found::Branches(sweep) => sweep.onsets.len(),
+            Found::Map(map) => map.curves.len(),
+        } as u64,
+        0,
+    );
+    let modes = match found {
         Found::Branches(sweep) => {
             let of_onset = |onset: &SweepOnset| {
                 let there = Complex::new(onset.growth, onset.omega);
@@ -65,5 +75,7 @@ pub fn boundary_modes<B: UncertainBrake>(
             };
             map.curves.iter().filter_map(of_curve).collect()
         }
-    }
+    };
+    progress.end();
+    modes
 }

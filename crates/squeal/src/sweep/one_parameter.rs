@@ -80,7 +80,7 @@ pub fn sweep<B: UncertainBrake>(
     solver: &dyn EigenSolver,
     progress: &dyn Progress,
 ) -> Result<Sweep, Error> {
-    let family = Family::new(study, scene, std::slice::from_ref(over), solver)?;
+    let family = Family::new(study, scene, std::slice::from_ref(over), solver, progress)?;
     let parameter = family.parameters[0].clone();
     let parts = family.parts()?;
     progress.begin(parts.len() as u64, 0);
@@ -91,7 +91,7 @@ pub fn sweep<B: UncertainBrake>(
     };
     let found = parts.par_iter().map(of_part).collect::<Result<Vec<_>, Error>>();
     progress.end();
-    let in_words = |source| Error::Sweep { at: format!("sweep over {over}"), source: Box::new(source) };
+    let in_words = |source: Error| source.in_sweep(|| format!("sweep over {over}"));
     let mut sweep =
         found.map_err(in_words)?.into_iter().fold(Sweep::empty(parameter, study.plan().threshold), Sweep::joined);
     sweep.onsets.sort_by(|a, b| a.at.total_cmp(&b.at));

@@ -46,6 +46,7 @@ pub(crate) fn references(
     };
     let origins = plan.origins.iter().map(origin).collect::<Result<Vec<_>, Error>>()?;
     let of_configuration = |(place, configuration): (usize, &Configuration)| {
+        progress.go_on()?;
         let origin = &origins[configuration.origin];
         let bridged = match bridge {
             Some(bridge) => across(bridge, place, origin, plan, solver),
@@ -69,6 +70,7 @@ pub(crate) fn references(
         .map(of_configuration)
         .collect::<Result<Vec<SectoredReference>, Error>>()?;
     let of_scene = |(scene, at): (&Scene, &OperatingPoint)| {
+        progress.go_on()?;
         let path = paths(scene, [&plan.configuration(scene).naming_point, at]);
         let way = Way::Near(path.as_deref());
         let found = of_scene(plan.brake(scene), at, &configurations[scene.configuration], way, plan, solver);

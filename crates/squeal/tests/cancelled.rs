@@ -1,0 +1,110 @@
+//! Work that is cancelled ends with an error that says so, and what a study had goes on from its checkpoint.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicI64, Ordering};
+
+use brakes::LatticeBrake;
+use brakes::case::LatticeCase;
+use cea::{BatchSolver, QrSolver};
+use montecarlo::Progress;
+use squeal::influence::influence;
+use squeal::screen::{ChangeKind, ScreenOptions, Sizes, rank};
+use squeal::study::Study;
+use squeal::sweep::{Over, stability_map, sweep};
+use squeal::{RunOptions, RunProgress, run_study_with};
+
+/// Whoever has enough after so many evaluations.
+struct Until(AtomicI64);
+
+impl Progress for Until {
+    fn begin(&self, _: u64, _: u64) {}
+    fn advance(&self, evaluations: u64) {
+        self.0.fetch_sub(evaluations as i64, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+    fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed) <= 0
+    }
+}
+
+fn after(evaluations: i64) -> Until {
+    Until(AtomicI64::new(evaluations))
+}
+
+fn brake(samples: u64) -> LatticeBrake {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/two-by-two.toml");
+    let mut case = LatticeCase::read(&path).unwrap();
+    case.samples = samples;
+    LatticeBrake::new(case).unwrap()
+}
+
+fn run(brake: &LatticeBrake, dir: &Path, progress: RunProgress<'_>) -> Result<(), squeal::Error> {
+    let options = RunOptions { threads: Some(2), progress, ..RunOptions::default() };
+    run_study_with(brake, dir, options, &mut |_, _, _| Ok(())).map(drop)
+}
+
+#[test]
+fn a_study_goes_on_where_it_was_cancelled() {
+    let (brake, folder) = (brake(2000), tempfile::tempdir().unwrap());
+    let [whole, parts] = ["whole", "parts"].map(|name| folder.path().join(name));
+    run(&brake, &whole, RunProgress::default()).unwrap();
+
+    let of_preparation = after(3);
+    let progress = RunProgress { preparation: &of_preparation, ..RunProgress::default() };
+    assert_eq!(run(&brake, &parts, progress).unwrap_err().to_string(), "cancelled");
+    assert!(!parts.exists(), "nothing was sampled");
+
+    let scenes = brake.plan.scenes.len() as i64;
+    let mut known = 0;
+    for samples in [300, 900] {
+        let of_samples = after(samples * scenes);
+        let progress = RunProgress { evaluation: &of_samples, ..RunProgress::default() };
+        assert_eq!(run(&brake, &parts, progress).unwrap_err().to_string(), "cancelled");
+        let kept = std::fs::read_to_string(parts.join("checkpoint.json")).unwrap();
+        let state: serde_json::Value = serde_json::from_str(kept.lines().nth(2).unwrap()).unwrap();
+        let now = state["samples"].as_u64().unwrap();
+        assert!(now > known && now < 2000, "{known} {now}");
+        known = now;
+    }
+
+    let of_reasons = after(0);
+    let progress = RunProgress { reasons: &of_reasons, ..RunProgress::default() };
+    assert_eq!(run(&brake, &parts, progress).unwrap_err().to_string(), "cancelled");
+    assert!(!parts.join("occurrence.csv").exists());
+    run(&brake, &parts, RunProgress::default()).unwrap();
+    for name in ["checkpoint.json", "occurrence.csv", "summary.md", "sensitivities.csv"] {
+        let [a, b] = [&whole, &parts].map(|dir| std::fs::read(dir.join(name)).unwrap());
+        assert!(a == b, "{name}");
+    }
+}
+
+#[test]
+fn whatever_takes_long_can_be_cancelled() {
+    let brake = brake(8);
+    let study = Study::new(&brake, &BatchSolver).unwrap();
+    let over = |name: &str, from: f64, to: f64| Over { name: name.into(), from, to };
+    let both = [over("mu", 0.0, 1.3), over("x_damping", 50.0, 400.0)];
+    let options = ScreenOptions {
+        constraints: 0,
+        kinds: vec![ChangeKind::Constraint],
+        sizes: Sizes { mass: None, spring: None, dashpot: None },
+        up_to: 2,
+        draws: 4,
+        confirmed: 1,
+    };
+    for evaluations in [0, 1] {
+        let answers = [
+            ("a study", Study::with_progress(&brake, &BatchSolver, &after(evaluations)).map(drop).map_err(Into::into)),
+            ("a sweep", sweep(&study, 0, &both[0], &QrSolver, &after(evaluations)).map(drop)),
+            ("a map", stability_map(&study, 0, &both, &QrSolver, &after(evaluations)).map(drop)),
+            ("an influence", influence(&study, 0, 5000, None, &after(evaluations)).map(drop)),
+            ("a ranking", rank(&brake, &options, &after(evaluations)).map(drop)),
+        ];
+        for (what, answer) in answers {
+            let answer: Result<(), squeal::Error> = answer;
+            assert!(answer.as_ref().is_err_and(squeal::Error::is_cancelled), "{what} after {evaluations}: {answer:?}");
+        }
+    }
+}
