@@ -20,13 +20,13 @@ use crate::Error;
 /// The result of one complex eigenvalue analysis (CEA) of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
-    /// The unstable modes, ascending in frequency: those that surely are beyond [`Plan::threshold`].
+    /// Unstable modes, ascending in frequency: their growth beyond [`Plan::threshold`] is more than its error bound.
     pub unstable: Vec<UnstableMode>,
     /// The largest growth rate of an unstable mode or of a divergence, 1/s; 0 where there is none.
     pub growth: f64,
-    /// Real eigenvalues surely right of the axis, and beyond the threshold: divergence.
+    /// Number of real eigenvalues that grow beyond the threshold by more than their bounds: divergence.
     pub divergent: u32,
-    /// The largest of them, 1/s; 0 where there is none.
+    /// Largest eigenvalue that diverges, 1/s; 0 where there is none.
     pub divergence: f64,
     /// Number of eigenvalues whose verdict the error bound leaves open, conjugate pairs once.
     pub undecided: u32,
@@ -48,7 +48,7 @@ pub struct UnstableMode {
     pub growth: f64,
     /// Names it may have as a tracked mode: one, or several near a coalescence, or none.
     pub names: Vec<ModeLabel>,
-    /// Names by likeness beside these; in a study with [`StudyOptions::likeness_too`].
+    /// Names by MAC, more than one half with the shape at the origin of names; in a study with [`StudyOptions::likeness_too`].
     pub names_by_likeness: Option<Vec<ModeLabel>>,
     /// Work in one period on each body; in scenes that want it.
     pub work: Option<ModeWork>,
@@ -76,7 +76,7 @@ impl Default for StudyOptions {
 pub struct Study<'a, B: UncertainBrake> {
     brake: &'a B,
     solver: WholeSpectra<'a>,
-    /// By origin.
+    /// Modes of each origin, by its place in [`Plan::origins`], from where names are continued.
     origin_references: Vec<Reference>,
     references: Vec<Reference>,
     sector_references: Vec<Vec<Reference>>,

@@ -30,34 +30,38 @@ const BEYOND: f64 = 1.5;
 /// Height of the strip on the real axis in which eigenvalues are looked for that do not oscillate, as a part of the lowest frequency of the
 /// band; chosen: above what rounding makes of two equal ones.
 const REAL: f64 = 1e-6;
-/// The least of them that is looked for, as a part of the same; chosen.
+/// Smallest real eigenvalue that is looked for as divergence, as a part of the lowest frequency of the band in rad/s; chosen: above the zeros of rigid
+/// motions.
 const SLOWEST: f64 = 1e-3;
 /// How much lower and higher than the band a mode is looked for that grows next to it, as a factor; chosen.
 pub const BESIDE: f64 = 1.05;
 /// Most complete solutions for one basis; chosen: a basis that needs more is as large as its limit.
 const MOST_SOLUTIONS: usize = 60;
-/// Part of the residual asked for that responses to forces in the contacts may have. Modes have three times theirs, as measured with
-/// cases/disc-pad, so that half of what is asked for is left to the smaller bases.
+/// Residual that responses to forces in the contacts may have on the basis of a set, as a part of `reduction.residual`. That of modes on this basis is
+/// three times as large (measured with cases/disc-pad): half of what is asked for.
 const OF_RESPONSES: f64 = 1.0 / 6.0;
-/// Part of it that modes may have in the brake on the larger basis: 0.5^2 + 0.8^2 < 1.
+/// Residual that modes may have on a smaller basis within that of a set, as a part of `reduction.residual`. Both are taken to add as squares,
+/// 0.5^2 + 0.8^2 < 1; chosen: residuals of samples are measured in the whole brake.
 const WITHIN: f64 = 0.8;
 /// Complete solutions without a missed mode after which a part is taken to be complete; chosen: samples are compared with the whole brake
 /// when a study has ended ([`study::FullChecks`]).
 const PROBES: usize = 1;
 /// Most columns of the basis of a set of constraints; chosen, for the time that a complete solution on it takes.
 const MOST_COLUMNS: usize = 600;
-/// Points of a part from where the modes of a sample are followed, where not more were solved completely; chosen. Where samples differ in
-/// friction alone few of them are followed.
+/// Number of anchors of a part, points with known modes from which those of a sample are followed: at most so many, but all that were solved
+/// completely; chosen. The second is for samples that differ in friction alone, of which few are followed.
 const MOST_ANCHORS: usize = 12;
 const ANCHORS_BESIDE_FRICTION: usize = 4;
 /// Draws among which those are chosen at which modes are known there; chosen.
 const KNOWN_FROM: u64 = 240;
-/// Draws whose coefficients the responses know beside the medians, where some are drawn; chosen.
+/// Least number of draws at whose coefficients responses are computed, beside the medians, where any are drawn: one for each law and range of speed if
+/// these are more; chosen.
 const DRAWN_STRUCTURES: u64 = 4;
 /// Numbers of columns, from half of a basis to all of it, whose error is measured, and draws at which it is; chosen.
 const RUNGS: usize = 6;
 const MEASURED_POINTS: u64 = 6;
-/// Most of the points of a sweep whose coefficients they know; chosen: each takes a factorisation at a few frequencies.
+/// Largest number of draws or points of a sweep at whose coefficients responses are computed, thinned evenly; chosen: each takes a factorisation at a few
+/// frequencies.
 const MOST_STRUCTURES: usize = 6;
 
 /// The brake with one set of constraints.

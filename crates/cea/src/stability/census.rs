@@ -1,7 +1,7 @@
 //! What a stability analysis asks of a system, in one call.
 
 use super::Threshold;
-use super::screen::Judge;
+use super::judge::Judge;
 use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace, certified};
 use linsys::SecondOrder;
 

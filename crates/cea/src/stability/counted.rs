@@ -6,7 +6,7 @@ use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Threshold;
-use super::screen::Judge;
+use super::judge::Judge;
 use crate::{CeaError, Spectrum, Verdict, Workspace, real_count};
 
 /// Eigenvalues of a system with Im lambda >= 0, by whether they are beyond a threshold, rad/s: the rule of [`verdicts`](crate::verdicts).

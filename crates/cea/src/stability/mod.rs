@@ -3,10 +3,10 @@
 mod census;
 mod counted;
 mod coupling;
-mod screen;
+mod judge;
 mod threshold;
 
 pub use census::{StabilityCensus, stability_census};
 pub use counted::CountedSpectrum;
-pub use screen::{ROUNDED_DATA, verdict, verdicts, verdicts_beyond};
+pub use judge::{ROUNDED_DATA, verdict, verdicts, verdicts_beyond};
 pub use threshold::Threshold;

@@ -47,13 +47,13 @@ impl ModeRange<'_> {
 
 /// The modes of a set of constraints.
 pub struct SetFindings<'a> {
-    /// Those that are ever unstable, the most robust first.
+    /// Modes that are ever unstable, by their least occurrence in a panel, then by the largest, descending.
     pub unstable: Vec<(ModeLabel, ModeRange<'a>)>,
     /// Those that are unstable in no sample.
     pub stable: Vec<(ModeLabel, ModeRange<'a>)>,
-    /// In how many samples of an arrangement each of these is unstable at most, 95 %.
+    /// Upper limit of the occurrence, 0 to 1, of a stable mode in one arrangement (Wilson, 95 % for each mode alone): the largest of all.
     pub stable_upper: f64,
-    /// How often anything at all is unstable: the smallest median of a panel, and the largest.
+    /// Occurrence of any instability, 0 to 1, a mode or divergence: the smallest and the largest of the medians of panels.
     pub anything: [Estimate; 2],
 }
 
@@ -165,7 +165,7 @@ pub fn drop_in_words(d: &Estimate) -> String {
     format!("{:.3} {word} ({:.3} to {:.3})", d.value.abs(), limits[0], limits[1])
 }
 
-/// What the samples leave open.
+/// Counts over all analyses of a study, of a conjugate pair once.
 pub struct OpenCounts {
     /// Unstable modes found.
     pub unstable_modes: u64,
@@ -173,7 +173,7 @@ pub struct OpenCounts {
     pub ambiguous_modes: u64,
     /// Real eigenvalues that diverge.
     pub divergent: u64,
-    /// Verdicts that count as stable.
+    /// Undecided verdicts, which count as stable.
     pub undecided: u64,
     /// Eigenvalues on the axis.
     pub marginal: u64,

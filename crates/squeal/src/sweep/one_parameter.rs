@@ -16,11 +16,11 @@ use super::onset::{SweepOnset, WholeOnset, error_of_reduced};
 use super::parameter::{Over, SweptParameter};
 use crate::Error;
 
-/// Distance, as a part of the range and of the frequency, at which two branch points are one, found twice; chosen.
-const SAME_ONSET: f64 = 1e-6;
+/// Largest distance of two branch points that are one, found twice: of the parameter as a part of the range, of omega as a part of omega; chosen.
+const SAME_BRANCH_POINT: f64 = 1e-6;
 
-/// Equal steps at which unstable modes are counted, by the number of eigenvalues up to which there are so many; chosen: what a sweep may
-/// take on a desk. Of anything larger [`FEWEST_STEPS`].
+/// Pairs of a number of eigenvalues, 2 n + s, and the number of equal steps of the range at which the unstable modes of systems up to that size are
+/// counted; chosen: what a sweep may take on a desk. Larger ones have [`FEWEST_STEPS`].
 const STEPS: [(usize, usize); 2] = [(160, 1024), (480, 256)];
 /// Steps of the largest brakes; chosen.
 const FEWEST_STEPS: usize = 64;
@@ -65,7 +65,7 @@ pub struct Sweep {
     pub evaluations: Evaluations,
     /// The shortest step of a branch, as a part of the range.
     pub shortest_step: f64,
-    /// Spectra on a grid of equal steps as short as the shortest, of all sectors.
+    /// Number of spectra that a grid of equal steps as short as the shortest would take, all sectors together, to compare with what was computed.
     pub fine_grid: u64,
 }
 
@@ -292,8 +292,8 @@ fn steps<B: UncertainBrake>(part: &Part<'_, B>) -> Result<usize, Error> {
     Ok(STEPS.iter().find(|(most, _)| eigenvalues <= *most).map_or(FEWEST_STEPS, |(_, steps)| *steps))
 }
 
-/// Candidates for the mode of a change: those of the branch that is nearest to its eigenvalue there, or of all that end next to it, or
-/// begin where real eigenvalues become a mode.
+/// Candidates for the mode of a change. Where a mode becomes real, or real eigenvalues a mode: those of all branches that end, or begin, in its step.
+/// Else those of all branches that end in an open step around it; without such a step, of the branch whose tangent passes nearest to lambda.
 fn names_of_change(locus: &RootLocus, names: &[Names], &Change { at, lambda, of, starts, .. }: &Change) -> Names {
     if of == ChangeOf::Exchange {
         let near = locus.ambiguities.iter().filter(|step| (step.from..=step.to).contains(&at));
@@ -349,7 +349,8 @@ fn coalescences<B: Branches<Error = Error>>(
         let Some(branch_point) = settle(branches, &candidate)? else { continue };
         let (at, lambda) = (branch_point.at, branch_point.lambda);
         let same = |other: &(Coalescence, Complex<f64>)| {
-            (other.1 - at).norm() <= SAME_ONSET && (other.0.omega - lambda.im).abs() <= SAME_ONSET * lambda.im.abs()
+            (other.1 - at).norm() <= SAME_BRANCH_POINT
+                && (other.0.omega - lambda.im).abs() <= SAME_BRANCH_POINT * lambda.im.abs()
         };
         if found.iter().any(same) {
             continue;

@@ -19,7 +19,8 @@ const ON_AXIS: f64 = 1e-12;
 /// Roundings that matrices are taken to have been assembled with, in units of what one does to an eigenvalue ([`Eigentriple::rounding`]);
 /// chosen: they make of the double zero of a body that is free to move a pair of either kind.
 pub const ROUNDED_DATA: f64 = 32.0;
-/// No more eigenvalues than so many are expected to meet in one vector: that takes as many parameters less two.
+/// Largest multiplicity m of an eigenvalue with one vector that is guarded against. Five take m - 1 = 4 parameters that are hit at once
+/// (docs/error-bounds.md, section 8).
 const MOST_COALESCING: usize = 4;
 
 /// Whether the motion of eigenvalue `lambda` of `spectrum` grows: [`verdicts`] of one.
@@ -42,10 +43,10 @@ pub fn verdict(
 /// real parts some sign.
 ///
 /// Else the sign of Re lambda decides where it is beyond what the solver's errors may do to it. The rule: |Re lambda| is more than 1e-6
-/// of [`Spectrum::scale`](crate::Spectrum::scale), and the product of the distances from i Im lambda to the m nearest eigenvalues, m = 3 and 4, is more than
-/// 1e-12 times the scale and the (m-1)-th power of what couples vibrations: with m eigenvalues that meet in one vector a
-/// perturbation of 1e-12 could otherwise put one on the axis. What couples them is at most the scale, and far less where the
-/// scale is that of fast internal states (docs/error-bounds.md, section 8). Elsewhere bound and verdict are those of
+/// of the scale S = [`Spectrum::scale`](crate::Spectrum::scale), rad/s, and the product of the distances from i Im lambda to the m nearest eigenvalues
+/// is more than 1e-12 S s^(m-1) for m = 3 and 4: with m eigenvalues that meet in one vector a perturbation of 1e-12 could otherwise put one on the axis
+/// (m = 2 follows from the first). The coupling s, rad/s, of vibrations is at most S, and far less where S is that of fast internal states
+/// (docs/error-bounds.md, section 8). Elsewhere bound and verdict are those of
 /// [`certified::certify`](crate::certified::certify).
 ///
 /// Where the bound of one eigenvalue leaves it undecided, that of all eigenvalues together decides, by [`certified::solve`] and
@@ -78,8 +79,8 @@ pub fn verdicts_beyond(
     lambdas.iter().map(|&lambda| judge.verdict(lambda, threshold, work)).collect()
 }
 
-/// What is clear of the eigenvalues of one system, and the bounds of those that are not. What either takes is made ready when it
-/// is first asked for.
+/// Judge of the eigenvalues of one system: by their signs where these are clear, by certified bounds elsewhere. The coupling and both certified
+/// routes are made when they are first asked for, and kept.
 pub(crate) struct Judge<'a> {
     system: &'a SecondOrder,
     spectrum: &'a Spectrum,
@@ -133,7 +134,7 @@ impl<'a> Judge<'a> {
         threshold.margin(lambda).abs() <= NEAR_AXIS * self.spectrum.scale
     }
 
-    /// Distance from the axis, rad/s, up to which an eigenvalue next to it is on it.
+    /// Distance from the axis, rad/s, up to which an eigenvalue is on it: the larger of 1e-12 of the scale and 32 roundings.
     fn tolerance(&self, lambda: Complex<f64>, work: &mut Workspace) -> f64 {
         let rounding = Eigentriple::new(self.system, lambda, work).map_or(0.0, |triple| triple.rounding());
         (ON_AXIS * self.spectrum.scale).max(ROUNDED_DATA * rounding)
