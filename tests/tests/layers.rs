@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 19] = [
+const LAYERS: [(&str, &str); 20] = [
     ("formats", "crates/formats"),
     ("linsys", "crates/linsys"),
     ("friction", "crates/friction"),
@@ -16,6 +16,7 @@ const LAYERS: [(&str, &str); 19] = [
     ("tracking", "crates/tracking"),
     ("work", "crates/work"),
     ("sparse", "crates/sparse"),
+    ("reduction", "crates/reduction"),
     ("montecarlo", "crates/montecarlo"),
     ("output", "crates/output"),
     ("figures", "crates/figures"),

@@ -7,9 +7,12 @@ pub enum Error {
     /// The case file.
     #[error(transparent)]
     Case(#[from] crate::case::CaseError),
-    /// A large brake or its reduction.
+    /// A large brake.
     #[error(transparent)]
     Sparse(#[from] sparse::SparseError),
+    /// The reduction of a large brake.
+    #[error(transparent)]
+    Reduction(#[from] reduction::ReductionError),
     /// A brake whose arrangements have bases of their own, where one basis is needed.
     #[error(
         "{study}: each arrangement has a basis of its own; what is attached needs one for all of a set of constraints"

@@ -21,6 +21,9 @@ pub enum Error {
     /// A model of sparse matrices.
     #[error(transparent)]
     Sparse(#[from] sparse::SparseError),
+    /// The reduction of a large brake.
+    #[error(transparent)]
+    Reduction(#[from] reduction::ReductionError),
     /// The lattice.
     #[error(transparent)]
     Model(#[from] osc_model::OscModelError),

@@ -5,7 +5,7 @@ use std::path::Path;
 use brakes::FiniteElementBrake;
 use figures::{LogLogFigure, LogLogPanel, LogLogSeries, loglog};
 use output::write_csv;
-use sparse::reduction::{Compared, compared};
+use reduction::{Compared, compared};
 use squeal::study::UncertainBrake;
 
 use crate::Error;

@@ -151,17 +151,17 @@ pub enum SparseError {
         /// What was computed.
         what: &'static str,
     },
-    /// An option of a reduction that is out of its range.
+    /// An argument that is out of its range.
     #[error("{option} is {value}; it must be {allowed}")]
     Option {
-        /// The option.
+        /// The argument.
         option: &'static str,
         /// Its value.
         value: f64,
         /// The values that it may have.
         allowed: &'static str,
     },
-    /// The dense solver of a reduced system failed.
+    /// A dense solver failed.
     #[error(transparent)]
     Dense(#[from] CeaError),
     /// An operating point that does not belong to the system, or a channel that acts on a degree of freedom that does not exist.

@@ -5,8 +5,9 @@
 //! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
 //! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
 //! | [`eigenpairs_in`] | all eigenvalues of such a system in a rectangle, with right and left vectors |
+//! | [`product`] | a sparse matrix times the columns of a dense one |
 //! | [`health`] | what the matrices of a model are, which rows make them singular, and how well it can be solved with |
-//! | [`reduction`] | a large brake projected on a few columns, with the residual of each mode in the large one |
+//! | [`Problem`] | such a system ready to be solved with at many lambda |
 //!
 //! Sparse matrices are those of [`nalgebra_sparse`], which is re-exported.
 
@@ -15,8 +16,7 @@ mod error;
 pub mod health;
 #[cfg(test)]
 mod of_entries;
-mod product;
-pub mod reduction;
+pub mod product;
 mod solver;
 mod symmetric;
 mod system;
@@ -27,7 +27,8 @@ pub use nalgebra_sparse;
 pub use affine::{SparseAffineSystem, SparseTerm};
 pub use error::SparseError;
 pub use solver::{
-    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle, eigenpair_near, eigenpairs_in,
+    Circle, Count, Counters, Disc, Eigenpair, Found, Options, Problem, Progress, Reach, Rectangle, eigenpair_near,
+    eigenpairs_in,
 };
 pub use system::{SparseSecondOrder, State};
 

@@ -5,7 +5,8 @@ use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
 
 /// `A X`, n x k, of a sparse A, n x n, and a dense X, n x k.
-pub(crate) fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
+#[must_use]
+pub fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut product = DMatrix::zeros(a.nrows(), x.ncols());
     for (mut sums, factors) in product.column_iter_mut().zip(x.column_iter()) {
         for (column, &factor) in a.col_iter().zip(factors.iter()) {

@@ -4,7 +4,7 @@ use cea::{CeaError, Mode, NewtonStep};
 use linsys::{AffineSystem, ChannelGain, OperatingPoint, SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
-use sparse::reduction::{ContactPath, OnContactPath, shape_directions};
+use reduction::{ContactPath, OnContactPath, shape_directions};
 use study::Bridge;
 use tracking::{Eigenpair, OwnedPath};
 

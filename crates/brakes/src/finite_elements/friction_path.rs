@@ -4,7 +4,7 @@ use cea::{CeaError, NewtonStep};
 use linsys::{AffineSystem, OperatingPoint, SecondOrder};
 use nalgebra::DVector;
 use num_complex::Complex;
-use sparse::reduction::{FrictionPath, OnFrictionPath};
+use reduction::{FrictionPath, OnFrictionPath};
 use tracking::{Eigenpair, OwnedPath};
 
 /// A path between two frictions of one structure.

@@ -4,7 +4,7 @@ use cea::frequency_hz;
 use montecarlo::{Progress, rand::RngExt, stream};
 use num_complex::Complex;
 use rayon::prelude::*;
-use sparse::reduction::{Compared, compared};
+use reduction::{Compared, compared};
 use study::{BandMode, FullChecks, UncertainBrake, wider};
 
 use super::reduce::{Trained, modes_beside, rectangle};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use linsys::{AffineSystem, SecondOrder, Term};
 use osc_model::{Body, Brake, Sectors};
-use sparse::reduction::Reduced;
+use reduction::Reduced;
 use study::{Configuration, Origin, Plan, Scene, SceneKey, SceneLabels, StudySource};
 
 use super::points::{ConstantTerm, all_patches, closed_channels, constant_terms, naming_point, speeds_of};

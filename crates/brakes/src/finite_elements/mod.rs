@@ -21,7 +21,7 @@ use linsys::{OperatingPoint, SecondOrder};
 use montecarlo::{Distribution, Progress, StreamRng};
 use nalgebra::DVectorView;
 use num_complex::Complex;
-use sparse::reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
+use reduction::{Amplitudes, FrictionModes, Likeness, ReducedModes, Rung};
 use squeal::sweep::Over;
 use study::{
     BandMode, Bridge, Cost, FullChecks, Input, KnownMode, ModeResidual, NamedParameter, Place, Plan, Scene,

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex;
 use osc_model::ContactArrangement;
 use rayon::prelude::*;
-use sparse::reduction::{
+use reduction::{
     Compared, FrictionModes, Options, Reduced, Reduction, ResponseGoal, Rung, Wanted, Within, compared, response_basis,
     rungs, within,
 };

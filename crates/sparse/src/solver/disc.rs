@@ -39,8 +39,9 @@ const GROWN: usize = 4;
 const WIDEST: usize = 16;
 /// How often another shift is tried where Q(shift) is singular.
 const ATTEMPTS: usize = 4;
-/// The matrices, and the elimination order of their pattern.
-pub(crate) struct Problem {
+
+/// A system that is ready to be solved with at many lambda: its matrices, and the elimination order of their pattern.
+pub struct Problem {
     pub(crate) pencil: Pencil,
     pub(crate) symbolic: Symbolic,
 }
@@ -55,9 +56,11 @@ pub(crate) struct Candidate {
 }
 
 impl Problem {
+    /// Finds the elimination order.
+    ///
     /// # Errors
     /// An elimination order that does not fit into memory.
-    pub(crate) fn new(system: &SparseSecondOrder) -> Result<Self, SparseError> {
+    pub fn new(system: &SparseSecondOrder) -> Result<Self, SparseError> {
         let pencil = Pencil::new(system);
         let symbolic = Symbolic::new(&pencil)?;
         Ok(Self { pencil, symbolic })
@@ -67,11 +70,7 @@ impl Problem {
     ///
     /// # Errors
     /// Q singular there, a solution that refinement does not make accurate, a factorisation that does not fit into memory.
-    pub(crate) fn solve(
-        &self,
-        lambda: Complex<f64>,
-        forces: &DMatrix<f64>,
-    ) -> Result<DMatrix<Complex<f64>>, SparseError> {
+    pub fn solve(&self, lambda: Complex<f64>, forces: &DMatrix<f64>) -> Result<DMatrix<Complex<f64>>, SparseError> {
         let right = Mat::from_fn(forces.nrows(), forces.ncols(), |i, j| Complex::from(forces[(i, j)]));
         let solution = Factor::new(&self.symbolic, &self.pencil, lambda)?.solve(Side::Right, &right)?;
         Ok(DMatrix::from_fn(solution.nrows(), solution.ncols(), |i, j| solution[(i, j)]))

@@ -27,6 +27,6 @@ mod types;
 
 pub(crate) use blocks::PAR;
 pub use cover::eigenpairs_in;
-pub(crate) use disc::Problem;
+pub use disc::Problem;
 pub use near::eigenpair_near;
 pub use types::{Circle, Count, Counters, Disc, Eigenpair, Found, Options, Progress, Reach, Rectangle};

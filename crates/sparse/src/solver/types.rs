@@ -31,6 +31,7 @@ impl Rectangle {
 
     /// Whether lambda is inside or within `margin` of the border.
     #[must_use]
+    #[inline]
     pub fn contains(&self, lambda: Complex<f64>, margin: f64) -> bool {
         let within = |x: f64, [from, to]: [f64; 2]| x >= from - margin && x <= to + margin;
         within(lambda.re, self.re) && within(lambda.im, self.im)
@@ -38,6 +39,7 @@ impl Rectangle {
 
     /// Whether lambda is inside, or to the right of the rectangle, or within `margin` of where it would be.
     #[must_use]
+    #[inline]
     pub fn contains_to_the_right(&self, lambda: Complex<f64>, margin: f64) -> bool {
         Self { re: [self.re[0], f64::INFINITY], im: self.im }.contains(lambda, margin)
     }

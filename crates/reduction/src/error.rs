@@ -1,0 +1,36 @@
+//! Errors of reductions.
+
+use cea::CeaError;
+use linsys::LinsysError;
+use sparse::SparseError;
+
+/// Errors of this crate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReductionError {
+    /// An option that is out of its range.
+    #[error("{option} is {value}; it must be {allowed}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// The values that it may have.
+        allowed: &'static str,
+    },
+    /// A dense decomposition did not converge, or its matrix has an entry that is not finite.
+    #[error("the {what} could not be computed")]
+    Decomposition {
+        /// What was computed.
+        what: &'static str,
+    },
+    /// The large system, or a search in it.
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+    /// The dense solver of the reduced system failed.
+    #[error(transparent)]
+    Dense(#[from] CeaError),
+    /// An operating point that does not belong to the reduced system, or a projection of it that is not finite.
+    #[error(transparent)]
+    System(#[from] LinsysError),
+}

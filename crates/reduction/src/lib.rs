@@ -1,0 +1,77 @@
+//! Reduction: a large brake projected on a few columns is a brake, with the residual of each mode in the large one.
+//!
+//! | to | use |
+//! | --- | --- |
+//! | build a basis that is good enough over a set of draws | [`Reduction::build`] |
+//! | hold all friction and all open and closed contacts | [`response_basis`] |
+//! | find a smaller basis within that for one arrangement | [`within()`] |
+//! | take a basis of one's own, for example [`real_modes`] | [`Reduced::new`] |
+//! | find the wanted modes at an operating point, with residuals | [`Reduced::modes`] |
+//! | find some of them | [`Reduced::modes_among`] |
+//! | find the growing ones of samples that differ in friction alone | [`FrictionModes`] |
+//! | compare eigenvalues of two systems | [`compared`] |
+//! | hold the shapes of some modes | [`shape_directions`] |
+//! | follow modes while contacts open | [`ContactPath`] |
+//! | see what fewer columns would hold | [`rungs`] |
+//! | have a dense brake for a study | [`Reduced::system`] |
+//! | count and list what is above the tolerance | [`ResidualTally`] |
+//! | see cost against error | [`Report::stages`], [`Stage::measure`] |
+//!
+//! A basis V is real, n x k and orthonormal, and both sides of the equation are projected on it, so that terms stay symmetric and
+//! channels stay channels. It holds the right vectors of the wanted modes at a few operating points, as proper orthogonal
+//! decomposition does (Graebner, Mehrmann, Quraishi, Schroeder and von Wagner, ZAMM 96, 2016).
+
+mod anchor;
+mod basis;
+mod build;
+mod compared;
+mod contact_path;
+mod dense;
+mod directions;
+mod eigenvalue;
+mod elimination;
+mod error;
+mod far;
+mod follow;
+mod friction;
+mod full;
+mod mixing;
+mod modal;
+mod nearest;
+mod norms;
+mod options;
+mod outer;
+mod outer_products;
+mod real;
+mod reduced;
+mod report;
+mod residual;
+mod response;
+mod responses;
+mod rows;
+mod shapes;
+mod shared;
+mod split;
+mod state_modes;
+mod watch;
+mod within;
+
+pub use basis::Vectors;
+pub use build::{Reduction, Wanted};
+pub use compared::{Compared, compared};
+pub use contact_path::{ContactPath, OnContactPath};
+pub use error::ReductionError;
+pub use follow::Doubt;
+pub use friction::{Amplitudes, FrictionModes, FrictionPath, FrictionSearch, Likeness, OnFrictionPath};
+pub use modal::real_modes;
+pub use options::Options;
+pub use reduced::{Reduced, ReducedModes, Route};
+pub use report::{MissedMode, Report, ResidualTally, Stage, Why};
+pub use responses::{ResponseBasis, ResponseGoal, response_basis};
+pub use shapes::shape_directions;
+pub use within::{Rung, Within, rungs, within};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

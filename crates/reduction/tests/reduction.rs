@@ -1,0 +1,429 @@
+//! Reductions of a plate of 240 degrees of freedom, with the answers of dense solvers as the truth.
+
+#![allow(clippy::unwrap_used)] // Test code, which the lints do not recognise outside test functions.
+
+use cea::{EigenSolver, QrSolver, Workspace, backward_error};
+use linsys::{AffineSystem, Channel, ChannelGain, Lag, OperatingPoint, Term};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex;
+use reduction::{
+    Options, Reduced, Reduction, ResidualTally, ResponseGoal, Route, Vectors, Wanted, real_modes, response_basis,
+    within,
+};
+use sparse::nalgebra_sparse::{CooMatrix, CscMatrix};
+use sparse::{Rectangle, SparseAffineSystem, SparseSecondOrder, SparseTerm, eigenpairs_in};
+
+const ROWS: usize = 12;
+const COLUMNS: usize = 10;
+const N: usize = 2 * ROWS * COLUMNS;
+
+fn dof(row: usize, column: usize, direction: usize) -> usize {
+    2 * (row * COLUMNS + column) + direction
+}
+
+/// `sum x_e y_e^T` times a factor.
+fn add(matrix: &mut CooMatrix<f64>, left: &[(usize, f64)], right: &[(usize, f64)], factor: f64) {
+    for &(row, a) in left {
+        right.iter().for_each(|&(column, b)| matrix.push(row, column, factor * a * b));
+    }
+}
+
+/// A grid of masses with springs along and across it, held at one edge; a mass that turns with the grid (gyroscopic), friction on
+/// some nodes (circulatory), dampers on others, and one friction channel.
+fn plate() -> SparseAffineSystem {
+    let mut parts = [(); 5].map(|()| CooMatrix::new(N, N));
+    let [mass, stiffness, damping, gyroscopic, circulatory] = &mut parts;
+    for row in 0..ROWS {
+        for column in 0..COLUMNS {
+            for direction in 0..2 {
+                let here = dof(row, column, direction);
+                mass.push(here, here, 1.0 + 0.1 * ((3 * row + 5 * column + direction) % 7) as f64);
+                stiffness.push(here, here, if row == 0 { 900.0 } else { 3.0 });
+                let spring = 400.0 + 150.0 * direction as f64;
+                for next in [(row + 1, column), (row, column + 1)].into_iter().filter(|n| n.0 < ROWS && n.1 < COLUMNS) {
+                    let along = [(here, 1.0), (dof(next.0, next.1, direction), -1.0)];
+                    add(stiffness, &along, &along, spring);
+                    add(damping, &along, &along, 2e-3 * spring * ((row + 2 * column) % 3) as f64);
+                }
+            }
+            let [x, y] = [dof(row, column, 0), dof(row, column, 1)];
+            add(stiffness, &[(x, 1.0), (y, 0.4)], &[(x, 1.0), (y, 0.4)], 60.0);
+            gyroscopic.push(x, y, 0.2);
+            gyroscopic.push(y, x, -0.2);
+            if row > 7 && column < 5 {
+                circulatory.push(x, y, 25.0);
+                circulatory.push(y, x, -25.0);
+            }
+        }
+    }
+    let [mass, stiffness, damping, gyroscopic, circulatory] = parts.each_ref().map(CscMatrix::from);
+    let zero = || CscMatrix::zeros(N, N);
+    let term = |name: &str, m, c, k| {
+        let matrices = SparseSecondOrder::new(m, c, k).unwrap();
+        SparseTerm { name: name.into(), family: name.into(), matrices }
+    };
+    let terms = vec![
+        term("structure", mass, zero(), stiffness),
+        term("damping", zero(), damping, zero()),
+        term("gyroscopic", zero(), gyroscopic, zero()),
+        term("circulatory", zero(), zero(), circulatory),
+    ];
+    let force = vec![(dof(11, 9, 0), 1.0), (dof(10, 9, 0), -0.5)];
+    let channel = Channel::new("pad", "friction", force, vec![(dof(11, 9, 1), -200.0), (dof(10, 8, 1), 90.0)]);
+    SparseAffineSystem::new(terms, vec![channel]).unwrap()
+}
+
+fn dense(system: &SparseAffineSystem) -> AffineSystem {
+    let terms = system.terms().iter().map(|term| {
+        let SparseSecondOrder { m, c, k, .. } = &term.matrices;
+        let [m, c, k] = [m, c, k].map(DMatrix::from);
+        Term::new(&term.name, &term.family, linsys::SecondOrder::new(m, c, k).unwrap()).unwrap()
+    });
+    AffineSystem::new(terms.collect(), system.channels().to_vec()).unwrap()
+}
+
+fn point([damping, speed, friction]: [f64; 3]) -> OperatingPoint {
+    let lag = Some(Lag { decay: 40.0, drive: 3.0, force: -0.5 });
+    let gain = ChannelGain { mu: 0.4 * friction, slope: 0.1 * damping, lag };
+    OperatingPoint { coefficients: vec![1.0, damping, speed, friction], channels: vec![gain] }
+}
+
+/// Damping, speed and friction over their ranges, by an additive sequence that covers the cube evenly.
+fn draws(count: usize) -> Vec<OperatingPoint> {
+    let part = |at: usize, step: f64| (0.5 + at as f64 * step).fract();
+    (1..=count).map(|at| point([0.6 + 0.8 * part(at, 0.819_17), part(at, 0.671_04), part(at, 0.549_7)])).collect()
+}
+
+const RECTANGLE: Rectangle = Rectangle { re: [-0.6, 2.0], im: [0.5, 12.0] };
+
+/// The truth: all eigenvalues of the full system in the rectangle by the dense solver.
+fn truth(dense: &AffineSystem, at: &OperatingPoint) -> Vec<Complex<f64>> {
+    let spectrum = QrSolver.eigenvalues(&dense.assemble(at).unwrap(), &mut Workspace::default()).unwrap();
+    spectrum.eigenvalues.into_iter().filter(|&lambda| RECTANGLE.contains(lambda, 0.0)).collect()
+}
+
+fn distance(of: Complex<f64>, from: &[Complex<f64>]) -> f64 {
+    from.iter().map(|other| (other - of).norm() / of.norm()).fold(f64::INFINITY, f64::min)
+}
+
+fn build(system: &SparseAffineSystem, points: &[OperatingPoint], options: &Options) -> Reduction {
+    Reduction::build(system, &Wanted { rectangle: RECTANGLE, points, training: &draws(24) }, options).unwrap()
+}
+
+#[test]
+fn a_reduction_finds_the_modes_of_the_full_system_with_the_residual_asked_for() {
+    let system = plate();
+    let large = dense(&system);
+    let Reduction { reduced, report } = build(&system, &draws(2), &Options { anchors: 8, ..Options::default() });
+    assert!(report.is_reached, "{:?}", report.stages);
+    assert!(reduced.basis().ncols() < N / 2);
+    let mut tally = ResidualTally::new(1e-7);
+    for (sample, at) in (0..).zip(&draws(32)[24..]) {
+        let (modes, expected) = (reduced.modes(at).unwrap(), truth(&large, at));
+        assert!(matches!(modes.route, Route::Followed { .. }), "{:?}", modes.route);
+        assert_eq!(modes.lambdas.len(), expected.len());
+        let full = large.assemble(at).unwrap();
+        for (lambda, (y, &residual)) in modes.lambdas.iter().zip(modes.shapes.column_iter().zip(&modes.residuals)) {
+            assert!(distance(*lambda, &expected) < 1e-6);
+            let direct = backward_error(&full, *lambda, &reduced.lift(&y.into_owned()));
+            assert!((direct - residual).abs() < 1e-3 * direct + 1e-12, "{direct:e} {residual:e}");
+        }
+        tally.record(sample, &modes);
+    }
+    assert_eq!((tally.samples, tally.above, tally.spectra), (8, 0, 0));
+}
+
+#[test]
+fn modes_that_are_followed_are_those_of_the_whole_spectrum() {
+    let system = plate();
+    let Reduction { reduced, .. } = build(&system, &draws(2), &Options { anchors: 6, ..Options::default() });
+    for at in draws(12) {
+        let (followed, all) = (reduced.modes(&at).unwrap(), reduced.modes_by_spectrum(&at).unwrap());
+        assert_eq!(followed.lambdas.len(), all.lambdas.len());
+        for (one, other) in followed.lambdas.iter().zip(&all.lambdas) {
+            assert!((one - other).norm() < 1e-8 * one.norm(), "{one} {other}");
+        }
+        assert_eq!(all.route, Route::Spectrum(None));
+    }
+}
+
+/// A state that is as stiff as the springs around it moves modes by more than the margin in which they are looked after.
+#[test]
+fn modes_that_a_stiff_internal_state_moves_are_those_of_the_whole_spectrum() {
+    let system = plate();
+    let stiff = |mut at: OperatingPoint| {
+        at.channels[0].lag = Some(Lag { decay: 6.0, drive: 40.0, force: -25.0 });
+        at
+    };
+    let training: Vec<_> = draws(12).into_iter().map(stiff).collect();
+    let wanted = Wanted { rectangle: RECTANGLE, points: &training[..2], training: &training };
+    let Reduction { reduced, .. } =
+        Reduction::build(&system, &wanted, &Options { anchors: 6, ..Options::default() }).unwrap();
+    for at in training {
+        let (followed, all) = (reduced.modes(&at).unwrap(), reduced.modes_by_spectrum(&at).unwrap());
+        assert!(matches!(followed.route, Route::Followed { .. }), "{:?}", followed.route);
+        // Eigenvalues that the states themselves bring are not followed; here one grows faster than the rectangle reaches.
+        let all: Vec<_> = all.lambdas.iter().filter(|lambda| RECTANGLE.contains(**lambda, 0.0)).collect();
+        assert_eq!(followed.lambdas.len(), all.len(), "{:?} {all:?}", followed.lambdas);
+        for (one, other) in followed.lambdas.iter().zip(all) {
+            assert!((one - other).norm() < 1e-8 * one.norm(), "{one} {other}");
+        }
+    }
+}
+
+/// All right vectors of the rectangle at a few points make residuals at one of them that are small, and others elsewhere.
+#[test]
+fn the_residual_is_that_of_the_full_system_whatever_its_size() {
+    let system = plate();
+    let large = dense(&system);
+    let options = Options { residual_floor: 0.0, ..Options::default() };
+    let points = draws(3);
+    let Reduction { reduced, .. } = build(&system, &points[..1], &Options { most_enrichments: 0, ..options.clone() });
+    let full = |at: &OperatingPoint| large.assemble(at).unwrap();
+    // Any shape at any lambda, and modes at a point that the basis does not know: relative to the residual.
+    let any = DVector::from_fn(reduced.basis().ncols(), |i, _| Complex::new((i % 5) as f64 - 1.7, (i % 3) as f64));
+    let lambda = Complex::new(0.3, 7.0);
+    let direct = backward_error(&full(&points[1]), lambda, &reduced.lift(&any));
+    let found = reduced.residual(&points[1], lambda, &any).unwrap();
+    assert!((found - direct).abs() < 1e-12 * direct, "{found:e} {direct:e}");
+    let mut smallest = f64::INFINITY;
+    for mode in
+        eigenpairs_in(&system.assemble(&points[0]).unwrap(), &RECTANGLE, &sparse::Options::default(), &mut |_| ())
+            .unwrap()
+            .pairs
+    {
+        let y = reduced.basis().map(Complex::from).tr_mul(&mode.right);
+        let direct = backward_error(&full(&points[0]), mode.lambda, &reduced.lift(&y));
+        let found = reduced.residual(&points[0], mode.lambda, &y).unwrap();
+        smallest = smallest.min(direct);
+        // Both are sums of terms as large as 1 in these units, so rounding leaves either 1e-16 of them.
+        assert!((found - direct).abs() < 1e-12 * direct + 1e-16, "{found:e} {direct:e}");
+    }
+    assert!(smallest < 1e-9, "{smallest:e}");
+}
+
+#[test]
+fn an_unstable_mode_that_the_first_basis_does_not_hold_is_found_and_reported() {
+    let system = plate();
+    let large = dense(&system);
+    // Strong damping and no friction at the one point given: what flutters later is outside of the rectangle there.
+    let first = [point([30.0, 0.0, 0.0])];
+    let at = point([0.6, 0.9, 1.0]);
+    let is_found = |reduced: &Reduced| {
+        let unstable: Vec<_> = truth(&large, &at).into_iter().filter(|lambda| lambda.re > 1e-3).collect();
+        assert!(!unstable.is_empty());
+        let modes = reduced.modes_by_spectrum(&at).unwrap();
+        unstable.iter().all(|&lambda| distance(lambda, &modes.lambdas) < 1e-4)
+    };
+    let training = [draws(24), vec![at.clone()]].concat();
+    let with = |most_enrichments: usize| {
+        let options = Options { most_enrichments, ..Options::default() };
+        let wanted = Wanted { rectangle: RECTANGLE, points: &first, training: &training };
+        Reduction::build(&system, &wanted, &options).unwrap()
+    };
+    let (poor, rich) = (with(0), with(20));
+    assert!(!poor.report.is_reached && !is_found(&poor.reduced));
+    assert!(rich.report.is_reached && is_found(&rich.reduced));
+    assert!(!rich.report.missed.is_empty());
+    assert_eq!(rich.report.stages.last().map(|stage| stage.missed), Some(rich.report.missed.len()));
+}
+
+#[test]
+fn real_modes_are_a_basis_that_needs_more_columns() {
+    let system = plate();
+    let at = &draws(1)[0];
+    let basis = real_modes(&system, at, [0.01, 30.0]).unwrap();
+    assert!((basis.tr_mul(&basis) - DMatrix::identity(basis.ncols(), basis.ncols())).amax() < 1e-13);
+    // As many as the dense pencil of M and the symmetric part of K has.
+    let full = dense(&system).assemble(at).unwrap();
+    let symmetric =
+        linsys::SecondOrder::new(full.m, DMatrix::zeros(N, N), (&full.k + full.k.transpose()) * 0.5).unwrap();
+    let spectrum = QrSolver.eigenvalues(&symmetric, &mut Workspace::default()).unwrap();
+    assert_eq!(basis.ncols(), spectrum.oscillatory().filter(|lambda| lambda.im < 30.0).count());
+    let columns = basis.ncols();
+    let modal = Reduced::new(&system, basis, RECTANGLE, std::slice::from_ref(at), &Options::default()).unwrap();
+    let options = Options { most_columns: columns, vectors: Vectors::RightAndLeft, ..Options::default() };
+    let reduction = build(&system, std::slice::from_ref(at), &Options { most_enrichments: 0, ..options });
+    let largest = |reduced: &Reduced| reduced.modes_by_spectrum(at).unwrap().largest_residual();
+    assert!(largest(&reduction.reduced) < 0.1 * largest(&modal));
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let system = plate();
+    let basis = DMatrix::identity(N, 3);
+    let with =
+        |options: &Options| Reduced::new(&system, basis.clone(), RECTANGLE, &[], options).unwrap_err().to_string();
+    assert_eq!(
+        with(&Options { tolerance: 0.0, ..Options::default() }),
+        "the tolerance of a reduction is 0; it must be above 0 and below 1"
+    );
+    let reduced = Reduced::new(&system, basis, RECTANGLE, &[], &Options::default()).unwrap();
+    let found = reduced.residual(&draws(1)[0], Complex::new(0.0, 1.0), &DVector::zeros(2)).unwrap_err();
+    assert_eq!(found.to_string(), "2 entries of the shape; expected 3");
+    assert!(reduced.modes(&OperatingPoint::default()).is_err());
+    // Without an anchor the spectrum is taken.
+    assert!(matches!(reduced.modes(&draws(1)[0]).unwrap().route, Route::Spectrum(Some(_))));
+}
+
+/// The plate with a spring in its contact, which a coefficient closes or opens.
+fn plate_with_a_spring() -> SparseAffineSystem {
+    let plate = plate();
+    let mut spring = CooMatrix::new(N, N);
+    let reading = &plate.channels()[0].reading;
+    add(&mut spring, reading, reading, 2e-3);
+    let zero = || CscMatrix::zeros(N, N);
+    let matrices = SparseSecondOrder::new(zero(), zero(), CscMatrix::from(&spring)).unwrap();
+    let mut terms = plate.terms().to_vec();
+    terms.push(SparseTerm { name: "spring".into(), family: "spring".into(), matrices });
+    SparseAffineSystem::new(terms, plate.channels().to_vec()).unwrap()
+}
+
+/// The plate at one speed: only friction and the spring of the contact differ.
+fn contact(spring: f64, mu: f64, slope: f64, lag: f64) -> OperatingPoint {
+    let lag = (lag != 0.0).then_some(Lag { decay: 40.0, drive: 3.0, force: lag });
+    OperatingPoint { coefficients: vec![1.0, 1.0, 0.5, 0.5, spring], channels: vec![ChannelGain { mu, slope, lag }] }
+}
+
+#[test]
+fn responses_to_forces_in_the_contact_hold_every_friction_whether_it_is_closed_or_open() {
+    let system = plate_with_a_spring();
+    let large = dense(&system);
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-10, most_columns: 200 };
+    let found = response_basis(&system, &[contact(1.0, 0.0, 0.0, 0.0)], &goal).unwrap();
+    assert!(found.residual <= 1e-10 && found.basis.ncols() < N / 2, "{} {:e}", found.basis.ncols(), found.residual);
+    let reduced = Reduced::new(&system, found.basis.clone(), RECTANGLE, &[], &Options::default()).unwrap();
+    // What friction and the spring do to the modes, from none to more than there ever is.
+    for at in [(0.0, 0.0, 0.0, 0.0), (1.0, 3.0, -2.0, 0.0), (7.0, -2.0, 4.0, -6.0)] {
+        let at = contact(at.0, at.1, at.2, at.3);
+        let (modes, expected) = (reduced.modes_by_spectrum(&at).unwrap(), truth(&large, &at));
+        // Modes that neither force nor reading touch are in no response, and none of them feels the contact.
+        let touched = expected.iter().filter(|&&lambda| distance(lambda, &modes.lambdas) < 1e-6).count();
+        assert_eq!(touched, modes.lambdas.len());
+        assert!(touched + 2 >= expected.len(), "{touched} of {}", expected.len());
+        assert!(modes.largest_residual() < 1e-8, "{:e}", modes.largest_residual());
+    }
+    // What no channel touches is not held.
+    let mut other = contact(1.0, 0.4, 0.0, 0.0);
+    other.coefficients[3] = 2.0;
+    assert!(reduced.modes_by_spectrum(&other).unwrap().largest_residual() > 1e-7);
+    assert!(response_basis(&system, &[], &goal).is_err());
+}
+
+#[test]
+fn a_smaller_basis_within_holds_one_arrangement_with_the_residual_asked_for() {
+    let system = plate_with_a_spring();
+    let large = dense(&system);
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-11, most_columns: 200 };
+    let responses = response_basis(&system, &[contact(1.0, 0.0, 0.0, 0.0)], &goal).unwrap();
+    let reduced = system.project(&responses.basis).unwrap();
+    let draw = |at: usize| {
+        contact(0.0, 0.1 * (at % 7) as f64, -0.2 * (at % 5) as f64, if at.is_multiple_of(3) { -1.0 } else { 0.0 })
+    };
+    let (points, training): (_, Vec<_>) = ([contact(0.0, 0.3, 0.0, 0.0)], (0..12).map(draw).collect());
+    let wanted = Wanted { rectangle: RECTANGLE, points: &points, training: &training };
+    let found = within(&system, &reduced, &wanted, &Options::default()).unwrap();
+    assert!(found.is_reached && found.missed.is_empty(), "{:?}", found.missed);
+    assert!(found.basis.ncols() < responses.basis.ncols(), "{}", found.basis.ncols());
+    assert!(
+        (found.basis.tr_mul(&found.basis) - DMatrix::identity(found.basis.ncols(), found.basis.ncols())).amax() < 1e-12
+    );
+    let small = Reduced::new(&system, &responses.basis * &found.basis, RECTANGLE, &[], &Options::default()).unwrap();
+    for at in 12..15 {
+        let (modes, expected) = (small.modes_by_spectrum(&draw(at)).unwrap(), truth(&large, &draw(at)));
+        assert!(modes.largest_residual() < 2e-8, "{:e}", modes.largest_residual());
+        assert!(modes.lambdas.iter().all(|&lambda| distance(lambda, &expected) < 1e-6));
+    }
+}
+
+/// Residuals as loose as no basis at all has, one draw, and bands with one mode in them: the modes of the given point are held all the same.
+#[test]
+fn a_loose_residual_leaves_no_basis_without_the_modes_of_its_points() {
+    let (system, large) = (plate_with_a_spring(), dense(&plate_with_a_spring()));
+    let goal = ResponseGoal { frequencies: RECTANGLE.im, tolerance: 1e-9, most_columns: 200 };
+    let point = contact(1.0, 0.3, 0.0, 0.0);
+    let responses = response_basis(&system, std::slice::from_ref(&point), &goal).unwrap();
+    let larger = system.project(&responses.basis).unwrap();
+    let all = truth(&large, &point);
+    let bands = [RECTANGLE.im, [all[0].im - 0.01, all[0].im + 0.01], [all[3].im - 0.01, all[5].im + 0.01]];
+    for (tolerance, band) in [0.9, 0.1, 1e-2, 1e-3, 1e-4].into_iter().flat_map(|t| bands.map(|band| (t, band))) {
+        let rectangle = Rectangle { im: band, ..RECTANGLE };
+        let training = std::slice::from_ref(&point);
+        let wanted = Wanted { rectangle, points: training, training };
+        let options = Options { tolerance, ..Options::default() };
+        let found = within(&system, &larger, &wanted, &options).unwrap();
+        let small = Reduced::new(&system, &responses.basis * &found.basis, rectangle, &[], &options).unwrap();
+        let built = Reduction::build(&system, &wanted, &options).unwrap().reduced;
+        let is_inside = |lambda: &Complex<f64>| rectangle.contains(*lambda, 0.0);
+        for (reduced, held) in [(&small, found.first.as_slice()), (&built, &all)] {
+            assert!(reduced.basis().ncols() > 0);
+            let spectrum = QrSolver.eigenvalues(&reduced.system().assemble(&point).unwrap(), &mut Workspace::default());
+            let spectrum = spectrum.unwrap().eigenvalues;
+            for lambda in held.iter().copied().filter(is_inside) {
+                assert!(distance(lambda, &spectrum) < 0.1, "{tolerance:e} {band:?} {lambda} {spectrum:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mode_is_found_however_much_faster_than_the_rectangle_it_grows() {
+    let (system, large) = (plate(), dense(&plate()));
+    // Friction up to twelve times that of the other tests.
+    let strong = |at: &OperatingPoint, by: f64| {
+        let mut at = at.clone();
+        at.coefficients[3] *= by;
+        at
+    };
+    for (limit, by) in [(0.01, 4.0), (0.05, 12.0)] {
+        let rectangle = Rectangle { re: [-0.6, limit], ..RECTANGLE };
+        let points: Vec<OperatingPoint> = draws(8).iter().map(|at| strong(at, by)).collect();
+        let wanted = Wanted { rectangle, points: &points[..2], training: &points };
+        let options = Options { anchors: 4, most_enrichments: 6, ..Options::default() };
+        let Reduction { reduced, .. } = Reduction::build(&system, &wanted, &options).unwrap();
+        let mut fastest = 0.0_f64;
+        for at in draws(12)[8..].iter().map(|at| strong(at, by)) {
+            let spectrum = QrSolver.eigenvalues(&large.assemble(&at).unwrap(), &mut Workspace::default()).unwrap();
+            let is_wanted = |l: &Complex<f64>| l.re >= 0.0 && (0.5..=12.0).contains(&l.im);
+            let expected: Vec<Complex<f64>> = spectrum.eigenvalues.into_iter().filter(is_wanted).collect();
+            let found: Vec<Complex<f64>> = reduced.modes(&at).unwrap().lambdas.into_iter().filter(is_wanted).collect();
+            assert_eq!(found.len(), expected.len(), "{limit} {by}: {found:?} {expected:?}");
+            assert!(found.iter().all(|lambda| distance(*lambda, &expected) < 1e-4), "{limit} {by}");
+            fastest = expected.iter().map(|lambda| lambda.re).fold(fastest, f64::max);
+        }
+        assert!(fastest > 2.0 * limit, "{limit} {by}: {fastest}");
+    }
+}
+
+#[test]
+fn an_eigenvalue_is_found_from_a_poor_neighbour_where_stiff_parts_hide_its_residual() {
+    let system = plate();
+    // Constraints by penalty make all residuals small, relative to the matrices: from 1e3 to 1e9 times the springs.
+    for (draw, at) in draws(6).into_iter().enumerate() {
+        let mut at = at;
+        at.channels[0].lag = None;
+        let SparseSecondOrder { m, c, k, .. } = system.assemble(&at).unwrap();
+        let mut penalty = CooMatrix::new(N, N);
+        for row in 1..4 {
+            let pair = [(dof(row, 2, 0), 1.0), (dof(row + 6, 7, 0), -1.0)];
+            add(&mut penalty, &pair, &pair, 10_f64.powi(4 + i32::try_from(draw).unwrap()) * 400.0);
+        }
+        let k = &k + &CscMatrix::from(&penalty);
+        let dense = linsys::SecondOrder::new(DMatrix::from(&m), DMatrix::from(&c), DMatrix::from(&k)).unwrap();
+        let sparse = SparseSecondOrder::new(m, c, k).unwrap();
+        let mut work = Workspace::default();
+        let all = QrSolver.eigenvalues(&dense, &mut work).unwrap().eigenvalues;
+        let wanted: Vec<Complex<f64>> = all.iter().copied().filter(|l| (0.5..8.0).contains(&l.im)).collect();
+        let shapes = cea::right_vectors(&dense, &wanted, &mut work).unwrap();
+        for (number, (&lambda, shape)) in wanted.iter().zip(&shapes).enumerate() {
+            let apart = |other: &&Complex<f64>| (**other - lambda).norm() > 1e-9 * lambda.norm();
+            let gap = all.iter().filter(apart).map(|other| (other - lambda).norm()).fold(f64::INFINITY, f64::min);
+            let start = lambda + Complex::from_polar(0.1 * gap, number as f64);
+            let noise = |i: usize| Complex::new((17.0 * i as f64 + number as f64).sin(), (5.0 * i as f64).cos());
+            let shape = shape.normalize() + DVector::from_fn(N, |i, _| noise(i) * 1e-3);
+            let found = sparse::eigenpair_near(&sparse, start, &shape, 1e-13).unwrap();
+            assert!((found.lambda - lambda).norm() < 1e-3 * gap + 1e-7 * lambda.norm(), "{draw}: {lambda} {found:?}");
+            assert!(found.backward_error < 1e-14, "{draw}: {lambda} {:e}", found.backward_error);
+        }
+    }
+}
