@@ -6,7 +6,7 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use brakes::case::{CaseFile, MatricesCase};
-use cea::{Workspace, certified};
+use cea::certified;
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, Matrix2, Vector2, Vector3, dmatrix};
 
@@ -28,7 +28,7 @@ fn hoffmanns_oscillator_flutters_from_its_closed_form_onset() {
     let case = case("hoffmann.toml");
     let growth = |mu: f64| {
         let system = system(&case, |_| mu);
-        let spectrum = certified::solve(&system, &mut Workspace::default()).unwrap();
+        let spectrum = certified::solve(&system, &mut certified::Counters::default()).unwrap();
         spectrum.eigenvalues.iter().map(|lambda| lambda.re).fold(f64::MIN, f64::max)
     };
     let onset = (1.0 + 2.0 * 0.05 * 0.05) * 0.75;

@@ -134,7 +134,7 @@ impl Case {
 }
 
 fn general_route(system: &SecondOrder) -> Vec<Complex<f64>> {
-    certified::solve(system, &mut Workspace::default()).unwrap().eigenvalues
+    certified::solve(system, &mut certified::Counters::default()).unwrap().eigenvalues
 }
 
 fn by(solver: &dyn EigenSolver, system: &SecondOrder) -> Vec<Complex<f64>> {

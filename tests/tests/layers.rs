@@ -7,11 +7,12 @@ use std::fs;
 use std::path::Path;
 
 /// The packages, each with its folder; none knows one that stands after it.
-const LAYERS: [(&str, &str); 20] = [
+const LAYERS: [(&str, &str); 21] = [
     ("formats", "crates/formats"),
     ("linsys", "crates/linsys"),
     ("friction", "crates/friction"),
     ("osc-model", "crates/osc-model"),
+    ("certified", "crates/certified"),
     ("cea", "crates/cea"),
     ("tracking", "crates/tracking"),
     ("work", "crates/work"),

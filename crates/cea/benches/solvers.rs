@@ -68,10 +68,10 @@ fn certificates(criterion: &mut Criterion) {
     group.sample_size(10);
     for (n, s) in SHAPES {
         let system = chain(n, s, 3e6);
-        let mut work = Workspace::default();
-        let Ok(spectrum) = certified::solve(&system, &mut work) else { continue };
+        let mut counters = certified::Counters::default();
+        let Ok(spectrum) = certified::solve(&system, &mut counters) else { continue };
         group.bench_function(format!("{n}+{s}"), |bencher| {
-            bencher.iter(|| certified::certify(black_box(&system), &spectrum, &mut work));
+            bencher.iter(|| certified::certify(black_box(&system), &spectrum, &mut counters));
         });
     }
     group.finish();

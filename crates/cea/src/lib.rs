@@ -10,7 +10,7 @@
 //! | how many modes of a spectrum are unstable, those on the axis told apart | [`CountedSpectrum`] | `stability` |
 //! | all eigenvalues, fast, of one system or of many | [`QrSolver`], [`BatchSolver`] | `dense` |
 //! | which eigenvalues are modes; shapes of chosen modes | [`Modes`], [`right_vectors`], [`Mode`] | `dense` |
-//! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | `certified` |
+//! | eigenvalues of any M, C, K, singular or not, each with backward error, condition number, bound | [`certified`] | a crate of its own |
 //! | the growing modes of a structure with friction, without a spectrum | [`Secular`] | `feedback` |
 //! | how an eigenvalue moves with the numbers of its system, and how far that holds | [`Eigentriple`], [`Expansion`] | `sensitivity` |
 //! | the real modes of an undamped structure, and how much of each is in a complex mode | [`RealModes`] | `real_modes` |
@@ -39,24 +39,21 @@
 //! Matrices are [`nalgebra`]'s and complex numbers [`num_complex`]'s. Both crates are re-exported, because the types of another
 //! version would not be accepted.
 
-pub mod certified;
 mod dense;
 mod eigenvalue_pair;
 mod error;
 mod feedback;
-mod francis;
-mod lanes;
-mod lu;
 mod real_modes;
 mod sensitivity;
 mod spectrum;
 mod stability;
-mod verdict;
 mod workspace;
 
+pub use certified;
 pub use nalgebra;
 pub use num_complex;
 
+pub use certified::{CertifiedError, JudgedEigenvalue, Verdict, by_frequency, sort};
 pub use dense::{
     BatchSolver, EigenSolver, Mode, Modes, QrSolver, StandardForm, WholeSpectra, backward_error, fix_phase,
     left_vector, mass_norm_squared, pair_numbers, ranks_together, right_vector, right_vectors, right_vectors_of_all,
@@ -72,13 +69,10 @@ pub use feedback::{
 };
 pub use real_modes::{NoRealModes, RealModes};
 pub use sensitivity::{Eigentriple, Expansion, Perturbation, Rates, Separation};
-pub use spectrum::{
-    EQUAL_BUT_FOR_ROUNDING, Spectrum, by_frequency, damping_ratio, frequency_hz, rank_order, real_count, sort,
-};
+pub use spectrum::{EQUAL_BUT_FOR_ROUNDING, Spectrum, damping_ratio, frequency_hz, rank_order, real_count};
 pub use stability::{
     CountedSpectrum, ROUNDED_DATA, StabilityCensus, Threshold, stability_census, verdict, verdicts, verdicts_beyond,
 };
-pub use verdict::{JudgedEigenvalue, Verdict};
 pub use workspace::{Counters, Workspace};
 
 /// The README's example, compiled and run as a doctest.

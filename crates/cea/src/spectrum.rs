@@ -1,10 +1,9 @@
 //! Spectra, frequencies and damping ratios.
 
-use std::cmp::Ordering;
-
+use certified::by_frequency;
 use num_complex::Complex;
 
-/// All finite eigenvalues of a system, rad/s, in the order of [`sort`].
+/// All finite eigenvalues of a system, rad/s, in the order of [`sort`](crate::sort).
 ///
 /// Complex ones come in exact conjugate pairs, because the matrices are real.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,17 +12,6 @@ pub struct Spectrum {
     pub eigenvalues: Vec<Complex<f64>>,
     /// Scale of the problem, an estimate of the largest |lambda| before rounding; errors are relative to it.
     pub scale: f64,
-}
-
-/// Sorts eigenvalues as [`by_frequency`] orders them.
-pub fn sort(eigenvalues: &mut [Complex<f64>]) {
-    eigenvalues.sort_by(by_frequency);
-}
-
-/// Orders eigenvalues by |Im|, then Re, then Im: real ones first, conjugates next to each other.
-#[must_use]
-pub fn by_frequency(a: &Complex<f64>, b: &Complex<f64>) -> Ordering {
-    a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im))
 }
 
 /// Distance of two frequencies, or of two growth rates, up to which they are equal but for rounding, as a part of |lambda|: far

@@ -34,6 +34,15 @@ impl AddAssign for Counters {
     }
 }
 
+impl AddAssign<certified::Counters> for Counters {
+    fn add_assign(&mut self, other: certified::Counters) {
+        let certified::Counters { eigenvalue_solves, factorisations, eigenvectors } = other;
+        self.eigenvalue_solves += eigenvalue_solves;
+        self.factorisations += factorisations;
+        self.eigenvectors += eigenvectors;
+    }
+}
+
 impl Add for Counters {
     type Output = Self;
 
@@ -65,6 +74,14 @@ impl Workspace {
     #[must_use]
     pub fn with_most_certified_solves(most: u64) -> Self {
         Self { most_certified_solves: Some(most), ..Self::default() }
+    }
+
+    /// What [`certified`] computes, counted here.
+    pub fn counting<T>(&mut self, compute: impl FnOnce(&mut certified::Counters) -> T) -> T {
+        let mut counters = certified::Counters::default();
+        let computed = compute(&mut counters);
+        self.counters += counters;
+        computed
     }
 }
 

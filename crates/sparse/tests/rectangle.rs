@@ -80,9 +80,9 @@ fn find(system: &SparseSecondOrder, rectangle: Rectangle) -> Found {
 
 /// Every eigenvalue that the dense solver has inside is found, as often, and no other; every pair is one of the dense system.
 fn agrees(sparse: &SparseSecondOrder, dense: &SecondOrder, rectangle: Rectangle) -> Found {
-    let mut work = cea::Workspace::default();
-    let spectrum = solve(dense, &mut work).unwrap();
-    let certified = certify(dense, &spectrum, &mut work).unwrap();
+    let mut counters = cea::certified::Counters::default();
+    let spectrum = solve(dense, &mut counters).unwrap();
+    let certified = certify(dense, &spectrum, &mut counters).unwrap();
     let found = find(sparse, rectangle);
     let expected: Vec<_> = certified.eigenvalues.iter().filter(|e| rectangle.contains(e.lambda, 0.0)).collect();
     let clear = expected.iter().filter(|e| rectangle.border_distance(e.lambda) > 1e-6 * e.lambda.norm()).count();

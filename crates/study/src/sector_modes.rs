@@ -1,8 +1,8 @@
 //! The modes of one sector for a block of samples: verdicts on all of them, shapes and names of the unstable ones.
 
 use cea::{
-    Anchors, CeaError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict, Workspace,
-    verdicts_beyond,
+    Anchors, CeaError, CertifiedError, EigenSolver, Gain, GainPath, Growing, Mode, Modes, Secular, Spectrum, Verdict,
+    Workspace, verdicts_beyond,
 };
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -169,7 +169,7 @@ impl SectorSolver<'_> {
 /// modes.
 ///
 /// # Errors
-/// [`CeaError::Range`].
+/// [`CertifiedError::Range`].
 pub fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaError> {
     if spectrum.scale.is_finite() && spectrum.eigenvalues.iter().all(|lambda| lambda.is_finite()) {
         return Ok(());
@@ -177,7 +177,7 @@ pub fn check_range(system: &SecondOrder, spectrum: &Spectrum) -> Result<(), CeaE
     let entries = [&system.m, &system.c, &system.k].into_iter().flat_map(|a| a.iter()).map(|x| x.abs());
     let (smallest, largest) =
         entries.filter(|x| *x > 0.0).fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(x), most.max(x)));
-    Err(CeaError::Range { smallest, largest })
+    Err(CertifiedError::Range { smallest, largest }.into())
 }
 
 /// The names that each of some modes may have.

@@ -36,9 +36,9 @@ impl ReferenceProblem {
     }
 
     fn general(&self) -> Verdicts {
-        let mut work = Workspace::default();
-        let spectrum = certified::solve(&self.system, &mut work)?;
-        let certified = certified::certify(&self.system, &spectrum, &mut work)?;
+        let mut counters = certified::Counters::default();
+        let spectrum = certified::solve(&self.system, &mut counters)?;
+        let certified = certified::certify(&self.system, &spectrum, &mut counters)?;
         Ok(certified.eigenvalues.iter().map(|c| (c.lambda, c.verdict)).collect())
     }
 }

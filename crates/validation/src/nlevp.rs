@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cea::{Workspace, certified};
+use cea::certified;
 use formats::{Options, read_market};
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -41,9 +41,10 @@ fn judge(folder: &Path) -> Result<Vec<RouteOutcome>, ValidationError> {
         Ok::<_, ValidationError>(matrix.to_dense())
     };
     let system = SecondOrder::new(matrix("M.mtx")?, matrix("C.mtx")?, matrix("K.mtx")?).map_err(cea::CeaError::from)?;
-    let mut work = Workspace::default();
-    let solved = certified::solve(&system, &mut work)
-        .and_then(|spectrum| certified::certify(&system, &spectrum, &mut work).map(|certified| (spectrum, certified)));
+    let mut counters = certified::Counters::default();
+    let solved = certified::solve(&system, &mut counters).and_then(|spectrum| {
+        certified::certify(&system, &spectrum, &mut counters).map(|certified| (spectrum, certified))
+    });
     let (spectrum, certified) = match solved {
         Ok(solved) => solved,
         Err(error) => return Ok(vec![RouteOutcome::Refused { case, route: GENERAL, reason: error.to_string() }]),

@@ -38,7 +38,7 @@ fn by(solver: &dyn EigenSolver, systems: &[SecondOrder]) -> Spectra {
 }
 
 fn by_general(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {
-    certified::solve(system, &mut Workspace::default()).ok().map(|s| s.eigenvalues)
+    certified::solve(system, &mut certified::Counters::default()).ok().map(|s| s.eigenvalues)
 }
 
 fn by_schur_scaled(system: &SecondOrder) -> Option<Vec<Complex<f64>>> {

@@ -5,8 +5,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use cea::certified::{Certified, ClusterKind, GeneralSpectrum, Route, certify, solve};
-use cea::{CeaError, Verdict, Workspace};
+use cea::Verdict;
+use cea::certified::{Certified, CertifiedError, ClusterKind, Counters, GeneralSpectrum, Route, certify, solve};
 use formats::{Options, read_market};
 use linsys::SecondOrder;
 use num_complex::Complex;
@@ -67,9 +67,10 @@ fn solved() -> &'static [Solved] {
         let solve_one = |case: PathBuf| {
             let name = case.file_name().unwrap().to_string_lossy().into_owned();
             let reference = reference(&case)?;
-            let (system, mut work) = (system(&case), Workspace::default());
-            let spectrum = solve(&system, &mut work).unwrap_or_else(|error| panic!("{name}: {error}"));
-            let certified = certify(&system, &spectrum, &mut work).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let (system, mut counters) = (system(&case), Counters::default());
+            let spectrum = solve(&system, &mut counters).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let certified =
+                certify(&system, &spectrum, &mut counters).unwrap_or_else(|error| panic!("{name}: {error}"));
             Some(Solved { name, reference, spectrum, certified })
         };
         let cases = cases.into_iter().filter(|case| case.is_dir());
@@ -209,6 +210,6 @@ fn multiple_eigenvalues_are_told_from_defective_ones() {
 
 #[test]
 fn a_singular_pencil_is_an_error() {
-    let refused = solve(&system(&folder().join("qep5")), &mut Workspace::default());
-    assert_eq!(refused, Err(CeaError::SingularPencil { exactly: true }));
+    let refused = solve(&system(&folder().join("qep5")), &mut Counters::default());
+    assert_eq!(refused, Err(CertifiedError::SingularPencil { exactly: true }));
 }

@@ -1,6 +1,6 @@
 //! Single eigenvalues of the whole brake.
 
-use cea::{CeaError, Workspace, singular_vectors};
+use cea::{CeaError, CertifiedError, Workspace, singular_vectors};
 use linsys::{OperatingPoint, real_times_complex};
 use num_complex::Complex;
 use sparse::eigenpair_near;
@@ -21,7 +21,8 @@ pub(super) fn eigenvalue(
     let not_found = |error: sparse::SparseError| study::Error::WholeEigenvalue(Box::new(error));
     let q = part.reduced.system().assemble(at)?.dynamic_stiffness(near);
     let shape = singular_vectors(&[q], &mut Workspace::default()).into_iter().flatten().next();
-    let shape = shape.ok_or(CeaError::NoEigenvector { lambda: near, residual: f64::INFINITY })?;
+    let shape =
+        shape.ok_or(CertifiedError::NoEigenvector { lambda: near, residual: f64::INFINITY }).map_err(CeaError::from)?;
     let shape = real_times_complex(part.reduced.basis(), &shape);
     let whole = sets[part.set].system.assemble(at).map_err(not_found)?;
     let pair = eigenpair_near(&whole, near, &shape, TAKEN).map_err(not_found)?;

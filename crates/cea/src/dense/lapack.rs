@@ -1,5 +1,6 @@
 //! LAPACK as a reference for results and times, behind the feature `lapack` (system OpenBLAS).
 
+use certified::CertifiedError;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use nalgebra_lapack::{Eigen, GeneralizedEigen};
@@ -16,7 +17,7 @@ impl EigenSolver for LapackSolver {
         let StandardForm { state, gamma, .. } = StandardForm::new(system)?;
         let (dimension, scale) = (state.nrows(), gamma * state.norm());
         work.counters.eigenvalue_solves += 1;
-        let failed = CeaError::NoConvergence { iterations: 30 * dimension.max(10), dimension };
+        let failed = CertifiedError::NoConvergence { iterations: 30 * dimension.max(10), dimension };
         let mut eigenvalues = dgeev(state).ok_or(failed)?;
         eigenvalues.iter_mut().for_each(|sigma| *sigma *= gamma);
         sort(&mut eigenvalues);

@@ -2,6 +2,7 @@
 
 use std::iter::repeat_n;
 
+use certified::CertifiedError;
 use linsys::{SecondOrder, real_times_complex};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -150,7 +151,9 @@ fn is_internal(
     let phi = match right_vector(system, lambda, work) {
         Ok(phi) => phi,
         // A state that is not coupled to the structure has no structural vector, and its eigenvalue is -a exactly.
-        Err(CeaError::NoEigenvector { .. }) if decay.iter().any(|a| (lambda + a).norm() <= 1e-6 * a) => {
+        Err(CeaError::Certified(CertifiedError::NoEigenvector { .. }))
+            if decay.iter().any(|a| (lambda + a).norm() <= 1e-6 * a) =>
+        {
             return Ok(true);
         }
         Err(error) => return Err(error),

@@ -4,12 +4,11 @@
 //! `R^H R = Q^H Q` then finds the right singular vector of the smallest singular value, which is the vector of smallest
 //! backward error; U is not needed. The factorisation takes 8/3 n^3 fused multiply-adds, twice those of an LU factorisation.
 
+use certified::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
+use certified::lu::{LEAST_PIVOT, Lu};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
-
-use crate::lanes::{ComplexLanes, Ops, complex, conj_fma, fma, narrow, registers, scale, square, wide_part};
-use crate::lu::{LEAST_PIVOT, Lu};
 
 /// Number of inverse iterations with `Q^H Q`; chosen: the first nearly converges.
 const SINGULAR_VECTOR_ITERATIONS: usize = 3;

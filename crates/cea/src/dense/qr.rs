@@ -1,8 +1,9 @@
 //! The scalar route: QR iteration on the scaled standard form.
 
+use certified::{CertifiedError, francis};
 use linsys::SecondOrder;
 
-use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, certified, francis, sort};
+use crate::{CeaError, EigenSolver, Spectrum, StandardForm, Workspace, sort};
 
 /// Most QR steps per eigenvalue: LAPACK's limit. Most matrices take 2 to 4; clusters of equal internal states have been seen
 /// to take more than 60.
@@ -43,15 +44,15 @@ impl EigenSolver for QrSolver {
                 return Err(CeaError::TooStiff { ratio, solves });
             }
             work.counters.certified_solves += 1;
-            let spectrum = certified::solve(system, work)?;
-            let mut eigenvalues = certified::improved(system, &spectrum, work)?;
+            let spectrum = work.counting(|counters| certified::solve(system, counters))?;
+            let mut eigenvalues = work.counting(|counters| certified::improved(system, &spectrum, counters))?;
             sort(&mut eigenvalues);
             return Ok(Spectrum { eigenvalues, scale });
         };
         work.counters.eigenvalue_solves += 1;
         let mut eigenvalues = Vec::with_capacity(dimension);
         for block in blocks {
-            let failed = CeaError::NoConvergence { iterations: MOST_QR_STEPS, dimension };
+            let failed = CertifiedError::NoConvergence { iterations: MOST_QR_STEPS, dimension };
             eigenvalues.extend(francis::eigenvalues(block, MOST_QR_STEPS).ok_or(failed)?);
         }
         eigenvalues.iter_mut().for_each(|sigma| *sigma *= gamma);
@@ -89,6 +90,19 @@ mod tests {
         let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.0], dmatrix![4.0], internal).unwrap();
         for l in eigenvalues(&system) {
             assert!(((l * l + 4.0) * (l + 3.0) + l * 5.0).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn internal_states_are_massless_degrees_of_freedom_without_infinite_eigenvalues() {
+        let internal = Internal { decay: dvector![3.0, 0.5], drive: dmatrix![1.0; 2.0], force: dmatrix![-5.0, 0.3] };
+        let system = SecondOrder::with_internal(dmatrix![1.0], dmatrix![0.1], dmatrix![4.0], internal).unwrap();
+        let general = certified::solve(&system, &mut certified::Counters::default()).unwrap();
+        let standard = eigenvalues(&system);
+        assert_eq!(general.infinite, 0);
+        assert_eq!(general.eigenvalues.len(), 4);
+        for (a, b) in general.eigenvalues.iter().zip(standard) {
+            assert!((a - b).norm() < 1e-13);
         }
     }
 

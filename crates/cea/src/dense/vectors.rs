@@ -3,13 +3,14 @@
 //! A Schur form with vectors costs twice one without, and most analyses need few vectors. One factorisation of `Q(lambda)`,
 //! internal states eliminated, gives the right or the left vector of one eigenvalue (Ipsen, SIAM Review 39, 1997).
 
+use certified::CertifiedError;
+use certified::lanes::WIDEST_LANES;
+use certified::lu::{LEAST_PIVOT, Lu};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 
 use super::null_vectors::{NullVector, by_factors, null_vectors};
-use crate::lanes::WIDEST_LANES;
-use crate::lu::{LEAST_PIVOT, Lu};
 use crate::{CeaError, Workspace};
 
 /// Largest normwise backward error of an accepted pair (lambda, phi). Chosen: an eigenvalue given to nine digits passes, a
@@ -24,7 +25,7 @@ const MOST_INVERSE_ITERATIONS: usize = 4;
 /// phi with `Q(lambda) phi = 0`, length n, unit 2-norm, its largest component real and positive.
 ///
 /// # Errors
-/// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
+/// [`CertifiedError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
 pub fn right_vector(
     system: &SecondOrder,
     lambda: Complex<f64>,
@@ -193,7 +194,7 @@ fn null_vector(
         }
     }
     if residual.is_nan() || residual > LARGEST_BACKWARD_ERROR {
-        return Err(CeaError::NoEigenvector { lambda, residual });
+        return Err(CertifiedError::NoEigenvector { lambda, residual }.into());
     }
     fix_phase(&mut x);
     Ok(x)
@@ -268,6 +269,6 @@ mod tests {
     #[test]
     fn what_is_no_eigenvalue_has_no_eigenvector() {
         let wrong = right_vector(&flutter(), Complex::new(0.0, 1.0), &mut Workspace::default());
-        assert!(matches!(wrong, Err(CeaError::NoEigenvector { .. })));
+        assert!(matches!(wrong, Err(CeaError::Certified(CertifiedError::NoEigenvector { .. }))));
     }
 }

@@ -1,12 +1,14 @@
 //! A bound of the H-infinity norm of a stable system, certified up to rounding: the size of a change below which no eigenvalue
 //! can cross the imaginary axis (docs/error-bounds.md, section 12).
 
+use certified::francis;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
 use crate::dense::{MOST_QR_STEPS, MassRoot};
-use crate::{CeaError, StandardForm, Workspace, francis};
+
+use crate::{CeaError, StandardForm, Workspace};
 
 /// The ratio of the next bound tried to the largest gain found so far; chosen: a larger ratio needs fewer attempts, and makes the
 /// bound less tight by as much.

@@ -47,7 +47,7 @@ impl Eigentriple {
     /// The vectors of an eigenvalue that is known; two factorisations of `Q(lambda)`.
     ///
     /// # Errors
-    /// [`CeaError::NoEigenvector`] where `lambda` is not an eigenvalue to working precision.
+    /// [`CertifiedError::NoEigenvector`](crate::CertifiedError::NoEigenvector) where `lambda` is not an eigenvalue to working precision.
     pub fn new(system: &SecondOrder, lambda: Complex<f64>, work: &mut Workspace) -> Result<Self, CeaError> {
         Ok(Self::of_vectors(system, lambda, right_vector(system, lambda, work)?, left_vector(system, lambda, work)?))
     }

@@ -2,7 +2,7 @@
 
 use super::Threshold;
 use super::judge::Judge;
-use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace, certified};
+use crate::{CeaError, EigenSolver, JudgedEigenvalue, QrSolver, Verdict, Workspace};
 use linsys::SecondOrder;
 
 /// The eigenvalues of a system by what becomes of their motion. Conjugate pairs count once.
@@ -105,10 +105,10 @@ fn by_single_bounds(system: &SecondOrder, work: &mut Workspace) -> Result<Option
 }
 
 fn by_certificates(system: &SecondOrder, work: &mut Workspace) -> Result<StabilityCensus, CeaError> {
-    let spectrum = certified::solve(system, work)?;
+    let spectrum = work.counting(|counters| certified::solve(system, counters))?;
+    let certified = work.counting(|counters| certified::certify(system, &spectrum, counters))?;
     let mut census = StabilityCensus { is_certified: true, ..StabilityCensus::default() };
-    for found in certified::certify(system, &spectrum, work)?.eigenvalues.iter().filter(|found| found.lambda.im >= 0.0)
-    {
+    for found in certified.eigenvalues.iter().filter(|found| found.lambda.im >= 0.0) {
         census.enter(JudgedEigenvalue { lambda: found.lambda, bound: found.bound, verdict: found.verdict });
     }
     Ok(census)

@@ -2,6 +2,7 @@
 
 use std::iter::repeat_n;
 
+use certified::CertifiedError;
 use linsys::SecondOrder;
 use num_complex::Complex;
 
@@ -61,7 +62,9 @@ impl CountedSpectrum {
         let (mut counted, mut judge) = (Self::default(), Judge::new(system, spectrum));
         for &lambda in spectrum.eigenvalues.iter().filter(|lambda| lambda.im >= 0.0) {
             let verdict = match judge.verdict(lambda, threshold, work) {
-                Err(CeaError::NoEigenvector { .. }) => Verdict::Undecided { bound: f64::INFINITY },
+                Err(CeaError::Certified(CertifiedError::NoEigenvector { .. })) => {
+                    Verdict::Undecided { bound: f64::INFINITY }
+                }
                 verdict => verdict?,
             };
             let is_beyond = match verdict {

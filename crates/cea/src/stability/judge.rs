@@ -1,11 +1,11 @@
 //! The verdict on one eigenvalue of a spectrum: by its sign where that is beyond doubt, else by a certified bound.
 
+use certified::{Certified, CertifiedEigenvalue, CertifiedError, SingleCertifier};
 use linsys::SecondOrder;
 use num_complex::Complex;
 
 use super::Threshold;
 use super::coupling::Coupling;
-use crate::certified::{self, Certified, CertifiedEigenvalue, SingleCertifier};
 use crate::{CeaError, Eigentriple, JudgedEigenvalue, Spectrum, Verdict, Workspace};
 
 /// What a solver's errors are taken to be, in units of the problem's scale. A backward stable one errs by some 1e-14.
@@ -53,7 +53,7 @@ pub fn verdict(
 /// [`certified::certify`](crate::certified::certify): so the zeros of a body that is free to move are marginal.
 ///
 /// # Errors
-/// [`CeaError::NoEigenvector`] where an eigenvalue near the axis is none of this system to working precision.
+/// [`CertifiedError::NoEigenvector`] where an eigenvalue near the axis is none of this system to working precision.
 pub fn verdicts(
     system: &SecondOrder,
     lambdas: &[Complex<f64>],
@@ -175,8 +175,10 @@ impl<'a> Judge<'a> {
     fn with_all_others(&mut self, lambda: Complex<f64>, work: &mut Workspace) -> Option<JudgedEigenvalue> {
         let system = self.system;
         let certified = self.certified.get_or_insert_with(|| {
-            let spectrum = certified::solve(system, work).ok()?;
-            certified::certify(system, &spectrum, work).ok()
+            work.counting(|counters| {
+                let spectrum = certified::solve(system, counters).ok()?;
+                certified::certify(system, &spectrum, counters).ok()
+            })
         });
         let distance = |found: &CertifiedEigenvalue| (found.lambda - lambda).norm();
         let all = certified.as_ref()?.eigenvalues.iter();
@@ -191,11 +193,11 @@ impl<'a> Judge<'a> {
         let mut all = self.spectrum.eigenvalues.clone();
         let distance = |i: &usize| (all[*i] - lambda).norm();
         let Some(nearest) = (0..all.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
-            return Err(CeaError::NoEigenvector { lambda, residual: 1.0 });
+            return Err(CertifiedError::NoEigenvector { lambda, residual: 1.0 }.into());
         };
         all[nearest] = lambda;
         let certifier = self.certifier.get_or_insert_with(|| SingleCertifier::new(self.system));
-        certifier.certify(&all, nearest, work)
+        Ok(work.counting(|counters| certifier.certify(&all, nearest, counters))?)
     }
 }
 

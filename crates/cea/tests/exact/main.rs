@@ -7,7 +7,7 @@
 
 mod problems;
 
-use cea::{BatchSolver, CeaError, EigenSolver, Verdict, Workspace, certified, stability_census, verdict};
+use cea::{BatchSolver, CertifiedError, EigenSolver, Verdict, Workspace, certified, stability_census, verdict};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, dmatrix};
 use num_complex::Complex;
@@ -16,12 +16,12 @@ use problems::{Blocks, Count, Numbers, Problem, chain_taken_apart, chain_with_st
 
 /// Nothing where the iteration does not converge: an error, and no verdict.
 fn certify(system: &SecondOrder) -> Option<Vec<(Complex<f64>, f64, Verdict)>> {
-    let mut work = Workspace::default();
-    let spectrum = match certified::solve(system, &mut work) {
-        Err(CeaError::NoConvergence { .. }) => return None,
+    let mut counters = certified::Counters::default();
+    let spectrum = match certified::solve(system, &mut counters) {
+        Err(CertifiedError::NoConvergence { .. }) => return None,
         solved => solved.unwrap(),
     };
-    let certified = certified::certify(system, &spectrum, &mut work).unwrap();
+    let certified = certified::certify(system, &spectrum, &mut counters).unwrap();
     Some(certified.eigenvalues.iter().map(|e| (e.lambda, e.bound, e.verdict)).collect())
 }
 

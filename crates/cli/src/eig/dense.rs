@@ -1,8 +1,8 @@
 //! The whole certified spectrum, by dense matrices.
 
 use brakes::input::LARGEST_MATRIX;
-use cea::Workspace;
-use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, GeneralSpectrum, certify, solve};
+use cea::CeaError;
+use cea::certified::{Certified, CertifiedEigenvalue, ClusterKind, Counters, GeneralSpectrum, certify, solve};
 use linsys::SecondOrder;
 use montecarlo::Progress;
 use nalgebra::DMatrix;
@@ -37,15 +37,15 @@ pub(super) fn spectrum(args: &EigArgs) -> Result<String, Error> {
     let c = matrices.damping.as_ref().map_or_else(|| DMatrix::zeros(order, order), |c| c.to_dense());
     let system = SecondOrder::new(matrices.mass.to_dense(), c, matrices.stiffness.to_dense())
         .map_err(|e| Error::Cea(e.into()))?;
-    let mut work = Workspace::default();
+    let mut counters = Counters::default();
     let progress = Bar::of("steps (eigenvalues, bounds)");
     let seconds = announce(order);
     if seconds > ANNOUNCED {
         progress.begin(2, 0);
     }
-    let spectrum = solve(&system, &mut work)?;
+    let spectrum = solve(&system, &mut counters).map_err(CeaError::from)?;
     progress.advance(1);
-    let certified = certify(&system, &spectrum, &mut work)?;
+    let certified = certify(&system, &spectrum, &mut counters).map_err(CeaError::from)?;
     progress.end();
     Ok(if args.json {
         json(&spectrum, &certified, args.vectors, &matrices)

@@ -1,7 +1,7 @@
 //! The eigenvalues in a rectangle of a system that is small enough for its whole spectrum.
 
-use cea::certified::{Certified, CertifiedEigenvalue, certify, solve};
-use cea::{CeaError, Workspace};
+use cea::CeaError;
+use cea::certified::{self, Certified, CertifiedEigenvalue, CertifiedError, certify, solve};
 use linsys::{Internal, SecondOrder};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
@@ -24,13 +24,15 @@ const BEYOND: f64 = 2.0;
 /// Q singular at every lambda; another count than the list has.
 pub(super) fn certified_in(system: &SparseSecondOrder, rectangle: &Rectangle) -> Result<Option<Found>, SparseError> {
     let dense = dense(system)?;
-    let mut work = Workspace::default();
-    let found = solve(&dense, &mut work).and_then(|spectrum| certify(&dense, &spectrum, &mut work));
+    let mut computed = certified::Counters::default();
+    let found = solve(&dense, &mut computed).and_then(|spectrum| certify(&dense, &spectrum, &mut computed));
     let Certified { eigenvalues, .. } = match found {
-        Err(CeaError::NoConvergence { .. } | CeaError::Range { .. } | CeaError::NoEigenvector { .. }) => {
+        Err(
+            CertifiedError::NoConvergence { .. } | CertifiedError::Range { .. } | CertifiedError::NoEigenvector { .. },
+        ) => {
             return Ok(None);
         }
-        found => found?,
+        found => found.map_err(CeaError::from)?,
     };
     let scaled = Scaled::new(system);
     let reach = |e: &CertifiedEigenvalue| reach(e.lambda, e.bound, scaled.gamma);

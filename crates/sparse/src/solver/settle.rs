@@ -142,9 +142,9 @@ fn in_space(
     let order = bases.iter().map(clear).max().unwrap_or(0).min(bases.iter().map(|(_, u)| u.ncols()).min().unwrap_or(0));
     let [v, w] = [0, 1].map(|side| bases[side].1.columns(0, order).into_owned());
     let small = projected(problem, &v, &w)?;
-    let mut work = cea::Workspace::default();
-    let certified = cea::certified::solve(&small, &mut work)
-        .and_then(|spectrum| cea::certified::certify(&small, &spectrum, &mut work));
+    let mut computed = cea::certified::Counters::default();
+    let certified = cea::certified::solve(&small, &mut computed)
+        .and_then(|spectrum| cea::certified::certify(&small, &spectrum, &mut computed));
     let Ok(certified) = certified else { return Ok(None) };
     let whole = |basis: &DMatrix<f64>, z: &Vector| basis.map(Complex::from) * z.rows(0, order);
     let mut pairs = Vec::new();

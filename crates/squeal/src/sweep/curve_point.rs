@@ -1,6 +1,6 @@
 //! A point of the boundary of stability over two parameters: what crosses the threshold there, and how it moves.
 
-use cea::{CeaError, Threshold, Workspace, left_vector, right_vector};
+use cea::{CeaError, CertifiedError, Threshold, Workspace, left_vector, right_vector};
 use linsys::SecondOrder;
 use nalgebra::{DMatrix, DVector, Vector2, vector};
 use num_complex::Complex;
@@ -186,7 +186,7 @@ impl CurvePoint {
         let system = part.system(&[at.x, at.y])?;
         let there = if of == PointOf::Double { lambda } else { part.threshold().at_margin(0.0, lambda.im) };
         let crossing = match Crossing::of(&system, there, of) {
-            Err(Error::Study(study::Error::Cea(CeaError::NoEigenvector { .. }))) => None,
+            Err(Error::Study(study::Error::Cea(CeaError::Certified(CertifiedError::NoEigenvector { .. })))) => None,
             crossing => crossing?,
         };
         crossing.map(|crossing| Self::new(part, at, &system, crossing)).transpose()

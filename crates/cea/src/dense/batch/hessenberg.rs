@@ -5,10 +5,10 @@
 //! matrix that makes this change also forms the products `A v` and `A^T v` of the *next* reflection, so that each step reads
 //! and writes the matrix once. The reduction takes 5/3 N^3 fused multiply-adds, as LAPACK's dgehrd.
 
+use certified::lanes::Ops;
 use pulp::Simd;
 
 use super::layout::{Layout, columns};
-use crate::lanes::Ops;
 
 /// Largest sum of squares of a column that counts as zero. Chosen: the matrices are scaled to norm one, and a sum of squares
 /// below 1e-292 has lost digits to underflow.

@@ -1,12 +1,12 @@
 //! The QR iteration of a batch; each lane has its own deflations, shifts and end.
 
+use certified::lanes::Ops;
 use pulp::{Simd, bytemuck};
 
 use super::layout::Layout;
 use super::reflector::Reflectors;
 use super::shifts::{ShiftPair, shift_pair};
 use super::sweep::{Block, SweepInput, sweep};
-use crate::lanes::Ops;
 
 /// Most sweeps without a deflation before a lane is given up; chosen: most matrices take 2 to 4.
 pub(super) const MOST_SWEEPS: u32 = 60;

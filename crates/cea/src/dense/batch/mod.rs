@@ -26,8 +26,8 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::qr::QrSolver;
 use super::solver::EigenSolver;
-use crate::lanes::{Ops, narrow, registers, wide_part};
 use crate::{CeaError, Spectrum, Workspace, sort};
+use certified::lanes::{Ops, narrow, registers, wide_part};
 use layout::Layout;
 use pack::FrequencyScale;
 

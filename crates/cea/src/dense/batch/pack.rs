@@ -3,13 +3,13 @@
 //! The scaling is that of [`StandardForm`]. Systems with a diagonal mass matrix (lumped masses, modal coordinates) are scaled
 //! here, in all lanes at once; any other system goes through `StandardForm`.
 
+use certified::lanes::Ops;
 use linsys::SecondOrder;
 use nalgebra::DMatrix;
 use pulp::{Simd, bytemuck};
 
 use super::layout::Layout;
 use crate::dense::scaling::{FASTEST_STATE_IN_LANE, STRONGEST_DAMPING, StandardForm};
-use crate::lanes::Ops;
 
 /// n and s, if all matrices have the shapes that these numbers imply.
 pub(super) fn shape(system: &SecondOrder) -> Option<(usize, usize)> {

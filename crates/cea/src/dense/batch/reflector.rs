@@ -1,9 +1,9 @@
 //! Reflections of three rows or columns, by which a bulge is chased.
 
+use certified::lanes::Ops;
 use pulp::Simd;
 
 use super::layout::REFLECTORS_PER_WINDOW;
-use crate::lanes::Ops;
 
 /// `P = I - (t1, t2, t3)^T (1, v2, v3)`; all zero, the identity, in a lane without a reflection.
 #[derive(Debug, Clone, Copy)]

@@ -5,9 +5,8 @@
 //! the trailing 2 x 2 block. Against the customary shifts, the eigenvalues of the 2 x 2 block, this saves a fifth of the sweeps
 //! (60 x 60, friction lattice). Shifts decide how fast the iteration converges, not the limit: a poor factor only costs time.
 
+use certified::lanes::Ops;
 use pulp::Simd;
-
-use crate::lanes::Ops;
 
 /// Newton steps for the factor; measured: the third saves 2 % of the sweeps, the fourth half a per cent.
 const NEWTON_STEPS: usize = 4;

@@ -7,13 +7,13 @@
 //!
 //! Eigenvalues do not need the entries outside the rows and columns `first..=last` of a sweep; these are not updated.
 
+use certified::lanes::Ops;
 use pulp::Simd;
 
 use super::hessenberg::NEGLIGIBLE_COLUMN;
 use super::layout::{Layout, REFLECTORS_PER_WINDOW, columns};
 use super::reflector::{LaneReflector, Reflectors, from_left, from_right};
 use super::shifts::ShiftPair;
-use crate::lanes::Ops;
 
 /// A diagonal block of each lane, rows `top..=bottom` (row numbers as floating-point lanes), and its shifts.
 /// A lane without a block has `bottom < top`.

@@ -4,13 +4,13 @@
 //! det M: the m x m sums G and H over the modes of the structure, then the determinant of one m x m matrix. The sums cost
 //! 3 m^2 n fused multiply-adds for each of the two parts of a complex number.
 
+use certified::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
 use nalgebra::DMatrix;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use super::resolvent::Resolvent;
 use crate::Workspace;
-use crate::lanes::{ComplexLanes, Ops, complex, fma, narrow, registers, scale, square, wide_part};
 
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@
 //!    few digits double-double arithmetic does it, by the QR iteration where one of the matrices can be inverted.
 //!
 //! ```
-//! use cea::{Verdict, Workspace, certified};
+//! use certified::{Counters, Verdict, certify, solve};
 //! use nalgebra::dmatrix;
 //!
 //! // A mass on a damped spring with a massless, undamped joint in between: M is singular.
@@ -20,11 +20,11 @@
 //!     dmatrix![0.2, 0.0; 0.0, 0.0],
 //!     dmatrix![2.0, -2.0; -2.0, 4.0],
 //! )?;
-//! let mut work = Workspace::default();
-//! let spectrum = certified::solve(&system, &mut work)?;
+//! let mut counters = Counters::default();
+//! let spectrum = solve(&system, &mut counters)?;
 //! assert_eq!((spectrum.eigenvalues.len(), spectrum.infinite), (2, 2));
 //!
-//! let certified = certified::certify(&system, &spectrum, &mut work)?;
+//! let certified = certify(&system, &spectrum, &mut counters)?;
 //! assert!(certified.eigenvalues.iter().all(|e| e.verdict == Verdict::Stable && e.backward_error < 1e-15));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -35,18 +35,25 @@ mod certify;
 mod chase;
 mod clusters;
 mod columns;
+mod counters;
 mod dd;
 mod eliminate;
+mod error;
 mod expansion;
 mod factors;
 mod field;
 #[cfg(test)]
 mod fixtures;
+pub mod francis;
 mod groups;
 mod hessenberg;
+mod judged;
 mod kernels;
 mod lane;
+pub mod lanes;
+pub mod lu;
 mod measure;
+mod order;
 mod pencil;
 mod planar;
 mod qz;
@@ -60,8 +67,15 @@ mod structure;
 mod vectors;
 mod verdict;
 
-pub use certify::{Certified, CertifiedEigenvalue, certify};
-pub(crate) use certify::{SingleCertifier, improved};
+pub use certify::{Certified, CertifiedEigenvalue, SingleCertifier, certify, improved};
 pub use clusters::{Cluster, ClusterKind};
-pub(crate) use real::Real;
+pub use counters::Counters;
+pub use error::CertifiedError;
+pub use judged::{JudgedEigenvalue, Verdict};
+pub use order::{by_frequency, sort};
 pub use solve::{GeneralSpectrum, Route, solve};
+
+/// The README's example, compiled and run as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

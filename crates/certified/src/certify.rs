@@ -15,7 +15,7 @@ use super::scaled::data_noise;
 use super::solve::{GeneralSpectrum, extend};
 use super::vectors::Factor;
 use super::verdict::{decide, gap};
-use crate::{CeaError, JudgedEigenvalue, Verdict, Workspace};
+use crate::{CertifiedError, Counters, JudgedEigenvalue, Verdict};
 
 /// One finite eigenvalue and what is known about its error.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,8 +56,12 @@ pub struct Certified {
 /// for each group that is tried for an eigenvalue whose first-order bound does not hold.
 ///
 /// # Errors
-/// [`CeaError::NoEigenvector`] where an eigenvalue is none of this system.
-pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Workspace) -> Result<Certified, CeaError> {
+/// [`CertifiedError::NoEigenvector`] where an eigenvalue is none of this system.
+pub fn certify(
+    system: &SecondOrder,
+    spectrum: &GeneralSpectrum,
+    counters: &mut Counters,
+) -> Result<Certified, CertifiedError> {
     let extended = extend(system);
     let problem = Measure::new(&extended);
     let sigmas: Vec<_> = spectrum.eigenvalues.iter().map(|l| l / problem.scaled.gamma).collect();
@@ -70,9 +74,9 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
         let state = match (conjugates[i], sigma == Complex::default()) {
             (Some(first), _) => found[first].conjugate(),
             (None, true) => {
-                next_zero.next().cloned().ok_or(CeaError::NoEigenvector { lambda: sigma, residual: 1.0 })?
+                next_zero.next().cloned().ok_or(CertifiedError::NoEigenvector { lambda: sigma, residual: 1.0 })?
             }
-            (None, false) => look(&problem, system, &sigmas, i, work)?,
+            (None, false) => look(&problem, system, &sigmas, i, counters)?,
         };
         found.push(state);
     }
@@ -97,26 +101,28 @@ pub fn certify(system: &SecondOrder, spectrum: &GeneralSpectrum, work: &mut Work
 }
 
 /// Bounds and verdicts of single eigenvalues of one system, found by whatever route.
-pub(crate) struct SingleCertifier<'a> {
+pub struct SingleCertifier<'a> {
     system: &'a SecondOrder,
     problem: Measure,
 }
 
 impl<'a> SingleCertifier<'a> {
-    pub(crate) fn new(system: &'a SecondOrder) -> Self {
+    /// Of the eigenvalues of this system.
+    #[must_use]
+    pub fn new(system: &'a SecondOrder) -> Self {
         Self { system, problem: Measure::new(&extend(system)) }
     }
 
     /// Bound and verdict of the `i`-th of all eigenvalues; it may be improved.
     ///
     /// # Errors
-    /// [`CeaError::NoEigenvector`] where it is none of this system.
-    pub(crate) fn certify(
+    /// [`CertifiedError::NoEigenvector`] where it is none of this system.
+    pub fn certify(
         &self,
         eigenvalues: &[Complex<f64>],
         i: usize,
-        work: &mut Workspace,
-    ) -> Result<JudgedEigenvalue, CeaError> {
+        counters: &mut Counters,
+    ) -> Result<JudgedEigenvalue, CertifiedError> {
         let (problem, lambda) = (&self.problem, eigenvalues[i]);
         if lambda == Complex::default() {
             let verdict = Verdict::Undecided { bound: f64::INFINITY };
@@ -124,7 +130,7 @@ impl<'a> SingleCertifier<'a> {
         }
         let gamma = problem.scaled.gamma;
         let mut sigmas: Vec<_> = eigenvalues.iter().map(|l| l / gamma).collect();
-        let state = look(problem, self.system, &sigmas, i, work)?;
+        let state = look(problem, self.system, &sigmas, i, counters)?;
         sigmas[i] = state.sigma;
         // Of the others nothing is known.
         let blurs: Vec<_> = (0..sigmas.len()).map(|j| if i == j { state.blur } else { 0.0 }).collect();
@@ -141,9 +147,9 @@ fn look(
     system: &SecondOrder,
     sigmas: &[Complex<f64>],
     i: usize,
-    work: &mut Workspace,
-) -> Result<State, CeaError> {
-    let (state, factor) = first_look(problem, system, sigmas, i, work)?;
+    counters: &mut Counters,
+) -> Result<State, CertifiedError> {
+    let (state, factor) = first_look(problem, system, sigmas, i, counters)?;
     let gap = gap(sigmas, i);
     let is_simple = problem.is_simple(&state, &factor, gap);
     let blur = if is_simple { 0.0 } else { blur(&problem.scaled, &factor, &state) };
@@ -166,10 +172,10 @@ fn first_look<'a>(
     system: &SecondOrder,
     sigmas: &[Complex<f64>],
     i: usize,
-    work: &mut Workspace,
-) -> Result<(State, Factor<'a>), CeaError> {
-    work.counters.factorisations += 1;
-    work.counters.eigenvectors += 2;
+    counters: &mut Counters,
+) -> Result<(State, Factor<'a>), CertifiedError> {
+    counters.factorisations += 1;
+    counters.eigenvectors += 2;
     // The norms of matrices extended by internal states hide what is wrong in their small entries.
     let threshold = if system.states() > 0 { 0.0 } else { ROUNDING_ONLY };
     problem.first_look(sigmas[i], gap(sigmas, i), threshold)
@@ -179,11 +185,11 @@ fn first_look<'a>(
 ///
 /// # Errors
 /// As [`certify`].
-pub(crate) fn improved(
+pub fn improved(
     system: &SecondOrder,
     spectrum: &GeneralSpectrum,
-    work: &mut Workspace,
-) -> Result<Vec<Complex<f64>>, CeaError> {
+    counters: &mut Counters,
+) -> Result<Vec<Complex<f64>>, CertifiedError> {
     let problem = Measure::new(&extend(system));
     let gamma = problem.scaled.gamma;
     let sigmas: Vec<_> = spectrum.eigenvalues.iter().map(|l| l / gamma).collect();
@@ -193,7 +199,7 @@ pub(crate) fn improved(
         better.push(match conjugates[i] {
             Some(first) => Complex::conj(&better[first]),
             None if sigma == Complex::default() => sigma,
-            None => first_look(&problem, system, &sigmas, i, work)?.0.sigma,
+            None => first_look(&problem, system, &sigmas, i, counters)?.0.sigma,
         });
     }
     Ok(better.into_iter().map(|sigma| sigma * gamma).collect())
@@ -239,15 +245,15 @@ fn in_given_units(problem: &Measure, found: Vec<State>, groups: Vec<Group>) -> C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::solve;
+    use crate::solve;
     use nalgebra::{DMatrix, dmatrix};
     use proptest::prelude::*;
 
     fn certified(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Certified {
         let system = SecondOrder::new(m, c, k).unwrap();
-        let mut work = Workspace::default();
-        let spectrum = solve(&system, &mut work).unwrap();
-        certify(&system, &spectrum, &mut work).unwrap()
+        let mut counters = Counters::default();
+        let spectrum = solve(&system, &mut counters).unwrap();
+        certify(&system, &spectrum, &mut counters).unwrap()
     }
 
     fn all_marginal(c: &Certified) -> bool {
@@ -382,13 +388,13 @@ mod tests {
         #[test]
         fn whatever_the_matrices_all_eigenvalues_are_accounted_for((m, c, k) in matrices()) {
             let system = SecondOrder::new(m, c, k).unwrap();
-            let mut work = Workspace::default();
-            match solve(&system, &mut work) {
+            let mut counters = Counters::default();
+            match solve(&system, &mut counters) {
                 Err(error) => {
                     let honest = match error {
-                        CeaError::SingularPencil { .. } | CeaError::NoConvergence { .. } => true,
+                        CertifiedError::SingularPencil { .. } | CertifiedError::NoConvergence { .. } => true,
                         // More orders of magnitude than double-double arithmetic has digits.
-                        CeaError::Range { smallest, largest } => smallest < 1e-30 * largest,
+                        CertifiedError::Range { smallest, largest } => smallest < 1e-30 * largest,
                         _ => false,
                     };
                     prop_assert!(honest, "{}", error);
@@ -396,7 +402,7 @@ mod tests {
                 Ok(spectrum) => {
                     prop_assert_eq!(spectrum.eigenvalues.len() + spectrum.infinite, 2 * system.order());
                     prop_assert!(spectrum.eigenvalues.iter().all(|l| l.re.is_finite() && l.im.is_finite()));
-                    let certified = certify(&system, &spectrum, &mut work).unwrap();
+                    let certified = certify(&system, &spectrum, &mut counters).unwrap();
                     let upper = certified.eigenvalues.iter().filter(|e| e.lambda.im > 0.0).count();
                     let lower = certified.eigenvalues.iter().filter(|e| e.lambda.im < 0.0).count();
                     prop_assert_eq!(upper, lower);

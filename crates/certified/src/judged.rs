@@ -37,6 +37,7 @@ impl fmt::Display for Verdict {
 
 impl Verdict {
     /// The verdict on `lambda` known to within `bound`, rad/s.
+    #[inline]
     pub fn of(lambda: Complex<f64>, bound: f64) -> Self {
         if lambda.re > bound {
             Self::Unstable

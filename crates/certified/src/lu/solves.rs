@@ -9,7 +9,7 @@ use super::{Lu, Vector, subtract_complex, subtract_real};
 
 impl Lu {
     /// x := A^-1 x.
-    pub(crate) fn solve(&self, x: &mut Vector) {
+    pub fn solve(&self, x: &mut Vector) {
         for (k, &pivot) in self.swaps.iter().enumerate() {
             x.swap_rows(k, pivot);
         }
@@ -17,7 +17,7 @@ impl Lu {
     }
 
     /// x := A^-H x.
-    pub(crate) fn solve_adjoint(&self, x: &mut Vector) {
+    pub fn solve_adjoint(&self, x: &mut Vector) {
         self.in_parts(x, Self::substitute_adjoint);
         for (k, &pivot) in self.swaps.iter().enumerate().rev() {
             x.swap_rows(k, pivot);

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex;
 use pulp::Arch;
 
-use crate::CeaError;
+use crate::CertifiedError;
 use crate::lu::real_product;
 
 /// Rounds of choosing gamma and equilibrating in turn, as each changes what the other saw. Chosen.
@@ -103,10 +103,10 @@ impl Scaled {
     }
 
     /// The error where an eigenvalue does not fit into a double.
-    pub(crate) fn range(&self) -> CeaError {
+    pub(crate) fn range(&self) -> CertifiedError {
         let entries = || [&self.m, &self.c, &self.k].into_iter().flat_map(|a| a.iter()).map(|x| x.abs());
         let smallest = entries().filter(|&x| x > 0.0).fold(f64::INFINITY, f64::min);
-        CeaError::Range { smallest, largest: entries().fold(0.0, f64::max) }
+        CertifiedError::Range { smallest, largest: entries().fold(0.0, f64::max) }
     }
 
     /// tau: how many times the damping outweighs stiffness and mass; at least 1.

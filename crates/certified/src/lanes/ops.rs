@@ -7,41 +7,53 @@ use pulp::Simd;
 /// Every method is inlined into the function that pulp compiles for the instruction set. A closure called in several places may
 /// not be inlined and is then compiled without that instruction set: the QR iteration took 53 us instead of 34 us with one.
 #[derive(Clone, Copy)]
-pub(crate) struct Ops<S>(pub S);
+pub struct Ops<S>(
+    /// The instruction set.
+    pub S,
+);
 
 impl<S: Simd> Ops<S> {
+    /// `a` in every lane.
     #[inline(always)]
     pub fn splat(self, a: f64) -> S::f64s {
         self.0.splat_f64s(a)
     }
+    /// `a + b`.
     #[inline(always)]
     pub fn add(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.0.add_f64s(a, b)
     }
+    /// `a - b`.
     #[inline(always)]
     pub fn sub(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.0.sub_f64s(a, b)
     }
+    /// `a b`.
     #[inline(always)]
     pub fn mul(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.0.mul_f64s(a, b)
     }
+    /// `a / b`.
     #[inline(always)]
     pub fn div(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.0.div_f64s(a, b)
     }
+    /// The square root.
     #[inline(always)]
     pub fn sqrt(self, a: S::f64s) -> S::f64s {
         self.0.sqrt_f64s(a)
     }
+    /// `-a`.
     #[inline(always)]
     pub fn neg(self, a: S::f64s) -> S::f64s {
         self.0.neg_f64s(a)
     }
+    /// `|a|`.
     #[inline(always)]
     pub fn abs(self, a: S::f64s) -> S::f64s {
         self.0.abs_f64s(a)
     }
+    /// The larger of both.
     #[inline(always)]
     pub fn max(self, a: S::f64s, b: S::f64s) -> S::f64s {
         self.0.max_f64s(a, b)
@@ -56,26 +68,32 @@ impl<S: Simd> Ops<S> {
     pub fn fnma(self, a: S::f64s, b: S::f64s, c: S::f64s) -> S::f64s {
         self.0.negate_mul_add_e_f64s(a, b, c)
     }
+    /// Where both are equal.
     #[inline(always)]
     pub fn eq(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.0.equal_f64s(a, b)
     }
+    /// Where `a <= b`.
     #[inline(always)]
     pub fn le(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.0.less_than_or_equal_f64s(a, b)
     }
+    /// Where `a < b`.
     #[inline(always)]
     pub fn lt(self, a: S::f64s, b: S::f64s) -> S::m64s {
         self.0.less_than_f64s(a, b)
     }
+    /// Where both masks are set.
     #[inline(always)]
     pub fn and(self, a: S::m64s, b: S::m64s) -> S::m64s {
         self.0.and_m64s(a, b)
     }
+    /// Where one of the masks is set.
     #[inline(always)]
     pub fn or(self, a: S::m64s, b: S::m64s) -> S::m64s {
         self.0.or_m64s(a, b)
     }
+    /// Where the mask is not set.
     #[inline(always)]
     pub fn not(self, a: S::m64s) -> S::m64s {
         self.0.not_m64s(a)
@@ -110,7 +128,7 @@ impl<S: Simd> Ops<S> {
 
 /// `number` registers in `scratch`, which grows as needed. They begin at a cache line (8 numbers), so that no register
 /// straddles two lines.
-pub(crate) fn registers<S: Simd>(scratch: &mut Vec<f64>, number: usize) -> &mut [S::f64s] {
+pub fn registers<S: Simd>(scratch: &mut Vec<f64>, number: usize) -> &mut [S::f64s] {
     let needed = number * S::F64_LANES;
     if scratch.len() < needed + 8 {
         scratch.resize(needed + 8, 0.0);

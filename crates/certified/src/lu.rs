@@ -14,13 +14,14 @@ pub(crate) use solves::real_product;
 const FEW: usize = 32;
 
 /// Least pivot whose square does not underflow, as complex division needs.
-pub(crate) const LEAST_PIVOT: f64 = 1e-150;
+pub const LEAST_PIVOT: f64 = 1e-150;
 
-pub(crate) type Vector = DVector<Complex<f64>>;
+/// A complex vector.
+pub type Vector = DVector<Complex<f64>>;
 
 /// `P A = L U` by partial pivoting, with solves from both sides.
 #[derive(Debug)]
-pub(crate) struct Lu {
+pub struct Lu {
     /// Real and imaginary parts apart: products of real matrices are the fast ones.
     parts: [DMatrix<f64>; 2],
     /// Whether the imaginary part is zero, so that it is left alone: of a real sigma, a quarter of the work.
@@ -31,7 +32,8 @@ pub(crate) struct Lu {
 
 impl Lu {
     /// A pivot below `least` is replaced by it: a perturbation of that size makes A regular.
-    pub(crate) fn new(a: &DMatrix<Complex<f64>>, least: f64) -> Self {
+    #[must_use]
+    pub fn new(a: &DMatrix<Complex<f64>>, least: f64) -> Self {
         Self::of_parts([a.map(|z| z.re), a.map(|z| z.im)], least)
     }
 

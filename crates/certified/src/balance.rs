@@ -74,7 +74,7 @@ fn scale(a: &mut DMatrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::fixtures::wave;
+    use crate::fixtures::wave;
 
     #[test]
     fn a_graded_matrix_is_balanced_in_descending_order_and_keeps_its_powers() {

@@ -107,7 +107,7 @@ impl Bordered {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::vectors::Factor;
+    use crate::vectors::Factor;
     use linsys::SecondOrder;
     use nalgebra::dmatrix;
 

@@ -5,14 +5,14 @@
 //! whose symmetry makes eigenvalues multiple.
 //!
 //! How a bulge is chased depends on how the matrix is stored: here column by column in double, which is the fastest for
-//! some tens of rows, in `certified::chase` by vector registers.
+//! some tens of rows, in `chase` by vector registers.
 
 use nalgebra::DMatrix;
 use nalgebra::linalg::Hessenberg;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::certified::Real;
+use crate::real::Real;
 
 /// Steps without deflation before an exceptional shift: LAPACK's `kexsh`.
 const STEPS_TO_EXCEPTIONAL_SHIFT: usize = 10;
@@ -44,7 +44,8 @@ pub(crate) struct Place {
 }
 
 /// All eigenvalues of a square matrix, or `None` if one does not converge within `cap` steps or an entry is not finite.
-pub(crate) fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
+#[must_use]
+pub fn eigenvalues(matrix: DMatrix<f64>, cap: usize) -> Option<Vec<Complex<f64>>> {
     let h = if matrix.nrows() > 2 { Hessenberg::new(matrix).unpack_h() } else { matrix };
     of_hessenberg(h, cap)
 }

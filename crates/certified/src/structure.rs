@@ -10,7 +10,7 @@ use linsys::SecondOrder;
 use nalgebra::DMatrix;
 
 use super::field::{PRIME, add, inverse, mul, residue, sub};
-use crate::CeaError;
+use crate::CertifiedError;
 
 /// Dimensions of the null spaces that come off one after another: Jordan chains of length 1 or more, 2 or more, ...
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub(crate) struct Structure {
 
 impl Structure {
     /// Counts of a regular quadratic matrix polynomial.
-    pub(crate) fn of(system: &SecondOrder) -> Result<Self, CeaError> {
+    pub(crate) fn of(system: &SecondOrder) -> Result<Self, CertifiedError> {
         let n = system.order();
         let image = |a: &DMatrix<f64>| a.map(residue);
         let (m, c, k) = (image(&system.m), image(&system.c), image(&system.k));
@@ -34,7 +34,7 @@ impl Structure {
             rank(q) == n
         });
         if !regular {
-            return Err(CeaError::SingularPencil { exactly: true });
+            return Err(CertifiedError::SingularPencil { exactly: true });
         }
         let infinite = if rank(m.clone()) == n { Vec::new() } else { chain(&k, &c, &m) };
         let zero = if rank(k.clone()) == n { Vec::new() } else { chain(&m, &c, &k) };
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use nalgebra::dmatrix;
 
-    fn structure(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Structure, CeaError> {
+    fn structure(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Structure, CertifiedError> {
         Structure::of(&SecondOrder::new(m, c, k).unwrap())
     }
 
@@ -182,7 +182,10 @@ mod tests {
     #[test]
     fn a_singular_pencil_is_an_error_and_rounding_does_not_make_one() {
         let one = dmatrix![1.0, 1.0; 1.0, 1.0];
-        assert_eq!(structure(one.clone(), one.clone(), one.clone()), Err(CeaError::SingularPencil { exactly: true }));
+        assert_eq!(
+            structure(one.clone(), one.clone(), one.clone()),
+            Err(CertifiedError::SingularPencil { exactly: true })
+        );
         let nearly = dmatrix![1.0, 1.0; 1.0, 1.0 + f64::EPSILON];
         assert_eq!(structure(one.clone(), one, nearly), Ok(Structure { infinite: vec![1, 1], zero: vec![] }));
     }

@@ -13,7 +13,7 @@ use super::planar::{Planar, reveal_rank, triangularise};
 use super::scaled::Scaled;
 use super::standard::reciprocal;
 use super::{qz, standard};
-use crate::CeaError;
+use crate::CertifiedError;
 
 /// `A - sigma B` with `A = [-C, -K / d; d I, 0]`, `B = [M 0; 0 I]`; its vectors are (sigma x, d x).
 ///
@@ -71,7 +71,7 @@ impl<T: Lane> Pencil<T> {
     /// than B then.
     ///
     /// All of them are finite and not zero; an infinite or zero one is a rounding error, replaced by one of its size.
-    pub(crate) fn eigenvalues(self, reversed: bool) -> Result<Vec<Complex<f64>>, CeaError> {
+    pub(crate) fn eigenvalues(self, reversed: bool) -> Result<Vec<Complex<f64>>, CertifiedError> {
         if !reversed {
             return qz::eigenvalues(self.a, self.b);
         }

@@ -13,7 +13,7 @@ use super::scaled::{FIRST_ORDER_SAFETY, Norms, Scaled, UNIT_ROUNDOFF};
 use super::structure::nullity;
 use super::vectors::{Factor, by_norms, orthonormalise};
 use crate::lu::Vector;
-use crate::{CeaError, Verdict};
+use crate::{CertifiedError, Verdict};
 
 /// Backward errors up to this many units are rounding and not worth a Newton step.
 pub(super) const ROUNDING_ONLY: f64 = 4.0 * UNIT_ROUNDOFF;
@@ -132,9 +132,9 @@ impl Measure {
         sigma: Complex<f64>,
         gap: f64,
         threshold: f64,
-    ) -> Result<(State, Factor<'_>), CeaError> {
+    ) -> Result<(State, Factor<'_>), CertifiedError> {
         let factor = Factor::new(&self.scaled, sigma);
-        let failed = || CeaError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
+        let failed = || CertifiedError::NoEigenvector { lambda: sigma * self.scaled.gamma, residual: f64::INFINITY };
         let (x, y) = factor.null_pairs(1).ok_or_else(failed)?;
         let mut state = self.state(sigma, x[0].clone(), y[0].clone());
         if state.error() > threshold {

@@ -58,7 +58,7 @@ impl<T: Lane> Chase<T> for Planar<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::fixtures::wave;
+    use crate::fixtures::wave;
     use crate::francis;
     use crate::sort;
     use nalgebra::DMatrix;

@@ -10,7 +10,7 @@ use super::dd::Dd;
 use super::eliminate::{householder, rotation};
 use super::lane::Lane;
 use super::planar::{Planar, triangularise};
-use crate::CeaError;
+use crate::CertifiedError;
 
 /// Double steps allowed per eigenvalue; a healthy pencil takes 1 to 2.
 const MOST_QZ_STEPS: usize = 30;
@@ -19,7 +19,7 @@ const MOST_QZ_STEPS: usize = 30;
 const CHUNK: usize = 32;
 
 /// Eigenvalues of A - lambda B, complex ones in exact conjugate pairs.
-pub(crate) fn eigenvalues<T: Lane>(a: Planar<T>, b: Planar<T>) -> Result<Vec<Complex<f64>>, CeaError> {
+pub(crate) fn eigenvalues<T: Lane>(a: Planar<T>, b: Planar<T>) -> Result<Vec<Complex<f64>>, CertifiedError> {
     let size = a.rows();
     let mut pencil = HessenbergTriangular::reduced_from(a, b);
     let mut found = Vec::with_capacity(size);
@@ -32,7 +32,7 @@ pub(crate) fn eigenvalues<T: Lane>(a: Planar<T>, b: Planar<T>) -> Result<Vec<Com
             2 => found.extend(pencil.pair(start)),
             _ => {
                 if steps == cap {
-                    return Err(CeaError::NoConvergence { iterations: cap, dimension: size });
+                    return Err(CertifiedError::NoConvergence { iterations: cap, dimension: size });
                 }
                 (steps, since) = (steps + 1, since + 1);
                 pencil.double_step(start, end, since % 10 == 0);
@@ -227,12 +227,12 @@ fn clear_below_subdiagonal<T: Lane>(h: &mut Planar<T>, t: &mut Planar<T>, j: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::fixtures::{Known, long_pencil};
+    use crate::fixtures::{Known, long_pencil};
     use crate::sort;
     use nalgebra::{DMatrix, dmatrix};
     use proptest::prelude::*;
 
-    fn in_double(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, CeaError> {
+    fn in_double(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, CertifiedError> {
         eigenvalues::<f64>(Planar::from(a), Planar::from(b))
     }
 
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_no_convergence() {
         let bad = dmatrix![f64::NAN, 1.0, 2.0; 1.0, f64::NAN, 1.0; 1.0, 1.0, f64::NAN];
-        assert!(matches!(in_double(&bad, &DMatrix::identity(3, 3)), Err(CeaError::NoConvergence { .. })));
+        assert!(matches!(in_double(&bad, &DMatrix::identity(3, 3)), Err(CertifiedError::NoConvergence { .. })));
     }
 
     /// A long pencil goes through several chunks of every step and several registers of every row: by vectors of many

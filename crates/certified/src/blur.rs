@@ -50,7 +50,7 @@ pub(super) fn blur(s: &Scaled, factor: &Factor, state: &State) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::measure::Measure;
+    use crate::measure::Measure;
     use linsys::SecondOrder;
     use nalgebra::{DMatrix, dmatrix};
     use num_complex::Complex;

@@ -122,8 +122,8 @@ pub(super) fn reciprocal<T: Lane>(mu: Complex<f64>) -> Complex<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::fixtures::{Known, long_pencil};
-    use crate::certified::pencil::{Pencil, companion};
+    use crate::fixtures::{Known, long_pencil};
+    use crate::pencil::{Pencil, companion};
     use crate::sort;
     use linsys::SecondOrder;
     use nalgebra::dmatrix;

@@ -140,8 +140,8 @@ impl<T: Lane> WithSimd for Change<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::dd::Dd;
-    use crate::certified::fixtures::wave;
+    use crate::dd::Dd;
+    use crate::fixtures::wave;
     use nalgebra::DMatrix;
 
     /// Traces of powers stay, and the form is that of Hessenberg: of a full matrix with columns beyond a group and a

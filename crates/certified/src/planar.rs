@@ -247,7 +247,7 @@ pub(crate) fn reveal_rank<T: Lane>(a: &mut Planar<T>, other: &mut Planar<T>, ran
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::dd::Dd;
+    use crate::dd::Dd;
     use nalgebra::dmatrix;
 
     #[test]

@@ -204,7 +204,7 @@ fn rounded(a: &Planar<Dd>) -> Planar<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certified::pencil::{Pencil, companion};
+    use crate::pencil::{Pencil, companion};
     use linsys::SecondOrder;
     use nalgebra::dmatrix;
     use proptest::prelude::*;
@@ -234,7 +234,7 @@ mod tests {
         let c = dmatrix![-1e6, -1.0, 1.0, 0.0; 0.0, -1e6, -1.0, 1.0; 0.0, 1.0, 1.0, 0.0; -1.0, 0.0, 0.1, 1e-12];
         let k = dmatrix![1e-12, -1.0, 0.0, -1.0; 0.1, 0.0, 1.0, 0.0; 1.0, 0.0, 0.0, 1.0; 1.0, 1.0, -1.2204545919075453, 0.0];
         let system = SecondOrder::new(m, c, k).unwrap();
-        let found = crate::certified::solve(&system, &mut crate::Workspace::default()).unwrap();
+        let found = crate::solve(&system, &mut crate::Counters::default()).unwrap();
         assert_eq!(found.eigenvalues.len() + found.infinite, 8);
     }
 

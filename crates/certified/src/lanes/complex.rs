@@ -6,26 +6,30 @@ use super::ops::Ops;
 
 /// A complex number in each lane.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ComplexLanes<V> {
+pub struct ComplexLanes<V> {
+    /// The real parts.
     pub re: V,
+    /// The imaginary parts.
     pub im: V,
 }
 
 impl<V: Copy> ComplexLanes<V> {
+    /// Real and imaginary parts.
     #[inline(always)]
     pub fn registers(self) -> [V; 2] {
         [self.re, self.im]
     }
 }
 
+/// From real and imaginary parts.
 #[inline(always)]
-pub(crate) fn complex<V>([re, im]: [V; 2]) -> ComplexLanes<V> {
+pub fn complex<V>([re, im]: [V; 2]) -> ComplexLanes<V> {
     ComplexLanes { re, im }
 }
 
 /// `a b + c`.
 #[inline(always)]
-pub(crate) fn fma<S: Simd>(
+pub fn fma<S: Simd>(
     o: Ops<S>,
     a: ComplexLanes<S::f64s>,
     b: ComplexLanes<S::f64s>,
@@ -36,7 +40,7 @@ pub(crate) fn fma<S: Simd>(
 
 /// `conj(a) b + c`.
 #[inline(always)]
-pub(crate) fn conj_fma<S: Simd>(
+pub fn conj_fma<S: Simd>(
     o: Ops<S>,
     a: ComplexLanes<S::f64s>,
     b: ComplexLanes<S::f64s>,
@@ -47,12 +51,12 @@ pub(crate) fn conj_fma<S: Simd>(
 
 /// `|a|^2 + plus`.
 #[inline(always)]
-pub(crate) fn square<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, plus: S::f64s) -> S::f64s {
+pub fn square<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, plus: S::f64s) -> S::f64s {
     o.fma(a.re, a.re, o.fma(a.im, a.im, plus))
 }
 
 /// `a by`.
 #[inline(always)]
-pub(crate) fn scale<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, by: S::f64s) -> ComplexLanes<S::f64s> {
+pub fn scale<S: Simd>(o: Ops<S>, a: ComplexLanes<S::f64s>, by: S::f64s) -> ComplexLanes<S::f64s> {
     ComplexLanes { re: o.mul(a.re, by), im: o.mul(a.im, by) }
 }
