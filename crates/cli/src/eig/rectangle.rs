@@ -6,7 +6,7 @@ use formats::{Dof, Matrix};
 use montecarlo::Progress;
 use nalgebra_sparse::CscMatrix;
 use output::{bytes_in_words, in_words};
-use sparse::{Circle, Count, Eigenpair, Found, Options, Rectangle, SparseSecondOrder, eigenpairs_in};
+use sparse::{Circle, Count, Eigenpair, Found, Options, Reach, Rectangle, SparseSecondOrder, eigenpairs_in};
 
 use super::EigArgs;
 use super::matrices::{Matrices, Sizes};
@@ -188,8 +188,11 @@ fn table(found: &Found, vectors: bool) -> String {
         }
     }
     let count = |wanted: &str| found.pairs.iter().filter(|pair| pair.verdict.to_string() == wanted).count();
-    let again = match &found.count {
-        Count::Argument { circles, points } => {
+    let again = match (&found.count, &found.reach) {
+        (Count::Argument { circles, .. }, Some(Reach { modulus, real })) if circles.is_empty() => format!(
+            "nothing is there to be searched: by the norms of the matrices |lambda| <= {modulus:.6e} and |Re lambda| <= {real:.6e} rad/s"
+        ),
+        (Count::Argument { circles, points }, _) => {
             let within = match &circles[..] {
                 [Circle { centre, radius, eigenvalues }] => {
                     format!("within {radius:.6e} of {centre:.6e} rad/s: {eigenvalues}")
@@ -198,11 +201,11 @@ fn table(found: &Found, vectors: bool) -> String {
             };
             format!("counted again by the argument principle, {within}, as listed, from {points} points")
         }
-        Count::SecondBlock => format!(
+        (Count::SecondBlock, _) => format!(
             "not counted again, which above {COUNTED} degrees of freedom takes longer than the search: --count does; a second block of \
              vectors at each disc found nothing new"
         ),
-        Count::Unclear => {
+        (Count::Unclear, _) => {
             "not counted again: Q is singular to rounding next to each circle that was tried, or its pivots are too \
                            small"
                 .to_owned()
