@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use nalgebra_sparse::{CooMatrix, CscMatrix};
 use num_complex::Complex;
 use sparse::SparseAffineSystem;
+use sparse::product::columns;
 
 /// Frobenius norms of `sum_k theta_k A_k` as the root of `theta^T G theta`, with the inner products G of the terms.
 ///
@@ -103,14 +104,14 @@ fn gram(matrices: &[&CscMatrix<f64>]) -> DMatrix<f64> {
 /// `sum A_ij B_ij`.
 fn inner(a: &CscMatrix<f64>, b: &CscMatrix<f64>) -> f64 {
     let mut sum = 0.0;
-    for (a, b) in a.col_iter().zip(b.col_iter()) {
+    for ((rows, values), (others, other_values)) in columns(a).zip(columns(b)) {
         let mut at = 0;
-        for (&row, value) in a.row_indices().iter().zip(a.values()) {
-            while b.row_indices().get(at).is_some_and(|&other| other < row) {
+        for (&row, value) in rows.iter().zip(values) {
+            while others.get(at).is_some_and(|&other| other < row) {
                 at += 1;
             }
-            if b.row_indices().get(at) == Some(&row) {
-                sum += value * b.values()[at];
+            if others.get(at) == Some(&row) {
+                sum += value * other_values[at];
             }
         }
     }

@@ -5,7 +5,7 @@
 //! | [`SparseSecondOrder`] | M, C, K as sparse matrices, with internal first-order states |
 //! | [`SparseAffineSystem`] | named terms and friction channels whose sum at an operating point is such a system |
 //! | [`eigenpairs_in`] | all eigenvalues of such a system in a rectangle, with right and left vectors |
-//! | [`product`] | a sparse matrix times the columns of a dense one |
+//! | [`product`] | the columns of a sparse matrix, and its product with a dense one |
 //! | [`health`] | what the matrices of a model are, which rows make them singular, and how well it can be solved with |
 //! | [`Problem`] | such a system ready to be solved with at many lambda |
 //!

@@ -1,5 +1,5 @@
-//! The product of a sparse and a dense matrix, column by column: that of `nalgebra-sparse` goes along rows of the dense matrix
-//! and takes several times as long.
+//! The columns of a sparse matrix, and its product with a dense one, column by column: that of `nalgebra-sparse` goes along rows of the
+//! dense matrix and takes several times as long.
 
 use nalgebra::DMatrix;
 use nalgebra_sparse::CscMatrix;
@@ -9,13 +9,23 @@ use nalgebra_sparse::CscMatrix;
 pub fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut product = DMatrix::zeros(a.nrows(), x.ncols());
     for (mut sums, factors) in product.column_iter_mut().zip(x.column_iter()) {
-        for (column, &factor) in a.col_iter().zip(factors.iter()) {
-            for (&row, &value) in column.row_indices().iter().zip(column.values()) {
+        for ((rows, values), &factor) in columns(a).zip(factors.iter()) {
+            for (&row, &value) in rows.iter().zip(values) {
                 sums[row] += value * factor;
             }
         }
     }
     product
+}
+
+/// Rows and values of the entries of each column.
+#[inline]
+pub fn columns(a: &CscMatrix<f64>) -> impl Iterator<Item = (&[usize], &[f64])> {
+    let (offsets, rows, values) = a.csc_data();
+    offsets.windows(2).map(move |ends| {
+        let entries = ends[0]..ends[1];
+        (&rows[entries.clone()], &values[entries])
+    })
 }
 
 #[cfg(test)]
