@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Errors of the figures.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FigureError {
     /// A value is NaN or infinite.
     #[error("the figure's {what} is {value}; it must be finite")]

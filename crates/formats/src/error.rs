@@ -9,6 +9,7 @@ use crate::symmetry::Symmetry;
 /// Why a file gave no matrix, or a mode shape could not be written. Every message is one line and names no file: the caller
 /// knows which one it was.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum FormatsError {
     /// The file cannot be opened or read.
     #[error("cannot be read: {0}")]

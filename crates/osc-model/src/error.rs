@@ -43,6 +43,7 @@ impl fmt::Display for Allowed {
 
 /// Errors of this crate. Oscillators are numbered from 1 in messages.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OscModelError {
     /// A parameter of the lattice, or the preload, is out of its range.
     #[error("{field} = {value}; allowed: {allowed}")]

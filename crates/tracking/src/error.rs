@@ -5,6 +5,7 @@ use linsys::LinsysError;
 
 /// Errors of this crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrackingError {
     /// An eigenvalue or an eigenvector could not be computed.
     #[error(transparent)]

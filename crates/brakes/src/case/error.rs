@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Errors of reading a case.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CaseError {
     /// The file cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]

@@ -2,6 +2,7 @@
 
 /// Errors of this module.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EstimatorError {
     /// An error of the model, a friction law, a solver or the case.
     #[error(transparent)]

@@ -18,6 +18,7 @@ use operators::Operators;
 
 /// Errors of expressions, each printed in one line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExpressionError {
     /// A character, number or name that is not allowed at its position.
     #[error("{text:?}, column {column}: {found}; allowed: {allowed}")]
