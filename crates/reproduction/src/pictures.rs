@@ -54,9 +54,18 @@ pub fn draw_paper(results: &Results<'_>, brake: &LatticeBrake, dir: &Path) -> Re
     let robust = most_robust(results, UNCONSTRAINED, Judgement::ByValues)?.first().map(|&(name, _)| name);
     let theirs = case.paper.as_ref().map(|paper| paper_modes(results, paper));
     let [up, down] = [0, 1].map(|end| theirs.map(|modes| modes[end]));
-    for (name, stem) in [(robust, "fig07"), (up, "fig07-paper-number"), (down, "fig07-paper-number-down")] {
+    let counted = |from: &str| {
+        case.paper.as_ref().map_or_else(String::new, |p| format!(": the paper's {} from the {from}", p.mode))
+    };
+    for (name, stem, number) in [
+        (robust, "fig07", String::new()),
+        (up, "fig07-paper-number", counted("lowest frequency")),
+        (down, "fig07-paper-number-down", counted("highest frequency")),
+    ] {
         if let Some(figure) = name.and_then(|name| mode_work(results, brake, UNCONSTRAINED, name).transpose()) {
-            figures.push((mode_and_work(&figure?)?, stem));
+            let figure = figure?;
+            let title = figure.title.clone() + &number;
+            figures.push((mode_and_work(&ModeWorkFigure { title, ..figure })?, stem));
         }
     }
     figures.into_par_iter().try_for_each(|(figure, stem)| Ok(figure.save(dir, stem)?))

@@ -10,7 +10,7 @@
 //! only what varies slowly. Next to the circle whole turns of several may be overlooked between two points, but not the rest; along the
 //! sides of a slender rectangle they could all be.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -20,7 +20,7 @@ use num_complex::Complex;
 
 use super::blocks::PAR;
 use super::disc::Problem;
-use super::factor::Factor;
+use super::factor::{Factor, sign};
 use super::pencil::Pencil;
 use super::types::{Circle, Count, Known};
 use crate::SparseError;
@@ -203,20 +203,6 @@ fn dense_logarithm(pencil: &Pencil, sigma: Complex<f64>) -> Option<Complex<f64>>
     lu_in_place(q.as_mut(), &mut pivots, &mut inverse, PAR, MemStack::new(&mut buffer), Spec::default());
     let logarithm = sign(&pivots) + (0..n).map(|i| q[(i, i)].ln()).sum::<Complex<f64>>();
     logarithm.is_finite().then_some(logarithm)
-}
-
-/// The logarithm of the sign of a permutation.
-pub(super) fn sign(permutation: &[usize]) -> Complex<f64> {
-    let (mut is_seen, mut cycles) = (vec![false; permutation.len()], 0);
-    for start in 0..permutation.len() {
-        let mut at = start;
-        cycles += usize::from(!is_seen[start]);
-        while !is_seen[at] {
-            is_seen[at] = true;
-            at = permutation[at];
-        }
-    }
-    Complex::new(0.0, if (permutation.len() - cycles).is_multiple_of(2) { 0.0 } else { PI })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A sparse LU of Q(sigma), on one thread, whose every solution is checked in the true matrix.
 
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -9,7 +10,6 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Spec};
 use num_complex::Complex;
 
-use super::argument::sign;
 use super::blocks::{PAR, length, starting_block};
 use super::fronts::{Eliminated, Elimination, Factors, factorised};
 use super::lanes::compute;
@@ -227,6 +227,20 @@ fn pivoted<'a>(
         },
     )?;
     Ok(Numeric::Pivoted(symbolic, Box::new(numeric)))
+}
+
+/// The logarithm of the sign of a permutation.
+pub(super) fn sign(permutation: &[usize]) -> Complex<f64> {
+    let (mut is_seen, mut cycles) = (vec![false; permutation.len()], 0);
+    for start in 0..permutation.len() {
+        let mut at = start;
+        cycles += usize::from(!is_seen[start]);
+        while !is_seen[at] {
+            is_seen[at] = true;
+            at = permutation[at];
+        }
+    }
+    Complex::new(0.0, if (permutation.len() - cycles).is_multiple_of(2) { 0.0 } else { PI })
 }
 
 #[cfg(test)]
