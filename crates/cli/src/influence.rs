@@ -123,7 +123,7 @@ impl InfluenceArgs {
         let seconds = start.elapsed().as_secs_f64();
         let scene = &plan.scenes[0];
         let heading = format!("{}: {}; {draws} draws, seed {}", plan.name, plan.describe(scene), plan.seed);
-        let doubt = brake.has_band_modes().then(|| divergence_doubt(brake.full_checks())).flatten();
+        let doubt = divergence_doubt(brake.has_band_modes(), brake.full_checks());
         let warning = doubt.map_or_else(String::new, |doubt| format!("WARNING: {doubt}\n\n"));
         let answer = format!("{warning}{}", found.text(plan));
         if let Some(dir) = &self.out {

@@ -2,10 +2,11 @@
 
 use super::FullChecks;
 
-/// Reason why samples of a reduced brake may miss divergence, in a sentence; `None` where draws of the whole brake were looked at and none diverges.
-pub fn divergence_doubt(checks: Option<FullChecks>) -> Option<String> {
+/// Reason why samples of a brake may miss divergence, in a sentence; `None` of one that is not reduced, and where draws of the whole brake were looked
+/// at and none diverges.
+pub fn divergence_doubt(is_reduced: bool, checks: Option<FullChecks>) -> Option<String> {
     let is_without = |checks: FullChecks| checks.samples > 0 && checks.diverging + checks.divergence_open == 0;
-    (!checks.is_some_and(is_without)).then(|| divergence_of_reduced(checks))
+    (is_reduced && !checks.is_some_and(is_without)).then(|| divergence_of_reduced(checks))
 }
 
 /// Divergence of a reduced brake, which its samples do not show, in a sentence on what draws of the whole brake say of it.

@@ -27,9 +27,7 @@ impl Results<'_> {
                  counted. Widen reduction.frequencies."
             ));
         }
-        if self.has_band_modes {
-            doubts.extend(divergence_doubt(self.full_checks));
-        }
+        doubts.extend(divergence_doubt(self.has_band_modes, self.full_checks));
         doubts
     }
 

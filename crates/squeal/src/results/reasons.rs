@@ -30,7 +30,7 @@ pub struct SceneReasons {
 ///
 /// A mode that has no name in the study is left out, such as one of a reduced brake that grows faster than anything its basis is made for.
 pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress) -> Vec<SceneReasons> {
-    let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
+    let scenes = scenes_with_work(study.plan());
     progress.begin(scenes.len() as u64, 0);
     let of_scene = |&scene: &usize| {
         let modes = progress
@@ -46,10 +46,15 @@ pub fn reasons<B: UncertainBrake>(study: &Study<'_, B>, progress: &dyn Progress)
     all
 }
 
+/// Places of the scenes whose net work is wanted.
+fn scenes_with_work(plan: &Plan) -> Vec<usize> {
+    (0..plan.scenes.len()).filter(|&at| plan.scenes[at].wants_work).collect()
+}
+
 /// Time, roughly, that [`reasons`] takes on so many threads: one mode of the first of its scenes is timed, and counts for each that grows at the
 /// medians.
 pub fn time_for_reasons<B: UncertainBrake>(study: &Study<'_, B>, threads: usize) -> Duration {
-    let scenes: Vec<usize> = (0..study.plan().scenes.len()).filter(|&at| study.plan().scenes[at].wants_work).collect();
+    let scenes = scenes_with_work(study.plan());
     let Some(&first) = scenes.first() else { return Duration::ZERO };
     let (mut work, start) = (Workspace::default(), Instant::now());
     let explainer = Explainer::new(study.brake(), &study.plan().scenes[first], &mut work);

@@ -149,7 +149,7 @@ pub fn confirm<B: UncertainBrake>(
         scenes: plan.scenes.len() as u64,
         failures,
         growing: growing_modes(&study, 0),
-        divergence_doubt: brake.has_band_modes().then(|| divergence_doubt(brake.full_checks())).flatten(),
+        divergence_doubt: divergence_doubt(brake.has_band_modes(), brake.full_checks()),
     })
 }
 
