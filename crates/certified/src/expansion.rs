@@ -16,14 +16,13 @@
 //!
 //! one solve for each term, and the norms of E Q' and E M bound the terms that are left out. A perturbation P of Q changes
 //! S by `V P (I + E P)^-1 W`. Where on a circle one term of det S outweighs the others and both of these, no eigenvalue of
-//! any perturbed problem is on the circle, and as many are inside as the number of that term says (Rouché; for a scalar S
-//! Pellet's theorem). docs/error-bounds.md, section 7.
-
-use std::f64::consts::TAU;
+//! any perturbed problem is on the circle, and as many are inside as the number of that term says ([`block_rouche`],
+//! [`pellet`]). docs/error-bounds.md, section 7.
 
 use nalgebra::DMatrix;
 use num_complex::Complex;
 
+use super::enclosures::{block_rouche, pellet};
 use super::scaled::{Scaled, UNIT_ROUNDOFF, data_noise};
 use super::vectors::{Factor, SURELY_SHOWN, by_norms, shown_norm};
 use crate::lu::{LEAST_PIVOT, Lu, Vector};
@@ -203,9 +202,9 @@ impl<'a> Expansion<'a> {
             }
             if let Some(error) = self.error(radius, contraction, inner[2])
                 && if self.is_semisimple() {
-                    self.first_order_wins(radius, error)
+                    block_rouche(&self.series, radius, error)
                 } else {
-                    self.power_wins(radius, error)
+                    pellet(&self.series, self.count, radius, error)
                 }
             {
                 return Some(Disc { centre: self.centre, radius });
@@ -230,46 +229,6 @@ impl<'a> Expansion<'a> {
         let v = v + (slope + mass) * e;
         let noise = data_noise(self.problem, self.centre.norm() + radius) + self.residual;
         (e * noise < 0.5).then(|| omitted + v * w * noise / (1.0 - e * noise))
-    }
-
-    /// `|S_1^-1 (S - d S_1)| < r`: as many zeros as d^q has.
-    fn first_order_wins(&self, radius: f64, error: f64) -> bool {
-        let Some(inverse) = self.series[1].clone().try_inverse() else { return false };
-        let others = self.series.iter().enumerate().filter(|(k, _)| *k != 1);
-        let others: f64 = others.map(|(k, s)| (&inverse * s).norm() * radius.powi(k as i32)).sum();
-        others + inverse.norm() * error < radius
-    }
-
-    /// The coefficient of d^count in det S outweighs the others.
-    fn power_wins(&self, radius: f64, error: f64) -> bool {
-        let size: f64 = self.series.iter().enumerate().map(|(k, s)| s.norm() * radius.powi(k as i32)).sum();
-        let q = self.right.len() as i32;
-        let changed = (size + error).powi(q) - size.powi(q);
-        let coefficients = self.determinant(radius);
-        2.0 * coefficients[self.count] > coefficients.iter().sum::<f64>() + changed
-    }
-
-    /// The absolute coefficients of det S, each times its power of the radius.
-    fn determinant(&self, radius: f64) -> Vec<f64> {
-        let q = self.right.len();
-        let scaled = self.series.iter().enumerate().map(|(k, s)| s * Complex::from(radius.powi(k as i32)));
-        if q == 1 {
-            return scaled.map(|s| s[(0, 0)].norm()).collect();
-        }
-        let terms: Vec<_> = scaled.collect();
-        // Points enough on the circle for every coefficient.
-        let points = (terms.len() - 1) * q + 1;
-        let turns: Vec<_> = (0..points).map(|p| Complex::from_polar(1.0, TAU * p as f64 / points as f64)).collect();
-        let value = |p: usize| {
-            let add = |sum, (k, s): (usize, &DMatrix<Complex<f64>>)| sum + s * turns[k * p % points];
-            terms.iter().enumerate().fold(DMatrix::zeros(q, q), add).determinant()
-        };
-        let values: Vec<_> = (0..points).map(value).collect();
-        let coefficient = |k: usize| {
-            let sum: Complex<f64> = values.iter().enumerate().map(|(p, f)| f * turns[k * p % points].conj()).sum();
-            sum.norm() / points as f64
-        };
-        (0..points).map(coefficient).collect()
     }
 }
 

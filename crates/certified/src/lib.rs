@@ -38,6 +38,7 @@ mod columns;
 mod counters;
 mod dd;
 mod eliminate;
+pub mod enclosures;
 mod error;
 mod expansion;
 mod factors;

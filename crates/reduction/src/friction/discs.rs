@@ -1,8 +1,6 @@
 //! Discs around the near modes of a sample: how many eigenvalues there are in each union of discs is known.
 //!
-//! Gershgorin's theorem holds for A that depends on lambda too: every eigenvalue is in a disc around a diagonal entry with the sum of the
-//! others of its column as radius, and a union of discs that meets no other holds as many as it has discs (Bindel and Hood, SIAM J. Matrix
-//! Anal. Appl. 34, 2013). Here the discs are those of `V^-1 A V` with each column at the frequency of its own mode,
+//! The discs are Gershgorin's ([`gershgorin_radius`]) of `V^-1 A V` with each column at the frequency of its own mode,
 //!
 //! ```text
 //! V^-1 (A(lambda_j) - lambda_j) v_j = moved_j e_j + what is left,
@@ -14,6 +12,7 @@
 //! by the vectors of the pair that they make. Where the number of such a mode is too far from that of another column for the polynomial, A itself
 //! multiplies the vector.
 
+use cea::certified::enclosures::{gershgorin_radius, unions};
 use linsys::ChannelGain;
 use num_complex::Complex;
 use pulp::{Arch, Simd, WithSimd};
@@ -206,7 +205,7 @@ impl Discs {
             let moved_by = f64::from(moved.norm_sqr().sqrt());
             let drift = f64::from(expansion.drift[mode].1);
             // The column is that of lambda_j and not that of the eigenvalue.
-            self.left[mode] = ((sum(mode) - moved_by).max(0.0) + drift * moved_by) / (1.0 - drift);
+            self.left[mode] = gershgorin_radius(sum(mode), moved_by, drift);
             self.missed[mode] = amplified * self.wrong[mode] / (1.0 - drift);
             self.centers[mode] = self.lambdas[mode] + cast::<f32, f64>(moved);
             self.radii[mode] = self.left[mode] + self.missed[mode];
@@ -228,26 +227,8 @@ impl Discs {
         if !self.centers.iter().zip(&self.radii).all(|(center, radius)| center.is_finite() && radius.is_finite()) {
             return None;
         }
-        let mut is_taken = vec![false; order];
-        let mut unions = Vec::new();
-        for first in 0..order {
-            if is_taken[first] || !is_wanted(self.centers[first], self.radii[first]) {
-                continue;
-            }
-            is_taken[first] = true;
-            let (mut union, mut next) = (vec![first], 0);
-            while next < union.len() {
-                for (other, is_taken) in is_taken.iter_mut().enumerate() {
-                    if !*is_taken && self.meet(union[next], other) {
-                        *is_taken = true;
-                        union.push(other);
-                    }
-                }
-                next += 1;
-            }
-            unions.push(union);
-        }
-        Some(unions)
+        let is_asked = |i: usize| is_wanted(self.centers[i], self.radii[i]);
+        Some(unions(order, is_asked, |a, b| self.meet(a, b)))
     }
 
     fn meet(&self, a: usize, b: usize) -> bool {

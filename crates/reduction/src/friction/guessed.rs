@@ -1,6 +1,7 @@
 //! The growing modes of a sample by guesses: from an anchor, corrected one by one, and counted. For gains that differ from port to port, and
 //! where discs do not become clear.
 
+use cea::certified::enclosures::{smith_radius, symmetric_rouche};
 use linsys::ChannelGain;
 use num_complex::Complex;
 
@@ -22,9 +23,8 @@ const GUESSED: f64 = 1e-4;
 const MOST_CORRECTIONS: usize = 20;
 /// Rounds of corrections of guesses that are wanted only if they are wrong; chosen.
 const MOST_SEARCHES: usize = 6;
-/// Largest distance from 1 of the ratio h of the characteristic function to the polynomial with the zeros found, on the line around the
-/// band, as a part of `1 + |h|`. Rouché's theorem in the form of Estermann and Glicksberg asks for less than 1; chosen: half of it, as the
-/// line is looked at in a few points.
+/// Largest part of [`symmetric_rouche`] for the characteristic function and the polynomial with the zeros found, on a line around the band;
+/// chosen: half of what the theorem asks for, as the line is looked at in a few points.
 const LARGEST_DEVIATION: f64 = 0.5;
 
 impl Search<'_> {
@@ -82,8 +82,7 @@ impl Search<'_> {
     }
 
     /// Which of the guesses are wanted, where all are told apart and counted. All zeros are in discs around the guesses, and as many in
-    /// overlapping ones as these are (Smith, J. ACM 17, 1970, of a polynomial: with radii of p times what it lacks there). Where a disc
-    /// leaves it open, the guess is corrected by what it lacks, all of these at once, which converges quadratically.
+    /// overlapping ones as these are ([`smith_radius`]). Where a disc leaves it open, the guess is corrected by what it lacks, all of these at once, which converges quadratically.
     fn wanted(
         &self,
         zeros: &mut [Complex<f64>],
@@ -100,7 +99,7 @@ impl Search<'_> {
                 if !size.is_finite() {
                     return Err(Open::NotConverged);
                 }
-                if !may_be(zeros[i], zeros.len() as f64 * size) {
+                if !may_be(zeros[i], smith_radius(zeros.len(), size)) {
                     continue;
                 }
                 if size <= GUESSED * zeros[i].norm() {
@@ -111,7 +110,9 @@ impl Search<'_> {
                 }
             }
             if is_settled {
-                return if is_counted(&around) { Ok(wanted) } else { Err(Open::NotCounted) };
+                // As many zeros as guesses in the band: none is missing, and none is there twice.
+                let is_counted = around.iter().all(|ratio| symmetric_rouche(*ratio, LARGEST_DEVIATION));
+                return if is_counted { Ok(wanted) } else { Err(Open::NotCounted) };
             }
         }
         Err(Open::NotConverged)
@@ -144,10 +145,4 @@ impl Search<'_> {
         }
         Err(Open::NotConverged)
     }
-}
-
-/// Whether on a line around the band the characteristic function is so near to the polynomial with some zeros that both have as many within:
-/// so none is missing, and none is there twice.
-fn is_counted(around: &[Complex<f64>]) -> bool {
-    around.iter().all(|ratio| (ratio - 1.0).norm() <= LARGEST_DEVIATION * (ratio.norm() + 1.0))
 }

@@ -1,35 +1,20 @@
 //! Which numbers belong together because rounding does not tell them apart.
 
+use cea::certified::enclosures::unions;
 use num_complex::Complex;
 
-/// Positions of the members of each group: neighbours are nearer to each other than `reach` of one of them.
+/// Positions of the members of each group, ascending: neighbours are no farther from each other than `reach` of the lower one.
 pub(super) fn groups(lambdas: &[Complex<f64>], reach: impl Fn(Complex<f64>) -> f64) -> Vec<Vec<usize>> {
-    let mut order: Vec<usize> = (0..lambdas.len()).collect();
-    order.sort_by(|&a, &b| lambdas[a].im.total_cmp(&lambdas[b].im));
-    // The group of each as the one before it in its group, itself for the first.
-    let mut first: Vec<usize> = (0..lambdas.len()).collect();
-    let root = |first: &[usize], mut i: usize| {
-        while first[i] != i {
-            i = first[i];
-        }
-        i
+    let reaches: Vec<f64> = lambdas.iter().map(|&lambda| reach(lambda)).collect();
+    let meet = |a: usize, b: usize| {
+        let lower = if (lambdas[a].im, a) < (lambdas[b].im, b) { a } else { b };
+        let apart = lambdas[a] - lambdas[b];
+        // Mostly without the root: no part is greater than the whole.
+        apart.im.abs() <= reaches[lower] && apart.norm() <= reaches[lower]
     };
-    for (at, &i) in order.iter().enumerate() {
-        let own = reach(lambdas[i]);
-        for &j in &order[at + 1..] {
-            if lambdas[j].im - lambdas[i].im > own {
-                break;
-            }
-            if (lambdas[j] - lambdas[i]).norm() <= own {
-                let (a, b) = (root(&first, i), root(&first, j));
-                first[a.max(b)] = a.min(b);
-            }
-        }
-    }
-    let mut members: Vec<Vec<usize>> = vec![Vec::new(); lambdas.len()];
-    (0..lambdas.len()).for_each(|i| members[root(&first, i)].push(i));
-    members.retain(|group| !group.is_empty());
-    members
+    let mut groups = unions(lambdas.len(), |_| true, meet);
+    groups.iter_mut().for_each(|members| members.sort_unstable());
+    groups
 }
 
 #[cfg(test)]

@@ -1,16 +1,8 @@
 //! Discs that contain all zeros of a polynomial, from its values at guesses of the zeros.
 //!
-//! A monic polynomial of degree N with distinct guesses z_i of its zeros is
-//!
-//! ```text
-//! p(z) = prod_i (z - z_i) (1 + sum_i w_i / (z - z_i)),    w_i = p(z_i) / prod_{j != i} (z_i - z_j)
-//! ```
-//!
-//! (Lagrange; w_i is the correction of Weierstrass 1891). p(z) does not vanish where `sum |w_i| / |z - z_i| < 1`. With radii
-//! r_i such that `sum |w_i| / r_i < 1` all zeros are in the discs of radius r_i about the z_i, and a disc that meets no other
-//! disc contains one zero: the zeros move continuously from the guesses as all w_i grow from 0 (Smith, J. ACM 17, 1970, for
-//! equal `r_i / |w_i|`). The share of a guess is `|w_i| / r_i`.
+//! The theorem is Smith's: [`smith_share`]. Each guess stands for its conjugate too.
 
+use certified::enclosures::smith_share;
 use num_complex::Complex;
 
 use super::Gain;
@@ -170,12 +162,13 @@ pub(super) fn enclosure(
         let z = sigmas[i];
         let others = sigmas.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| (z - other).norm_sqr());
         let nearest = (others.fold(f64::INFINITY, f64::min) / z.norm_sqr()).sqrt();
-        2.0 * (CORRECTION_SAFETY * size(*w) + CORRECTION_ROUNDING * size(z) * (1.0 + CLUSTER_DISTANCE / nearest)) / r
+        let rounding = CORRECTION_ROUNDING * size(z) * (1.0 + CLUSTER_DISTANCE / nearest);
+        smith_share(2.0 * (CORRECTION_SAFETY * size(*w) + rounding), *r)
     };
     let shares: Vec<f64> = corrections.iter().enumerate().zip(&radii).map(share).collect();
     let internal_share = |&(z, size): &(Complex<f64>, f64)| {
         let free = sigmas.iter().zip(&radii).map(|(sigma, r)| self::size(sigma - z) - r).fold(-z.re, f64::min);
-        size / free.max(0.0)
+        smith_share(size, free.max(0.0))
     };
     let (of_modes, of_internal) = (shares.iter().sum::<f64>(), internal.iter().map(internal_share).sum::<f64>());
     Enclosure { radii, shares, total: of_modes + of_internal, of_internal }
